@@ -1,0 +1,294 @@
+//! The sequential engine: the reading copy. One stage per step, plainly in the paper's sequence;
+//! whoever steps it can look at the run in between.
+
+use std::sync::Arc;
+
+use crate::engine::as_printed::AsPrinted;
+use crate::error::SampleError;
+use crate::grid::SampleGrid;
+use crate::parameters::{Insertion, Parameters, Variant};
+use crate::pattern::Pattern;
+use crate::progress::{Meter, Observer, Stage};
+use crate::random::Key;
+use crate::run::{Fate, Iteration, Origin, Run, Samples};
+use crate::stages::blocks::{Blocks, split};
+use crate::stages::darts::DartProcess;
+use crate::stages::detect::{Candidate, Detection, first_detectors};
+use crate::stages::eliminate::{contested, eliminate};
+use crate::stages::insert::{insert, unique};
+use crate::stages::order::Ranking;
+use crate::stages::tile::tile;
+use crate::stages::uniform::gap_process;
+
+/// Returns the finished run of `parameters`, with the pattern that they describe.
+///
+/// The result is conflict-free (no two samples within the radius) and, with the complete search,
+/// maximal (covering radius at most (1 + 2^-15) r). Equal parameters give equal results, bit for
+/// bit, on every machine.
+///
+/// ```
+/// use tilescope_core::{Parameters, Unobserved, sample};
+///
+/// let parameters = Parameters { radius: 0.02, ..Parameters::default() };
+/// let run = sample(&parameters, &mut Unobserved)?;
+/// assert_eq!(run.positions().len(), run.summary().count);
+/// assert!((1650..1850).contains(&run.summary().count));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Run, SampleError> {
+    parameters.validate()?;
+    let pattern = Arc::new(Pattern::generate(&parameters.pattern, observer)?);
+    Sequential::new(parameters, pattern)?.finish(observer)
+}
+
+/// The engine between two stages.
+pub struct Sequential {
+    run: Run,
+    key: Key,
+    next: Option<Stage>,
+    filling: Filling,
+}
+
+/// How gaps are being filled; set by elimination.
+enum Filling {
+    NotYet,
+    Circumcentres {
+        survivors: SampleGrid,
+        detectors: Vec<u32>,
+    },
+    Uniform(DartProcess),
+    AsPrinted(AsPrinted),
+}
+
+impl Sequential {
+    /// Returns an engine that has done nothing yet.
+    ///
+    /// `pattern` need not be the one that the parameters describe: a set from a file serves too.
+    pub fn new(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Self, SampleError> {
+        let domain = parameters.validate()?;
+        let run = Run {
+            parameters: *parameters,
+            domain,
+            pattern,
+            blocks: Blocks::default(),
+            tiles: Vec::new(),
+            samples: Samples::default(),
+            iterations: Vec::new(),
+            result: Vec::new(),
+        };
+        let key = Key::from_seed(parameters.seed);
+        Ok(Self {
+            run,
+            key,
+            next: Some(Stage::Blocks),
+            filling: Filling::NotYet,
+        })
+    }
+
+    /// Returns the run so far.
+    #[must_use]
+    pub const fn run(&self) -> &Run {
+        &self.run
+    }
+
+    /// Returns the stage that the next step begins with, or `None` when the run is finished.
+    #[must_use]
+    pub const fn next(&self) -> Option<Stage> {
+        self.next
+    }
+
+    /// Runs one stage and returns it, or `None` when the run is finished. An iteration that finds
+    /// no gap is not recorded: the step goes on to [`Stage::Finish`].
+    ///
+    /// After an error the engine must be thrown away.
+    pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Stage>, SampleError> {
+        let Some(mut stage) = self.next else {
+            return Ok(None);
+        };
+        match stage {
+            Stage::Pattern | Stage::Blocks => self.split(observer)?,
+            Stage::Tile => self.tile(observer)?,
+            Stage::Eliminate => self.eliminate(observer)?,
+            Stage::Iterate(k) => {
+                if !self.iterate(k, observer)? {
+                    stage = Stage::Finish;
+                    self.gather(observer)?;
+                }
+            }
+            Stage::Finish => self.gather(observer)?,
+        }
+        self.next = match stage {
+            Stage::Pattern | Stage::Blocks => Some(Stage::Tile),
+            Stage::Tile => Some(Stage::Eliminate),
+            Stage::Eliminate => Some(Stage::Iterate(self.run.iterations.len() as u32 + 1)),
+            Stage::Iterate(k) => Some(Stage::Iterate(k + 1)),
+            Stage::Finish => None,
+        };
+        Ok(Some(stage))
+    }
+
+    /// Runs all stages that are left and returns the run.
+    pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Run, SampleError> {
+        while self.step(observer)?.is_some() {}
+        Ok(self.run)
+    }
+
+    fn split(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        let meter = Meter::begin(observer, Stage::Blocks, 1)?;
+        let leaf = self.run.parameters.leaf_units()?;
+        self.run.blocks = split(&self.run.domain, leaf, self.key);
+        meter.end()
+    }
+
+    fn tile(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        let Run {
+            domain,
+            blocks,
+            pattern,
+            samples,
+            parameters,
+            ..
+        } = &mut self.run;
+        let meter = Meter::begin(observer, Stage::Tile, blocks.leaves.len() as u64)?;
+        self.run.tiles = tile(domain, blocks, pattern, parameters.dihedral, samples, meter)?;
+        Ok(())
+    }
+
+    fn eliminate(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        let run = &mut self.run;
+        let Parameters {
+            order,
+            insertion,
+            search,
+            variant,
+            ..
+        } = run.parameters;
+        let ranking = Ranking::new(order, &run.domain, self.key);
+        let contested = contested(&run.samples, &run.blocks, &ranking);
+        let meter = Meter::begin(observer, Stage::Eliminate, contested.len() as u64)?;
+        self.filling = match (variant, insertion) {
+            (Variant::AsPrinted, _) => {
+                let mut printed = AsPrinted::new(run.domain, search, &run.samples);
+                run.iterations
+                    .push(printed.first_loop(&mut run.samples, &contested, meter)?);
+                Filling::AsPrinted(printed)
+            }
+            (Variant::Staged, Insertion::Circumcentre) => {
+                eliminate(&run.domain, &mut run.samples, &contested, meter)?;
+                let survivors = survivors(run);
+                let detectors = first_detectors(&run.samples, &survivors);
+                Filling::Circumcentres {
+                    survivors,
+                    detectors,
+                }
+            }
+            (Variant::Staged, Insertion::Uniform) => {
+                eliminate(&run.domain, &mut run.samples, &contested, meter)?;
+                Filling::Uniform(gap_process(run.domain, &run.samples, self.key))
+            }
+        };
+        Ok(())
+    }
+
+    /// Runs iteration `k` and returns whether there was anything to fill.
+    fn iterate(&mut self, k: u32, observer: &mut dyn Observer) -> Result<bool, SampleError> {
+        let run = &mut self.run;
+        let iteration = match &mut self.filling {
+            Filling::NotYet => return Ok(false),
+            Filling::Circumcentres {
+                survivors,
+                detectors,
+            } => {
+                let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
+                let candidates = detect(run, survivors, detectors, meter)?;
+                let inserted = insert(&mut run.samples, survivors, &candidates, k, self.key);
+                let detectors = std::mem::replace(detectors, inserted.clone().collect());
+                Iteration {
+                    detectors,
+                    candidates,
+                    cells: Vec::new(),
+                    inserted,
+                }
+            }
+            Filling::Uniform(process) if process.is_finished() => return Ok(false),
+            Filling::Uniform(process) => uniform(process, k, &mut run.samples, observer)?,
+            Filling::AsPrinted(printed) => {
+                let meter = Meter::begin(observer, Stage::Iterate(k), 1)?;
+                printed.second_loop(k, &mut run.samples, meter)?
+            }
+        };
+        let found = !iteration.inserted.is_empty() || !iteration.cells.is_empty();
+        if found {
+            run.iterations.push(iteration);
+        }
+        Ok(found)
+    }
+
+    fn gather(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+        let samples = &self.run.samples;
+        let meter = Meter::begin(observer, Stage::Finish, 1)?;
+        let mut keyed: Vec<(u64, u32)> = (0..)
+            .zip(&samples.fates)
+            .filter(|&(_, &fate)| fate == Fate::Kept)
+            .map(|(id, _): (u32, _)| (samples.points[id as usize].canonical(), id))
+            .collect();
+        keyed.sort_unstable();
+        self.run.result = keyed.into_iter().map(|(_, id)| id).collect();
+        meter.end()
+    }
+}
+
+fn survivors(run: &Run) -> SampleGrid {
+    let mut grid = SampleGrid::with_capacity(run.domain, run.samples.len());
+    for (id, &fate) in (0..).zip(&run.samples.fates) {
+        if fate == Fate::Kept {
+            grid.insert(id, run.samples.points[id as usize]);
+        }
+    }
+    grid
+}
+
+fn detect(
+    run: &Run,
+    survivors: &SampleGrid,
+    detectors: &[u32],
+    mut meter: Meter<'_>,
+) -> Result<Vec<Candidate>, SampleError> {
+    let mut detection = Detection::new(run.domain, run.parameters.search, survivors);
+    let mut candidates = Vec::new();
+    for &id in detectors {
+        detection.find(id, run.samples.points[id as usize], &mut candidates);
+        meter.tick()?;
+    }
+    unique(&mut candidates);
+    meter.end()?;
+    Ok(candidates)
+}
+
+fn uniform(
+    process: &mut DartProcess,
+    k: u32,
+    samples: &mut Samples,
+    observer: &mut dyn Observer,
+) -> Result<Iteration, SampleError> {
+    let cells = process.active_cells().collect();
+    let first = samples.len() as u32;
+    for point in process.step(Stage::Iterate(k), observer)? {
+        let sites = crate::stages::detect::Sites::Dart;
+        samples.push(
+            point,
+            Origin::Inserted {
+                iteration: k,
+                sites,
+            },
+            Fate::Kept,
+        );
+    }
+    let inserted = first..samples.len() as u32;
+    Ok(Iteration {
+        detectors: Vec::new(),
+        candidates: Vec::new(),
+        cells,
+        inserted,
+    })
+}

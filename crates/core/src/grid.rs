@@ -1,0 +1,193 @@
+//! A uniform grid over the domain that answers "which samples are near this place?".
+//! It never decides anything: callers apply the exact predicate to what it hands them.
+
+use crate::lattice::{Domain, Point};
+
+/// Cells have sides of 2^15 units, one radius.
+const CELL_BITS: u32 = 15;
+
+/// No entry.
+const NONE: u32 = u32::MAX;
+
+/// A sample as the grid hands it out.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// The sample's id.
+    pub id: u32,
+    /// Its offset from the place asked about, the shortest way around.
+    pub offset: (i32, i32),
+}
+
+#[derive(Clone, Copy)]
+struct Entry {
+    point: Point,
+    id: u32,
+    next: u32,
+}
+
+/// Samples by cell, as linked lists, so that samples can be added at any time.
+pub struct SampleGrid {
+    domain: Domain,
+    columns: usize,
+    first: Vec<u32>,
+    entries: Vec<Entry>,
+}
+
+impl SampleGrid {
+    /// Returns an empty grid with room for `capacity` samples.
+    #[must_use]
+    pub fn with_capacity(domain: Domain, capacity: usize) -> Self {
+        let rect = domain.rect();
+        let columns = (((rect.max.x - 1) >> CELL_BITS) + 1) as usize;
+        let rows = (((rect.max.y - 1) >> CELL_BITS) + 1) as usize;
+        Self {
+            domain,
+            columns,
+            first: vec![NONE; columns * rows],
+            entries: Vec::with_capacity(capacity),
+        }
+    }
+
+    /// Adds the sample `id` at `point`, which must lie in the domain.
+    pub fn insert(&mut self, id: u32, point: Point) {
+        let cell = (point.y >> CELL_BITS) as usize * self.columns + (point.x >> CELL_BITS) as usize;
+        let entry = Entry {
+            point,
+            id,
+            next: self.first[cell],
+        };
+        self.first[cell] = self.entries.len() as u32;
+        self.entries.push(entry);
+    }
+
+    /// Calls `visit` with every sample whose offset from `centre` is at most `reach` units on both
+    /// axes, in no particular order, until `visit` returns `true`; returns whether it did.
+    ///
+    /// `centre` may lie outside a bounded domain. In a periodic one a sample is handed out once,
+    /// with its shortest offset.
+    #[inline]
+    pub fn any_near(&self, centre: Point, reach: i32, mut visit: impl FnMut(Near) -> bool) -> bool {
+        let rect = self.domain.rect();
+        let periodic = self.domain.is_periodic();
+        let (rows, row_spans) = spans(centre.y, reach, rect.max.y, periodic);
+        let (columns, column_spans) = spans(centre.x, reach, rect.max.x, periodic);
+        for &(row_min, row_max) in &rows[..row_spans] {
+            for row in row_min..=row_max {
+                for &(column_min, column_max) in &columns[..column_spans] {
+                    let start = row as usize * self.columns;
+                    let cells = start + column_min as usize..=start + column_max as usize;
+                    for &first in &self.first[cells] {
+                        let mut next = first;
+                        while next != NONE {
+                            let entry = self.entries[next as usize];
+                            next = entry.next;
+                            let offset = self.domain.difference(centre, entry.point);
+                            if offset.0.abs() <= reach
+                                && offset.1.abs() <= reach
+                                && visit(Near {
+                                    id: entry.id,
+                                    offset,
+                                })
+                            {
+                                return true;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    /// Returns whether any sample covers `point`.
+    #[inline]
+    #[must_use]
+    pub fn covers(&self, point: Point) -> bool {
+        self.any_near(point, crate::lattice::R, |near| {
+            crate::lattice::covers_offset(near.offset.0, near.offset.1)
+        })
+    }
+}
+
+/// Returns the inclusive ranges of cells (at most two) that hold coordinates within `reach` of
+/// `centre` on an axis of `extent` lattice points, and how many ranges there are.
+#[inline]
+pub(crate) fn spans(
+    centre: i32,
+    reach: i32,
+    extent: i32,
+    periodic: bool,
+) -> ([(i32, i32); 2], usize) {
+    let (low, high) = (
+        i64::from(centre) - i64::from(reach),
+        i64::from(centre) + i64::from(reach),
+    );
+    let last = extent - 1;
+    let cell = |x: i64| (x >> CELL_BITS) as i32;
+    let all = ([(0, last >> CELL_BITS), (0, 0)], 1);
+    if low >= 0 && high <= i64::from(last) {
+        return ([(cell(low), cell(high)), (0, 0)], 1);
+    }
+    if !periodic {
+        let (low, high) = (low.max(0), high.min(i64::from(last)));
+        return ([(cell(low), cell(high)), (0, 0)], usize::from(low <= high));
+    }
+    let extent = i64::from(extent);
+    let (upper, lower) = if low < 0 {
+        (low + extent, high)
+    } else {
+        (low, high - extent)
+    };
+    // Two ranges that meet in one cell would hand its samples out twice.
+    if upper < 0 || cell(lower) >= cell(upper) {
+        return all;
+    }
+    ([(0, cell(lower)), (cell(upper), cell(extent - 1))], 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::R;
+    use crate::parameters::Boundary;
+    use crate::random::{Key, Stream, below};
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        /// The grid hands out exactly the samples that a plain scan finds, each once.
+        #[test]
+        fn finds_what_a_scan_finds(
+            seed: u64,
+            periodic: bool,
+            width in 10.0_f64..30.0,
+            height in 10.0_f64..30.0,
+            reach in 1..7 * R,
+        ) {
+            let boundary = if periodic { Boundary::Periodic } else { Boundary::Bounded };
+            let domain = Domain::from_size([width, height], 1.0, boundary).unwrap();
+            let rect = domain.rect();
+            let points: Vec<Point> = (0..300).map(|k| {
+                let [a, b] = Key::from_seed(seed).draw(Stream::Dart, k);
+                Point::new(
+                    below(a, rect.max.x as u32) as i32,
+                    below(b, rect.max.y as u32) as i32,
+                )
+            }).collect();
+            let mut grid = SampleGrid::with_capacity(domain, points.len());
+            for (id, &p) in points.iter().enumerate() {
+                grid.insert(id as u32, p);
+            }
+            for &centre in &points[..40] {
+                let mut found = Vec::new();
+                grid.any_near(centre, reach, |near| { found.push(near.id); false });
+                found.sort_unstable();
+                let scanned: Vec<u32> = points.iter().enumerate().filter(|&(_, &p)| {
+                    let (dx, dy) = domain.difference(centre, p);
+                    dx.abs() <= reach && dy.abs() <= reach
+                }).map(|(id, _)| id as u32).collect();
+                prop_assert_eq!(found, scanned);
+            }
+        }
+    }
+}

@@ -1,0 +1,432 @@
+//! The integer lattice on which every decision is made, and the domain laid over it.
+//! This is the only file that converts between user space (`f64`) and lattice units (`i32`).
+//! It never decides anything about sampling beyond "does this sample cover that point".
+
+use crate::parameters::{Boundary, ParameterError};
+
+/// The Poisson-disk radius in lattice units: 2^15.
+pub const R: i32 = 1 << 15;
+
+/// `R` squared: 2^30.
+pub const R_SQUARED: i64 = (R as i64) * (R as i64);
+
+/// The longest side of a domain, in radii: its 2^31 - 2^15 units leave room for one radius of
+/// margin beyond the border in 32-bit coordinates.
+pub const MAX_SIDE_RADII: f64 = 65_535.0;
+
+/// The shortest side of a periodic domain, in radii: two samples 4r from a detector, on opposite
+/// sides of it, must not be images of one another, and the candidate search looks a little further.
+pub const MIN_SIDE_RADII_PERIODIC: f64 = 10.0;
+
+/// The shortest side of a bounded domain, in radii: below it one lattice unit of the side is no
+/// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
+pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
+
+/// A position in lattice units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Point {
+    /// Units from the domain's left border.
+    pub x: i32,
+    /// Units from the domain's lower border.
+    pub y: i32,
+}
+
+impl Point {
+    /// Returns the point (x, y).
+    #[must_use]
+    pub const fn new(x: i32, y: i32) -> Self {
+        Self { x, y }
+    }
+
+    /// Returns the key of the row-major order: y first, then x.
+    #[must_use]
+    pub const fn row_major(self) -> (i32, i32) {
+        (self.y, self.x)
+    }
+
+    /// Returns the key of the canonical order of results: by grid cell of side `R` (rows of cells
+    /// first), then y, then x. The point must lie in a domain.
+    #[must_use]
+    pub const fn canonical(self) -> u64 {
+        let cell = ((self.y >> 15) as u64) << 16 | (self.x >> 15) as u64;
+        let inside = ((self.y & (R - 1)) as u64) << 15 | (self.x & (R - 1)) as u64;
+        cell << 30 | inside
+    }
+}
+
+/// A rectangle of lattice points, half open: `min <= p < max` on both axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rect {
+    /// The lowest point inside.
+    pub min: Point,
+    /// The first point beyond, on both axes.
+    pub max: Point,
+}
+
+impl Rect {
+    /// Returns the number of lattice columns.
+    #[must_use]
+    pub const fn width(&self) -> i32 {
+        self.max.x - self.min.x
+    }
+
+    /// Returns the number of lattice rows.
+    #[must_use]
+    pub const fn height(&self) -> i32 {
+        self.max.y - self.min.y
+    }
+
+    /// Returns whether `p` lies inside.
+    #[must_use]
+    pub const fn contains(&self, p: Point) -> bool {
+        self.min.x <= p.x && p.x < self.max.x && self.min.y <= p.y && p.y < self.max.y
+    }
+
+    /// Returns how far inside the rectangle `p` lies: units to the nearest side, negative outside.
+    #[must_use]
+    pub fn depth(&self, p: Point) -> i32 {
+        (p.x - self.min.x)
+            .min(self.max.x - p.x)
+            .min(p.y - self.min.y)
+            .min(self.max.y - p.y)
+    }
+}
+
+/// The domain in lattice units, with its exact relation to user space.
+///
+/// A periodic domain holds the points `0 <= x < width`; a bounded one is closed and also holds
+/// `x == width`. A lattice unit is never shorter than `radius / R` on either axis, so two samples
+/// more than `R` units apart are farther apart than the user's radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Domain {
+    width: i32,
+    height: i32,
+    boundary: Boundary,
+    size: [f64; 2],
+    radius: f64,
+}
+
+impl Domain {
+    /// Returns the domain of a user-space rectangle `[0, width] x [0, height]` sampled with `radius`.
+    ///
+    /// Fails when a number is not finite or not positive, or a side is shorter or longer in radii
+    /// than [`MIN_SIDE_RADII_PERIODIC`], [`MIN_SIDE_RADII_BOUNDED`] and [`MAX_SIDE_RADII`] allow.
+    pub fn from_size(
+        size: [f64; 2],
+        radius: f64,
+        boundary: Boundary,
+    ) -> Result<Self, ParameterError> {
+        if !radius.is_finite() || radius <= 0.0 {
+            return Err(ParameterError::Radius { radius });
+        }
+        Ok(Self {
+            width: side_units("width", size[0], radius, boundary)?,
+            height: side_units("height", size[1], radius, boundary)?,
+            boundary,
+            size,
+            radius,
+        })
+    }
+
+    /// Returns a domain of `width` x `height` lattice units whose user unit is one radius: what a
+    /// pattern lives in. The caller guarantees positive sides within the limits.
+    #[must_use]
+    pub(crate) fn from_units(width: i32, height: i32, boundary: Boundary) -> Self {
+        let size = [
+            f64::from(width) / f64::from(R),
+            f64::from(height) / f64::from(R),
+        ];
+        Self {
+            width,
+            height,
+            boundary,
+            size,
+            radius: 1.0,
+        }
+    }
+
+    /// Returns the width in lattice units.
+    #[must_use]
+    pub const fn width(&self) -> i32 {
+        self.width
+    }
+
+    /// Returns the height in lattice units.
+    #[must_use]
+    pub const fn height(&self) -> i32 {
+        self.height
+    }
+
+    /// Returns how the domain ends.
+    #[must_use]
+    pub const fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    /// Returns whether both axes wrap around.
+    #[must_use]
+    pub const fn is_periodic(&self) -> bool {
+        matches!(self.boundary, Boundary::Periodic)
+    }
+
+    /// Returns the size in user units.
+    #[must_use]
+    pub const fn size(&self) -> [f64; 2] {
+        self.size
+    }
+
+    /// Returns the Poisson-disk radius in user units.
+    #[must_use]
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Returns the rectangle of all lattice points of the domain.
+    #[must_use]
+    pub const fn rect(&self) -> Rect {
+        let last = if self.is_periodic() { 0 } else { 1 };
+        Rect {
+            min: Point::new(0, 0),
+            max: Point::new(self.width + last, self.height + last),
+        }
+    }
+
+    /// Returns the area in squared radii.
+    #[must_use]
+    pub fn area_radii(&self) -> f64 {
+        f64::from(self.width) * f64::from(self.height) / (R_SQUARED as f64)
+    }
+
+    /// Returns the promised bound on the covering radius, in user units: (1 + 2^-15) radius.
+    ///
+    /// A place that insertion leaves uncovered is within 0.71 units (half a lattice diagonal) of
+    /// a covered point, and a unit exceeds `radius / R` by at most one part in the shortest
+    /// side's 196,608 units: together 2.7e-5, below 2^-15 = 3.05e-5.
+    #[must_use]
+    pub fn covering_bound(&self) -> f64 {
+        self.radius * (1.0 + 1.0 / f64::from(R))
+    }
+
+    /// Returns the lattice point that stands for (x, y), wrapped in a periodic domain, and `None`
+    /// outside a bounded one.
+    #[must_use]
+    pub fn wrap(&self, x: i64, y: i64) -> Option<Point> {
+        let (w, h) = (i64::from(self.width), i64::from(self.height));
+        match self.boundary {
+            Boundary::Periodic => Some(Point::new(x.rem_euclid(w) as i32, y.rem_euclid(h) as i32)),
+            Boundary::Bounded if (0..=w).contains(&x) && (0..=h).contains(&y) => {
+                Some(Point::new(x as i32, y as i32))
+            }
+            Boundary::Bounded => None,
+        }
+    }
+
+    /// Returns `to - from`, the shortest way around in a periodic domain.
+    #[inline]
+    #[must_use]
+    pub const fn difference(&self, from: Point, to: Point) -> (i32, i32) {
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
+        match self.boundary {
+            Boundary::Periodic => (shortest(dx, self.width), shortest(dy, self.height)),
+            Boundary::Bounded => (dx, dy),
+        }
+    }
+
+    /// Returns the squared distance in units, the shortest way around in a periodic domain.
+    #[inline]
+    #[must_use]
+    pub const fn distance_squared(&self, a: Point, b: Point) -> i64 {
+        let (dx, dy) = self.difference(a, b);
+        dx as i64 * dx as i64 + dy as i64 * dy as i64
+    }
+
+    /// Returns whether a sample at `p` covers `x`: the one predicate that decides everything.
+    #[inline]
+    #[must_use]
+    pub const fn covers(&self, p: Point, x: Point) -> bool {
+        let (dx, dy) = self.difference(p, x);
+        covers_offset(dx, dy)
+    }
+
+    /// Returns the position in user units, inside the closed domain.
+    #[must_use]
+    pub fn user_from_lattice(&self, p: Point) -> [f64; 2] {
+        let axis = |units: i32, side: f64, total: i32| {
+            (f64::from(units) * (side / f64::from(total))).min(side)
+        };
+        [
+            axis(p.x, self.size[0], self.width),
+            axis(p.y, self.size[1], self.height),
+        ]
+    }
+
+    /// Returns the lattice point nearest to a position in user units, wrapped or clamped into the
+    /// domain. Positions made by [`Self::user_from_lattice`] return to their own lattice point.
+    #[must_use]
+    pub fn lattice_from_user(&self, position: [f64; 2]) -> Point {
+        let axis = |value: f64, side: f64, total: i32| {
+            let units = (value / side * f64::from(total)).round();
+            let units = units.clamp(-f64::from(i32::MAX), f64::from(i32::MAX)) as i64;
+            match self.boundary {
+                Boundary::Periodic => units.rem_euclid(i64::from(total)) as i32,
+                Boundary::Bounded => units.clamp(0, i64::from(total)) as i32,
+            }
+        };
+        Point::new(
+            axis(position[0], self.size[0], self.width),
+            axis(position[1], self.size[1], self.height),
+        )
+    }
+}
+
+/// Returns whether an offset of (dx, dy) units is within the radius. The first test keeps the sum
+/// of squares at most 2^31, exact in 32 bits on every device.
+#[inline]
+#[must_use]
+pub const fn covers_offset(dx: i32, dy: i32) -> bool {
+    let (dx, dy) = (dx.unsigned_abs(), dy.unsigned_abs());
+    dx <= R as u32 && dy <= R as u32 && dx * dx + dy * dy <= R_SQUARED as u32
+}
+
+#[inline]
+const fn shortest(d: i32, side: i32) -> i32 {
+    if d > side / 2 {
+        d - side
+    } else if d < -(side / 2) {
+        d + side
+    } else {
+        d
+    }
+}
+
+fn side_units(
+    name: &'static str,
+    side: f64,
+    radius: f64,
+    boundary: Boundary,
+) -> Result<i32, ParameterError> {
+    if !side.is_finite() || side <= 0.0 {
+        return Err(ParameterError::Side { name, side });
+    }
+    let minimum = match boundary {
+        Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
+        Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
+    };
+    let radii = side / radius;
+    if radii < minimum {
+        return Err(ParameterError::SideTooShort {
+            name,
+            radii,
+            minimum,
+        });
+    }
+    if radii > MAX_SIDE_RADII {
+        return Err(ParameterError::SideTooLong {
+            name,
+            radii,
+            maximum: MAX_SIDE_RADII,
+        });
+    }
+    let mut units = (radii * f64::from(R)).floor();
+    // The quotient may have been rounded up: a unit must not be shorter than radius / R.
+    while side / units * f64::from(R) < radius {
+        units -= 1.0;
+    }
+    Ok(units as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn domain(side: f64, radius: f64, boundary: Boundary) -> Domain {
+        Domain::from_size([side, side], radius, boundary).unwrap()
+    }
+
+    #[test]
+    fn a_unit_is_never_shorter_than_its_share_of_the_radius() {
+        for k in 1..2000 {
+            let radius = 0.0001 + f64::from(k) * 4.7e-5;
+            let d = domain(1.0, radius, Boundary::Periodic);
+            assert!(
+                1.0 / f64::from(d.width()) * f64::from(R) >= radius,
+                "{radius}"
+            );
+            assert!(
+                1.0 / f64::from(d.width() + 2) * f64::from(R) < radius,
+                "{radius}"
+            );
+        }
+    }
+
+    #[test]
+    fn differences_take_the_shortest_way_around() {
+        let d = domain(1.0, 0.05, Boundary::Periodic);
+        let (a, b) = (Point::new(5, 7), Point::new(d.width() - 3, d.height() - 1));
+        assert_eq!(d.difference(a, b), (-8, -8));
+        assert_eq!(d.difference(b, a), (8, 8));
+        assert!(d.covers(a, b));
+        let bounded = domain(1.0, 0.05, Boundary::Bounded);
+        assert!(!bounded.covers(a, b));
+    }
+
+    #[test]
+    fn covers_is_closed_at_the_radius() {
+        assert!(covers_offset(R, 0));
+        assert!(covers_offset(0, -R));
+        assert!(!covers_offset(R, 1));
+        assert!(!covers_offset(R + 1, 0));
+        assert!(!covers_offset(i32::MAX, i32::MIN));
+        // 3-4-5 triangle scaled: exactly on the circle, then one unit beyond it.
+        assert!(covers_offset(19_660, 26_214));
+        assert!(!covers_offset(19_661, 26_215));
+    }
+
+    #[test]
+    fn positions_return_to_their_lattice_point() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let d = Domain::from_size([3.7, 1.1], 0.0137, boundary).unwrap();
+            for k in 0..5000_i64 {
+                let p = d.wrap(
+                    k * 7_919 % i64::from(d.width()),
+                    k * 104_729 % i64::from(d.height()),
+                );
+                let p = p.unwrap();
+                assert_eq!(d.lattice_from_user(d.user_from_lattice(p)), p);
+            }
+        }
+        let d = domain(0.3, 0.01, Boundary::Bounded);
+        let corner = d.user_from_lattice(Point::new(d.width(), d.height()));
+        assert!(corner[0] <= 0.3 && corner[1] <= 0.3);
+    }
+
+    #[test]
+    fn impossible_domains_are_refused_with_value_and_limit() {
+        let make = |w, h, r| Domain::from_size([w, h], r, Boundary::Periodic);
+        assert_eq!(
+            make(1.0, 1.0, 0.0),
+            Err(ParameterError::Radius { radius: 0.0 })
+        );
+        assert!(matches!(
+            make(1.0, 1.0, f64::NAN),
+            Err(ParameterError::Radius { .. })
+        ));
+        assert!(matches!(
+            make(-1.0, 1.0, 0.1),
+            Err(ParameterError::Side { name: "width", .. })
+        ));
+        assert!(matches!(
+            make(1.0, f64::INFINITY, 0.1),
+            Err(ParameterError::Side { name: "height", .. })
+        ));
+        assert!(matches!(
+            make(1.0, 1.0, 0.11),
+            Err(ParameterError::SideTooShort { .. })
+        ));
+        assert!(matches!(
+            make(1.0, 1.0, 1e-5),
+            Err(ParameterError::SideTooLong { .. })
+        ));
+        assert!(make(1.0, 1.0, 1.0 / 65_535.0).is_ok());
+    }
+}

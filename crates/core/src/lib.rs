@@ -1,0 +1,39 @@
+//! KDRT on an integer lattice: maximal Poisson-disk sets by randomized tiling (Wang and Suda,
+//! HPG 2017), defined so exactly that every engine gives the same points, bit for bit.
+//!
+//! Architecture invariant: the core knows no files, no clock, no window and no GPU, and no float
+//! takes part in a decision. Everything drawn is keyed by what it is drawn for.
+
+mod circumcentre;
+mod count;
+mod engine;
+mod error;
+mod grid;
+mod lattice;
+mod parameters;
+mod pattern;
+mod progress;
+mod random;
+mod reference;
+mod run;
+pub mod stages;
+
+pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
+pub use count::{radius_estimate, sample_count};
+pub use engine::sequential::{Sequential, sample};
+pub use error::SampleError;
+pub use grid::{Near, SampleGrid};
+pub use lattice::{
+    Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, R_SQUARED,
+    Rect, covers_offset,
+};
+pub use parameters::{
+    Boundary, Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY,
+    MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII, Order, ParameterError, Parameters, PatternSpec, Search,
+    Variant,
+};
+pub use pattern::{Pattern, PatternError, Symmetry, Variant as PatternVariant};
+pub use progress::{Observer, Progress, Stage, Unobserved};
+pub use random::{Key, Stream, below, threefry2x32_20};
+pub use reference::reference_sample;
+pub use run::{Fate, Iteration, Origin, Run, Samples, Standing, Summary};

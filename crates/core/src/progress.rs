@@ -1,0 +1,130 @@
+//! How a run tells where it is and is asked to stop. It knows neither clocks nor threads: whoever
+//! observes measures time and carries the answer across threads.
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Serialize};
+
+/// A stage of a run, in the paper's order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// The small maximal set is made or checked (Ebeida et al. 2012).
+    Pattern,
+    /// The KD-tree's leaves (Algorithm 1).
+    Blocks,
+    /// Each block receives its clip (Algorithm 2).
+    Tile,
+    /// Conflicts are resolved (Algorithm 4, first loop).
+    Eliminate,
+    /// An iteration of detection and insertion, counted from 1 (Algorithms 3 and 4).
+    Iterate(u32),
+    /// The survivors are put into canonical order.
+    Finish,
+}
+
+impl std::fmt::Display for Stage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Pattern => f.write_str("pattern"),
+            Self::Blocks => f.write_str("blocks"),
+            Self::Tile => f.write_str("tile"),
+            Self::Eliminate => f.write_str("eliminate"),
+            Self::Iterate(k) => write!(f, "iterate {k}"),
+            Self::Finish => f.write_str("finish"),
+        }
+    }
+}
+
+/// Where a run is: `done` of `total` pieces of work of `stage`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// The stage at work.
+    pub stage: Stage,
+    /// Pieces done; 0 when the stage begins, `total` when it has ended.
+    pub done: u64,
+    /// Pieces in all; an estimate where the stage cannot know.
+    pub total: u64,
+}
+
+/// Receives progress and may stop the run.
+pub trait Observer {
+    /// Called when a stage begins, every few thousand pieces of work, and when it ends. `Break`
+    /// stops the run at once with [`crate::SampleError::Cancelled`].
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()>;
+}
+
+impl<F: FnMut(Progress) -> ControlFlow<()>> Observer for F {
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        self(progress)
+    }
+}
+
+/// The observer that lets every run finish.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unobserved;
+
+impl Observer for Unobserved {
+    fn observe(&mut self, _: Progress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Pieces of work between two calls of an observer.
+const STRIDE: u64 = 1 << 14;
+
+/// Counts the pieces of one stage and asks the observer now and then.
+pub(crate) struct Meter<'a> {
+    observer: &'a mut dyn Observer,
+    progress: Progress,
+}
+
+impl<'a> Meter<'a> {
+    pub(crate) fn begin(
+        observer: &'a mut dyn Observer,
+        stage: Stage,
+        total: u64,
+    ) -> Result<Self, crate::SampleError> {
+        let mut meter = Self {
+            observer,
+            progress: Progress {
+                stage,
+                done: 0,
+                total,
+            },
+        };
+        meter.ask()?;
+        Ok(meter)
+    }
+
+    /// Corrects the estimate of all pieces.
+    pub(crate) fn set_total(&mut self, total: u64) {
+        self.progress.total = total;
+    }
+
+    /// One piece is done.
+    #[inline]
+    pub(crate) fn tick(&mut self) -> Result<(), crate::SampleError> {
+        self.progress.done += 1;
+        if self.progress.done.is_multiple_of(STRIDE) {
+            self.ask()
+        } else {
+            Ok(())
+        }
+    }
+
+    pub(crate) fn end(mut self) -> Result<(), crate::SampleError> {
+        self.progress.done = self.progress.total;
+        self.ask()
+    }
+
+    fn ask(&mut self) -> Result<(), crate::SampleError> {
+        self.progress.done = self.progress.done.min(self.progress.total);
+        match self.observer.observe(self.progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(crate::SampleError::Cancelled {
+                stage: self.progress.stage,
+            }),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Counter-based random draws: Threefry2x32-20 (Salmon et al. 2011), keyed by what is drawn.
+//! No generator state exists, so no draw depends on the order in which draws are made: any block,
+//! cell or candidate can be visited alone, on any thread or device.
+
+/// What a draw is for. Each stream of one key is independent of the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Stream {
+    /// The key of the KD-tree's root and of a node's children.
+    Split = 1,
+    /// The plane that splits a node.
+    Plane = 2,
+    /// Where a block's clip starts in the pattern.
+    Offset = 3,
+    /// The rotation or mirror image of the pattern that a block clips from.
+    Dihedral = 4,
+    /// The rank of a sample in the random elimination order.
+    Order = 5,
+    /// The sequence of the phase groups.
+    Phase = 6,
+    /// The key of an iteration of insertion.
+    Iteration = 7,
+    /// The key of a level of the dart process.
+    Level = 8,
+    /// A dart of a cell.
+    Dart = 9,
+    /// The seed of a pattern.
+    Pattern = 10,
+}
+
+/// A 64-bit key from which draws and further keys are derived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Key([u32; 2]);
+
+impl Key {
+    /// Returns the key of a user's seed.
+    #[must_use]
+    pub const fn from_seed(seed: u64) -> Self {
+        Self([seed as u32, (seed >> 32) as u32])
+    }
+
+    /// Returns the two words drawn for `index` of `stream`.
+    #[inline]
+    #[must_use]
+    pub const fn draw(self, stream: Stream, index: u32) -> [u32; 2] {
+        threefry2x32_20(self.0, [stream as u32, index])
+    }
+
+    /// Returns the key derived for `index` of `stream`.
+    #[inline]
+    #[must_use]
+    pub const fn derive(self, stream: Stream, index: u32) -> Self {
+        Self(self.draw(stream, index))
+    }
+
+    /// Returns the two words drawn for a place. The key must be a derived one that is used for
+    /// nothing but places.
+    #[inline]
+    #[must_use]
+    pub const fn draw_at(self, x: i32, y: i32) -> [u32; 2] {
+        threefry2x32_20(self.0, [x as u32, y as u32])
+    }
+
+    /// Returns the key derived for a place, as [`Self::draw_at`].
+    #[inline]
+    #[must_use]
+    pub const fn derive_at(self, x: i32, y: i32) -> Self {
+        Self(self.draw_at(x, y))
+    }
+
+    /// Returns the key's words.
+    #[must_use]
+    pub const fn words(self) -> [u32; 2] {
+        self.0
+    }
+}
+
+/// Returns `word` mapped to `[0, n)`: the high half of the 32 x 32-bit product.
+#[inline]
+#[must_use]
+pub const fn below(word: u32, n: u32) -> u32 {
+    ((word as u64 * n as u64) >> 32) as u32
+}
+
+/// Returns the Threefry2x32 block of `counter` under `key`, 20 rounds.
+#[inline]
+#[must_use]
+pub const fn threefry2x32_20(key: [u32; 2], counter: [u32; 2]) -> [u32; 2] {
+    const ROTATIONS: [u32; 8] = [13, 15, 26, 6, 17, 29, 16, 24];
+    const PARITY: u32 = 0x1BD1_1BDA;
+    let keys = [key[0], key[1], PARITY ^ key[0] ^ key[1]];
+    let mut x0 = counter[0].wrapping_add(keys[0]);
+    let mut x1 = counter[1].wrapping_add(keys[1]);
+    let mut round = 0;
+    while round < 20 {
+        x0 = x0.wrapping_add(x1);
+        x1 = x1.rotate_left(ROTATIONS[round % 8]) ^ x0;
+        round += 1;
+        if round % 4 == 0 {
+            let injection = round / 4;
+            x0 = x0.wrapping_add(keys[injection % 3]);
+            x1 = x1
+                .wrapping_add(keys[(injection + 1) % 3])
+                .wrapping_add(injection as u32);
+        }
+    }
+    [x0, x1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known answers published with Random123 (threefry2x32, 20 rounds).
+    #[test]
+    fn known_answers() {
+        let ones = [u32::MAX; 2];
+        assert_eq!(threefry2x32_20([0; 2], [0; 2]), [0x6b20_0159, 0x99ba_4efe]);
+        assert_eq!(threefry2x32_20(ones, ones), [0x1cb9_96fc, 0xbb00_2be7]);
+        assert_eq!(
+            threefry2x32_20([0x1319_8a2e, 0x0370_7344], [0x243f_6a88, 0x85a3_08d3]),
+            [0xc492_3a9c, 0x483d_f7a0]
+        );
+    }
+
+    #[test]
+    fn below_reaches_both_ends_and_stays_inside() {
+        assert_eq!(below(0, 7), 0);
+        assert_eq!(below(u32::MAX, 7), 6);
+        assert_eq!(below(u32::MAX, 1), 0);
+        let mut seen = [0_u32; 7];
+        for index in 0..7000 {
+            seen[below(Key::from_seed(1).draw(Stream::Order, index)[0], 7) as usize] += 1;
+        }
+        assert!(seen.iter().all(|&n| (850..1150).contains(&n)), "{seen:?}");
+    }
+
+    #[test]
+    fn streams_and_indices_differ() {
+        let key = Key::from_seed(42);
+        assert_ne!(key.draw(Stream::Split, 0), key.draw(Stream::Plane, 0));
+        assert_ne!(key.draw(Stream::Split, 0), key.draw(Stream::Split, 1));
+        assert_ne!(
+            key.derive(Stream::Split, 0),
+            Key::from_seed(43).derive(Stream::Split, 0)
+        );
+        assert_ne!(Key::from_seed(1 << 32), Key::from_seed(0));
+    }
+}

@@ -1,0 +1,233 @@
+//! A run: everything that was made from the parameters, stage by stage. Since samples keep their
+//! origin and fate, the state after any stage can be read from the finished run.
+//! It holds data and answers questions; engines fill it.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::lattice::{Domain, Point};
+use crate::parameters::Parameters;
+use crate::pattern::Pattern;
+use crate::progress::Stage;
+use crate::stages::blocks::Blocks;
+use crate::stages::detect::{Candidate, Sites};
+use crate::stages::disks::Cell;
+use crate::stages::tile::Tile;
+
+/// Where a sample comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// Clipped from the pattern.
+    Tiled {
+        /// Index of the block.
+        block: u32,
+        /// Index of the pattern's sample.
+        pattern: u32,
+        /// Whether it lies inside its own block, rather than in the margin around it.
+        own: bool,
+    },
+    /// Inserted into a gap.
+    Inserted {
+        /// The iteration, from 1.
+        iteration: u32,
+        /// The samples that made the place.
+        sites: Sites,
+    },
+}
+
+/// What became of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// Elimination has not run yet.
+    Undecided,
+    /// It is in the result.
+    Kept,
+    /// A kept sample that covers it claimed the place first.
+    Eliminated {
+        /// That sample's id.
+        by: u32,
+    },
+    /// It was tiled outside a bounded domain.
+    Dropped,
+}
+
+/// All samples that ever were, by id: tiled ones block by block and row by row, then inserted ones
+/// in the sequence of their insertion.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Samples {
+    /// Positions.
+    pub points: Vec<Point>,
+    /// Origins.
+    pub origins: Vec<Origin>,
+    /// Fates.
+    pub fates: Vec<Fate>,
+}
+
+impl Samples {
+    /// Adds a sample.
+    pub fn push(&mut self, point: Point, origin: Origin, fate: Fate) {
+        self.points.push(point);
+        self.origins.push(origin);
+        self.fates.push(fate);
+    }
+
+    /// Returns how many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Returns whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+}
+
+/// What one iteration of detection and insertion saw and did.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Iteration {
+    /// Ids of the gap detectors; none with uniform insertion.
+    pub detectors: Vec<u32>,
+    /// The candidates, by place; none with uniform insertion and in Algorithm 4 as printed, which
+    /// insert at once.
+    pub candidates: Vec<Candidate>,
+    /// The active cells of uniform insertion.
+    pub cells: Vec<Cell>,
+    /// Ids of the inserted samples.
+    pub inserted: Range<u32>,
+}
+
+/// How a sample stands after a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing {
+    /// It does not exist yet.
+    Absent,
+    /// It exists, and nothing has been decided.
+    Tiled,
+    /// It is valid.
+    Valid,
+    /// It was eliminated by a sample.
+    Eliminated {
+        /// That sample's id.
+        by: u32,
+    },
+    /// It lies outside a bounded domain.
+    Dropped,
+}
+
+/// A run in progress or finished.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What it is made from.
+    pub parameters: Parameters,
+    /// The domain on the lattice.
+    pub domain: Domain,
+    /// The pattern.
+    pub pattern: Arc<Pattern>,
+    /// The KD-tree; empty before [`Stage::Blocks`].
+    pub blocks: Blocks,
+    /// A tile per block; empty before [`Stage::Tile`].
+    pub tiles: Vec<Tile>,
+    /// All samples.
+    pub samples: Samples,
+    /// The iterations so far.
+    pub iterations: Vec<Iteration>,
+    /// Ids of the result in canonical order; empty before [`Stage::Finish`].
+    pub result: Vec<u32>,
+}
+
+/// The counts of a run.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Summary {
+    /// Building blocks.
+    pub blocks: usize,
+    /// Samples tiled inside the domain.
+    pub tiled: usize,
+    /// Samples tiled outside a bounded domain.
+    pub dropped: usize,
+    /// Samples eliminated.
+    pub eliminated: usize,
+    /// Samples inserted, by iteration.
+    pub inserted: Vec<usize>,
+    /// Samples in the result.
+    pub count: usize,
+}
+
+impl Run {
+    /// Returns the result's lattice points in canonical order.
+    #[must_use]
+    pub fn points(&self) -> Vec<Point> {
+        self.result
+            .iter()
+            .map(|&id| self.samples.points[id as usize])
+            .collect()
+    }
+
+    /// Returns the result in user units, in canonical order.
+    #[must_use]
+    pub fn positions(&self) -> Vec<[f64; 2]> {
+        let user = |&id: &u32| {
+            self.domain
+                .user_from_lattice(self.samples.points[id as usize])
+        };
+        self.result.iter().map(user).collect()
+    }
+
+    /// Returns the stages that have run, in their sequence.
+    #[must_use]
+    pub fn stages(&self) -> Vec<Stage> {
+        let mut stages = Vec::with_capacity(5 + self.iterations.len());
+        stages.push(Stage::Pattern);
+        if !self.blocks.leaves.is_empty() {
+            stages.push(Stage::Blocks);
+        }
+        if !self.tiles.is_empty() {
+            stages.push(Stage::Tile);
+            let decided = |fate: &Fate| !matches!(fate, Fate::Undecided | Fate::Dropped);
+            if self.samples.fates.iter().any(decided) {
+                stages.push(Stage::Eliminate);
+            }
+        }
+        stages.extend((1..=self.iterations.len() as u32).map(Stage::Iterate));
+        if !self.result.is_empty() {
+            stages.push(Stage::Finish);
+        }
+        stages
+    }
+
+    /// Returns how sample `id` stood after `stage`.
+    #[must_use]
+    pub fn standing(&self, id: u32, stage: Stage) -> Standing {
+        match self.samples.origins[id as usize] {
+            Origin::Inserted { iteration, .. } if stage >= Stage::Iterate(iteration) => {
+                Standing::Valid
+            }
+            Origin::Inserted { .. } => Standing::Absent,
+            Origin::Tiled { .. } if stage < Stage::Tile => Standing::Absent,
+            Origin::Tiled { .. } => match self.samples.fates[id as usize] {
+                Fate::Dropped => Standing::Dropped,
+                _ if stage < Stage::Eliminate => Standing::Tiled,
+                Fate::Undecided => Standing::Tiled,
+                Fate::Kept => Standing::Valid,
+                Fate::Eliminated { by } => Standing::Eliminated { by },
+            },
+        }
+    }
+
+    /// Returns the counts so far.
+    #[must_use]
+    pub fn summary(&self) -> Summary {
+        let count = |test: fn(&Fate) -> bool| self.samples.fates.iter().filter(|f| test(f)).count();
+        let inserted: Vec<usize> = self.iterations.iter().map(|i| i.inserted.len()).collect();
+        let dropped = count(|f| *f == Fate::Dropped);
+        Summary {
+            blocks: self.blocks.leaves.len(),
+            tiled: self.samples.len() - dropped - inserted.iter().sum::<usize>(),
+            dropped,
+            eliminated: count(|f| matches!(f, Fate::Eliminated { .. })),
+            inserted,
+            count: self.result.len(),
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Building blocks: the leaves of a random KD-tree over the domain (paper, Algorithm 1).
+//! Every node's key is derived from its parent's, so a branch never needs the others.
+
+use crate::lattice::{Domain, Point, Rect};
+use crate::random::{Key, Stream, below};
+
+/// An axis of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Axis {
+    /// Left to right.
+    X,
+    /// Bottom to top.
+    Y,
+}
+
+impl Axis {
+    const fn other(self) -> Self {
+        match self {
+            Self::X => Self::Y,
+            Self::Y => Self::X,
+        }
+    }
+}
+
+/// A node that was split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Split {
+    /// The node's rectangle.
+    pub rect: Rect,
+    /// The axis across which it was split.
+    pub axis: Axis,
+    /// The first coordinate of the upper child.
+    pub plane: i32,
+    /// Splits above it.
+    pub depth: u32,
+}
+
+/// A leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block {
+    /// The block's rectangle, half open.
+    pub rect: Rect,
+    /// The key from which the block's own draws are made.
+    pub key: Key,
+    /// Splits above it.
+    pub depth: u32,
+}
+
+/// The KD-tree: its splits in the sequence in which they were made (parents first, lower side
+/// first), and its leaves in the same sequence.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Blocks {
+    /// All splits.
+    pub splits: Vec<Split>,
+    /// All leaves; a block's index is its place here.
+    pub leaves: Vec<Block>,
+}
+
+/// Returns the building blocks of `domain`: rectangles that tile it, every edge in
+/// `[leaf, 2 leaf)` units, or the domain's own side where that is shorter than `2 leaf`.
+///
+/// Algorithm 1 splits while an extent exceeds the threshold, which would make shorter edges than
+/// it promises; here an axis is split only while its extent is at least twice the leaf.
+#[must_use]
+pub fn split(domain: &Domain, leaf: i32, key: Key) -> Blocks {
+    let mut blocks = Blocks::default();
+    let root = Block {
+        rect: domain.rect(),
+        key: key.derive(Stream::Split, 0),
+        depth: 0,
+    };
+    let mut stack = vec![(root, Axis::X)];
+    while let Some((node, axis)) = stack.pop() {
+        let Some(axis) = [axis, axis.other()]
+            .into_iter()
+            .find(|&a| extent(&node.rect, a) / 2 >= leaf)
+        else {
+            blocks.leaves.push(node);
+            continue;
+        };
+        let planes = (extent(&node.rect, axis) - 2 * leaf + 1) as u32;
+        let draw = below(node.key.draw(Stream::Plane, 0)[0], planes) as i32;
+        let plane = start(&node.rect, axis) + leaf + draw;
+        blocks.splits.push(Split {
+            rect: node.rect,
+            axis,
+            plane,
+            depth: node.depth,
+        });
+        let (lower, upper) = halves(&node.rect, axis, plane);
+        let child = |rect, side| {
+            let key = node.key.derive(Stream::Split, side);
+            (
+                Block {
+                    rect,
+                    key,
+                    depth: node.depth + 1,
+                },
+                axis.other(),
+            )
+        };
+        stack.push(child(upper, 1));
+        stack.push(child(lower, 0));
+    }
+    blocks
+}
+
+const fn start(rect: &Rect, axis: Axis) -> i32 {
+    match axis {
+        Axis::X => rect.min.x,
+        Axis::Y => rect.min.y,
+    }
+}
+
+const fn extent(rect: &Rect, axis: Axis) -> i32 {
+    match axis {
+        Axis::X => rect.width(),
+        Axis::Y => rect.height(),
+    }
+}
+
+const fn halves(rect: &Rect, axis: Axis, plane: i32) -> (Rect, Rect) {
+    match axis {
+        Axis::X => (
+            Rect {
+                min: rect.min,
+                max: Point::new(plane, rect.max.y),
+            },
+            Rect {
+                min: Point::new(plane, rect.min.y),
+                max: rect.max,
+            },
+        ),
+        Axis::Y => (
+            Rect {
+                min: rect.min,
+                max: Point::new(rect.max.x, plane),
+            },
+            Rect {
+                min: Point::new(rect.min.x, plane),
+                max: rect.max,
+            },
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::R;
+    use crate::parameters::Boundary;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn leaves_tile_the_domain_with_edges_in_range(
+            seed: u64,
+            width in 10.0_f64..400.0,
+            height in 10.0_f64..400.0,
+            leaf in 6.0_f64..60.0,
+            bounded: bool,
+        ) {
+            let boundary = if bounded { Boundary::Bounded } else { Boundary::Periodic };
+            let domain = Domain::from_size([width, height], 1.0, boundary).unwrap();
+            let leaf = (leaf * f64::from(R)) as i32;
+            let blocks = split(&domain, leaf, Key::from_seed(seed));
+            let whole = domain.rect();
+            prop_assert_eq!(blocks.splits.len() + 1, blocks.leaves.len());
+            let area = |r: &Rect| i64::from(r.width()) * i64::from(r.height());
+            prop_assert_eq!(blocks.leaves.iter().map(|b| area(&b.rect)).sum::<i64>(), area(&whole));
+            for (k, block) in blocks.leaves.iter().enumerate() {
+                for (edge, side) in [
+                    (block.rect.width(), whole.width()),
+                    (block.rect.height(), whole.height()),
+                ] {
+                    prop_assert!(edge < 2 * leaf);
+                    prop_assert!(edge >= leaf || edge == side && side < 2 * leaf);
+                }
+                for other in &blocks.leaves[k + 1..] {
+                    let (a, b) = (&block.rect, &other.rect);
+                    let apart = a.max.x <= b.min.x || b.max.x <= a.min.x
+                        || a.max.y <= b.min.y || b.max.y <= a.min.y;
+                    prop_assert!(apart);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_huge_leaf_gives_one_block() {
+        let domain = Domain::from_size([20.0; 2], 1.0, Boundary::Periodic).unwrap();
+        let blocks = split(&domain, i32::MAX / 2, Key::from_seed(0));
+        assert_eq!(blocks.leaves.len(), 1);
+        assert_eq!(blocks.leaves[0].rect, domain.rect());
+    }
+}

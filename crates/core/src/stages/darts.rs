@@ -1,0 +1,188 @@
+//! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler, and uniform
+//! insertion, which is the same process restricted to the gaps.
+//! It never depends on the sequence in which cells are visited.
+//!
+//! A level works on active cells of one side. Each throws a Poisson number of darts with uniform
+//! positions and random ranks; over all cells that is a uniform process in random sequence. Darts
+//! are taken by rank; one that no sample covers becomes a sample. Then every active cell is cut in
+//! four, and the quarters that no single sample covers are the active cells of the next level.
+//! Cells of one unit hold one point and throw exactly it, so the process ends with no lattice
+//! point of the active cells uncovered.
+
+use crate::error::SampleError;
+use crate::lattice::Point;
+use crate::progress::{Observer, Progress, Stage};
+use crate::random::{Key, Stream};
+use crate::stages::disks::{BASE_SIDE, Cell, DiskGrid};
+
+/// Cumulative probabilities, times 2^32, of 0, 1, 2, ... darts for a mean of 0.85 per active cell
+/// (the value of Ebeida et al.).
+const POISSON: [u32; 11] = [
+    0x6d6b_10a3,
+    0xca6c_7860,
+    0xf1f3_77aa,
+    0xfd26_8443,
+    0xff87_c3bd,
+    0xffef_5636,
+    0xfffe_026d,
+    0xffff_ca8a,
+    0xffff_fb00,
+    0xffff_ff94,
+    0xffff_fff8,
+];
+
+/// The number of levels: cells of R / 2 down to one unit.
+pub const LEVELS: u32 = BASE_SIDE.ilog2() + 1;
+
+struct Dart {
+    rank: u32,
+    point: Point,
+}
+
+/// A dart process in progress.
+pub struct DartProcess {
+    key: Key,
+    level: u32,
+    disks: DiskGrid,
+    active: Vec<Point>,
+}
+
+impl DartProcess {
+    /// Returns the process that adds samples to `disks` inside the base cells `active` until no
+    /// lattice point of those cells is uncovered.
+    #[must_use]
+    pub fn new(key: Key, disks: DiskGrid, active: Vec<Cell>) -> Self {
+        let active = active.into_iter().map(|cell| cell.min).collect();
+        Self {
+            key,
+            level: 0,
+            disks,
+            active,
+        }
+    }
+
+    /// Returns whether nothing is left to fill.
+    #[must_use]
+    pub fn is_finished(&self) -> bool {
+        self.active.is_empty()
+    }
+
+    /// Returns the active cells of the level to come.
+    #[must_use]
+    pub fn active_cells(&self) -> impl ExactSizeIterator<Item = Cell> {
+        let side = self.side();
+        self.active.iter().map(move |&min| Cell { min, side })
+    }
+
+    fn side(&self) -> i32 {
+        BASE_SIDE >> self.level.min(LEVELS - 1)
+    }
+
+    /// Runs one level and returns the new samples in the sequence of their ranks.
+    pub fn step(
+        &mut self,
+        stage: Stage,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Point>, SampleError> {
+        let mut ask = |done| {
+            let progress = Progress {
+                stage,
+                done,
+                total: 3,
+            };
+            match observer.observe(progress) {
+                std::ops::ControlFlow::Continue(()) => Ok(()),
+                std::ops::ControlFlow::Break(()) => Err(SampleError::Cancelled { stage }),
+            }
+        };
+        ask(0)?;
+        let darts = self.darts();
+        ask(1)?;
+        let mut accepted = Vec::new();
+        for dart in darts {
+            if !self.disks.covers(dart.point) {
+                // A cell of R / 2 holds one sample of a conflict-free set, a grid cell four.
+                let fits = self.disks.insert(dart.point);
+                debug_assert!(fits, "the set is conflict-free");
+                accepted.push(dart.point);
+            }
+        }
+        ask(2)?;
+        self.split();
+        ask(3)?;
+        Ok(accepted)
+    }
+
+    /// Returns the darts of this level that no sample of earlier levels covers, by rank.
+    fn darts(&self) -> Vec<Dart> {
+        let key = self.key.derive(Stream::Level, self.level);
+        let side = self.side();
+        let shift = 16 - side.ilog2();
+        let domain = self.disks.domain().rect();
+        let mut darts = Vec::new();
+        for &min in &self.active {
+            let cell = key.derive_at(min.x, min.y);
+            let count = if side == 1 {
+                1
+            } else {
+                poisson(cell.words()[0])
+            };
+            for index in 0..count {
+                let [place, rank] = cell.draw(Stream::Dart, index);
+                let right = ((place >> 16) >> shift) as i32;
+                let up = ((place & 0xffff) >> shift) as i32;
+                let point = Point::new(min.x + right, min.y + up);
+                if domain.contains(point) && !self.disks.covers(point) {
+                    darts.push(Dart { rank, point });
+                }
+            }
+        }
+        darts.sort_unstable_by_key(|dart| (dart.rank, dart.point.row_major()));
+        darts
+    }
+
+    fn split(&mut self) {
+        let side = self.side();
+        self.level += 1;
+        if side == 1 {
+            self.active.clear();
+            return;
+        }
+        let mut next = Vec::with_capacity(self.active.len());
+        let mut near = Vec::with_capacity(32);
+        for &min in &self.active {
+            self.disks
+                .uncovered_quarters(Cell { min, side }, &mut near, &mut next);
+        }
+        self.active = next;
+    }
+}
+
+/// Returns the Poisson count of mean 0.85 for a uniform word.
+fn poisson(word: u32) -> u32 {
+    POISSON.iter().take_while(|&&bound| word >= bound).count() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_follow_the_poisson_distribution() {
+        let mut expected = (-0.85_f64).exp();
+        let mut cumulative = 0.0;
+        for (k, &bound) in POISSON.iter().enumerate().take(8) {
+            cumulative += expected;
+            let stated = f64::from(bound) / 2.0_f64.powi(32);
+            assert!(
+                (stated - cumulative).abs() < 1e-6,
+                "{k}: {stated} {cumulative}"
+            );
+            expected *= 0.85 / (k as f64 + 1.0);
+        }
+        assert_eq!(poisson(0), 0);
+        assert_eq!(poisson(POISSON[0] - 1), 0);
+        assert_eq!(poisson(POISSON[0]), 1);
+        assert_eq!(poisson(u32::MAX), 11);
+    }
+}

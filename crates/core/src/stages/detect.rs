@@ -1,0 +1,285 @@
+//! Gap detection: which samples look for gaps, and the uncovered places that they find (paper,
+//! Theorem 3.2 and Algorithm 3). It never inserts anything.
+//!
+//! *Definition.* A candidate of a detector i is a lattice point c of the domain with |c - i| at
+//! most the [`Reach::radius`] that no sample covers and that is one of
+//! - the circumcentre, rounded half up, of i and two samples m, n within [`Reach::search`] of i,
+//! - in a bounded domain, the place of a border line as far from i as from such an m, rounded,
+//! - in a bounded domain, a corner,
+//!
+//! such that no sample p has |p - c|^2 < min over those samples of |. - c|^2, less 12 R.
+//!
+//! *It misses no gap.* An uncovered Voronoi vertex is at most 2r (+ 2 units) from the samples:
+//! every lattice point was covered by a tiled sample, which a survivor covers if it was
+//! eliminated. In a bounded domain that holds one radius inside the border, so that on the border
+//! the bound is (2 + sqrt 2) r = 3.42 r. Rounding the vertex moves a distance d by at most 0.71
+//! units and its square by at most 1.42 d + 0.5; the two sides of the last condition differ by less
+//! than 2.83 d + 1 <= 9.7 R, below the 12 R allowed. So every uncovered Voronoi vertex, border
+//! crossing and corner is a candidate of its sites, unless its rounded place is covered.
+//!
+//! *The sites are detectors.* Walk from such a place straight to a site: the walk stays in the
+//! site's Voronoi cell, so it becomes covered on the site's own circle; the last uncovered point
+//! before was covered by an eliminated or dropped sample, within r (+ 4 units of slack, since
+//! patterns cover lattice points), so the site is within 2r of that sample.
+
+use crate::circumcentre::{Offset, circumcentre, on_line};
+use crate::grid::SampleGrid;
+use crate::lattice::{Domain, Point, R, R_SQUARED};
+use crate::parameters::Search;
+use crate::run::{Fate, Samples};
+use crate::stages::voronoi::RelaxedCell;
+
+/// How far a first detector may be from an eliminated sample: 2r and 4 units.
+pub const DETECTOR_REACH: i32 = 2 * R + 4;
+
+/// By how much, in squared units, a sample may be nearer to a candidate than the candidate's own.
+const NEARER_SLACK: i64 = 12 * R as i64;
+
+/// The samples that make a candidate. The lowest of several such sets is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Sites {
+    /// A circumcentre of three samples, by id.
+    Three([u32; 3]),
+    /// A border point as far from two samples.
+    Border([u32; 2]),
+    /// A corner of the domain, found by one sample.
+    Corner(u32),
+    /// A dart: no samples are concerned.
+    Dart,
+}
+
+/// An uncovered place where a sample may be inserted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Candidate {
+    /// The place.
+    pub point: Point,
+    /// What made it.
+    pub sites: Sites,
+}
+
+/// How far detection looks, in units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reach {
+    /// The farthest that a candidate may be from its detector.
+    pub radius: i32,
+    /// The farthest that the other samples of a candidate may be from the detector.
+    pub search: i32,
+}
+
+impl Reach {
+    /// Returns the reach in `domain`: candidates within 2r, samples within 4r (3.5r and 7r in a
+    /// bounded domain), a few units more for rounding; or 2r for the samples as an experiment.
+    #[must_use]
+    pub const fn new(domain: &Domain, search: Search) -> Self {
+        let radius = if domain.is_periodic() {
+            2 * R + 16
+        } else {
+            7 * R / 2
+        };
+        match search {
+            Search::Complete => Self {
+                radius,
+                search: 2 * radius,
+            },
+            Search::TwoRadii => Self {
+                radius,
+                search: 2 * R,
+            },
+        }
+    }
+}
+
+/// Returns the detectors of iteration 1, by id: survivors within [`DETECTOR_REACH`] of a sample
+/// that was eliminated or dropped. `survivors` holds all kept samples.
+#[must_use]
+pub fn first_detectors(samples: &Samples, survivors: &SampleGrid) -> Vec<u32> {
+    let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
+    let mut is_detector = vec![false; samples.len()];
+    for (&point, &fate) in samples.points.iter().zip(&samples.fates) {
+        if matches!(fate, Fate::Eliminated { .. } | Fate::Dropped) {
+            survivors.any_near(point, DETECTOR_REACH, |near| {
+                if norm_squared((near.offset.0.into(), near.offset.1.into())) <= limit {
+                    is_detector[near.id as usize] = true;
+                }
+                false
+            });
+        }
+    }
+    (0..)
+        .zip(is_detector)
+        .filter(|&(_, is)| is)
+        .map(|(id, _)| id)
+        .collect()
+}
+
+/// Finds candidates; keeps its buffers between detectors.
+pub struct Detection<'a> {
+    domain: Domain,
+    reach: Reach,
+    survivors: &'a SampleGrid,
+    cell: RelaxedCell,
+    near: Vec<Site>,
+    concerned: Vec<Site>,
+}
+
+#[derive(Clone, Copy)]
+struct Site {
+    offset: Offset,
+    id: u32,
+}
+
+impl<'a> Detection<'a> {
+    /// Returns a detection among `survivors`, which holds all valid samples.
+    #[must_use]
+    pub fn new(domain: Domain, search: Search, survivors: &'a SampleGrid) -> Self {
+        Self {
+            domain,
+            reach: Reach::new(&domain, search),
+            survivors,
+            cell: RelaxedCell::default(),
+            near: Vec::new(),
+            concerned: Vec::new(),
+        }
+    }
+
+    /// Appends the candidates of detector `id` at `at`, some of them more than once.
+    pub fn find(&mut self, id: u32, at: Point, out: &mut Vec<Candidate>) {
+        self.start_cell(at);
+        // Most detectors have no gap, and their neighbours within 2r prove it.
+        self.clip_cell(id, at, 2 * R);
+        if self.cell.is_covered() {
+            return;
+        }
+        self.clip_cell(id, at, 2 * self.reach.radius);
+        if self.cell.is_covered() {
+            return;
+        }
+        let own = Site { offset: (0, 0), id };
+        self.near.push(own);
+        let limit = i64::from(self.reach.search) * i64::from(self.reach.search);
+        self.concerned.clear();
+        self.concerned.extend(self.near.iter().filter(|site| {
+            site.id != id
+                && norm_squared(site.offset) <= limit
+                && self
+                    .cell
+                    .may_concern((site.offset.0 as i32, site.offset.1 as i32))
+        }));
+        self.find_circumcentres(own, at, out);
+        if !self.domain.is_periodic() {
+            self.find_on_border(own, at, out);
+            self.find_corners(own, at, out);
+        }
+    }
+
+    /// Starts the relaxed cell of a sample at `at` with all places that may be candidates.
+    fn start_cell(&mut self, at: Point) {
+        let reach = f64::from(self.reach.radius);
+        let (mut min, mut max) = ([-reach; 2], [reach; 2]);
+        if !self.domain.is_periodic() {
+            let (low, high) = self.border_offsets(at);
+            for axis in 0..2 {
+                min[axis] = min[axis].max(low[axis] as f64);
+                max[axis] = max[axis].min(high[axis] as f64);
+            }
+        }
+        self.cell.reset(min, max);
+    }
+
+    fn clip_cell(&mut self, id: u32, at: Point, reach: i32) {
+        self.near.clear();
+        let (near, cell) = (&mut self.near, &mut self.cell);
+        self.survivors.any_near(at, reach, |other| {
+            if other.id != id {
+                let (x, y) = other.offset;
+                cell.clip(other.offset);
+                near.push(Site {
+                    offset: (x.into(), y.into()),
+                    id: other.id,
+                });
+            }
+            false
+        });
+    }
+
+    fn find_circumcentres(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
+        for (k, m) in self.concerned.iter().enumerate() {
+            for n in &self.concerned[k + 1..] {
+                let Some(centre) = circumcentre(m.offset, n.offset) else {
+                    continue;
+                };
+                if let Some(point) = self.accept(at, centre, &[own, *m, *n]) {
+                    let mut ids = [own.id, m.id, n.id];
+                    ids.sort_unstable();
+                    out.push(Candidate {
+                        point,
+                        sites: Sites::Three(ids),
+                    });
+                }
+            }
+        }
+    }
+
+    fn find_on_border(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
+        let (low, high) = self.border_offsets(at);
+        for m in &self.concerned {
+            let swapped = (m.offset.1, m.offset.0);
+            let places = [
+                on_line(low[0], m.offset).map(|y| (low[0], y)),
+                on_line(high[0], m.offset).map(|y| (high[0], y)),
+                on_line(low[1], swapped).map(|x| (x, low[1])),
+                on_line(high[1], swapped).map(|x| (x, high[1])),
+            ];
+            for place in places.into_iter().flatten() {
+                if let Some(point) = self.accept(at, place, &[own, *m]) {
+                    let sites = Sites::Border([own.id.min(m.id), own.id.max(m.id)]);
+                    out.push(Candidate { point, sites });
+                }
+            }
+        }
+    }
+
+    fn find_corners(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
+        let (low, high) = self.border_offsets(at);
+        for corner in [low, [high[0], low[1]], [low[0], high[1]], high] {
+            if let Some(point) = self.accept(at, (corner[0], corner[1]), &[own]) {
+                out.push(Candidate {
+                    point,
+                    sites: Sites::Corner(own.id),
+                });
+            }
+        }
+    }
+
+    /// Returns the offsets from `at` of the lowest and highest coordinates of a bounded domain.
+    fn border_offsets(&self, at: Point) -> ([i64; 2], [i64; 2]) {
+        let low = [-i64::from(at.x), -i64::from(at.y)];
+        let high = [self.domain.width() - at.x, self.domain.height() - at.y].map(i64::from);
+        (low, high)
+    }
+
+    /// Returns the lattice point at `centre` from the detector at `at` if it is a candidate made
+    /// by `sites`: the definition, word for word.
+    fn accept(&self, at: Point, centre: Offset, sites: &[Site]) -> Option<Point> {
+        let reach = i64::from(self.reach.radius);
+        if norm_squared(centre) > reach * reach {
+            return None;
+        }
+        let distance = |site: &Site| norm_squared(minus(site.offset, centre));
+        let nearest = sites.iter().map(distance).min()?;
+        let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
+        if self.near.iter().any(|site| distance(site) < limit) {
+            return None;
+        }
+        let (x, y) = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
+        self.domain.wrap(x, y)
+    }
+}
+
+const fn minus(a: Offset, b: Offset) -> Offset {
+    (a.0 - b.0, a.1 - b.1)
+}
+
+const fn norm_squared(a: Offset) -> i64 {
+    a.0 * a.0 + a.1 * a.1
+}

@@ -1,0 +1,257 @@
+//! A compact grid for conflict-free sets: cells of one radius with a few packed slots.
+//! It answers coverage questions for the dart process and the pattern check, and knows no ids.
+
+use crate::grid::spans;
+use crate::lattice::{Domain, Point, R, R_SQUARED, covers_offset};
+
+/// Samples in one cell: three points of a half-open square of side R can be farther than R apart
+/// from each other, four cannot (two of them would share a quarter or face each other across it).
+const SLOTS: usize = 4;
+const EMPTY: u32 = u32::MAX;
+const LOW_BITS: i32 = R - 1;
+
+/// A conflict-free set of samples that grows.
+#[derive(Clone)]
+pub struct DiskGrid {
+    domain: Domain,
+    columns: usize,
+    cells: Vec<[u32; SLOTS]>,
+}
+
+/// A square of lattice points, `side` units wide, that starts at `min`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The lowest point inside.
+    pub min: Point,
+    /// Units along each side: a power of two.
+    pub side: i32,
+}
+
+impl DiskGrid {
+    /// Returns an empty grid over `domain`.
+    #[must_use]
+    pub fn new(domain: Domain) -> Self {
+        let rect = domain.rect();
+        let columns = ((rect.max.x - 1) / R + 1) as usize;
+        let rows = ((rect.max.y - 1) / R + 1) as usize;
+        Self {
+            domain,
+            columns,
+            cells: vec![[EMPTY; SLOTS]; columns * rows],
+        }
+    }
+
+    /// Returns the domain.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Adds a sample; returns `false`, and adds nothing, when its cell is full, which only happens
+    /// in a set that is not conflict-free.
+    #[must_use]
+    pub fn insert(&mut self, p: Point) -> bool {
+        let cell = (p.y / R) as usize * self.columns + (p.x / R) as usize;
+        let packed = (((p.y & LOW_BITS) << 15) | (p.x & LOW_BITS)) as u32;
+        let free = self.cells[cell].iter_mut().find(|slot| **slot == EMPTY);
+        free.map(|slot| *slot = packed).is_some()
+    }
+
+    /// Calls `visit` with the offset (the shortest way around) from `from` of every sample in the
+    /// cells that touch `[from - below, from + above]` on both axes, until it returns `true`.
+    #[inline]
+    fn any_near(
+        &self,
+        from: Point,
+        below: i32,
+        above: i32,
+        mut visit: impl FnMut((i32, i32)) -> bool,
+    ) -> bool {
+        let rect = self.domain.rect();
+        let periodic = self.domain.is_periodic();
+        // spans() takes a centre and a reach; an odd width is rounded outwards.
+        let reach = (below + above + 1) / 2;
+        let shift = reach - below;
+        let (rows, row_spans) = spans(from.y + shift, reach, rect.max.y, periodic);
+        let (columns, column_spans) = spans(from.x + shift, reach, rect.max.x, periodic);
+        for &(row_min, row_max) in &rows[..row_spans] {
+            for row in row_min..=row_max {
+                for &(column_min, column_max) in &columns[..column_spans] {
+                    for column in column_min..=column_max {
+                        let slots = &self.cells[row as usize * self.columns + column as usize];
+                        for &packed in slots {
+                            if packed == EMPTY {
+                                break;
+                            }
+                            let p = Point::new(
+                                (column << 15) | (packed as i32 & LOW_BITS),
+                                (row << 15) | (packed >> 15) as i32,
+                            );
+                            if visit(self.domain.difference(from, p)) {
+                                return true;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    /// Returns whether any sample covers `point`.
+    #[inline]
+    #[must_use]
+    pub fn covers(&self, point: Point) -> bool {
+        self.any_near(point, R, R, |(dx, dy)| covers_offset(dx, dy))
+    }
+
+    /// Appends to `out` the quarters of `cell` that hold points of the domain and are not covered
+    /// by a single sample.
+    pub fn uncovered_quarters(&self, cell: Cell, near: &mut Vec<(i32, i32)>, out: &mut Vec<Point>) {
+        near.clear();
+        self.any_near(cell.min, R, cell.side - 1 + R, |offset| {
+            near.push(offset);
+            false
+        });
+        let half = cell.side / 2;
+        let max = self.domain.rect().max;
+        for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
+            let min = Point::new(cell.min.x + right, cell.min.y + up);
+            if min.x >= max.x || min.y >= max.y {
+                continue;
+            }
+            let extent = (half.min(max.x - min.x) - 1, half.min(max.y - min.y) - 1);
+            let covered = near
+                .iter()
+                .any(|&(dx, dy)| farthest_squared((dx - right, dy - up), extent) <= R_SQUARED);
+            if !covered {
+                out.push(min);
+            }
+        }
+    }
+
+    /// Returns whether one sample covers every domain point of `cell`, counting distances up to
+    /// the root of `R^2 + slack`.
+    #[must_use]
+    pub fn covers_cell(&self, cell: Cell, slack: i64) -> bool {
+        let max = self.domain.rect().max;
+        let extent = (
+            cell.side.min(max.x - cell.min.x) - 1,
+            cell.side.min(max.y - cell.min.y) - 1,
+        );
+        // One unit more than R where the slack lets disks grow beyond it.
+        let reach = R + i32::from(slack > 0);
+        self.any_near(cell.min, reach, cell.side - 1 + reach, |offset| {
+            farthest_squared(offset, extent) <= R_SQUARED + slack
+        })
+    }
+
+    /// Returns a lattice point of the domain that no sample covers, counting distances up to the
+    /// root of `R^2 + slack`, or `None`: an exact proof that the set is maximal on the lattice.
+    #[must_use]
+    pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
+        let mut stack = base_cells(&self.domain);
+        while let Some(cell) = stack.pop() {
+            if self.covers_cell(cell, slack) {
+                continue;
+            }
+            if cell.side == 1 {
+                return Some(cell.min);
+            }
+            let half = cell.side / 2;
+            for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                let min = Point::new(cell.min.x + right, cell.min.y + up);
+                if self.domain.rect().contains(min) {
+                    stack.push(Cell { min, side: half });
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Side of the cells at which the dart process starts: R / 2, so that one sample can cover a cell.
+pub const BASE_SIDE: i32 = R / 2;
+
+/// Returns the base cells that tile the domain, row by row.
+#[must_use]
+pub fn base_cells(domain: &Domain) -> Vec<Cell> {
+    let max = domain.rect().max;
+    let starts = |extent: i32| (0..=(extent - 1) / BASE_SIDE).map(|k| k * BASE_SIDE);
+    starts(max.y)
+        .flat_map(|y| {
+            starts(max.x).map(move |x| Cell {
+                min: Point::new(x, y),
+                side: BASE_SIDE,
+            })
+        })
+        .collect()
+}
+
+/// Returns the squared distance from a sample at `offset` from a rectangle's lowest point to the
+/// farthest lattice point of the rectangle, which ends at `extent`.
+#[inline]
+fn farthest_squared(offset: (i32, i32), extent: (i32, i32)) -> i64 {
+    let dx = i64::from(offset.0.abs().max((offset.0 - extent.0).abs()));
+    let dy = i64::from(offset.1.abs().max((offset.1 - extent.1).abs()));
+    dx * dx + dy * dy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Boundary;
+
+    #[test]
+    fn a_gap_of_one_lattice_point_is_found() {
+        // Samples R apart on a square lattice cover everything; take one away and look again.
+        let side = 10 * R;
+        let domain = Domain::from_units(side, side, Boundary::Periodic);
+        let fill = |skip: Option<Point>| {
+            let mut disks = DiskGrid::new(domain);
+            for y in 0..10 {
+                for x in 0..10 {
+                    let p = Point::new(x * R, y * R);
+                    if Some(p) != skip {
+                        assert!(disks.insert(p));
+                    }
+                }
+            }
+            disks
+        };
+        assert_eq!(fill(None).uncovered_point(0), None);
+        let missing = Point::new(0, 9 * R);
+        // Its four neighbours still cover all but the missing sample's own... nothing: they are
+        // exactly R away, so only points nearer to it than to them stay open.
+        let disks = fill(Some(missing));
+        let witness = disks.uncovered_point(0);
+        assert_eq!(
+            witness, None,
+            "neighbours at distance R cover the sample's own place too"
+        );
+        let other = Point::new(0, 8 * R);
+        let mut disks = DiskGrid::new(domain);
+        for y in 0..10 {
+            for x in 0..10 {
+                let p = Point::new(x * R, y * R);
+                if p != missing && p != other {
+                    assert!(disks.insert(p));
+                }
+            }
+        }
+        let witness = disks
+            .uncovered_point(0)
+            .expect("two missing samples leave a gap");
+        assert!(!disks.covers(witness));
+    }
+
+    #[test]
+    fn a_full_cell_refuses_more() {
+        let domain = Domain::from_units(10 * R, 10 * R, Boundary::Bounded);
+        let mut disks = DiskGrid::new(domain);
+        for k in 0..4 {
+            assert!(disks.insert(Point::new(k, 0)));
+        }
+        assert!(!disks.insert(Point::new(9, 9)));
+    }
+}

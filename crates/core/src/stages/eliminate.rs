@@ -1,0 +1,62 @@
+//! Elimination: samples claim their disks in an order (paper, Algorithm 4, first loop). The
+//! survivors are the greedy maximal independent set of the conflict graph in that order.
+
+use crate::error::SampleError;
+use crate::grid::SampleGrid;
+use crate::lattice::{Domain, R, covers_offset};
+use crate::progress::Meter;
+use crate::run::{Fate, Origin, Samples};
+use crate::stages::blocks::Blocks;
+use crate::stages::order::Ranking;
+
+/// Returns the ids of the samples that may be in conflict, by rank, then id: those inside the
+/// domain that are in a margin or within 2r of their block's border. Deeper ones are farther than
+/// r from every margin sample, since margins end r inside a neighbour.
+#[must_use]
+pub fn contested(samples: &Samples, blocks: &Blocks, ranking: &Ranking) -> Vec<u32> {
+    let mut ranked: Vec<(u32, u32)> = Vec::new();
+    for (id, (&point, &origin)) in (0..).zip(samples.points.iter().zip(&samples.origins)) {
+        let Origin::Tiled { block, own, .. } = origin else {
+            continue;
+        };
+        let near = !own || blocks.leaves[block as usize].rect.depth(point) <= 2 * R;
+        if near && samples.fates[id as usize] != Fate::Dropped {
+            ranked.push((ranking.rank(point, own), id));
+        }
+    }
+    ranked.sort_unstable();
+    ranked.into_iter().map(|(_, id)| id).collect()
+}
+
+/// Decides the fate of every undecided sample: `Kept`, or `Eliminated` by the first kept sample
+/// that covers it. `contested` lists, in order, all that may be in conflict.
+pub(crate) fn eliminate(
+    domain: &Domain,
+    samples: &mut Samples,
+    contested: &[u32],
+    mut meter: Meter<'_>,
+) -> Result<(), SampleError> {
+    let mut grid = SampleGrid::with_capacity(*domain, contested.len());
+    for &id in contested {
+        grid.insert(id, samples.points[id as usize]);
+    }
+    for &id in contested {
+        if samples.fates[id as usize] == Fate::Undecided {
+            samples.fates[id as usize] = Fate::Kept;
+            grid.any_near(samples.points[id as usize], R, |near| {
+                let fate = &mut samples.fates[near.id as usize];
+                if *fate == Fate::Undecided && covers_offset(near.offset.0, near.offset.1) {
+                    *fate = Fate::Eliminated { by: id };
+                }
+                false
+            });
+        }
+        meter.tick()?;
+    }
+    for fate in &mut samples.fates {
+        if *fate == Fate::Undecided {
+            *fate = Fate::Kept;
+        }
+    }
+    meter.end()
+}

@@ -1,0 +1,45 @@
+//! Insertion: the greedy independent set of the candidates, in a random order keyed by iteration
+//! and place (paper, Algorithm 4, second loop). It never looks for gaps.
+
+use crate::grid::SampleGrid;
+use crate::random::{Key, Stream};
+use crate::run::{Fate, Origin, Samples};
+use crate::stages::detect::Candidate;
+
+/// Sorts candidates by place and keeps one of each place: the one with the lowest sites.
+pub fn unique(candidates: &mut Vec<Candidate>) {
+    candidates.sort_unstable_by_key(|c| (c.point.row_major(), c.sites));
+    candidates.dedup_by_key(|c| c.point);
+}
+
+/// Inserts candidates into `samples` and `survivors` and returns the ids of the inserted ones.
+///
+/// Candidates are taken in the order of a draw keyed by `iteration` and place; one that no sample
+/// inserted before it covers is inserted. They must be unique and uncovered.
+pub fn insert(
+    samples: &mut Samples,
+    survivors: &mut SampleGrid,
+    candidates: &[Candidate],
+    iteration: u32,
+    key: Key,
+) -> std::ops::Range<u32> {
+    let key = key.derive(Stream::Iteration, iteration);
+    let mut ranked: Vec<(u32, &Candidate)> = candidates
+        .iter()
+        .map(|c| (key.draw_at(c.point.x, c.point.y)[0], c))
+        .collect();
+    ranked.sort_unstable_by_key(|(rank, c)| (*rank, c.point.row_major()));
+    let first = samples.len() as u32;
+    for (_, candidate) in ranked {
+        if !survivors.covers(candidate.point) {
+            let id = samples.len() as u32;
+            survivors.insert(id, candidate.point);
+            let origin = Origin::Inserted {
+                iteration,
+                sites: candidate.sites,
+            };
+            samples.push(candidate.point, origin, Fate::Kept);
+        }
+    }
+    first..samples.len() as u32
+}

@@ -1,0 +1,111 @@
+//! Clip and tile: every block, enlarged by r, receives a clip of the pattern (paper, Algorithm 2).
+//! It never resolves a conflict: neighbouring clips overlap by design.
+
+use crate::error::SampleError;
+use crate::lattice::{Domain, Point, R, Rect};
+use crate::pattern::{Pattern, PatternError, Symmetry, Variant};
+use crate::progress::Meter;
+use crate::random::{Stream, below};
+use crate::run::{Fate, Origin, Samples};
+use crate::stages::blocks::{Block, Blocks};
+
+/// What a block clipped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// The pattern's place that came to lie on the enlarged block's lowest corner.
+    pub start: Point,
+    /// The symmetry under which the pattern was clipped.
+    pub symmetry: Symmetry,
+    /// The ids of the tile's samples.
+    pub samples: std::ops::Range<u32>,
+}
+
+/// Appends every block's clip to `samples`, block by block and row by row, and returns the tiles.
+///
+/// In a periodic domain positions wrap; in a bounded one samples outside are [`Fate::Dropped`].
+/// With each block enlarged by r the union of the tiles is maximal (paper, Theorem 3.1): a
+/// pattern sample farther than r from a block cannot cover a point of it.
+pub(crate) fn tile(
+    domain: &Domain,
+    blocks: &Blocks,
+    pattern: &Pattern,
+    dihedral: bool,
+    samples: &mut Samples,
+    mut meter: Meter<'_>,
+) -> Result<Vec<Tile>, SampleError> {
+    let variants: Vec<Variant> = (0..if dihedral { 8 } else { 1 })
+        .map(|s| pattern.variant(Symmetry(s)))
+        .collect();
+    let mut clip = Vec::new();
+    let mut tiles = Vec::with_capacity(blocks.leaves.len());
+    for (block, index) in blocks.leaves.iter().zip(0..) {
+        let symmetry = below(
+            block.key.draw(Stream::Dihedral, 0)[0],
+            variants.len() as u32,
+        );
+        let variant = &variants[symmetry as usize];
+        let start = start(block, variant)?;
+        let (width, height) = enlarged(&block.rect);
+        clip.clear();
+        variant.clip(start, width, height, |x, y, id| clip.push((y, x, id)));
+        // A seam of the repeated pattern may break the order within a row.
+        clip.sort_unstable();
+        let first = samples.len() as u32;
+        for &(y, x, pattern) in &clip {
+            let x = i64::from(block.rect.min.x) - i64::from(R) + i64::from(x);
+            let y = i64::from(block.rect.min.y) - i64::from(R) + i64::from(y);
+            place(domain, &block.rect, (x, y), index, pattern, samples);
+        }
+        let samples = first..samples.len() as u32;
+        tiles.push(Tile {
+            start,
+            symmetry: Symmetry(symmetry as u8),
+            samples,
+        });
+        meter.tick()?;
+    }
+    meter.end()?;
+    Ok(tiles)
+}
+
+fn place(
+    domain: &Domain,
+    block: &Rect,
+    (x, y): (i64, i64),
+    index: u32,
+    pattern: u32,
+    samples: &mut Samples,
+) {
+    let inside = |x: i64, min: i32, max: i32| (i64::from(min)..i64::from(max)).contains(&x);
+    let own = inside(x, block.min.x, block.max.x) && inside(y, block.min.y, block.max.y);
+    let origin = Origin::Tiled {
+        block: index,
+        pattern,
+        own,
+    };
+    match domain.wrap(x, y) {
+        Some(point) => samples.push(point, origin, Fate::Undecided),
+        // At most one radius outside, so 32 bits hold it.
+        None => samples.push(Point::new(x as i32, y as i32), origin, Fate::Dropped),
+    }
+}
+
+const fn enlarged(rect: &Rect) -> (i32, i32) {
+    (rect.width() + 2 * R, rect.height() + 2 * R)
+}
+
+fn start(block: &Block, variant: &Variant) -> Result<Point, PatternError> {
+    let (width, height) = enlarged(&block.rect);
+    let radii = |units: i32| f64::from(units) / f64::from(R);
+    let starts = variant
+        .starts(width, height)
+        .ok_or_else(|| PatternError::TooSmall {
+            block: [radii(block.rect.width()), radii(block.rect.height())],
+            pattern: [radii(variant.width), radii(variant.height)],
+        })?;
+    let [x, y] = block.key.draw(Stream::Offset, 0);
+    Ok(Point::new(
+        below(x, starts.max.x as u32) as i32,
+        below(y, starts.max.y as u32) as i32,
+    ))
+}

@@ -1,0 +1,67 @@
+//! Uniform insertion: the dart process of the reference sampler, restricted to the gaps. It has no
+//! bias within a gap and leaves no lattice point uncovered.
+
+use crate::lattice::{Domain, Point, R};
+use crate::random::{Key, Stream};
+use crate::run::{Fate, Samples};
+use crate::stages::darts::DartProcess;
+use crate::stages::disks::{BASE_SIDE, Cell, DiskGrid};
+
+/// Units beyond r within which an eliminated sample's disk is taken to have covered a place.
+const SLACK: i32 = 4;
+
+/// Returns the dart process that fills the gaps which eliminated and dropped samples left.
+///
+/// An uncovered place was covered by one of those, so the base cells that their disks touch
+/// contain every gap.
+#[must_use]
+pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
+    let mut disks = DiskGrid::new(domain);
+    let mut cells = Vec::new();
+    for (&point, &fate) in samples.points.iter().zip(&samples.fates) {
+        if fate == Fate::Kept {
+            let fits = disks.insert(point);
+            debug_assert!(fits, "survivors are conflict-free");
+        } else {
+            touched_cells(&domain, point, &mut cells);
+        }
+    }
+    cells.sort_unstable_by_key(|min| min.row_major());
+    cells.dedup();
+    let active = cells
+        .into_iter()
+        .map(|min| Cell {
+            min,
+            side: BASE_SIDE,
+        })
+        .filter(|&cell| !disks.covers_cell(cell, 0))
+        .collect();
+    // The iterations' stream keeps these draws apart from the reference sampler's of equal seed.
+    DartProcess::new(key.derive(Stream::Iteration, 0), disks, active)
+}
+
+/// Appends the lowest points of the base cells that the box around a sample's disk touches.
+fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
+    let reach = i64::from(R + SLACK);
+    let starts = |x: i32, extent: i32| {
+        let (low, high) = (i64::from(x) - reach, i64::from(x) + reach);
+        let extent = i64::from(extent);
+        let mut starts = Vec::with_capacity(7);
+        for shift in [-extent, 0, extent] {
+            if shift != 0 && !domain.is_periodic() {
+                continue;
+            }
+            let (low, high) = ((low + shift).max(0), (high + shift).min(extent - 1));
+            if low <= high {
+                let side = i64::from(BASE_SIDE);
+                starts.extend((low / side..=high / side).map(|k| (k * side) as i32));
+            }
+        }
+        starts
+    };
+    let max = domain.rect().max;
+    let columns = starts(centre.x, max.x);
+    for y in starts(centre.y, max.y) {
+        out.extend(columns.iter().map(|&x| Point::new(x, y)));
+    }
+}
