@@ -1,0 +1,187 @@
+//! The certificate: a JSON document that states what a point-set file holds and what was verified.
+//!
+//! Written beside a data file as `<file>.certificate.json`, and inside a JSON point set. Never states what was meant to be
+//! written: every number is of the positions read back from the file.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::{Region, Report};
+
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+
+/// The version this crate writes; higher ones are refused on reading.
+pub const CERTIFICATE_FORMAT_VERSION: u32 = 1;
+
+/// What a certificate's file name has after the data file's name.
+pub const CERTIFICATE_SUFFIX: &str = ".certificate.json";
+
+/// The largest certificate file read, 4 MiB. One is about 2 KiB; the rest is room for parameters, and a
+/// data file given in its place by mistake is refused before it is parsed.
+pub const MAX_CERTIFICATE_BYTES: usize = 4 << 20;
+
+/// What storing the positions did to them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rounding {
+    /// The largest change of a coordinate, in domain units, around the torus when periodic.
+    pub largest_shift: f64,
+    /// Whether a set that was conflict-free before has conflicts now.
+    pub made_conflicts: bool,
+    /// Whether a set that was maximal before has gaps now.
+    pub made_gaps: bool,
+    /// The same in a sentence.
+    pub note: String,
+}
+
+/// What a point-set file holds, how it was made and what the verifier found. Lengths are in domain units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// Version of this document's layout, see [`CERTIFICATE_FORMAT_VERSION`].
+    pub format_version: u32,
+    /// The program that wrote the file.
+    pub program: String,
+    /// Its version.
+    pub program_version: String,
+    /// The sampling method.
+    pub method: String,
+    /// The seed and every other parameter of the method, by name.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// The region of the positions.
+    pub region: Region,
+    /// The sampling radius.
+    pub radius: f64,
+    /// Relative tolerance of maximality used by the verifier.
+    pub covering_tolerance: f64,
+    /// Number of points.
+    pub count: u64,
+    /// Smallest distance between two points; null for a single point of a bounded region.
+    pub min_distance: Option<f64>,
+    /// Radius of the largest empty circle centred in the region.
+    pub covering_radius: f64,
+    /// Pairs closer than the radius.
+    pub conflicts: u64,
+    /// Places where a point could be added.
+    pub gaps: u64,
+    /// `N r^2 / area`.
+    pub density: f64,
+    /// `min_distance / r_max`; null where `min_distance` is.
+    pub relative_radius: Option<f64>,
+    /// The verdict: conflict-free and maximal.
+    pub valid: bool,
+    /// The data file's name when it was written, without folders.
+    pub file: String,
+    /// Its format.
+    pub file_format: Format,
+    /// Number type of its coordinates.
+    pub precision: Precision,
+    /// Domain length of one unit of the file: the region's width in unit-torus formats, otherwise 1.
+    pub scale: f64,
+    /// The seed of the order in which the points were written, if they were shuffled.
+    pub shuffle_seed: Option<u64>,
+    /// What storing changed; null when every position is as it was, to the bit.
+    pub rounding: Option<Rounding>,
+    /// [`positions_digest`](crate::positions_digest) of the file coordinates in the file's order.
+    pub positions_digest: String,
+    /// [`bytes_digest`](crate::bytes_digest) of the data file; null inside the file it would have to contain.
+    pub digest: Option<String>,
+}
+
+/// Read before the rest, so that a newer certificate is named as such.
+#[derive(Deserialize)]
+struct Version {
+    format_version: u32,
+}
+
+impl Certificate {
+    /// Takes everything measured, the region and the radius from `report`.
+    pub(crate) fn state(&mut self, report: &Report) {
+        self.region = report.region;
+        self.radius = report.radius;
+        self.covering_tolerance = report.covering_tolerance;
+        self.count = report.count as u64;
+        self.min_distance = finite(report.min_distance);
+        self.covering_radius = report.covering_radius;
+        self.conflicts = report.conflicts;
+        self.gaps = report.gaps;
+        self.density = report.density;
+        self.relative_radius = finite(report.relative_radius);
+        self.valid = report.valid();
+    }
+
+    /// The certificate in `bytes`, which come from a file called `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::Certificate`] for what is too large, of a newer version, not JSON or lacks a field.
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
+        let fault = |reason: String| FormatError::Certificate {
+            name: name.to_owned(),
+            reason,
+        };
+        if bytes.len() > MAX_CERTIFICATE_BYTES {
+            let length = bytes.len();
+            let reason = format!("{length} bytes exceed the limit of {MAX_CERTIFICATE_BYTES}");
+            return Err(fault(reason));
+        }
+        let bytes = crate::text::without_bom(bytes);
+        let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
+        check_version(version.format_version, name)?;
+        serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))
+    }
+
+    /// Refuses a certificate of a version this crate does not know.
+    pub(crate) fn check_version(&self, name: &str) -> Result<(), FormatError> {
+        check_version(self.format_version, name)
+    }
+
+    /// The certificate as the bytes of its file: indented JSON, a final newline.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::Json`] should serialisation fail, which plain data do not.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
+        let json = |source| FormatError::Json {
+            format: Format::Json,
+            source,
+        };
+        let mut bytes = serde_json::to_vec_pretty(self).map_err(json)?;
+        bytes.push(b'\n');
+        Ok(bytes)
+    }
+}
+
+fn check_version(found: u32, name: &str) -> Result<(), FormatError> {
+    if (1..=CERTIFICATE_FORMAT_VERSION).contains(&found) {
+        return Ok(());
+    }
+    Err(FormatError::Certificate {
+        name: name.to_owned(),
+        reason: format!(
+            "its format_version is {found}; this program reads 1 to {CERTIFICATE_FORMAT_VERSION}"
+        ),
+    })
+}
+
+/// JSON has no infinity; the one a report can hold becomes null.
+pub(crate) fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|v| v.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_are_named() {
+        let message = |text: &str| {
+            let error = Certificate::from_bytes(text.as_bytes(), "a.certificate.json");
+            error.expect_err(text).to_string()
+        };
+        assert!(message("{").contains("a.certificate.json is not readable: EOF"));
+        assert!(message("{\"format_version\": 2}").contains("format_version is 2"));
+        assert!(message("{\"format_version\": 1}").contains("missing field `program`"));
+        let large = " ".repeat(MAX_CERTIFICATE_BYTES + 1);
+        assert!(message(&large).contains("exceed the limit"));
+    }
+}

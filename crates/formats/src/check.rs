@@ -1,0 +1,299 @@
+//! Re-verification: what a file holds against what its certificate states.
+//!
+//! Judges the positions afresh and lists every difference by name. Never trusts a number of the certificate except
+//! the region, radius and tolerance to judge against, and those only where the caller gives none.
+
+use std::fmt;
+use std::ops::ControlFlow;
+
+use tilescope_analysis::{Boundary, Progress, Region, Report, VerifyError, VerifyOptions, verify};
+
+use crate::certificate::{Certificate, finite};
+use crate::codecs::{Decoded, Hint, decode};
+use crate::detect::Detection;
+use crate::digest::{bytes_digest, positions_digest};
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+use crate::mapping::Mapping;
+use crate::point_set::PointSet;
+
+/// Relative difference up to which two measured lengths are the same, 1e-9: the verifier's arithmetic is correct
+/// to about 1e-15, another version may order it otherwise, and an altered position that the digest
+/// misses does not exist.
+pub const MEASURE_TOLERANCE: f64 = 1e-9;
+
+/// What the caller knows better than the file and its certificate.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// The format.
+    pub format: Option<Format>,
+    /// Which set of a UTK file.
+    pub set: Option<usize>,
+    /// The region. Unit-torus formats are scaled to its width.
+    pub region: Option<Region>,
+    /// The radius.
+    pub radius: Option<f64>,
+    /// How to verify; `None` takes the certificate's covering tolerance, or the default.
+    pub verify: Option<VerifyOptions>,
+}
+
+/// One statement of a certificate that the file does not bear out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// What is stated: the certificate's field.
+    pub field: &'static str,
+    /// The certificate's value.
+    pub stated: String,
+    /// The file's, or the caller's.
+    pub found: String,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            field,
+            stated,
+            found,
+        } = self;
+        write!(f, "{field}: the certificate states {stated}, found {found}")
+    }
+}
+
+/// The outcome of a check.
+#[derive(Clone, Debug)]
+pub struct Check {
+    /// The points in domain units, in the file's order.
+    pub set: PointSet,
+    /// The format and how it was recognised.
+    pub detection: Detection,
+    /// Number type of the file's coordinates.
+    pub precision: Precision,
+    /// The certificate beside or inside the file, if there is one.
+    pub certificate: Option<Certificate>,
+    /// The verdict on the file as it is.
+    pub report: Report,
+    /// Where the certificate is wrong; empty without one.
+    pub differences: Vec<Difference>,
+}
+
+impl Check {
+    /// Whether the set is valid and, if there is a certificate, every statement of it true.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.report.valid() && self.differences.is_empty()
+    }
+}
+
+/// Why there is no verdict.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// The file or its certificate cannot be read.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// There is no certificate, and the caller gave no radius.
+    #[error("there is no certificate, so the radius to verify against must be given")]
+    NoRadius,
+    /// There is no certificate, the format implies no region, and the caller gave none.
+    #[error("there is no certificate and {0} implies no region, so the region must be given")]
+    NoRegion(Format),
+    /// The verifier gave no verdict (also when it was cancelled).
+    #[error("the set has no verdict: {0}")]
+    Verify(#[from] VerifyError),
+}
+
+/// Re-verifies `data`, a file called `name`, against `certificate`, the bytes of its certificate file, or the certificate
+/// inside.
+///
+/// Without any certificate the radius must be given, and the region too unless the format is of the unit torus.
+///
+/// # Errors
+///
+/// [`CheckError`] when there is no verdict. A wrong certificate or an invalid set is a result, not an
+/// error.
+pub fn check_bytes(
+    data: &[u8],
+    name: &str,
+    certificate: Option<&[u8]>,
+    overrides: &Overrides,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Check, CheckError> {
+    let hint = Hint {
+        name,
+        format: overrides.format,
+        set: overrides.set,
+    };
+    let decoded = decode(data, &hint)?;
+    let certificate = match certificate {
+        Some(bytes) => {
+            let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
+            Some(Certificate::from_bytes(bytes, &name)?)
+        }
+        None => decoded.certificate.clone(),
+    };
+    let judged = Judged::new(&decoded, certificate.as_ref(), overrides)?;
+    let points = &decoded.set.points;
+    let points: Vec<_> = points
+        .iter()
+        .map(|&p| judged.mapping.domain_from_file(p))
+        .collect();
+    let report = verify(
+        &points,
+        judged.region,
+        judged.radius,
+        &judged.options,
+        control,
+    )?;
+    let differences = certificate
+        .as_ref()
+        .map(|c| differences(c, &judged, &decoded, &report, data));
+    Ok(Check {
+        set: PointSet {
+            points,
+            provenance: decoded.set.provenance,
+        },
+        detection: decoded.detection,
+        precision: decoded.precision,
+        certificate,
+        report,
+        differences: differences.unwrap_or_default(),
+    })
+}
+
+/// What the file is judged against.
+struct Judged {
+    region: Region,
+    radius: f64,
+    options: VerifyOptions,
+    mapping: Mapping,
+}
+
+impl Judged {
+    fn new(
+        decoded: &Decoded,
+        certificate: Option<&Certificate>,
+        overrides: &Overrides,
+    ) -> Result<Self, CheckError> {
+        let format = decoded.detection.format;
+        let unit_torus = Region {
+            width: 1.0,
+            height: 1.0,
+            boundary: Boundary::Periodic,
+        };
+        let region = overrides
+            .region
+            .or_else(|| certificate.map(|c| c.region))
+            .or_else(|| format.is_unit_torus().then_some(unit_torus))
+            .ok_or(CheckError::NoRegion(format))?;
+        let radius = overrides.radius.or_else(|| certificate.map(|c| c.radius));
+        let options = overrides.verify.clone().unwrap_or_else(|| {
+            let mut options = VerifyOptions::default();
+            if let Some(certificate) = certificate {
+                options.covering_tolerance = certificate.covering_tolerance;
+            }
+            options
+        });
+        Ok(Self {
+            region,
+            radius: radius.ok_or(CheckError::NoRadius)?,
+            options,
+            mapping: Mapping::new(format, Some(region), decoded.precision),
+        })
+    }
+}
+
+/// Gathers the statements that are not borne out.
+#[derive(Default)]
+struct Differences(Vec<Difference>);
+
+impl Differences {
+    fn unless(&mut self, same: bool, field: &'static str, stated: String, found: String) {
+        if !same {
+            self.0.push(Difference {
+                field,
+                stated,
+                found,
+            });
+        }
+    }
+
+    fn exact<T: PartialEq + fmt::Display>(&mut self, field: &'static str, stated: T, found: T) {
+        self.unless(
+            stated == found,
+            field,
+            stated.to_string(),
+            found.to_string(),
+        );
+    }
+
+    fn measure(&mut self, field: &'static str, stated: Option<f64>, found: Option<f64>) {
+        let same = match (stated, found) {
+            (Some(a), Some(b)) => (a - b).abs() <= MEASURE_TOLERANCE * a.abs().max(b.abs()),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let text = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |v| v.to_string());
+        self.unless(same, field, text(stated), text(found));
+    }
+}
+
+fn differences(
+    stated: &Certificate,
+    judged: &Judged,
+    decoded: &Decoded,
+    report: &Report,
+    data: &[u8],
+) -> Vec<Difference> {
+    let mut list = Differences::default();
+    if let Some(digest) = &stated.digest {
+        list.exact("digest", digest.clone(), bytes_digest(data));
+    }
+    let positions = positions_digest(&decoded.set.points);
+    list.exact(
+        "positions_digest",
+        stated.positions_digest.clone(),
+        positions,
+    );
+    list.exact("file_format", stated.file_format, decoded.detection.format);
+    list.exact("precision", stated.precision, decoded.precision);
+    list.exact("count", stated.count, report.count as u64);
+    let region = judged.region;
+    list.exact("region", stated.region.to_string(), region.to_string());
+    list.exact("radius", stated.radius, judged.radius);
+    let tolerance = report.covering_tolerance;
+    list.exact("covering_tolerance", stated.covering_tolerance, tolerance);
+    list.exact("scale", stated.scale, judged.mapping.scale());
+    let same_question = stated.region == region
+        && stated.radius.to_bits() == judged.radius.to_bits()
+        && stated.covering_tolerance.to_bits() == tolerance.to_bits();
+    // Answers to another question may differ without a fault.
+    if same_question {
+        measures(&mut list, stated, report);
+    }
+    list.0
+}
+
+fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
+    let measured = [
+        ("min_distance", stated.min_distance, report.min_distance),
+        (
+            "covering_radius",
+            Some(stated.covering_radius),
+            report.covering_radius,
+        ),
+        ("density", Some(stated.density), report.density),
+        (
+            "relative_radius",
+            stated.relative_radius,
+            report.relative_radius,
+        ),
+    ];
+    for (field, stated, found) in measured {
+        list.measure(field, stated, finite(found));
+    }
+    list.exact("conflicts", stated.conflicts, report.conflicts);
+    list.exact("gaps", stated.gaps, report.gaps);
+    list.exact("valid", stated.valid, report.valid());
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,185 @@
+//! Every statement of a certificate, true and falsified.
+
+use super::*;
+use crate::export::{ExportContext, ExportedBytes, export_bytes};
+
+const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
+
+fn exported(name: &str) -> ExportedBytes {
+    let region = Region {
+        width: 4.0,
+        height: 4.0,
+        boundary: Boundary::Periodic,
+    };
+    let point = |i: u32| [f64::from(i % 4), f64::from(i / 4)];
+    let set = PointSet::from_points((0..16).map(point).collect());
+    let context = ExportContext::new(region, 0.9);
+    export_bytes(name, &set, &context, &GO).expect("a valid lattice")
+}
+
+fn fields(check: &Check) -> Vec<&'static str> {
+    check.differences.iter().map(|d| d.field).collect()
+}
+
+fn check_of(data: &[u8], name: &str, certificate: &[u8], overrides: &Overrides) -> Check {
+    check_bytes(data, name, Some(certificate), overrides, &GO).expect("a verdict")
+}
+
+#[test]
+fn an_untouched_export_of_every_format_passes() {
+    for format in Format::ALL {
+        let name = format!("set.{}", format.extension());
+        let file = exported(&name);
+        let check = check_of(
+            &file.data,
+            &name,
+            &file.certificate_bytes,
+            &Overrides::default(),
+        );
+        assert!(check.passed(), "{format}: {:?}", check.differences);
+        assert_eq!(check.report.min_distance.to_bits(), 1.0_f64.to_bits());
+    }
+}
+
+#[test]
+fn each_falsified_statement_is_named() {
+    let file = exported("set.csv");
+    let falsify = |change: &dyn Fn(&mut Certificate)| {
+        let mut certificate = file.certificate.clone();
+        change(&mut certificate);
+        let bytes = certificate.to_bytes().expect("plain data");
+        fields(&check_of(
+            &file.data,
+            "set.csv",
+            &bytes,
+            &Overrides::default(),
+        ))
+    };
+    assert!(falsify(&|_| ()).is_empty());
+    assert_eq!(falsify(&|c| c.digest = Some("blake3:0".into())), ["digest"]);
+    assert_eq!(
+        falsify(&|c| c.positions_digest.clear()),
+        ["positions_digest"]
+    );
+    assert_eq!(falsify(&|c| c.file_format = Format::Npy), ["file_format"]);
+    assert_eq!(falsify(&|c| c.precision = Precision::Single), ["precision"]);
+    assert_eq!(falsify(&|c| c.count += 1), ["count"]);
+    assert_eq!(falsify(&|c| c.scale = 4.0), ["scale"]);
+    assert_eq!(falsify(&|c| c.min_distance = Some(1.001)), ["min_distance"]);
+    assert_eq!(falsify(&|c| c.min_distance = None), ["min_distance"]);
+    assert_eq!(
+        falsify(&|c| c.covering_radius *= 1.001),
+        ["covering_radius"]
+    );
+    assert_eq!(falsify(&|c| c.density *= 1.001), ["density"]);
+    assert_eq!(falsify(&|c| c.relative_radius = None), ["relative_radius"]);
+    assert_eq!(falsify(&|c| c.conflicts = 1), ["conflicts"]);
+    assert_eq!(falsify(&|c| c.gaps = 1), ["gaps"]);
+    assert_eq!(falsify(&|c| c.valid = false), ["valid"]);
+}
+
+#[test]
+fn a_removed_sample_shows_in_everything_it_changes() {
+    let file = exported("set.csv");
+    let text = String::from_utf8(file.data).expect("text");
+    let shorter = text.replacen("1,1\n", "", 1);
+    let check = check_of(
+        shorter.as_bytes(),
+        "set.csv",
+        &file.certificate_bytes,
+        &Overrides::default(),
+    );
+    assert!(!check.passed() && !check.report.maximal());
+    let found = fields(&check);
+    for field in [
+        "digest",
+        "positions_digest",
+        "count",
+        "covering_radius",
+        "gaps",
+        "valid",
+    ] {
+        assert!(found.contains(&field), "{field}");
+    }
+    assert!(!found.contains(&"min_distance"));
+    let count = check.differences.iter().find(|d| d.field == "count");
+    assert_eq!(
+        count.expect("there").to_string(),
+        "count: the certificate states 16, found 15"
+    );
+}
+
+#[test]
+fn a_moved_sample_and_a_reformatted_file_are_told_apart() {
+    let file = exported("set.csv");
+    let text = String::from_utf8(file.data).expect("text");
+    let certificate = &file.certificate_bytes;
+    let windows = text.replace('\n', "\r\n");
+    let check = check_of(
+        windows.as_bytes(),
+        "set.csv",
+        certificate,
+        &Overrides::default(),
+    );
+    assert_eq!(fields(&check), ["digest"], "the same positions");
+    let moved = text.replacen("1,1\n", "1,1.25\n", 1);
+    let check = check_of(
+        moved.as_bytes(),
+        "set.csv",
+        certificate,
+        &Overrides::default(),
+    );
+    assert!(fields(&check).contains(&"min_distance"));
+    assert_eq!(check.report.conflicts, 1);
+}
+
+#[test]
+fn another_question_is_not_held_against_the_answers() {
+    let file = exported("set.csv");
+    let overrides = Overrides {
+        radius: Some(0.8),
+        ..Overrides::default()
+    };
+    let check = check_of(&file.data, "set.csv", &file.certificate_bytes, &overrides);
+    assert_eq!(fields(&check), ["radius"]);
+    assert!(check.report.valid());
+}
+
+#[test]
+fn the_certificate_inside_json_is_used_and_can_be_falsified() {
+    let file = exported("set.json");
+    let overrides = Overrides::default();
+    let alone = |data: &[u8]| check_bytes(data, "set.json", None, &overrides, &GO);
+    let check = alone(&file.data).expect("a verdict");
+    assert!(check.passed() && check.certificate.is_some());
+    let text = String::from_utf8(file.data).expect("text");
+    let falsified = text.replacen("\"count\": 16", "\"count\": 17", 1);
+    assert_eq!(
+        fields(&alone(falsified.as_bytes()).expect("a verdict")),
+        ["count"]
+    );
+    let newer = text.replacen("\"format_version\": 1", "\"format_version\": 9", 1);
+    let error = alone(newer.as_bytes()).expect_err("from the future");
+    assert!(error.to_string().contains("format_version is 9"), "{error}");
+}
+
+#[test]
+fn without_a_certificate_the_question_must_be_asked() {
+    let unit = exported("set.txt").data;
+    let csv = exported("set.csv").data;
+    let ask = |data: &[u8], name: &str, overrides: &Overrides| {
+        check_bytes(data, name, None, overrides, &GO)
+    };
+    let mut overrides = Overrides::default();
+    assert!(matches!(
+        ask(&unit, "set.txt", &overrides),
+        Err(CheckError::NoRadius)
+    ));
+    overrides.radius = Some(0.25);
+    let check = ask(&unit, "set.txt", &overrides).expect("the unit torus is implied");
+    assert!(check.passed() && check.certificate.is_none());
+    assert!(matches!(
+        ask(&csv, "set.csv", &overrides),
+        Err(CheckError::NoRegion(Format::Csv))
+    ));
+}

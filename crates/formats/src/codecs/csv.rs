@@ -1,0 +1,125 @@
+//! Comma-separated values with the header `x,y`.
+//!
+//! Reads any table that has columns named x and y, or none named and x and y first; further columns are
+//! skipped. Never guesses at a decimal comma.
+
+use super::Raw;
+use crate::error::{FormatError, Place};
+use crate::format::{Format, Precision};
+use crate::text::{data_lines, number, push_line};
+
+const FORMAT: Format = Format::Csv;
+
+pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+    let mut rows = data_lines(bytes).peekable();
+    let mut columns = [0, 1];
+    if let Some(&(line, first)) = rows.peek()
+        && is_header(first)
+    {
+        columns = named_columns(first, line)?;
+        rows.next();
+    }
+    let mut points = Vec::new();
+    for (line, row) in rows {
+        points.push(point(row, line, columns)?);
+    }
+    Ok(Raw::new(points, Precision::Double))
+}
+
+/// A header is a first line that does not begin with a number.
+fn is_header(line: &[u8]) -> bool {
+    let first = field_name(line.split(|&b| b == b',').next().unwrap_or_default());
+    std::str::from_utf8(first).map_or(true, |text| text.parse::<f64>().is_err())
+}
+
+fn field_name(field: &[u8]) -> &[u8] {
+    let field = field.trim_ascii();
+    let inner = field
+        .strip_prefix(b"\"")
+        .and_then(|f| f.strip_suffix(b"\""));
+    inner.unwrap_or(field).trim_ascii()
+}
+
+fn named_columns(header: &[u8], line: u64) -> Result<[usize; 2], FormatError> {
+    let find = |name: &[u8]| {
+        header
+            .split(|&b| b == b',')
+            .position(|field| field_name(field).eq_ignore_ascii_case(name))
+            .ok_or_else(|| FormatError::Header {
+                format: FORMAT,
+                place: Place::Line(line),
+                reason: format!("no column is named {}", String::from_utf8_lossy(name)),
+            })
+    };
+    Ok([find(b"x")?, find(b"y")?])
+}
+
+fn point(row: &[u8], line: u64, [x, y]: [usize; 2]) -> Result<[f64; 2], FormatError> {
+    let place = Place::Line(line);
+    let field = |column| {
+        row.split(|&b| b == b',')
+            .nth(column)
+            .ok_or_else(|| FormatError::Columns {
+                format: FORMAT,
+                place,
+                found: row.split(|&b| b == b',').count(),
+                expected: x.max(y) + 1,
+            })
+    };
+    Ok([
+        number(field(x)?.trim_ascii(), FORMAT, place)?,
+        number(field(y)?.trim_ascii(), FORMAT, place)?,
+    ])
+}
+
+pub(super) fn write(points: &[[f64; 2]]) -> Vec<u8> {
+    let mut out = b"x,y\n".to_vec();
+    for point in points {
+        push_line(&mut out, point, ",");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(text: &str) -> Result<Vec<[f64; 2]>, FormatError> {
+        read(text.as_bytes()).map(|raw| raw.set.points)
+    }
+
+    #[test]
+    fn columns_are_found_by_name_or_by_order() {
+        let expected = vec![[0.5, 0.25]];
+        for text in [
+            "x,y\n0.5,0.25\n",
+            "\u{feff}X , Y\r\n 0.5 , 0.25 \r\n",
+            "id,\"y\",\"x\"\n7,0.25,0.5",
+            "0.5,0.25,red\n",
+            "# made by hand\n\n5e-1,.25",
+        ] {
+            assert_eq!(points(text).expect(text), expected);
+        }
+    }
+
+    #[test]
+    fn faults_are_named_with_their_line() {
+        let message = |text| points(text).expect_err(text).to_string();
+        assert_eq!(
+            message("a,b\n1,2\n"),
+            "CSV: header, line 1: no column is named x"
+        );
+        assert_eq!(
+            message("x,y\n1,2\n3\n"),
+            "CSV: line 3: 1 columns where 2 are needed"
+        );
+        assert_eq!(
+            message("x,y\n1,two\n"),
+            "CSV: line 2: \"two\" is not a number"
+        );
+        assert_eq!(
+            message("x,y\n1,NaN\n"),
+            "CSV: line 2: the coordinate NaN is not a finite number"
+        );
+    }
+}

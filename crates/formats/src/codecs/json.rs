@@ -1,0 +1,142 @@
+//! JSON: an object with `certificate`, `points` and, when known, `provenance`.
+//!
+//! Also reads a bare array of `[x, y]` pairs and skips fields it does not know. Never loses a bit: shortest
+//! decimals are written and read with correct rounding.
+
+use serde::Deserialize;
+
+use super::Raw;
+use crate::certificate::Certificate;
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+use crate::point_set::{PointSet, Provenance};
+use crate::text::{push, without_bom};
+
+/// The fields read.
+#[derive(Deserialize)]
+struct Document {
+    points: Vec<[f64; 2]>,
+    #[serde(default)]
+    provenance: Option<Vec<[u32; 3]>>,
+    #[serde(default)]
+    certificate: Option<Certificate>,
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+    let bytes = without_bom(bytes);
+    let bare = bytes.trim_ascii_start().first() == Some(&b'[');
+    let document = if bare {
+        serde_json::from_slice(bytes).map(|points| Document {
+            points,
+            provenance: None,
+            certificate: None,
+        })
+    } else {
+        serde_json::from_slice(bytes)
+    };
+    let document = document.map_err(json_error)?;
+    let provenance = document.provenance.map(|rows| {
+        let named = rows
+            .into_iter()
+            .map(|[block, pattern_index, iteration]| Provenance {
+                block,
+                pattern_index,
+                iteration,
+            });
+        named.collect()
+    });
+    let mut raw = Raw::new(Vec::new(), Precision::Double);
+    raw.set = PointSet {
+        points: document.points,
+        provenance,
+    };
+    if let Some(certificate) = &document.certificate {
+        certificate.check_version("inside the file")?;
+    }
+    raw.certificate = document.certificate;
+    Ok(raw)
+}
+
+fn json_error(source: serde_json::Error) -> FormatError {
+    FormatError::Json {
+        format: Format::Json,
+        source,
+    }
+}
+
+pub(super) fn write(
+    points: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    certificate: Option<&Certificate>,
+) -> Result<Vec<u8>, FormatError> {
+    let mut out = Vec::with_capacity(points.len() * 44);
+    out.extend_from_slice(b"{\n");
+    if let Some(certificate) = certificate {
+        out.extend_from_slice(b"\"certificate\": ");
+        serde_json::to_writer_pretty(&mut out, certificate).map_err(json_error)?;
+        out.extend_from_slice(b",\n");
+    }
+    out.extend_from_slice(b"\"points\": [\n");
+    // {:?} is as short as {} and spells 1e300 with an exponent.
+    push_rows(&mut out, points, |out, [x, y]| {
+        push(out, format_args!("[{x:?}, {y:?}]"));
+    });
+    out.push(b']');
+    if let Some(provenance) = provenance {
+        out.extend_from_slice(b",\n\"provenance\": [\n");
+        push_rows(&mut out, provenance, |out, from| {
+            let Provenance {
+                block,
+                pattern_index,
+                iteration,
+            } = from;
+            push(out, format_args!("[{block}, {pattern_index}, {iteration}]"));
+        });
+        out.push(b']');
+    }
+    out.extend_from_slice(b"\n}\n");
+    Ok(out)
+}
+
+fn push_rows<T>(out: &mut Vec<u8>, rows: &[T], write: impl Fn(&mut Vec<u8>, &T)) {
+    for (index, row) in rows.iter().enumerate() {
+        write(out, row);
+        let end = if index + 1 < rows.len() { ",\n" } else { "\n" };
+        out.extend_from_slice(end.as_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bare_array_and_unknown_fields_are_read() {
+        let bare = read(b"\xEF\xBB\xBF [[0.5, 1], [2e-1, 0]]\r\n").expect("an array");
+        assert_eq!(bare.set.points, [[0.5, 1.0], [0.2, 0.0]]);
+        let wide = read(br#"{"note": {"a": [1]}, "points": [[0, 0]]}"#).expect("an object");
+        assert_eq!(wide.set.points, [[0.0, 0.0]]);
+    }
+
+    #[test]
+    fn faults_carry_line_and_column() {
+        for text in [
+            &b"{\"points\": [[0.5, 0.5]"[..],
+            b"{\"points\": [[0.5]]}",
+            b"{\"points\": [[0.5, NaN]]}",
+            b"{\"points\": [[0.5, 1e999]]}",
+            b"{\"points\": [[1, 2, 3]]}",
+            b"{}",
+            b"[[0, 0]] x",
+        ] {
+            let error = read(text).err().expect("refused").to_string();
+            assert!(error.contains(" at line 1 column "), "{error}");
+        }
+    }
+
+    #[test]
+    fn deep_nesting_is_refused_without_harm() {
+        let text = [b"{\"a\": ".to_vec(), vec![b'['; 200_000]].concat();
+        assert!(read(&text).is_err());
+    }
+}

@@ -1,0 +1,241 @@
+//! Bytes to points and points to bytes, one file of the folder for each family of formats.
+//!
+//! `decode` and `encode` check what no format may hold (nothing, NaN, ragged provenance) so that the
+//! codecs need not. Never touches the file system and never verifies geometry.
+
+mod csv;
+mod json;
+mod npy;
+mod ply;
+mod ply_header;
+mod psa;
+mod svg;
+mod utk;
+mod xyz;
+
+use tilescope_analysis::Region;
+
+use crate::binary;
+use crate::certificate::Certificate;
+use crate::detect::{Detection, Evidence, detect};
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+use crate::mapping::Mapping;
+use crate::point_set::PointSet;
+
+/// What is known of some bytes before they are decoded.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Hint<'a> {
+    /// The file's name, whose extension is evidence; empty for none.
+    pub name: &'a str,
+    /// The format, if the caller insists.
+    pub format: Option<Format>,
+    /// Which set to read of a file that holds several (UTK), from 0.
+    pub set: Option<usize>,
+}
+
+impl<'a> Hint<'a> {
+    /// A hint of the file's name alone.
+    #[must_use]
+    pub fn from_name(name: &'a str) -> Self {
+        Self {
+            name,
+            ..Self::default()
+        }
+    }
+}
+
+/// A point set as a file holds it.
+#[derive(Clone, Debug)]
+pub struct Decoded {
+    /// Positions in *file coordinates* (see [`Mapping`]) and their provenance.
+    pub set: PointSet,
+    /// The format and how it was recognised.
+    pub detection: Detection,
+    /// Number type of the coordinates.
+    pub precision: Precision,
+    /// How many sets the file holds; 1 but for UTK files.
+    pub sets: usize,
+    /// The certificate inside the file (JSON only).
+    pub certificate: Option<Certificate>,
+}
+
+/// What a file is to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// The format.
+    pub format: Format,
+    /// The region of the positions; without it, unit-torus formats store positions as they are.
+    pub region: Option<Region>,
+    /// The sampling radius, for the formats which draw it (SVG).
+    pub radius: Option<f64>,
+    /// Number type wished; [`Format::precision`] says what comes of it.
+    pub precision: Precision,
+}
+
+impl Target {
+    /// A target of `format` in double precision, region and radius unknown.
+    #[must_use]
+    pub fn new(format: Format) -> Self {
+        Self {
+            format,
+            region: None,
+            radius: None,
+            precision: Precision::Double,
+        }
+    }
+
+    /// How positions of this target's region are stored.
+    #[must_use]
+    pub fn mapping(&self) -> Mapping {
+        Mapping::new(self.format, self.region, self.precision)
+    }
+}
+
+/// A codec's reading of a file.
+pub(crate) struct Raw {
+    pub set: PointSet,
+    pub precision: Precision,
+    pub sets: usize,
+    pub certificate: Option<Certificate>,
+}
+
+impl Raw {
+    pub(crate) fn new(points: Vec<[f64; 2]>, precision: Precision) -> Self {
+        Self {
+            set: PointSet::from_points(points),
+            precision,
+            sets: 1,
+            certificate: None,
+        }
+    }
+}
+
+/// The point set which `bytes` hold, positions in file coordinates.
+///
+/// Never panics, and allocates no more than a small multiple of `bytes`, whatever a header claims.
+/// Text may begin with a UTF-8 byte-order mark, end lines with CRLF, have blanks at line ends and lack
+/// the last newline.
+///
+/// # Errors
+///
+/// A [`FormatError`] that names the place and the value found; a set without points is
+/// [`FormatError::Empty`].
+pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<Decoded, FormatError> {
+    let detection = match hint.format {
+        Some(format) => Detection {
+            format,
+            evidence: Evidence::Told,
+        },
+        None => detect(bytes, hint.name.as_ref())?,
+    };
+    let format = detection.format;
+    let raw = match format {
+        Format::Csv => csv::read(bytes),
+        Format::PsaText => psa::read_text(bytes),
+        Format::PsaRps => psa::read_rps(bytes),
+        Format::UtkText => utk::read_text(bytes, hint.set),
+        Format::UtkBinary => utk::read_binary(bytes, hint.set),
+        Format::Npy => npy::read(bytes),
+        Format::PlyAscii | Format::PlyBinary => ply::read(bytes, format),
+        Format::Xyz => xyz::read(bytes),
+        Format::Json => json::read(bytes),
+        Format::Svg => svg::read(bytes),
+    }?;
+    if raw.set.is_empty() {
+        return Err(FormatError::Empty { format });
+    }
+    check_provenance(&raw.set)?;
+    Ok(Decoded {
+        set: raw.set,
+        detection,
+        precision: raw.precision,
+        sets: raw.sets,
+        certificate: raw.certificate,
+    })
+}
+
+/// The bytes of a file that holds `set`, given in domain units.
+///
+/// f64 formats return every position to the bit when decoded (divided by the width in unit-torus formats);
+/// f32 formats return it rounded to the nearest f32. The same arguments give the same bytes on every platform.
+///
+/// # Errors
+///
+/// [`FormatError::Empty`], [`FormatError::NotFinite`] for NaN, infinity or what f32 cannot hold,
+/// [`FormatError::Provenance`], [`FormatError::Parameter`], [`FormatError::TooMany`].
+pub fn encode(set: &PointSet, target: &Target) -> Result<Vec<u8>, FormatError> {
+    encode_certified(set, target, None)
+}
+
+/// [`encode`], with the certificate to put into formats that hold one.
+pub(crate) fn encode_certified(
+    set: &PointSet,
+    target: &Target,
+    certificate: Option<&Certificate>,
+) -> Result<Vec<u8>, FormatError> {
+    let format = target.format;
+    if set.is_empty() {
+        return Err(FormatError::Empty { format });
+    }
+    check_provenance(set)?;
+    check_target(target)?;
+    let mapping = target.mapping();
+    let mut points = Vec::with_capacity(set.len());
+    for (&point, index) in set.points.iter().zip(0..) {
+        let stored = mapping.file_from_domain(point);
+        for value in stored {
+            binary::finite(value, format, index)?;
+        }
+        points.push(stored);
+    }
+    let precision = format.precision(target.precision);
+    let provenance = set.provenance.as_deref();
+    match format {
+        Format::Csv => Ok(csv::write(&points)),
+        Format::PsaText => Ok(psa::write_text(&points)),
+        Format::PsaRps => Ok(psa::write_rps(&points)),
+        Format::UtkText => Ok(utk::write_text(&points)),
+        Format::UtkBinary => utk::write_binary(&points, precision),
+        Format::Npy => Ok(npy::write(&points, precision)),
+        Format::PlyAscii => Ok(ply::write_ascii(&points, provenance)),
+        Format::PlyBinary => Ok(ply::write_binary(&points, provenance, precision)),
+        Format::Xyz => Ok(xyz::write(&points)),
+        Format::Json => json::write(&points, provenance, certificate),
+        Format::Svg => Ok(svg::write(&points, target)),
+    }
+}
+
+fn check_provenance(set: &PointSet) -> Result<(), FormatError> {
+    match &set.provenance {
+        Some(provenance) if provenance.len() != set.len() => Err(FormatError::Provenance {
+            found: provenance.len(),
+            points: set.len(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn check_target(target: &Target) -> Result<(), FormatError> {
+    let region = target.region;
+    let parameters = [
+        ("the region's width", region.map(|r| r.width)),
+        ("the region's height", region.map(|r| r.height)),
+        ("the radius", target.radius),
+    ];
+    for (name, value) in parameters {
+        positive(name, value.unwrap_or(1.0))?;
+    }
+    Ok(())
+}
+
+/// Refuses a parameter that is not a finite number above 0.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), FormatError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(FormatError::Parameter { name, value })
+}
+
+#[cfg(test)]
+mod tests;

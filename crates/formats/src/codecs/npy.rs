@@ -1,0 +1,232 @@
+//! numpy's array file, shape (N, 2).
+//!
+//! Reads header versions 1 to 3, f4 and f8 of either byte order, C and Fortran order; writes version 1.0, little-endian,
+//! C order. Never evaluates the header: it is matched as the literal that numpy's format specification prescribes.
+
+use super::Raw;
+use crate::binary::{self, Cursor, Endian, coordinate};
+use crate::detect::NPY_MAGIC;
+use crate::error::{FormatError, Place, quote};
+use crate::format::{Format, Precision};
+use crate::text::push;
+
+const FORMAT: Format = Format::Npy;
+/// numpy pads so that data begin at a multiple of this.
+const ALIGNMENT: usize = 64;
+
+/// What the header's dictionary says.
+struct Header {
+    precision: Precision,
+    endian: Endian,
+    fortran: bool,
+    count: u64,
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+    if !bytes.starts_with(NPY_MAGIC) {
+        return Err(FormatError::Magic {
+            format: FORMAT,
+            expected: "\"\\x93NUMPY\"",
+        });
+    }
+    let mut cursor = Cursor::new(bytes, NPY_MAGIC.len(), FORMAT);
+    let version = cursor.take(2)?[0];
+    let length = match version {
+        1 => u64::from(u16::from_le_bytes(binary::array(cursor.take(2)?))),
+        2 | 3 => u64::from(cursor.u32()?),
+        _ => {
+            return Err(FormatError::Unsupported {
+                format: FORMAT,
+                what: format!("header version {version}"),
+                supported: "versions 1 to 3 can",
+            });
+        }
+    };
+    let at = Place::Offset(cursor.offset());
+    let header = header(cursor.take(length)?, at)?;
+    let size = header.precision.bytes();
+    let data = cursor.records(header.count, 2 * size as u64)?;
+    cursor.finish()?;
+    let points = if header.fortran {
+        columns(data, &header)?
+    } else {
+        binary::pairs(data, header.precision, header.endian, FORMAT)?
+    };
+    Ok(Raw::new(points, header.precision))
+}
+
+/// Points of data that hold all x, then all y.
+fn columns(data: &[u8], header: &Header) -> Result<Vec<[f64; 2]>, FormatError> {
+    let size = header.precision.bytes();
+    let (xs, ys) = data.split_at(data.len() / 2);
+    let read = |at: &[u8], index| {
+        let value = coordinate(at, header.precision, header.endian);
+        binary::finite(value, FORMAT, index)
+    };
+    xs.chunks_exact(size)
+        .zip(ys.chunks_exact(size))
+        .zip(0..)
+        .map(|((x, y), index)| Ok([read(x, index)?, read(y, index)?]))
+        .collect()
+}
+
+fn header(text: &[u8], place: Place) -> Result<Header, FormatError> {
+    let fault = |reason: String| FormatError::Header {
+        format: FORMAT,
+        place,
+        reason,
+    };
+    let dictionary =
+        std::str::from_utf8(text).map_err(|_| fault(format!("\"{}\" is not text", quote(text))))?;
+    let value = |key: &str| {
+        value_of(dictionary, key).ok_or_else(|| fault(format!("there is no key '{key}'")))
+    };
+    let (precision, endian) = descr(value("descr")?)?;
+    let order = value("fortran_order")?;
+    let fortran = order.starts_with("True");
+    if !fortran && !order.starts_with("False") {
+        let order = quote(order.as_bytes());
+        return Err(fault(format!("fortran_order is {order}")));
+    }
+    let shape = value("shape")?;
+    let shape = shape
+        .strip_prefix('(')
+        .and_then(|rest| rest.split_once(')'))
+        .ok_or_else(|| fault(format!("shape is {}", quote(shape.as_bytes()))))?
+        .0;
+    Ok(Header {
+        precision,
+        endian,
+        fortran,
+        count: rows(shape).ok_or_else(|| FormatError::Unsupported {
+            format: FORMAT,
+            what: format!("shape ({})", quote(shape.as_bytes())),
+            supported: "only shape (N, 2) can",
+        })?,
+    })
+}
+
+/// What follows `'key':`, trimmed.
+fn value_of<'a>(dictionary: &'a str, key: &str) -> Option<&'a str> {
+    let mut quoted = ['\'', '"'].into_iter().filter_map(|mark| {
+        let name = format!("{mark}{key}{mark}");
+        Some(dictionary.split_once(name.as_str())?.1)
+    });
+    Some(quoted.next()?.trim_start().strip_prefix(':')?.trim_start())
+}
+
+fn descr(value: &str) -> Result<(Precision, Endian), FormatError> {
+    let inner = value
+        .strip_prefix(['\'', '"'])
+        .and_then(|rest| rest.split(['\'', '"']).next());
+    match inner {
+        Some("<f8") => Ok((Precision::Double, Endian::Little)),
+        Some(">f8") => Ok((Precision::Double, Endian::Big)),
+        Some("<f4") => Ok((Precision::Single, Endian::Little)),
+        Some(">f4") => Ok((Precision::Single, Endian::Big)),
+        other => Err(FormatError::Unsupported {
+            format: FORMAT,
+            what: format!("the type {}", quote(other.unwrap_or(value).as_bytes())),
+            supported: "<f8, >f8, <f4 and >f4 can",
+        }),
+    }
+}
+
+/// N of the shape `N, 2`; Python 2 wrote `L` after long numbers.
+fn rows(shape: &str) -> Option<u64> {
+    let number = |part: &str| part.trim().trim_end_matches('L').parse::<u64>().ok();
+    let (rows, rest) = shape.split_once(',')?;
+    let columns = rest.trim().trim_end_matches(',');
+    (number(columns) == Some(2)).then(|| number(rows))?
+}
+
+pub(super) fn write(points: &[[f64; 2]], precision: Precision) -> Vec<u8> {
+    let kind = match precision {
+        Precision::Single => "<f4",
+        Precision::Double => "<f8",
+    };
+    let count = points.len();
+    let mut dictionary =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({count}, 2), }}");
+    let prefix = NPY_MAGIC.len() + 4;
+    while !(prefix + dictionary.len() + 1).is_multiple_of(ALIGNMENT) {
+        dictionary.push(' ');
+    }
+    let mut out = Vec::with_capacity(2 * ALIGNMENT + count * 2 * precision.bytes());
+    out.extend_from_slice(NPY_MAGIC);
+    out.extend_from_slice(&[1, 0]);
+    out.extend_from_slice(&(dictionary.len() as u16 + 1).to_le_bytes());
+    push(&mut out, format_args!("{dictionary}\n"));
+    for point in points {
+        binary::push(&mut out, point, precision);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of header `version`, with `dictionary` and the values as given bytes.
+    fn file(version: u8, dictionary: &str, data: &[u8]) -> Vec<u8> {
+        let mut out = NPY_MAGIC.to_vec();
+        out.extend_from_slice(&[version, 0]);
+        let length = dictionary.len() as u32;
+        let width = if version == 1 { 2 } else { 4 };
+        out.extend_from_slice(&length.to_le_bytes()[..width]);
+        out.extend_from_slice(dictionary.as_bytes());
+        out.extend_from_slice(data);
+        out
+    }
+
+    fn dictionary(descr: &str, fortran: &str, shape: &str) -> String {
+        format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n")
+    }
+
+    #[test]
+    fn every_type_order_and_version_is_read() {
+        let values = [0.5_f64, 0.25, 0.75, 0.125];
+        let little: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let big: Vec<u8> = values.iter().flat_map(|v| v.to_be_bytes()).collect();
+        let single: Vec<u8> = values
+            .iter()
+            .flat_map(|&v| (v as f32).to_be_bytes())
+            .collect();
+        let rows = vec![[0.5, 0.25], [0.75, 0.125]];
+        let columns = vec![[0.5, 0.75], [0.25, 0.125]];
+        for version in 1..=3 {
+            for (descr, data) in [("<f8", &little), (">f8", &big), (">f4", &single)] {
+                let c = file(version, &dictionary(descr, "False", "(2, 2)"), data);
+                assert_eq!(read(&c).expect(descr).set.points, rows);
+                let fortran = file(version, &dictionary(descr, "True", "(2L,2,)"), data);
+                assert_eq!(read(&fortran).expect(descr).set.points, columns);
+            }
+        }
+    }
+
+    #[test]
+    fn written_data_are_aligned() {
+        for count in [1, 9, 10, 12_345] {
+            let bytes = write(&vec![[0.5, 0.5]; count], Precision::Double);
+            assert_eq!((bytes.len() - count * 16) % ALIGNMENT, 0);
+            assert_eq!(read(&bytes).expect("own file").set.len(), count);
+        }
+    }
+
+    #[test]
+    fn header_faults_are_named() {
+        let message = |bytes: &[u8]| read(bytes).err().expect("refused").to_string();
+        let data = [0; 16];
+        let of = |d: &str, f: &str, s: &str| message(&file(1, &dictionary(d, f, s), &data));
+        assert!(of("<i8", "False", "(1, 2)").contains("type <i8"));
+        assert!(of("<f8", "Maybe", "(1, 2)").contains("fortran_order is Maybe"));
+        assert!(of("<f8", "False", "(2,)").contains("shape (2,)"));
+        assert!(of("<f8", "False", "(1, 3)").contains("shape (1, 3)"));
+        assert!(of("<f8", "False", "(2, 2)").contains("32 bytes are needed"));
+        assert!(of("<f8", "False", "(18446744073709551615, 2)").contains("truncated"));
+        assert!(message(&file(4, "", &[])).contains("version 4"));
+        assert!(message(&file(1, "{}", &[])).contains("no key 'descr'"));
+        assert!(message(NPY_MAGIC).contains("truncated"));
+        assert!(message(b"not numpy").contains("does not begin with"));
+    }
+}

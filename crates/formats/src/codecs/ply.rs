@@ -1,0 +1,291 @@
+//! PLY vertices: x, y, z = 0 and, optionally, provenance.
+//!
+//! Writes ASCII and binary little-endian; reads big-endian too, skips other scalar properties and other elements.
+//! Never flattens: a vertex with z other than 0 is refused.
+
+use super::Raw;
+use super::ply_header::{Element, Encoding, Header, Scalar, parse};
+use super::xyz::planar;
+use crate::binary::{self, Cursor, Endian, array};
+use crate::error::{FormatError, Place};
+use crate::format::{Format, Precision};
+use crate::point_set::{PointSet, Provenance};
+use crate::text::{lines, number, push, words};
+
+/// Names of the provenance properties, of type uint.
+const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
+
+/// Which columns of the vertex table are what.
+struct Columns {
+    position: [usize; 2],
+    z: Option<usize>,
+    provenance: Option<[usize; 3]>,
+}
+
+impl Columns {
+    fn find(vertex: &Element, format: Format, line: u64) -> Result<Self, FormatError> {
+        let axis = |name: &str| {
+            vertex.column(name).ok_or_else(|| FormatError::Header {
+                format,
+                place: Place::Line(line),
+                reason: format!("vertices have no scalar property {name}"),
+            })
+        };
+        // Only our own type counts: another program's "block" may be anything.
+        let own = |name| {
+            let column = vertex.column(name)?;
+            (vertex.properties[column].scalar == Scalar::U32).then_some(column)
+        };
+        let [block, index, iteration] = PROVENANCE.map(own);
+        Ok(Self {
+            position: [axis("x")?, axis("y")?],
+            z: vertex.column("z"),
+            provenance: block
+                .zip(index)
+                .zip(iteration)
+                .map(|((block, index), iteration)| [block, index, iteration]),
+        })
+    }
+
+    /// Takes a row whose columns `value` gives.
+    fn take(
+        &self,
+        set: &mut PointSet,
+        format: Format,
+        place: Place,
+        value: impl Fn(usize) -> Result<f64, FormatError>,
+    ) -> Result<(), FormatError> {
+        let point = [value(self.position[0])?, value(self.position[1])?];
+        if let Some(z) = self.z {
+            planar(value(z)?, format, place)?;
+        }
+        set.points.push(point);
+        if let (Some(columns), Some(provenance)) = (self.provenance, &mut set.provenance) {
+            provenance.push(Provenance {
+                block: value(columns[0])? as u32,
+                pattern_index: value(columns[1])? as u32,
+                iteration: value(columns[2])? as u32,
+            });
+        }
+        Ok(())
+    }
+
+    fn new_set(&self) -> PointSet {
+        PointSet {
+            points: Vec::new(),
+            provenance: self.provenance.map(|_| Vec::new()),
+        }
+    }
+}
+
+pub(super) fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
+    let header = parse(bytes, format)?;
+    let columns = Columns::find(&header.vertex, format, header.data_line - 1)?;
+    let (set, precision) = match header.encoding {
+        Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
+        Encoding::Binary(endian) => {
+            let [x, y] = columns.position.map(|c| header.vertex.properties[c].scalar);
+            let single = x.bytes() <= 4 && y.bytes() <= 4;
+            let precision = if single {
+                Precision::Single
+            } else {
+                Precision::Double
+            };
+            (read_binary(bytes, &header, &columns, endian)?, precision)
+        }
+    };
+    let mut raw = Raw::new(Vec::new(), precision);
+    raw.set = set;
+    Ok(raw)
+}
+
+fn read_ascii(bytes: &[u8], header: &Header, columns: &Columns) -> Result<PointSet, FormatError> {
+    const FORMAT: Format = Format::PlyAscii;
+    let vertex = &header.vertex;
+    let skipped = header
+        .before
+        .iter()
+        .fold(0, |sum: u64, e| sum.saturating_add(e.count));
+    let mut rows = lines(&bytes[header.data_offset..])
+        .map(|(line, row)| (line + header.data_line - 1, row))
+        .filter(|(_, row)| !row.is_empty())
+        .skip(usize::try_from(skipped).unwrap_or(usize::MAX));
+    let mut set = columns.new_set();
+    let mut fields: Vec<&[u8]> = Vec::new();
+    while (set.len() as u64) < vertex.count {
+        let Some((line, row)) = rows.next() else {
+            break;
+        };
+        fields.clear();
+        fields.extend(words(row));
+        let place = Place::Line(line);
+        if fields.len() != vertex.properties.len() {
+            return Err(FormatError::Columns {
+                format: FORMAT,
+                place,
+                found: fields.len(),
+                expected: vertex.properties.len(),
+            });
+        }
+        columns.take(&mut set, FORMAT, place, |c| {
+            number(fields[c], FORMAT, place)
+        })?;
+    }
+    let surplus = if header.followed { 0 } else { rows.count() };
+    let found = (set.len() + surplus) as u64;
+    if found != vertex.count {
+        return Err(FormatError::Count {
+            format: FORMAT,
+            stated: vertex.count,
+            found,
+        });
+    }
+    Ok(set)
+}
+
+fn read_binary(
+    bytes: &[u8],
+    header: &Header,
+    columns: &Columns,
+    endian: Endian,
+) -> Result<PointSet, FormatError> {
+    const FORMAT: Format = Format::PlyBinary;
+    let vertex = &header.vertex;
+    let mut cursor = Cursor::new(bytes, header.data_offset, FORMAT);
+    for element in &header.before {
+        cursor.records(element.count, element.width as u64)?;
+    }
+    let data = cursor.records(vertex.count, vertex.width as u64)?;
+    if !header.followed {
+        cursor.finish()?;
+    }
+    let mut set = columns.new_set();
+    for (row, index) in data.chunks_exact(vertex.width).zip(0..) {
+        let value = |column: usize| {
+            let property = &vertex.properties[column];
+            let value = property.scalar.value(&row[property.offset..], endian);
+            binary::finite(value, FORMAT, index)
+        };
+        columns.take(&mut set, FORMAT, Place::Point(index), value)?;
+    }
+    Ok(set)
+}
+
+fn header(encoding: &str, count: usize, coordinate: &str, provenance: bool) -> Vec<u8> {
+    let mut out = Vec::new();
+    push(
+        &mut out,
+        format_args!(
+            "ply\nformat {encoding} 1.0\ncomment written by Tilescope\nelement vertex {count}\n"
+        ),
+    );
+    for axis in ["x", "y", "z"] {
+        push(&mut out, format_args!("property {coordinate} {axis}\n"));
+    }
+    for name in PROVENANCE.into_iter().filter(|_| provenance) {
+        push(&mut out, format_args!("property uint {name}\n"));
+    }
+    out.extend_from_slice(b"end_header\n");
+    out
+}
+
+pub(super) fn write_ascii(points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Vec<u8> {
+    let mut out = header("ascii", points.len(), "double", provenance.is_some());
+    for (index, [x, y]) in points.iter().enumerate() {
+        push(&mut out, format_args!("{x} {y} 0"));
+        if let Some(from) = provenance.and_then(|all| all.get(index)) {
+            let Provenance {
+                block,
+                pattern_index,
+                iteration,
+            } = from;
+            push(
+                &mut out,
+                format_args!(" {block} {pattern_index} {iteration}"),
+            );
+        }
+        out.push(b'\n');
+    }
+    out
+}
+
+pub(super) fn write_binary(
+    points: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    precision: Precision,
+) -> Vec<u8> {
+    let coordinate = match precision {
+        Precision::Single => "float",
+        Precision::Double => "double",
+    };
+    let mut out = header(
+        "binary_little_endian",
+        points.len(),
+        coordinate,
+        provenance.is_some(),
+    );
+    out.reserve(points.len() * (3 * precision.bytes() + 12));
+    for (index, &[x, y]) in points.iter().enumerate() {
+        binary::push(&mut out, &[x, y, 0.0], precision);
+        if let Some(from) = provenance.and_then(|all| all.get(index)) {
+            for word in [from.block, from.pattern_index, from.iteration] {
+                out.extend_from_slice(&array::<4>(&word.to_le_bytes()));
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn foreign_properties_and_elements_are_skipped() {
+        let text = b"ply\nformat ascii 1.0\nelement camera 2\nproperty float f\nelement vertex 2\n\
+            property uchar red\nproperty float y\nproperty float x\nelement face 1\n\
+            property list uchar int vertex_indices\nend_header\n1\n2\n255 0.25 0.5\n0 0.5 0.75\n3 0 1 2\n";
+        let raw = read(text, Format::PlyAscii).expect("readable");
+        assert_eq!(raw.set.points, [[0.5, 0.25], [0.75, 0.5]]);
+        assert!(raw.set.provenance.is_none());
+    }
+
+    #[test]
+    fn big_endian_is_read() {
+        let mut bytes = b"ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\n\
+            property double y\nproperty ushort k\nend_header\n"
+            .to_vec();
+        bytes.extend_from_slice(&0.5_f32.to_be_bytes());
+        bytes.extend_from_slice(&0.25_f64.to_be_bytes());
+        bytes.extend_from_slice(&[0, 1]);
+        let raw = read(&bytes, Format::PlyBinary).expect("readable");
+        assert_eq!(raw.set.points, [[0.5, 0.25]]);
+        assert_eq!(raw.precision, Precision::Double);
+        bytes.pop();
+        assert!(matches!(
+            read(&bytes, Format::PlyBinary),
+            Err(FormatError::Truncated {
+                needed: 14,
+                available: 13,
+                ..
+            })
+        ));
+    }
+
+    #[test]
+    fn ascii_faults_are_named() {
+        let start = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+                     property float z\nend_header\n";
+        let message = |data: &str| {
+            let text = format!("{start}{data}");
+            let error = read(text.as_bytes(), Format::PlyAscii).err().expect(data);
+            error.to_string()
+        };
+        let counted = "PLY (ASCII): the file states 2 points and holds";
+        assert_eq!(message("0 0 0\n"), format!("{counted} 1"));
+        assert_eq!(message("0 0 0\n1 1 0\n1 0 0\n"), format!("{counted} 3"));
+        assert!(message("0 0 0\n1 1\n").contains("line 9: 2 columns where 3"));
+        assert!(message("0 0 0\n1 1 4\n").contains("line 9: z is 4"));
+        assert!(message("0 o 0\n").contains("\"o\" is not a number"));
+    }
+}

@@ -1,0 +1,199 @@
+//! The two files of UTK (the sampling toolkit of Coeurjolly, Ostromoukhov et al.).
+//!
+//! Text: `x y` a line, `#` between sets. Binary: a 20-byte header, then rows. Both are of the unit torus and may
+//! hold several sets. Never picks one of several by itself.
+
+use super::Raw;
+use crate::binary::{self, Cursor, Endian};
+use crate::detect::UTK_MAGIC;
+use crate::error::{FormatError, Place};
+use crate::format::{Format, Precision};
+use crate::text::{lines, numbers, push_line, words};
+
+/// Type codes of UTK's `DATATYPE`: the metadata's byte 0.
+const TYPE_FLOAT: u8 = 4;
+const TYPE_DOUBLE: u8 = 5;
+/// Magic, metadata, number of sets, number of points, dimension.
+const HEADER_BYTES: u64 = 20;
+
+pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
+    const FORMAT: Format = Format::UtkText;
+    let mut sets = vec![Vec::new()];
+    for (line, row) in lines(bytes).filter(|(_, row)| !row.is_empty()) {
+        let last = sets.last_mut();
+        match last {
+            Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, true)?),
+            // As UTK does, empty sets (leading comments, doubled separators) count for nothing.
+            Some(set) if set.is_empty() => {}
+            _ => sets.push(Vec::new()),
+        }
+    }
+    sets.retain(|set| !set.is_empty());
+    let found = sets.len();
+    if found == 0 {
+        return Err(FormatError::Empty { format: FORMAT });
+    }
+    let index = choose(found, chosen, FORMAT)?;
+    let mut raw = Raw::new(sets.swap_remove(index), Precision::Double);
+    raw.sets = found;
+    Ok(raw)
+}
+
+fn choose(found: usize, chosen: Option<usize>, format: Format) -> Result<usize, FormatError> {
+    match chosen {
+        None if found == 1 => Ok(0),
+        Some(index) if index < found => Ok(index),
+        _ => Err(FormatError::Sets {
+            format,
+            found,
+            chosen,
+        }),
+    }
+}
+
+pub(super) fn write_text(points: &[[f64; 2]]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(points.len() * 40);
+    for point in points {
+        push_line(&mut out, point, " ");
+    }
+    out
+}
+
+pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
+    const FORMAT: Format = Format::UtkBinary;
+    if !bytes.starts_with(UTK_MAGIC) {
+        return Err(FormatError::Magic {
+            format: FORMAT,
+            expected: "\"UTK!\" (0x214B5455)",
+        });
+    }
+    let mut cursor = Cursor::new(bytes, UTK_MAGIC.len(), FORMAT);
+    let precision = precision_of(cursor.take(4)?[0])?;
+    let (sets, count, dimension) = (cursor.u32()?, cursor.u32()?, cursor.u32()?);
+    if dimension != 2 {
+        return Err(FormatError::Unsupported {
+            format: FORMAT,
+            what: format!("a set of dimension {dimension}"),
+            supported: "only dimension 2 is",
+        });
+    }
+    if sets == 0 || count == 0 {
+        return Err(FormatError::Empty { format: FORMAT });
+    }
+    let row = 2 * precision.bytes() as u64;
+    let data = cursor.records(u64::from(sets) * u64::from(count), row)?;
+    cursor.finish()?;
+    let index = choose(sets as usize, chosen, FORMAT)?;
+    let set_bytes = data.len() / sets as usize;
+    let data = &data[index * set_bytes..][..set_bytes];
+    let points = binary::pairs(data, precision, Endian::Little, FORMAT)?;
+    let mut raw = Raw::new(points, precision);
+    raw.sets = sets as usize;
+    Ok(raw)
+}
+
+fn precision_of(code: u8) -> Result<Precision, FormatError> {
+    match code {
+        TYPE_FLOAT => Ok(Precision::Single),
+        TYPE_DOUBLE => Ok(Precision::Double),
+        0..=3 => Err(FormatError::Unsupported {
+            format: Format::UtkBinary,
+            what: format!("the integer type {code}"),
+            supported: "types 4 (f32) and 5 (f64) are",
+        }),
+        _ => Err(FormatError::Header {
+            format: Format::UtkBinary,
+            place: Place::Offset(4),
+            reason: format!("the type is {code}; UTK knows 0 to 5"),
+        }),
+    }
+}
+
+pub(super) fn write_binary(
+    points: &[[f64; 2]],
+    precision: Precision,
+) -> Result<Vec<u8>, FormatError> {
+    let count = u32::try_from(points.len()).map_err(|_| FormatError::TooMany {
+        format: Format::UtkBinary,
+        points: points.len(),
+        limit: u64::from(u32::MAX),
+    })?;
+    let code = match precision {
+        Precision::Single => TYPE_FLOAT,
+        Precision::Double => TYPE_DOUBLE,
+    };
+    let mut out = Vec::with_capacity(HEADER_BYTES as usize + points.len() * 2 * precision.bytes());
+    out.extend_from_slice(UTK_MAGIC);
+    out.extend_from_slice(&[code, 0, 0, 0]);
+    for word in [1, count, 2] {
+        out.extend_from_slice(&word.to_le_bytes());
+    }
+    for point in points {
+        binary::push(&mut out, point, precision);
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_several_text_sets_must_be_chosen() {
+        let text = b"# made by UTK\n0 0\n#\n#\n0.5 0.5\n0.25 0.5\n#\n";
+        let error = read_text(text, None).err().expect("two sets");
+        assert!(matches!(error, FormatError::Sets { found: 2, .. }));
+        assert!(read_text(text, Some(2)).is_err());
+        let second = read_text(text, Some(1)).expect("the second set");
+        assert_eq!(second.set.points, [[0.5, 0.5], [0.25, 0.5]]);
+        assert_eq!(second.sets, 2);
+    }
+
+    #[test]
+    fn text_lines_hold_two_columns() {
+        let error = read_text(b"0 0\n0 0 0\n", None).err().expect("3 columns");
+        assert_eq!(
+            error.to_string(),
+            "UTK text: line 2: 3 columns where 2 are needed"
+        );
+    }
+
+    #[test]
+    fn binary_header_is_as_utk_writes_it() {
+        let bytes = write_binary(&[[0.5, 0.25]], Precision::Single).expect("one point");
+        assert_eq!(bytes[..8], [0x55, 0x54, 0x4B, 0x21, 4, 0, 0, 0]);
+        assert_eq!(bytes[8..20], [1, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+        assert_eq!(bytes.len(), 28);
+    }
+
+    #[test]
+    fn binary_header_faults_are_named() {
+        let good = write_binary(&[[0.5, 0.25]], Precision::Double).expect("one point");
+        let message = |at: usize, value: u8| {
+            let mut bytes = good.clone();
+            bytes[at] = value;
+            read_binary(&bytes, None)
+                .err()
+                .expect("refused")
+                .to_string()
+        };
+        assert!(message(0, 0).contains("does not begin with"));
+        assert!(message(4, 2).contains("integer type 2"));
+        assert!(message(4, 9).contains("the type is 9"));
+        assert!(message(12, 9).contains("144 bytes are needed"));
+        assert!(message(15, 0xFF).contains("truncated"));
+        assert!(message(16, 3).contains("dimension 3"));
+        assert!(message(12, 0).contains("no points"));
+    }
+
+    #[test]
+    fn the_chosen_binary_set_is_read() {
+        let mut bytes =
+            write_binary(&[[0.5, 0.25], [0.75, 0.125]], Precision::Double).expect("two");
+        bytes[8] = 2;
+        bytes[12] = 1;
+        assert!(read_binary(&bytes, None).is_err());
+        let second = read_binary(&bytes, Some(1)).expect("the second set");
+        assert_eq!(second.set.points, [[0.75, 0.125]]);
+    }
+}

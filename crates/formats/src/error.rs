@@ -1,0 +1,270 @@
+//! What can be wrong with a point-set file, one variant per cause.
+//!
+//! Each message names the format, the place, the value found and what was expected. Never carries
+//! unbounded file content: quoted tokens are cut.
+
+use std::fmt;
+
+use crate::format::Format;
+
+/// Where in a file something is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A line, counted from 1.
+    Line(u64),
+    /// A byte offset from the start of the file.
+    Offset(u64),
+    /// A point, counted from 0.
+    Point(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(n) => write!(f, "line {n}"),
+            Self::Offset(n) => write!(f, "byte {n}"),
+            Self::Point(n) => write!(f, "point {n}"),
+        }
+    }
+}
+
+/// Why bytes are not a readable point set, or a point set cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Neither the name nor the content says what the file is.
+    #[error("the format of \"{name}\" is known neither from its extension nor from its content")]
+    UnknownFormat {
+        /// The name that was given, possibly empty.
+        name: String,
+    },
+    /// The file does not begin as its format must.
+    #[error("{format}: the file does not begin with {expected}")]
+    Magic {
+        /// The format being read.
+        format: Format,
+        /// What its first bytes must be.
+        expected: &'static str,
+    },
+    /// A header is malformed.
+    #[error("{format}: header, {place}: {reason}")]
+    Header {
+        /// The format being read.
+        format: Format,
+        /// Where in the file.
+        place: Place,
+        /// What is wrong, with the value found.
+        reason: String,
+    },
+    /// The file is well-formed but of a kind that is not read here.
+    #[error("{format}: {what} cannot be read; {supported}")]
+    Unsupported {
+        /// The format being read.
+        format: Format,
+        /// What the file has.
+        what: String,
+        /// What can be read instead.
+        supported: &'static str,
+    },
+    /// A token is not a number.
+    #[error("{format}: {place}: \"{token}\" is not a number")]
+    NotANumber {
+        /// The format being read.
+        format: Format,
+        /// Where in the file.
+        place: Place,
+        /// The token, cut to 40 characters.
+        token: String,
+    },
+    /// A coordinate is NaN or infinite, or became so by rounding to f32.
+    #[error("{format}: {place}: the coordinate {value} is not a finite number")]
+    NotFinite {
+        /// The format being read or written.
+        format: Format,
+        /// Where.
+        place: Place,
+        /// The value.
+        value: f64,
+    },
+    /// A line has too few or too many columns.
+    #[error("{format}: {place}: {found} columns where {expected} are needed")]
+    Columns {
+        /// The format being read.
+        format: Format,
+        /// The line.
+        place: Place,
+        /// Columns found.
+        found: usize,
+        /// Columns needed.
+        expected: usize,
+    },
+    /// A third coordinate is not zero, so the set is not planar.
+    #[error("{format}: {place}: z is {z}, and only planar sets (z = 0) are read")]
+    NotPlanar {
+        /// The format being read.
+        format: Format,
+        /// Where.
+        place: Place,
+        /// The third coordinate.
+        z: f64,
+    },
+    /// The file states a number of points and holds another.
+    #[error("{format}: the file states {stated} points and holds {found}")]
+    Count {
+        /// The format being read.
+        format: Format,
+        /// The number that the header states.
+        stated: u64,
+        /// The number that is there.
+        found: u64,
+    },
+    /// The data end before what the header states.
+    #[error(
+        "{format}: truncated: {needed} bytes are needed from byte {offset} on and {available} are there"
+    )]
+    Truncated {
+        /// The format being read.
+        format: Format,
+        /// Where the missing piece begins.
+        offset: u64,
+        /// Bytes which the header implies (saturating).
+        needed: u64,
+        /// Bytes which are there.
+        available: u64,
+    },
+    /// Bytes follow the last point.
+    #[error("{format}: {extra} bytes follow the last point, at byte {offset}")]
+    Trailing {
+        /// The format being read.
+        format: Format,
+        /// Where the surplus begins.
+        offset: u64,
+        /// How many bytes.
+        extra: u64,
+    },
+    /// No point at all.
+    #[error("{format}: the set has no points")]
+    Empty {
+        /// The format being read or written.
+        format: Format,
+    },
+    /// The file holds several sets and none was chosen, or one that is not there.
+    #[error("{format}: the file holds {found} sets; choose one of 0 to {} ({})", found - 1, wish(*.chosen))]
+    Sets {
+        /// The format being read.
+        format: Format,
+        /// Sets in the file.
+        found: usize,
+        /// The set asked for, counted from 0.
+        chosen: Option<usize>,
+    },
+    /// JSON that does not parse as a point-set document.
+    #[error("{format}: {source}")]
+    Json {
+        /// The format, always [`Format::Json`].
+        format: Format,
+        /// The parser's message with line and column.
+        source: serde_json::Error,
+    },
+    /// A certificate that does not parse.
+    #[error("the certificate {name} is not readable: {reason}")]
+    Certificate {
+        /// The certificate's file name, or "inside the file".
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Provenance whose length is not the number of points.
+    #[error("{found} provenance entries for {points} points")]
+    Provenance {
+        /// Entries given.
+        found: usize,
+        /// Points given.
+        points: usize,
+    },
+    /// A radius or region that cannot be written or used.
+    #[error("{name} is {value}; it must be finite and above 0")]
+    Parameter {
+        /// Which.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// More points than the format's counter holds.
+    #[error("{format}: {points} points are more than the format can count ({limit})")]
+    TooMany {
+        /// The format being written.
+        format: Format,
+        /// Points given.
+        points: usize,
+        /// The largest number it can state.
+        limit: u64,
+    },
+}
+
+fn wish(chosen: Option<usize>) -> String {
+    chosen.map_or_else(
+        || "none was chosen".to_owned(),
+        |set| format!("{set} was chosen"),
+    )
+}
+
+/// Bytes of a file as a short printable quotation for a message.
+pub(crate) fn quote(bytes: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let cut = &bytes[..bytes.len().min(4 * LONGEST)];
+    let text = String::from_utf8_lossy(cut);
+    let mut quoted: String = text
+        .chars()
+        .take(LONGEST)
+        .flat_map(char::escape_debug)
+        .collect();
+    if text.chars().count() > LONGEST || cut.len() < bytes.len() {
+        quoted.push_str("...");
+    }
+    quoted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotations_are_short_and_printable() {
+        assert_eq!(quote(b"abc"), "abc");
+        assert_eq!(quote(b"a\x00\n"), "a\\0\\n");
+        assert_eq!(quote(&[b'x'; 1000]).len(), 43);
+        assert!(!quote(&[0xFF; 3]).is_empty());
+    }
+
+    #[test]
+    fn messages_name_value_place_and_limit() {
+        let error = FormatError::Columns {
+            format: Format::Csv,
+            place: Place::Line(3),
+            found: 1,
+            expected: 2,
+        };
+        assert_eq!(
+            error.to_string(),
+            "CSV: line 3: 1 columns where 2 are needed"
+        );
+        let sets = FormatError::Sets {
+            format: Format::UtkText,
+            found: 3,
+            chosen: None,
+        };
+        assert_eq!(
+            sets.to_string(),
+            "UTK text: the file holds 3 sets; choose one of 0 to 2 (none was chosen)"
+        );
+    }
+}

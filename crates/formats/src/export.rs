@@ -1,0 +1,391 @@
+//! Validated export: encode, store, read back, verify what was read, certify.
+//!
+//! One pipeline for files and for memory (the web), which differ in how bytes are stored and read back. Never
+//! certifies positions that were not decoded from the stored bytes.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use tilescope_analysis::{Progress, Region, Report, VerifyError, VerifyOptions, verify};
+
+use crate::certificate::{CERTIFICATE_FORMAT_VERSION, Certificate, Rounding};
+use crate::codecs::{Decoded, Hint, Target, decode, encode_certified};
+use crate::digest::{bytes_digest, positions_digest};
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+use crate::point_set::PointSet;
+
+/// Progress and cancellation of the verification inside an export or a check.
+pub(crate) type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
+
+/// What an export needs besides the points.
+#[derive(Clone, Debug)]
+pub struct ExportContext {
+    /// The region of the positions.
+    pub region: Region,
+    /// The sampling radius that the verdict is about.
+    pub radius: f64,
+    /// The format; `None` takes it from the file's extension.
+    pub format: Option<Format>,
+    /// Number type wished, for the formats that leave the choice.
+    pub precision: Precision,
+    /// Writes the points in an order drawn from this seed, so that a truncated file is a uniform subset.
+    pub shuffle_seed: Option<u64>,
+    /// The program, for the certificate.
+    pub program: String,
+    /// Its version.
+    pub program_version: String,
+    /// The sampling method, for the certificate.
+    pub method: String,
+    /// The seed and every parameter of the method.
+    pub parameters: BTreeMap<String, serde_json::Value>,
+    /// How to verify.
+    pub verify: VerifyOptions,
+}
+
+impl ExportContext {
+    /// A context for sets of `region` and `radius`: f64, order kept, this program, no parameters.
+    #[must_use]
+    pub fn new(region: Region, radius: f64) -> Self {
+        Self {
+            region,
+            radius,
+            format: None,
+            precision: Precision::Double,
+            shuffle_seed: None,
+            program: "tilescope".to_owned(),
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
+            method: "unstated".to_owned(),
+            parameters: BTreeMap::new(),
+            verify: VerifyOptions::default(),
+        }
+    }
+}
+
+/// What the caller of a successful export should tell the user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Warning {
+    /// The stored set has conflicts.
+    Conflicts {
+        /// How many pairs.
+        count: u64,
+        /// Whether the set had none before it was rounded.
+        by_rounding: bool,
+    },
+    /// The stored set is not maximal.
+    Gaps {
+        /// How many places.
+        count: u64,
+        /// Whether the set had none before it was rounded.
+        by_rounding: bool,
+    },
+    /// The format has no room for the provenance which the set has.
+    ProvenanceLeftOut {
+        /// The format.
+        format: Format,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let cause = |by_rounding: bool| {
+            if by_rounding {
+                ", made by rounding"
+            } else {
+                ""
+            }
+        };
+        match *self {
+            Self::Conflicts { count, by_rounding } => {
+                let cause = cause(by_rounding);
+                write!(f, "the written set has {count} pairs in conflict{cause}")
+            }
+            Self::Gaps { count, by_rounding } => {
+                let cause = cause(by_rounding);
+                write!(
+                    f,
+                    "the written set is not maximal: {count} places are uncovered{cause}"
+                )
+            }
+            Self::ProvenanceLeftOut { format } => {
+                write!(f, "{format} has no room for where each sample came from")
+            }
+        }
+    }
+}
+
+/// Why nothing was exported. An existing file of that name is as it was.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// The set cannot be encoded, or a file not be written.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The verifier gave no verdict on the stored positions (also when it was cancelled).
+    #[error("the set as stored ({precision}) has no verdict: {source}")]
+    Verify {
+        /// Number type of the stored coordinates.
+        precision: Precision,
+        /// What the verifier said.
+        source: VerifyError,
+    },
+    /// What was read back is not what was written.
+    #[error("reading back gave {found} where {written} was written; the storage is not reliable")]
+    ReadBack {
+        /// What was written.
+        written: String,
+        /// What was read.
+        found: String,
+    },
+}
+
+/// A validated export in memory.
+#[derive(Clone, Debug)]
+pub struct ExportedBytes {
+    /// The data file's bytes.
+    pub data: Vec<u8>,
+    /// The certificate file's bytes.
+    pub certificate_bytes: Vec<u8>,
+    /// The certificate.
+    pub certificate: Certificate,
+    /// The verifier's report on the stored positions; indices are of the stored order.
+    pub report: Report,
+    /// What to tell the user.
+    pub warnings: Vec<Warning>,
+}
+
+/// Encodes `set` (in domain units) as a file to be called `name`, decodes and verifies those bytes, and certifies
+/// them.
+///
+/// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+///
+/// # Errors
+///
+/// [`ExportError::Format`] when the format is unknown or cannot hold the set, [`ExportError::Verify`] when
+/// the verifier gives no verdict.
+pub fn export_bytes(
+    name: &str,
+    set: &PointSet,
+    context: &ExportContext,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<ExportedBytes, ExportError> {
+    export_through(&mut Ok, name, set, context, control)
+}
+
+/// Stores bytes and returns them as read back.
+pub(crate) type Store<'a> = dyn FnMut(Vec<u8>) -> Result<Vec<u8>, ExportError> + 'a;
+
+/// The pipeline; `store` may be called twice, and its last call has the final data.
+pub(crate) fn export_through(
+    store: &mut Store<'_>,
+    name: &str,
+    set: &PointSet,
+    context: &ExportContext,
+    control: Control<'_>,
+) -> Result<ExportedBytes, ExportError> {
+    let target = target(name, context)?;
+    let set = match context.shuffle_seed {
+        Some(seed) => Cow::Owned(set.shuffled(seed)),
+        None => Cow::Borrowed(set),
+    };
+    let mut data = store(encode_certified(&set, &target, None)?)?;
+    let decoded = decode_own(&data, target.format)?;
+    compare(&set, &decoded, &target)?;
+    let mapping = target.mapping();
+    let stored = decoded
+        .set
+        .points
+        .iter()
+        .map(|&p| mapping.domain_from_file(p));
+    let stored: Vec<[f64; 2]> = stored.collect();
+    let report = judge(&stored, &target, context, control)?;
+    let rounding = rounding(&set.points, &stored, &report, &target, context, control)?;
+    let digest = positions_digest(&decoded.set.points);
+    drop(decoded);
+    let mut certificate = certificate(name, &target, context, &report, rounding, digest);
+    if target.format == Format::Json {
+        data = store(encode_certified(&set, &target, Some(&certificate))?)?;
+        let again = decode_own(&data, target.format)?;
+        compare(&set, &again, &target)?;
+        if again.certificate.as_ref() != Some(&certificate) {
+            return Err(ExportError::ReadBack {
+                written: "a certificate".to_owned(),
+                found: "another one".to_owned(),
+            });
+        }
+    }
+    certificate.digest = Some(bytes_digest(&data));
+    Ok(ExportedBytes {
+        certificate_bytes: certificate.to_bytes()?,
+        warnings: warnings(&set, target.format, &certificate),
+        data,
+        certificate,
+        report,
+    })
+}
+
+fn target(name: &str, context: &ExportContext) -> Result<Target, FormatError> {
+    let format = context
+        .format
+        .or_else(|| Format::from_path(Path::new(name)));
+    Ok(Target {
+        format: format.ok_or_else(|| FormatError::UnknownFormat {
+            name: name.to_owned(),
+        })?,
+        region: Some(context.region),
+        radius: Some(context.radius),
+        precision: context.precision,
+    })
+}
+
+fn decode_own(data: &[u8], format: Format) -> Result<Decoded, FormatError> {
+    let hint = Hint {
+        format: Some(format),
+        ..Hint::default()
+    };
+    decode(data, &hint)
+}
+
+/// Refuses stored positions or provenance that are not, to the bit, what the format should hold.
+fn compare(set: &PointSet, decoded: &Decoded, target: &Target) -> Result<(), ExportError> {
+    let mapping = target.mapping();
+    let found = &decoded.set;
+    let differs = |written: String, found: String| Err(ExportError::ReadBack { written, found });
+    if found.len() != set.len() {
+        return differs(format!("{} points", set.len()), found.len().to_string());
+    }
+    for (index, (&point, &read)) in set.points.iter().zip(&found.points).enumerate() {
+        let written = mapping.file_from_domain(point);
+        if written.map(f64::to_bits) != read.map(f64::to_bits) {
+            return differs(format!("{written:?} as point {index}"), format!("{read:?}"));
+        }
+    }
+    if target.format.carries_provenance() && found.provenance != set.provenance {
+        return differs("provenance".to_owned(), "another".to_owned());
+    }
+    Ok(())
+}
+
+fn judge(
+    points: &[[f64; 2]],
+    target: &Target,
+    context: &ExportContext,
+    control: Control<'_>,
+) -> Result<Report, ExportError> {
+    let precision = target.format.precision(target.precision);
+    verify(
+        points,
+        context.region,
+        context.radius,
+        &context.verify,
+        control,
+    )
+    .map_err(|source| ExportError::Verify { precision, source })
+}
+
+/// What storing did to the positions; judges the original too where the verdict could have changed.
+fn rounding(
+    original: &[[f64; 2]],
+    stored: &[[f64; 2]],
+    report: &Report,
+    target: &Target,
+    context: &ExportContext,
+    control: Control<'_>,
+) -> Result<Option<Rounding>, ExportError> {
+    let mapping = target.mapping();
+    let shifts = original
+        .iter()
+        .zip(stored)
+        .map(|(&a, &b)| mapping.shift(a, b));
+    let largest_shift = shifts.fold(0.0, f64::max);
+    if largest_shift == 0.0 {
+        return Ok(None);
+    }
+    let (mut made_conflicts, mut made_gaps) = (false, false);
+    if !report.valid() {
+        let before = judge(original, target, context, control)?;
+        made_conflicts = before.conflict_free() && !report.conflict_free();
+        made_gaps = before.maximal() && !report.maximal();
+    }
+    let precision = target.format.precision(target.precision);
+    let effect = match (made_conflicts, made_gaps) {
+        (false, false) => "the verdict is unchanged",
+        (true, false) => "this made conflicts",
+        (false, true) => "this made gaps",
+        (true, true) => "this made conflicts and gaps",
+    };
+    Ok(Some(Rounding {
+        largest_shift,
+        made_conflicts,
+        made_gaps,
+        note: format!(
+            "positions were rounded to {precision} in the file's unit, which moved coordinates by up to \
+             {largest_shift:e}; {effect}; every value here is of the rounded positions"
+        ),
+    }))
+}
+
+fn certificate(
+    name: &str,
+    target: &Target,
+    context: &ExportContext,
+    report: &Report,
+    rounding: Option<Rounding>,
+    positions_digest: String,
+) -> Certificate {
+    let mut certificate = Certificate {
+        format_version: CERTIFICATE_FORMAT_VERSION,
+        program: context.program.clone(),
+        program_version: context.program_version.clone(),
+        method: context.method.clone(),
+        parameters: context.parameters.clone(),
+        region: context.region,
+        radius: context.radius,
+        covering_tolerance: 0.0,
+        count: 0,
+        min_distance: None,
+        covering_radius: 0.0,
+        conflicts: 0,
+        gaps: 0,
+        density: 0.0,
+        relative_radius: None,
+        valid: false,
+        file: name.to_owned(),
+        file_format: target.format,
+        precision: target.format.precision(target.precision),
+        scale: target.mapping().scale(),
+        shuffle_seed: context.shuffle_seed,
+        rounding,
+        positions_digest,
+        digest: None,
+    };
+    certificate.state(report);
+    certificate
+}
+
+fn warnings(set: &PointSet, format: Format, certificate: &Certificate) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let rounding = certificate.rounding.as_ref();
+    if certificate.conflicts > 0 {
+        warnings.push(Warning::Conflicts {
+            count: certificate.conflicts,
+            by_rounding: rounding.is_some_and(|r| r.made_conflicts),
+        });
+    }
+    if certificate.gaps > 0 {
+        warnings.push(Warning::Gaps {
+            count: certificate.gaps,
+            by_rounding: rounding.is_some_and(|r| r.made_gaps),
+        });
+    }
+    if set.provenance.is_some() && !format.carries_provenance() {
+        warnings.push(Warning::ProvenanceLeftOut { format });
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,175 @@
+//! The pipeline on small sets, with and without rounding.
+
+use tilescope_analysis::Boundary;
+
+use super::*;
+use crate::point_set::Provenance;
+
+const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
+
+fn region(width: f64) -> Region {
+    Region {
+        width,
+        height: width,
+        boundary: Boundary::Periodic,
+    }
+}
+
+/// A square lattice of `n` x `n` points in a torus of `width`: valid for the radius width / n.
+fn lattice(n: u32, width: f64) -> PointSet {
+    let step = width / f64::from(n);
+    let point = |i: u32| [f64::from(i % n) * step, f64::from(i / n) * step];
+    PointSet::from_points((0..n * n).map(point).collect())
+}
+
+/// A context whose radius is just what the lattice's closest pair is apart, so that any rounding hurts.
+fn tight(set: &PointSet, width: f64) -> ExportContext {
+    let options = VerifyOptions::default();
+    let report = verify(&set.points, region(width), width / 100.0, &options, &GO).expect("lattice");
+    ExportContext::new(region(width), report.min_distance)
+}
+
+#[test]
+fn an_exact_export_states_what_the_verifier_found() {
+    let set = lattice(8, 8.0);
+    let mut context = ExportContext::new(region(8.0), 1.0);
+    context
+        .parameters
+        .insert("seed".to_owned(), u64::MAX.into());
+    let exported = export_bytes("set.csv", &set, &context, &GO).expect("valid");
+    let certificate = &exported.certificate;
+    assert!(certificate.valid && exported.warnings.is_empty());
+    assert_eq!(
+        (certificate.count, certificate.min_distance),
+        (64, Some(1.0))
+    );
+    assert_eq!(certificate.rounding, None);
+    assert_eq!(certificate.digest, Some(bytes_digest(&exported.data)));
+    let back = Certificate::from_bytes(&exported.certificate_bytes, "c").expect("own");
+    assert_eq!(&back, certificate);
+    assert_eq!(back.parameters["seed"].as_u64(), Some(u64::MAX));
+}
+
+#[test]
+fn rounding_into_conflict_is_said_and_not_hidden() {
+    let set = lattice(10, 1.0);
+    let context = tight(&set, 1.0);
+    let exact = export_bytes("set.csv", &set, &context, &GO).expect("a verdict");
+    assert!(exact.certificate.valid);
+    let rounded = export_bytes("set.rps", &set, &context, &GO).expect("a verdict");
+    let certificate = &rounded.certificate;
+    assert!(!certificate.valid && certificate.conflicts > 0);
+    let rounding = certificate.rounding.as_ref().expect("f32 moved points");
+    assert!(rounding.made_conflicts && !rounding.made_gaps);
+    assert!(rounding.largest_shift > 0.0 && rounding.largest_shift < 1e-7);
+    assert!(
+        rounding.note.contains("made conflicts"),
+        "{}",
+        rounding.note
+    );
+    let count = certificate.conflicts;
+    let warning = Warning::Conflicts {
+        count,
+        by_rounding: true,
+    };
+    assert_eq!(rounded.warnings, [warning]);
+}
+
+#[test]
+fn a_set_invalid_before_is_not_blamed_on_rounding() {
+    let set = lattice(10, 1.0);
+    let context = ExportContext::new(region(1.0), 0.2);
+    let exported = export_bytes("set.rps", &set, &context, &GO).expect("a verdict");
+    let rounding = exported.certificate.rounding.expect("f32 moved points");
+    assert!(!rounding.made_conflicts);
+    assert!(matches!(
+        exported.warnings[..],
+        [Warning::Conflicts {
+            by_rounding: false,
+            ..
+        }]
+    ));
+    let context = ExportContext::new(region(1.0), 0.01);
+    let sparse = export_bytes("set.csv", &set, &context, &GO).expect("a verdict");
+    assert!(matches!(sparse.warnings[..], [Warning::Gaps { .. }]));
+    assert!(!sparse.certificate.valid);
+}
+
+#[test]
+fn unit_torus_formats_record_their_scale() {
+    let set = lattice(8, 8.0);
+    let context = ExportContext::new(region(8.0), 1.0);
+    let exported = export_bytes("set.txt", &set, &context, &GO).expect("valid");
+    assert_eq!(exported.certificate.scale.to_bits(), 8.0_f64.to_bits());
+    assert_eq!(exported.certificate.min_distance, Some(1.0));
+    assert!(exported.data.starts_with(b"64\n0 0\n0.125 0\n"));
+}
+
+#[test]
+fn json_carries_its_certificate_and_provenance() {
+    let mut set = lattice(4, 4.0);
+    set.provenance = Some((0..16).map(|i| Provenance::tiled(i, 0)).collect());
+    let context = ExportContext::new(region(4.0), 1.0);
+    let exported = export_bytes("set.json", &set, &context, &GO).expect("valid");
+    let decoded = decode(&exported.data, &Hint::default()).expect("own file");
+    assert_eq!(decoded.set, set);
+    let mut outer = exported.certificate;
+    outer.digest = None;
+    assert_eq!(decoded.certificate, Some(outer));
+    let csv = export_bytes("set.csv", &set, &context, &GO).expect("valid");
+    let format = Format::Csv;
+    assert_eq!(csv.warnings, [Warning::ProvenanceLeftOut { format }]);
+}
+
+#[test]
+fn a_shuffle_changes_the_order_alone() {
+    let set = lattice(8, 8.0);
+    let mut context = ExportContext::new(region(8.0), 1.0);
+    context.shuffle_seed = Some(5);
+    let exported = export_bytes("set.txt", &set, &context, &GO).expect("valid");
+    let mut points = decode(&exported.data, &Hint::default())
+        .expect("own")
+        .set
+        .points;
+    assert_ne!(points[..8], set.points[..8]);
+    points.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+    let scaled: Vec<_> = set.points.iter().map(|p| p.map(|v| v / 8.0)).collect();
+    assert_eq!(points, scaled);
+    assert_eq!(exported.certificate.shuffle_seed, Some(5));
+}
+
+#[test]
+fn faulty_storage_is_found_out() {
+    let set = lattice(4, 4.0);
+    let context = ExportContext::new(region(4.0), 1.0);
+    let mut flip = |mut bytes: Vec<u8>| {
+        let end = bytes.len();
+        bytes[end - 2] ^= 1;
+        Ok(bytes)
+    };
+    let error = export_through(&mut flip, "set.csv", &set, &context, &GO).expect_err("flipped");
+    assert!(matches!(error, ExportError::ReadBack { .. }), "{error}");
+    let mut lose = |bytes: Vec<u8>| Ok(bytes[..bytes.len() - 4].to_vec());
+    let error = export_through(&mut lose, "set.csv", &set, &context, &GO).expect_err("lost");
+    assert!(matches!(error, ExportError::ReadBack { .. }), "{error}");
+}
+
+#[test]
+fn what_has_no_verdict_is_not_exported() {
+    let context = ExportContext::new(region(1.0), 0.1);
+    let outside = PointSet::from_points(vec![[0.5, 0.5], [1.5, 0.5]]);
+    let error = export_bytes("set.csv", &outside, &context, &GO).expect_err("outside");
+    assert!(
+        error.to_string().contains("lies outside the region"),
+        "{error}"
+    );
+    let stop = |_| ControlFlow::Break(());
+    let error = export_bytes("set.csv", &lattice(10, 1.0), &context, &stop);
+    let source = VerifyError::Cancelled;
+    assert!(matches!(error, Err(ExportError::Verify { source: s, .. }) if s == source));
+    let error = export_bytes("set.jpeg", &lattice(10, 1.0), &context, &GO);
+    assert!(matches!(
+        error,
+        Err(ExportError::Format(FormatError::UnknownFormat { .. }))
+    ));
+}

@@ -1,0 +1,254 @@
+//! Point sets on disk: reading, validated export, re-verification.
+//!
+//! Files appear whole or not at all: temporary file in the same folder, sync, read back, rename. Never
+//! leaves a temporary behind and never touches an existing file before the new one is verified.
+
+use std::ffi::OsString;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use tilescope_analysis::{Progress, Report};
+
+use crate::certificate::{CERTIFICATE_SUFFIX, Certificate};
+use crate::check::{Check, CheckError, Overrides, check_bytes};
+use crate::codecs::{Hint, decode};
+use crate::detect::Detection;
+use crate::error::FormatError;
+use crate::export::{ExportContext, ExportError, Warning, export_through};
+use crate::format::Precision;
+use crate::mapping::Mapping;
+use crate::point_set::PointSet;
+
+/// A point set read from a file.
+#[derive(Clone, Debug)]
+pub struct ReadSet {
+    /// The points: in domain units with a certificate, otherwise as the file has them.
+    pub set: PointSet,
+    /// The format and how it was recognised.
+    pub detection: Detection,
+    /// Number type of the file's coordinates.
+    pub precision: Precision,
+    /// How many sets the file holds.
+    pub sets: usize,
+    /// The certificate beside or inside the file. [`check`] says whether it is true.
+    pub certificate: Option<Certificate>,
+}
+
+/// A finished export.
+#[derive(Clone, Debug)]
+pub struct Exported {
+    /// The data file.
+    pub path: PathBuf,
+    /// The certificate file.
+    pub certificate_path: PathBuf,
+    /// The certificate.
+    pub certificate: Certificate,
+    /// The verifier's report on the positions read back; indices are of the file's order.
+    pub report: Report,
+    /// What to tell the user.
+    pub warnings: Vec<Warning>,
+}
+
+/// The name of the certificate of the data file `path`.
+///
+/// ```
+/// use tilescope_formats::certificate_path;
+/// let path = certificate_path("out/set.csv".as_ref());
+/// assert_eq!(path, std::path::Path::new("out/set.csv.certificate.json"));
+/// ```
+#[must_use]
+pub fn certificate_path(path: &Path) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(CERTIFICATE_SUFFIX);
+    name.into()
+}
+
+/// The point set in the file `path`; `hint.name` is replaced by the file's.
+///
+/// # Errors
+///
+/// [`FormatError`] when the file, or the certificate beside it, is missing or unreadable.
+pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
+    let bytes = read_file(path)?;
+    let name = file_name(path)?;
+    let decoded = decode(
+        &bytes,
+        &Hint {
+            name: &name,
+            ..*hint
+        },
+    )?;
+    let certificate = match read_certificate(path)? {
+        Some(bytes) => {
+            let name = certificate_path(path).to_string_lossy().into_owned();
+            Some(Certificate::from_bytes(&bytes, &name)?)
+        }
+        None => decoded.certificate,
+    };
+    let mut set = decoded.set;
+    let region = certificate.as_ref().map(|c| c.region);
+    let mapping = Mapping::new(decoded.detection.format, region, decoded.precision);
+    for point in &mut set.points {
+        *point = mapping.domain_from_file(*point);
+    }
+    Ok(ReadSet {
+        set,
+        detection: decoded.detection,
+        precision: decoded.precision,
+        sets: decoded.sets,
+        certificate,
+    })
+}
+
+/// Re-verifies the file `path` against the certificate beside or inside it.
+///
+/// # Errors
+///
+/// As [`check_bytes`], and when a file cannot be read.
+pub fn check(
+    path: &Path,
+    overrides: &Overrides,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Check, CheckError> {
+    let data = read_file(path)?;
+    let certificate = read_certificate(path)?;
+    let name = file_name(path)?;
+    check_bytes(&data, &name, certificate.as_deref(), overrides, control)
+}
+
+/// Writes `set` (in domain units) to the file `path` and a certificate beside it, after reading back and verifying
+/// what was written.
+///
+/// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+///
+/// # Errors
+///
+/// [`ExportError`]; the temporary files are removed then, and files that were there are as they were.
+pub fn export(
+    path: &Path,
+    set: &PointSet,
+    context: &ExportContext,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Exported, ExportError> {
+    let name = file_name(path)?;
+    let certificate_path = certificate_path(path);
+    let data = Temporary::beside(path);
+    let mut store = |bytes: Vec<u8>| {
+        data.write(&bytes)?;
+        drop(bytes);
+        Ok(read_file(&data.path)?)
+    };
+    let exported = export_through(&mut store, &name, set, context, control)?;
+    let certificate = Temporary::beside(&certificate_path);
+    certificate.write(&exported.certificate_bytes)?;
+    publish(&data, path, &certificate, &certificate_path)?;
+    Ok(Exported {
+        path: path.to_owned(),
+        certificate_path,
+        certificate: exported.certificate,
+        report: exported.report,
+        warnings: exported.warnings,
+    })
+}
+
+/// Renames both files into place, or neither.
+fn publish(
+    data: &Temporary,
+    path: &Path,
+    certificate: &Temporary,
+    certificate_path: &Path,
+) -> Result<(), FormatError> {
+    // A second name for the old file lets the first rename be undone when the second fails. A file
+    // system without hard links loses only that.
+    let old = Temporary::beside(path);
+    let kept = fs::hard_link(path, &old.path).is_ok();
+    let existed = path.exists();
+    fs::rename(&data.path, path).map_err(|e| io_error(path, e))?;
+    let placed = fs::rename(&certificate.path, certificate_path);
+    placed.map_err(|source| {
+        if kept {
+            // If this fails too, the data file is new and its old certificate's digest says so.
+            let _ = fs::rename(&old.path, path);
+        } else if !existed {
+            let _ = fs::remove_file(path);
+        }
+        io_error(certificate_path, source)
+    })
+}
+
+/// A temporary file, removed when dropped if it still has its name.
+struct Temporary {
+    path: PathBuf,
+}
+
+impl Temporary {
+    /// An unused name in the folder of `path`: renaming never crosses file systems.
+    fn beside(path: &Path) -> Self {
+        static COUNTER: AtomicU32 = AtomicU32::new(0);
+        let serial = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let process = std::process::id();
+        let mut name = OsString::from(".");
+        name.push(path.file_name().unwrap_or_default());
+        name.push(format!(".{process}-{serial}.tmp"));
+        Self {
+            path: path.with_file_name(name),
+        }
+    }
+
+    /// Writes `bytes` through to the device.
+    fn write(&self, bytes: &[u8]) -> Result<(), FormatError> {
+        let write = || -> io::Result<()> {
+            let mut options = OpenOptions::new();
+            let mut file = options
+                .write(true)
+                .create(true)
+                .truncate(true)
+                .open(&self.path)?;
+            file.write_all(bytes)?;
+            file.sync_all()
+        };
+        write().map_err(|e| io_error(&self.path, e))
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // Gone already after a rename; nothing else can be done about a failure here.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+fn io_error(path: &Path, source: io::Error) -> FormatError {
+    FormatError::Io {
+        path: path.display().to_string(),
+        source,
+    }
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
+    fs::read(path).map_err(|e| io_error(path, e))
+}
+
+/// The bytes of the certificate of `path`, or `None` if it has none.
+fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatError> {
+    let path = certificate_path(path);
+    match fs::read(&path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(io_error(&path, error)),
+    }
+}
+
+fn file_name(path: &Path) -> Result<String, FormatError> {
+    let name = path.file_name().ok_or_else(|| {
+        let source = io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
+        io_error(path, source)
+    })?;
+    Ok(name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests;

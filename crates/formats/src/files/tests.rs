@@ -1,0 +1,141 @@
+//! What is on disk after an export, a failed export and a check.
+
+use std::collections::BTreeSet;
+
+use tilescope_analysis::{Boundary, Region};
+
+use super::*;
+use crate::format::Format;
+
+const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
+
+fn context() -> ExportContext {
+    let region = Region {
+        width: 4.0,
+        height: 4.0,
+        boundary: Boundary::Periodic,
+    };
+    ExportContext::new(region, 1.0)
+}
+
+fn lattice() -> PointSet {
+    let point = |i: u32| [f64::from(i % 4), f64::from(i / 4)];
+    PointSet::from_points((0..16).map(point).collect())
+}
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    entries
+        .map(|e| {
+            e.expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect()
+}
+
+#[test]
+fn an_export_is_two_files_which_check() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for format in Format::ALL {
+        let path = folder
+            .path()
+            .join(format!("{}.{}", format.name(), format.extension()));
+        let mut context = context();
+        context.format = Some(format);
+        let exported = export(&path, &lattice(), &context, &GO).expect("valid");
+        assert_eq!(exported.certificate_path, certificate_path(&path));
+        let check = check(&path, &Overrides::default(), &GO).expect("a verdict");
+        assert!(check.passed(), "{format}: {:?}", check.differences);
+        let read = read(&path, &Hint::default()).expect("own file");
+        assert_eq!(read.set, lattice(), "{format}: domain units again");
+        assert_eq!(read.detection.format, format);
+        assert_eq!(read.certificate, Some(exported.certificate));
+    }
+    assert_eq!(names(folder.path()).len(), 2 * Format::ALL.len());
+}
+
+#[test]
+fn a_failed_export_leaves_everything_as_it_was() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.csv");
+    export(&path, &lattice(), &context(), &GO).expect("valid");
+    let before = fs::read(&path).expect("there");
+    let listed = names(folder.path());
+    let stop = |_| ControlFlow::Break(());
+    assert!(export(&path, &lattice(), &context(), &stop).is_err());
+    let mut outside = lattice();
+    outside.points[3] = [4.0, 4.0];
+    assert!(export(&path, &outside, &context(), &GO).is_err());
+    assert_eq!(fs::read(&path).expect("still there"), before);
+    assert_eq!(names(folder.path()), listed);
+}
+
+#[test]
+fn a_certificate_that_cannot_be_placed_undoes_the_data_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.csv");
+    fs::write(&path, "x,y\n0,0\n").expect("writable");
+    // A folder of the certificate's name lets the second rename fail.
+    let blocked = certificate_path(&path);
+    fs::create_dir(&blocked).expect("writable");
+    fs::write(blocked.join("occupant"), "").expect("writable");
+    assert!(export(&path, &lattice(), &context(), &GO).is_err());
+    assert_eq!(fs::read(&path).expect("restored"), b"x,y\n0,0\n");
+    assert_eq!(names(folder.path()).len(), 2);
+    let new = folder.path().join("new.csv");
+    let blocked = certificate_path(&new);
+    fs::create_dir(&blocked).expect("writable");
+    fs::write(blocked.join("occupant"), "").expect("writable");
+    assert!(export(&new, &lattice(), &context(), &GO).is_err());
+    assert!(!new.exists());
+}
+
+#[test]
+fn an_export_replaces_an_older_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.csv");
+    let mut other = lattice();
+    for point in &mut other.points {
+        point[0] += 0.5;
+    }
+    export(&path, &other, &context(), &GO).expect("valid");
+    export(&path, &lattice(), &context(), &GO).expect("valid");
+    let check = check(&path, &Overrides::default(), &GO).expect("a verdict");
+    assert!(check.passed());
+    assert_eq!(check.set, lattice());
+    assert_eq!(names(folder.path()).len(), 2);
+}
+
+#[test]
+fn a_flipped_byte_on_disk_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.npy");
+    export(&path, &lattice(), &context(), &GO).expect("valid");
+    let mut bytes = fs::read(&path).expect("there");
+    let end = bytes.len();
+    bytes[end - 16] ^= 1;
+    fs::write(&path, bytes).expect("writable");
+    let check = check(&path, &Overrides::default(), &GO).expect("a verdict");
+    let fields: Vec<_> = check.differences.iter().map(|d| d.field).collect();
+    assert_eq!(fields[..2], ["digest", "positions_digest"]);
+}
+
+#[test]
+fn missing_files_and_bad_certificates_are_errors_with_the_path() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.csv");
+    let error = read(&path, &Hint::default()).expect_err("missing");
+    assert!(error.to_string().contains("set.csv"), "{error}");
+    fs::write(&path, "x,y\n0,0\n").expect("writable");
+    fs::write(certificate_path(&path), "{}").expect("writable");
+    let error = read(&path, &Hint::default()).expect_err("no certificate");
+    assert!(
+        error.to_string().contains("set.csv.certificate.json"),
+        "{error}"
+    );
+    assert!(export("/".as_ref(), &lattice(), &context(), &GO).is_err());
+    let nowhere = folder.path().join("no").join("set.csv");
+    assert!(export(&nowhere, &lattice(), &context(), &GO).is_err());
+}

@@ -1,0 +1,45 @@
+//! Point-set files of the field, certificates and validated export.
+//!
+//! The room for everything that turns positions into bytes and back: eleven file formats, detection of
+//! which one a file is, the certificate that travels beside a file, and the re-verification of both.
+//! Invariant: never depends on `tilescope-core` (it cannot know how a set was made), never panics
+//! on any bytes, and never hides a rounding: a certificate states what the *written* file holds.
+//!
+//! ```
+//! use tilescope_formats::{Format, Hint, PointSet, Target, decode, encode};
+//!
+//! let set = PointSet::from_points(vec![[0.25, 0.5], [0.75, 0.125]]);
+//! let bytes = encode(&set, &Target::new(Format::Csv)).unwrap();
+//! assert_eq!(bytes, b"x,y\n0.25,0.5\n0.75,0.125\n");
+//! assert_eq!(decode(&bytes, &Hint::default()).unwrap().set, set);
+//! ```
+
+mod binary;
+mod certificate;
+mod check;
+mod codecs;
+mod detect;
+mod digest;
+mod error;
+mod export;
+#[cfg(not(target_arch = "wasm32"))]
+mod files;
+mod format;
+mod mapping;
+mod point_set;
+mod text;
+
+pub use certificate::{
+    CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, MAX_CERTIFICATE_BYTES, Rounding,
+};
+pub use check::{Check, CheckError, Difference, MEASURE_TOLERANCE, Overrides, check_bytes};
+pub use codecs::{Decoded, Hint, Target, decode, encode};
+pub use detect::{Detection, Evidence, detect};
+pub use digest::{bytes_digest, positions_digest};
+pub use error::{FormatError, Place};
+pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
+#[cfg(not(target_arch = "wasm32"))]
+pub use files::{Exported, ReadSet, certificate_path, check, export, read};
+pub use format::{Format, Precision, UnknownFormatName};
+pub use mapping::Mapping;
+pub use point_set::{PointSet, Provenance};

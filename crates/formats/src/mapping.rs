@@ -1,0 +1,189 @@
+//! From domain positions to file coordinates and back.
+//!
+//! The one place which knows that psa and UTK files are of the unit torus and that f32 rounds.
+//! Never changes a position silently: the exporter measures the shift and the certificate states it.
+
+use tilescope_analysis::{Boundary, Region};
+
+use crate::format::{Format, Precision};
+
+/// How the positions of a region are stored in a file.
+///
+/// Unit-torus formats hold positions divided by the region's *width* (both axes, so distances keep their
+/// ratios); a region of another shape than a square then spans `0..1` by `0..height / width`. All
+/// other formats hold domain units.
+///
+/// ```
+/// use tilescope_analysis::{Boundary, Region};
+/// use tilescope_formats::{Format, Mapping, Precision};
+///
+/// let region = Region { width: 4.0, height: 2.0, boundary: Boundary::Periodic };
+/// let mapping = Mapping::new(Format::PsaText, Some(region), Precision::Double);
+/// assert_eq!(mapping.scale(), 4.0);
+/// assert_eq!(mapping.file_from_domain([1.0, 1.0]), [0.25, 0.25]);
+/// assert_eq!(mapping.domain_from_file([0.25, 0.25]), [1.0, 1.0]);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mapping {
+    region: Option<Region>,
+    precision: Precision,
+    scale: f64,
+}
+
+impl Mapping {
+    /// The mapping of `format`; without a region, file coordinates are domain units.
+    #[must_use]
+    pub fn new(format: Format, region: Option<Region>, precision: Precision) -> Self {
+        let scale = match region {
+            Some(region) if format.is_unit_torus() => region.width,
+            _ => 1.0,
+        };
+        Self {
+            region,
+            precision: format.precision(precision),
+            scale,
+        }
+    }
+
+    /// Domain length of one file unit.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The coordinates which a file stores for the domain position `point`.
+    ///
+    /// f32 formats round to the nearest f32, but never out of the region: on a torus a coordinate
+    /// lifted to the period becomes 0, the same place; in a bounded region it is rounded down.
+    #[must_use]
+    pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
+        let stored = point.map(|value| self.round(value / self.scale));
+        let Some(region) = self.region else {
+            return stored;
+        };
+        [0, 1].map(|axis| {
+            let extent = [region.width, region.height][axis];
+            let limit = extent / self.scale;
+            match region.boundary {
+                Boundary::Periodic if point[axis] < extent && stored[axis] >= limit => 0.0,
+                Boundary::Bounded if point[axis] <= extent && stored[axis] > limit => {
+                    self.next_down(stored[axis])
+                }
+                _ => stored[axis],
+            }
+        })
+    }
+
+    /// The domain position of the coordinates which a file stores, kept inside as on writing.
+    #[must_use]
+    pub fn domain_from_file(&self, stored: [f64; 2]) -> [f64; 2] {
+        let inside = stored.map(|value| value * self.scale);
+        let region = self
+            .region
+            .filter(|_| self.scale.to_bits() != 1.0_f64.to_bits());
+        let Some(region) = region else {
+            return inside;
+        };
+        [0, 1].map(|axis| {
+            let extent = [region.width, region.height][axis];
+            let limit = extent / self.scale;
+            match region.boundary {
+                Boundary::Periodic if inside[axis] >= extent && stored[axis] < limit => 0.0,
+                Boundary::Bounded if inside[axis] > extent && stored[axis] <= limit => extent,
+                _ => inside[axis],
+            }
+        })
+    }
+
+    /// The largest coordinate-wise distance between `a` and `b`, across the boundary of a torus if shorter.
+    pub(crate) fn shift(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let extents = self.extents();
+        let along = |axis: usize| {
+            let straight = (a[axis] - b[axis]).abs();
+            straight.min((extents[axis] - straight).abs())
+        };
+        along(0).max(along(1))
+    }
+
+    fn round(&self, value: f64) -> f64 {
+        match self.precision {
+            Precision::Single => f64::from(value as f32),
+            Precision::Double => value,
+        }
+    }
+
+    fn next_down(&self, stored: f64) -> f64 {
+        match self.precision {
+            Precision::Single => f64::from((stored as f32).next_down()),
+            Precision::Double => stored.next_down(),
+        }
+    }
+
+    /// Periods of both axes; infinite where nothing wraps.
+    fn extents(&self) -> [f64; 2] {
+        match self.region {
+            Some(region) if region.boundary == Boundary::Periodic => [region.width, region.height],
+            _ => [f64::INFINITY; 2],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(width: f64, boundary: Boundary) -> Region {
+        Region {
+            width,
+            height: width,
+            boundary,
+        }
+    }
+
+    #[test]
+    fn f32_never_reaches_the_period_of_a_torus() {
+        let edge = 1.0_f64.next_down();
+        let torus = square(1.0, Boundary::Periodic);
+        let mapping = Mapping::new(Format::PsaRps, Some(torus), Precision::Double);
+        assert_eq!(mapping.file_from_domain([edge, 0.5]), [0.0, 0.5]);
+        assert!(mapping.shift([edge, 0.5], [0.0, 0.5]) < 1e-15);
+    }
+
+    #[test]
+    fn a_bounded_edge_and_positions_outside_are_left_alone() {
+        let edge = 1.0_f64.next_down();
+        let bounded = square(1.0, Boundary::Bounded);
+        let mapping = Mapping::new(Format::PsaRps, Some(bounded), Precision::Single);
+        assert_eq!(mapping.file_from_domain([edge, 1.0]), [1.0, 1.0]);
+        let torus = square(1.0, Boundary::Periodic);
+        let mapping = Mapping::new(Format::Npy, Some(torus), Precision::Single);
+        assert_eq!(mapping.file_from_domain([1.5, 1.0]), [1.5, 1.0]);
+    }
+
+    #[test]
+    fn f32_stays_in_a_bounded_region() {
+        let width = 1.0 + 1e-8;
+        let region = square(width, Boundary::Bounded);
+        let mapping = Mapping::new(Format::Npy, Some(region), Precision::Single);
+        let stored = mapping.file_from_domain([width, 0.999_999_999]);
+        assert_eq!(stored, [1.0, 1.0]);
+        let region = square(0.1, Boundary::Bounded);
+        let mapping = Mapping::new(Format::Npy, Some(region), Precision::Single);
+        let stored = mapping.file_from_domain([0.1, 0.1])[0];
+        assert!(stored <= 0.1 && stored > 0.099_999_98);
+    }
+
+    #[test]
+    fn scaling_stays_inside_the_region() {
+        for width in [1.1, 3.0, 7.3, 1000.0 / 3.0] {
+            let region = square(width, Boundary::Periodic);
+            let mapping = Mapping::new(Format::UtkText, Some(region), Precision::Double);
+            let edge = [width.next_down(), width.next_down()];
+            let stored = mapping.file_from_domain(edge);
+            assert!(stored[0] < 1.0);
+            let back = mapping.domain_from_file(stored);
+            assert!(back[0] < width);
+            assert!(mapping.shift(edge, back) <= width * f64::EPSILON);
+        }
+    }
+}
