@@ -1,0 +1,114 @@
+//! Circumcircles to nearly full precision.
+//! The result depends on the three points only, not on the order they come in.
+//! It never decides whether a circle is empty; the triangulation does.
+
+/// A circle through three samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Circle {
+    pub center: [f64; 2],
+    /// Squared radius.
+    pub square: f64,
+}
+
+/// The circle through three points; not finite if they are on a line.
+///
+/// The centre is computed as an offset from the vertex opposite the longest side: there the numerators
+/// lose nothing, so the error is that of the determinant alone, which is compensated where it
+/// cancels. Equal triangles give equal bits, whatever the order of the vertices.
+pub(crate) fn circumcircle(points: [[f64; 2]; 3]) -> Circle {
+    let [apex, second, third] = from_widest(points);
+    let a = [second[0] - apex[0], second[1] - apex[1]];
+    let b = [third[0] - apex[0], third[1] - apex[1]];
+    let scale = 0.5 / cross(a, b);
+    let (aa, bb) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
+    let offset = [
+        (b[1] * aa - a[1] * bb) * scale,
+        (a[0] * bb - b[0] * aa) * scale,
+    ];
+    Circle {
+        center: [apex[0] + offset[0], apex[1] + offset[1]],
+        square: offset[0] * offset[0] + offset[1] * offset[1],
+    }
+}
+
+/// Rotates the triangle so that its longest side is opposite the first vertex; between equals the
+/// smaller vertex comes first.
+fn from_widest([a, b, c]: [[f64; 2]; 3]) -> [[f64; 2]; 3] {
+    let square = |p: [f64; 2], q: [f64; 2]| {
+        let (dx, dy) = (p[0] - q[0], p[1] - q[1]);
+        dx * dx + dy * dy
+    };
+    let (opposite_a, opposite_b, opposite_c) = (square(b, c), square(c, a), square(a, b));
+    let before = |x: f64, p: [f64; 2], y: f64, q: [f64; 2]| x > y || (x == y && p < q);
+    if before(opposite_a, a, opposite_b, b) && before(opposite_a, a, opposite_c, c) {
+        [a, b, c]
+    } else if before(opposite_b, b, opposite_c, c) {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// The cross product, with the error of its products recovered where they cancel (Kahan).
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (left, right) = (a[0] * b[1], a[1] * b[0]);
+    let plain = left - right;
+    // Fused multiplication is a library call on the baseline targets, so only where it pays.
+    if plain.abs() > 0.01 * left.abs().max(right.abs()) {
+        return plain;
+    }
+    let error = (-a[1]).mul_add(b[0], right);
+    a[0].mul_add(b[1], -right) + error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_triangles_have_their_centre_on_the_hypotenuse() {
+        let circle = circumcircle([[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]]);
+        assert_eq!(circle.center, [1.5, 2.0]);
+        assert_eq!(circle.square, 6.25);
+    }
+
+    #[test]
+    fn every_rotation_gives_the_same_bits() {
+        let triangles = [
+            [[0.1, 0.2], [0.73, 0.31], [0.4, 0.9]],
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
+            [[0.3, 0.1], [0.9, 0.1], [0.6, 0.7]],
+        ];
+        for [a, b, c] in triangles {
+            let circle = circumcircle([a, b, c]);
+            assert_eq!(circle, circumcircle([b, c, a]));
+            assert_eq!(circle, circumcircle([c, a, b]));
+        }
+    }
+
+    #[test]
+    fn slivers_keep_their_precision() {
+        // Three points of a known circle within 1e-4 of its circumference, far from the origin.
+        let (center, radius) = ([100.0, 50.0], 2.0);
+        let on_circle = |angle: f64| {
+            [
+                center[0] + radius * angle.cos(),
+                center[1] + radius * angle.sin(),
+            ]
+        };
+        let circle = circumcircle([on_circle(1.0), on_circle(1.0001), on_circle(1.000_05)]);
+        // The points themselves are rounded by 1e-14, which the flat arc amplifies by 1e9.
+        assert!((circle.square.sqrt() - radius).abs() < 1e-4);
+        // Exactly representable sliver: offsets 2^-20 over a base of 2, by hand.
+        let height = 2f64.powi(-20);
+        let circle = circumcircle([[0.0, 0.0], [2.0, 0.0], [1.0, height]]);
+        let exact = (1.0 + height * height) / (2.0 * height);
+        assert!((circle.square.sqrt() - exact).abs() <= exact * 4e-16);
+    }
+
+    #[test]
+    fn points_on_a_line_have_no_finite_circle() {
+        let circle = circumcircle([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]);
+        assert!(!circle.square.is_finite());
+    }
+}

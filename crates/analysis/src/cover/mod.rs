@@ -1,0 +1,133 @@
+//! Maximality: the largest empty circles centred in the region, exactly, in bounded memory.
+//! The region is cut into tiles, each triangulated with a halo that is proven to be wide enough.
+//! It never looks for conflicts and never trusts the radius it is told.
+//!
+//! # Where the largest empty circles are
+//!
+//! Let `f(c)` be the distance from a place `c` to the nearest sample. The set is maximal when
+//! `f <= r` on the whole region. Within a Voronoi cell `f` is convex, and a region cut by the cells
+//! falls into convex polygons, so the maximum of `f` over a rectangle is taken at a corner of such
+//! a polygon: a **Voronoi vertex** inside the rectangle (the circumcentre of a Delaunay triangle), a
+//! **crossing** of a Voronoi edge with a side, or a **corner** of the rectangle. A periodic
+//! region has no border, so there the Voronoi vertices suffice.
+//!
+//! # Why the sides need no triangulation
+//!
+//! Infinite Voronoi edges leave hull edges of the Delaunay triangulation, and a set may have no
+//! triangle at all. So the sides are treated in one dimension: on a line, `f^2` is the lower
+//! envelope of one parabola of equal opening per sample, whose kinks are exactly the
+//! crossings ([`border`]). This holds for one sample, for two and for samples on a line.
+//!
+//! # Why a tile is exact
+//!
+//! A tile `T` is seen through a window `W`: all samples, and copies of samples, within a halo `H` of
+//! it, or all that exist. Let `f_W` be the distance to the nearest sample of `W`; then `f <= f_W`.
+//! The maximum `m` of `f_W` over `T` is known exactly from the three kinds of places above, sides
+//! of the tile included. If `m <= H`, then for every `c` in `T` all samples at distance `f(c) <= H` are
+//! in `W`. Hence `f = f_W` on `T`, and the Voronoi vertices in `T` are the same for both.
+//! Otherwise the halo grows towards `m`, which would do, because `f <= m`, and the tile
+//! is done again. A hole of any size and a radius wrong by any factor are therefore found as what
+//! they are; the radius only suggests the first halo.
+//!
+//! Across a period the nearest copy of a sample is at most half a period away along each axis,
+//! so a halo of half a period is always enough: a tiny set needs no special case.
+//!
+//! # Why nothing is missed or counted twice
+//!
+//! The triangulation sees region coordinates, the same in every tile, and its predicates are
+//! exact, so tiles agree on a triangle and on every bit of its circumcentre. Only exactly
+//! cocircular samples leave a choice, and rounding of copies at the seam. So a tile
+//! claims circumcentres up to a tolerance beyond its sides, and gaps at the same place are
+//! merged ([`places`]). Cocircular samples thus make one gap.
+
+mod border;
+mod circle;
+mod places;
+mod survey;
+mod tiles;
+
+use rayon::prelude::*;
+
+use crate::error::VerifyError;
+use crate::grid::Grid;
+use crate::monitor::Monitor;
+use crate::report::Gap;
+use crate::worst::Worst;
+use places::Places;
+use survey::Survey;
+pub(crate) use survey::on_a_line;
+use tiles::Tile;
+
+/// What the search for empty circles found, in the domain's unit.
+pub(crate) struct Cover {
+    pub covering_radius: f64,
+    pub gaps: u64,
+    pub worst: Worst<Gap>,
+}
+
+/// The constants of one search.
+pub(crate) struct Task<'a> {
+    pub grid: &'a Grid,
+    /// Suggests the first halo; decides nothing.
+    pub radius: f64,
+    /// Circles larger than this are gaps.
+    pub limit: f64,
+    /// Distance below which two places are the same.
+    pub same: f64,
+    pub witnesses: usize,
+}
+
+impl<'a> Task<'a> {
+    pub fn new(grid: &'a Grid, radius: f64, limit: f64, witnesses: usize) -> Self {
+        let domain = &grid.domain;
+        let length = radius.min(domain.spacing(grid.entries().len()));
+        // A place is known to about 2^-50 of the extent, and Voronoi vertices of a random set
+        // are hardly ever closer than 2^-30 r.
+        let longer = domain.extent[0].max(domain.extent[1]);
+        let same = (length * 2f64.powi(-30)).max(longer * 2f64.powi(-46));
+        Self {
+            grid,
+            radius,
+            limit,
+            same,
+            witnesses,
+        }
+    }
+}
+
+/// Finds the largest empty circle centred in the region and all that are larger than the limit.
+pub(crate) fn search(
+    task: &Task<'_>,
+    tile_samples: usize,
+    monitor: &Monitor<'_>,
+) -> Result<Cover, VerifyError> {
+    let tiles = tiles::split(task.grid, tile_samples);
+    let sum = tiles
+        .par_iter()
+        .map(|tile| {
+            let places = inspect(task, tile, monitor)?;
+            monitor.advance(tile.count as u64)?;
+            Ok(places)
+        })
+        .try_reduce(
+            || Places::new(task.witnesses),
+            |left, right| Ok(left.merge(right)),
+        )?;
+    Ok(sum.finish(task))
+}
+
+/// Surveys a tile with growing halos until the result is proven.
+fn inspect(task: &Task<'_>, tile: &Tile, monitor: &Monitor<'_>) -> Result<Places, VerifyError> {
+    let mut halo = tile.first_halo(task);
+    loop {
+        let window = tiles::Window::gather(task, tile, halo);
+        let complete = window.complete;
+        let survey = Survey::of(task, tile, window)?;
+        if complete || survey.reach <= halo {
+            return Ok(Places::of_tile(task, tile, survey));
+        }
+        monitor.advance(0)?;
+        // `reach` is infinite while a side sees no sample at all.
+        halo = survey.reach.min(16.0 * halo);
+    }
+}

@@ -1,0 +1,183 @@
+//! Gathers the gaps of all tiles so that every place counts once.
+//! Places within a tiny distance are one: cocircular samples, corners on sides, claims of two tiles.
+//! It never drops a gap that no other stands for.
+
+use super::survey::Survey;
+use super::tiles::Tile;
+use super::{Cover, Task};
+use crate::report::Gap;
+use crate::worst::{Witness, Worst};
+
+/// The gaps of some tiles.
+pub(crate) struct Places {
+    covering_radius: f64,
+    /// Places that no other tile can have claimed.
+    count: u64,
+    worst: Worst<Gap>,
+    /// Places near a side, which neighbours may have claimed as well.
+    shared: Vec<Gap>,
+}
+
+impl Places {
+    pub fn new(witnesses: usize) -> Self {
+        Self {
+            covering_radius: 0.0,
+            count: 0,
+            worst: Worst::new(witnesses),
+            shared: Vec::new(),
+        }
+    }
+
+    pub fn of_tile(task: &Task<'_>, tile: &Tile, mut survey: Survey) -> Self {
+        let mut places = Self::new(task.witnesses);
+        places.covering_radius = survey.covering_radius;
+        merge_same(&mut survey.gaps, task.same);
+        // Other tiles claim up to `same` beyond their sides; twice that leaves no doubt.
+        let margin = 2.0 * task.same;
+        let inner = |gap: &Gap| {
+            (0..2).all(|axis| {
+                let at = gap.center[axis];
+                at > tile.low[axis] + margin && at < tile.high[axis] - margin
+            })
+        };
+        for gap in survey.gaps {
+            if inner(&gap) {
+                places.add(gap);
+            } else {
+                places.shared.push(gap);
+            }
+        }
+        places
+    }
+
+    pub fn merge(mut self, other: Self) -> Self {
+        self.covering_radius = self.covering_radius.max(other.covering_radius);
+        self.count += other.count;
+        self.worst.merge(other.worst);
+        self.shared.extend(other.shared);
+        self
+    }
+
+    /// Settles the shared places.
+    pub fn finish(mut self, task: &Task<'_>) -> Cover {
+        let domain = &task.grid.domain;
+        let mut shared = std::mem::take(&mut self.shared);
+        if domain.periodic {
+            for gap in &mut shared {
+                gap.center = wrapped(gap.center, domain.extent, task.same);
+            }
+        }
+        merge_same(&mut shared, task.same);
+        for mut gap in shared {
+            if domain.periodic {
+                gap.center = gap.center.map(|value| value.max(0.0));
+            }
+            self.add(gap);
+        }
+        Cover {
+            covering_radius: self.covering_radius,
+            gaps: self.count,
+            worst: self.worst,
+        }
+    }
+
+    fn add(&mut self, gap: Gap) {
+        self.count += 1;
+        self.worst.push(gap);
+    }
+}
+
+/// Moves a place into the region such that places at the seam, from either side, come out near zero,
+/// possibly just below.
+fn wrapped(center: [f64; 2], extent: [f64; 2], same: f64) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let (value, period) = (center[axis], extent[axis]);
+        if value >= period - 2.0 * same {
+            value - period
+        } else {
+            value
+        }
+    })
+}
+
+/// Replaces gaps whose places are within `same` along both axes by one. Which bits survive does not
+/// depend on their order.
+fn merge_same(gaps: &mut Vec<Gap>, same: f64) {
+    if gaps.len() < 2 {
+        return;
+    }
+    gaps.sort_unstable_by(|a, b| a.center[0].total_cmp(&b.center[0]));
+    let mut start = 0;
+    for end in 1..=gaps.len() {
+        // Within a column of equal x, equal places are neighbours by y.
+        if end == gaps.len() || gaps[end].center[0] - gaps[end - 1].center[0] > same {
+            gaps[start..end].sort_unstable_by(|a, b| {
+                (a.center[1].total_cmp(&b.center[1])).then_with(|| a.rank(b))
+            });
+            start = end;
+        }
+    }
+    gaps.dedup_by(|next, kept| {
+        let equal = (0..2).all(|axis| (next.center[axis] - kept.center[axis]).abs() <= same);
+        if equal {
+            *kept = joined(kept, next);
+        }
+        equal
+    });
+}
+
+/// One gap for two at the same place: the more special kind, where that is, and the larger circle.
+fn joined(a: &Gap, b: &Gap) -> Gap {
+    let special = if b.kind.cmp(&a.kind).then_with(|| a.rank(b)).is_gt() {
+        b
+    } else {
+        a
+    };
+    Gap {
+        distance: a.distance.max(b.distance),
+        ..*special
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::GapKind;
+
+    fn gap(x: f64, y: f64, distance: f64, kind: GapKind) -> Gap {
+        let center = [x, y];
+        Gap {
+            center,
+            distance,
+            kind,
+        }
+    }
+
+    #[test]
+    fn equal_places_merge_and_different_ones_stay() {
+        let kind = GapKind::VoronoiVertex;
+        let mut gaps = vec![
+            gap(0.5, 0.5, 1.0, kind),
+            gap(0.5, 0.2, 2.0, kind),
+            gap(0.5 + 1e-14, 0.5, 1.5, kind),
+            gap(0.2, 0.5, 3.0, kind),
+            gap(0.5 - 1e-14, 0.2, 1.0, GapKind::Border),
+        ];
+        merge_same(&mut gaps, 1e-10);
+        let expected = [
+            gap(0.2, 0.5, 3.0, kind),
+            gap(0.5 - 1e-14, 0.2, 2.0, GapKind::Border),
+            gap(0.5 + 1e-14, 0.5, 1.5, kind),
+        ];
+        assert_eq!(gaps, expected);
+    }
+
+    #[test]
+    fn a_place_on_the_seam_is_the_same_from_both_sides() {
+        let extent = [1.5, 1.0];
+        let [x, y] = wrapped([1.5 - 1e-14, 0.25], extent, 1e-10);
+        assert!(x.abs() < 1e-13 && y == 0.25);
+        assert_eq!(wrapped([-1e-14, 0.25], extent, 1e-10), [-1e-14, 0.25]);
+        assert_eq!(wrapped([1.25, 0.0], extent, 1e-10), [1.25, 0.0]);
+    }
+}

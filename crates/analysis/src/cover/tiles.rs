@@ -1,0 +1,257 @@
+//! Cuts the grid into tiles of bounded sample count and gathers the samples around a tile.
+//! Copies across the periods are made here, and only here.
+//! It never decides whether a halo was wide enough.
+
+use std::ops::Range;
+
+use spade::Point2;
+
+use super::Task;
+use crate::grid::Grid;
+
+/// Nonzero coordinates below this are outside what the triangulation accepts (its predicates could
+/// underflow). As the longer extent is at least 1, replacing them by zero moves nothing visibly.
+const TINY: f64 = spade::MIN_ALLOWED_VALUE;
+
+/// A rectangle of grid cells.
+#[derive(Clone, Debug)]
+pub(crate) struct Tile {
+    pub columns: Range<usize>,
+    pub rows: Range<usize>,
+    /// Samples in it.
+    pub count: usize,
+    /// Lower and upper corner; on the region's border exactly its extents.
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+impl Tile {
+    fn new(grid: &Grid, columns: Range<usize>, rows: Range<usize>) -> Self {
+        let at = |axis: usize, cell: usize| {
+            grid.domain.extent[axis] * (cell as f64 / grid.cells[axis] as f64)
+        };
+        Self {
+            count: grid.count(&columns, &rows),
+            low: [at(0, columns.start), at(1, rows.start)],
+            high: [at(0, columns.end), at(1, rows.end)],
+            columns,
+            rows,
+        }
+    }
+
+    /// Two halves across the longer side; none for a single cell.
+    fn halves(&self, grid: &Grid) -> Option<[Self; 2]> {
+        let side = |axis: usize| self.high[axis] - self.low[axis];
+        let (columns, rows) = (self.columns.clone(), self.rows.clone());
+        let upright = rows.len() > 1 && (columns.len() == 1 || side(1) > side(0));
+        if upright {
+            let middle = rows.start.midpoint(rows.end);
+            Some(
+                [rows.start..middle, middle..rows.end].map(|r| Self::new(grid, columns.clone(), r)),
+            )
+        } else if columns.len() > 1 {
+            let middle = columns.start.midpoint(columns.end);
+            let halves = [columns.start..middle, middle..columns.end];
+            Some(halves.map(|c| Self::new(grid, c, rows.clone())))
+        } else {
+            None
+        }
+    }
+
+    /// The halo to try first: two radii do for a maximal set (one would, were it exactly
+    /// maximal). The density bounds it where the radius is far off.
+    pub fn first_halo(&self, task: &Task<'_>) -> f64 {
+        let area = (self.high[0] - self.low[0]) * (self.high[1] - self.low[1]);
+        let spacing = (area / self.count.max(1) as f64).sqrt();
+        (2.0 * task.radius).clamp(spacing, 2.4 * spacing)
+    }
+}
+
+/// Splits the region until no tile has more than `tile_samples`, or is a single cell.
+pub(crate) fn split(grid: &Grid, tile_samples: usize) -> Vec<Tile> {
+    let mut open = vec![Tile::new(grid, 0..grid.cells[0], 0..grid.cells[1])];
+    let mut done = Vec::new();
+    while let Some(tile) = open.pop() {
+        let halves = (tile.count > tile_samples)
+            .then(|| tile.halves(grid))
+            .flatten();
+        match halves {
+            Some(halves) => open.extend(halves),
+            None => done.push(tile),
+        }
+    }
+    done
+}
+
+/// The samples seen from a tile: at least all, copies included, within the halo of it.
+pub(crate) struct Window {
+    pub points: Vec<Point2<f64>>,
+    /// The halo, as wide as the samples beyond may matter; infinite in a complete window.
+    pub halo: f64,
+    /// Whether no sample beyond the window can be nearest to any place of the tile.
+    pub complete: bool,
+}
+
+impl Window {
+    pub fn gather(task: &Task<'_>, tile: &Tile, halo: f64) -> Self {
+        let grid = task.grid;
+        // A little more than the halo pays for rounding and for places claimed beyond the tile.
+        let wide = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
+        let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, wide));
+        let complete = columns.complete && rows.complete;
+        let mut points = Vec::with_capacity(tile.count + tile.count / 8 + 64);
+        for row in rows.cells {
+            let (row, y) = wrap(grid, 1, row);
+            // Each stretch between two seams is one run of the row.
+            let mut column = columns.cells.start;
+            while column < columns.cells.end {
+                let (first, x) = wrap(grid, 0, column);
+                let seam = column + (grid.cells[0] - first) as i64;
+                let end = seam.min(columns.cells.end);
+                let run = grid.run(row, &(first..first + (end - column) as usize));
+                points.extend(run.iter().map(|entry| shifted(entry.position, [x, y])));
+                column = end;
+            }
+        }
+        let halo = if complete { f64::INFINITY } else { halo };
+        Self {
+            points,
+            halo,
+            complete,
+        }
+    }
+}
+
+/// The cells that a window spans along an axis, counted on across the seams.
+struct Span {
+    cells: Range<i64>,
+    complete: bool,
+}
+
+impl Span {
+    fn new(grid: &Grid, tile: &Tile, axis: usize, halo: f64) -> Self {
+        let (extent, cells) = (grid.domain.extent[axis], grid.cells[axis] as i64);
+        let (periodic, low, high) = (grid.domain.periodic, tile.low[axis], tile.high[axis]);
+        // Half a period, with room for rounding, reaches every nearest copy.
+        let most = extent * (0.5 + 2f64.powi(-20));
+        let halo = if periodic { halo.min(most) } else { halo };
+        let cell_at = |value: f64| (value / extent * cells as f64).clamp(-1e15, 1e15);
+        let first = (cell_at(low - halo) - Grid::ROUNDING).floor() as i64;
+        let last = (cell_at(high + halo) + Grid::ROUNDING).floor() as i64;
+        if periodic {
+            Self {
+                cells: first..last + 1,
+                complete: halo >= most,
+            }
+        } else {
+            Self {
+                cells: first.max(0)..(last + 1).min(cells),
+                complete: first <= 0 && last + 1 >= cells,
+            }
+        }
+    }
+}
+
+/// The grid cell of an unwrapped one and how far its samples are to be moved.
+fn wrap(grid: &Grid, axis: usize, cell: i64) -> (usize, f64) {
+    let cells = grid.cells[axis] as i64;
+    let periods = cell.div_euclid(cells);
+    let shift = periods as f64 * grid.domain.extent[axis];
+    (cell.rem_euclid(cells) as usize, shift)
+}
+
+fn shifted(position: [f64; 2], shift: [f64; 2]) -> Point2<f64> {
+    let [x, y] = [0, 1].map(|axis| {
+        let value = position[axis] + shift[axis];
+        if value.abs() < TINY { 0.0 } else { value }
+    });
+    Point2::new(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Domain;
+    use crate::region::{Boundary, Region};
+
+    fn grid(count: usize, boundary: Boundary) -> Grid {
+        let golden = |i: usize, step: f64| (i as f64 * step).fract();
+        let points: Vec<_> = (0..count)
+            .map(|i| [1.5 * golden(i, 0.754_877), golden(i, 0.569_84)])
+            .collect();
+        let domain = Domain::new(Region {
+            width: 1.5,
+            height: 1.0,
+            boundary,
+        })
+        .expect("supported");
+        Grid::new(&points, domain, 0.0)
+    }
+
+    #[test]
+    fn tiles_share_out_the_samples() {
+        let grid = grid(1000, Boundary::Bounded);
+        for target in [1, 10, 300, 5000] {
+            let tiles = split(&grid, target);
+            assert_eq!(tiles.iter().map(|tile| tile.count).sum::<usize>(), 1000);
+            let single = |tile: &Tile| tile.columns.len() * tile.rows.len() == 1;
+            assert!(
+                tiles
+                    .iter()
+                    .all(|tile| tile.count <= target || single(tile))
+            );
+        }
+    }
+
+    /// The definition of a window, sample by sample and copy by copy.
+    #[test]
+    fn a_window_holds_every_copy_within_its_halo() {
+        for (count, halo) in [(1, 0.1), (1, 9.0), (3, 0.3), (200, 0.07), (200, 0.4)] {
+            for boundary in [Boundary::Periodic, Boundary::Bounded] {
+                let grid = grid(count, boundary);
+                let task = Task::new(&grid, 0.1, 0.1, 0);
+                for tile in split(&grid, 20) {
+                    let window = Window::gather(&task, &tile, halo);
+                    check(&grid, &tile, &window, halo);
+                }
+            }
+        }
+    }
+
+    fn check(grid: &Grid, tile: &Tile, window: &Window, halo: f64) {
+        let periodic = grid.domain.periodic;
+        let [width, height] = grid.domain.extent;
+        let copies = if periodic { -1..=1 } else { 0..=0 };
+        for entry in grid.entries() {
+            for i in copies.clone() {
+                for j in copies.clone() {
+                    let shift = [f64::from(i) * width, f64::from(j) * height];
+                    let copy = shifted(entry.position, shift);
+                    let near = [(copy.x, 0, width), (copy.y, 1, height)].into_iter().all(
+                        |(value, axis, extent)| {
+                            let halo = if periodic {
+                                halo.min(extent / 2.0)
+                            } else {
+                                halo
+                            };
+                            (tile.low[axis] - halo..=tile.high[axis] + halo).contains(&value)
+                        },
+                    );
+                    assert!(!near || window.points.contains(&copy));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_window_over_everything_is_complete() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let grid = grid(100, boundary);
+            let task = Task::new(&grid, 0.1, 0.1, 0);
+            for tile in split(&grid, 10) {
+                assert!(Window::gather(&task, &tile, 2.0).complete);
+                assert!(!Window::gather(&task, &tile, 0.01).complete);
+            }
+        }
+    }
+}

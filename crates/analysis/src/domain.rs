@@ -1,0 +1,87 @@
+//! The region in the verifier's own unit: a power of two that makes the longer side 1 to 2.
+//! Scaling by a power of two is exact, so every comparison decides as it would in the caller's unit.
+//! It never holds samples.
+
+use crate::error::VerifyError;
+use crate::region::{Boundary, Region};
+
+/// Radii are accepted between this fraction of the longer side, 2^-100, and its inverse: squares
+/// and the density then stay finite and nonzero.
+const MIN_RELATIVE_RADIUS: f64 = Region::MIN_EXTENT;
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Domain {
+    /// Width and height.
+    pub extent: [f64; 2],
+    pub periodic: bool,
+    /// Multiplies the caller's lengths.
+    pub scale: f64,
+}
+
+impl Domain {
+    pub fn new(region: Region) -> Result<Self, VerifyError> {
+        let Region { width, height, .. } = region;
+        if !region.is_supported() {
+            return Err(VerifyError::BadRegion { width, height });
+        }
+        // The exponent field of 1 / 2^floor(log2(longer)): extents are normal numbers.
+        let exponent = width.max(height).to_bits() >> 52;
+        let scale = f64::from_bits((2 * 1023 - exponent) << 52);
+        Ok(Self {
+            extent: [width * scale, height * scale],
+            periodic: region.boundary == Boundary::Periodic,
+            scale,
+        })
+    }
+
+    /// The radius in this unit.
+    pub fn scale_radius(&self, radius: f64) -> Result<f64, VerifyError> {
+        let longer = self.extent[0].max(self.extent[1]);
+        let limits = longer * MIN_RELATIVE_RADIUS..=longer / MIN_RELATIVE_RADIUS;
+        Some(radius * self.scale)
+            .filter(|scaled| limits.contains(scaled))
+            .ok_or(VerifyError::BadRadius { radius })
+    }
+
+    /// A sample in this unit; adding zero turns -0 into 0.
+    pub fn scale_point(&self, point: [f64; 2]) -> [f64; 2] {
+        point.map(|value| value * self.scale + 0.0)
+    }
+
+    /// The period of each axis, infinite when bounded.
+    pub fn periods(&self) -> [f64; 2] {
+        if self.periodic {
+            self.extent
+        } else {
+            [f64::INFINITY; 2]
+        }
+    }
+
+    /// The side of a square that holds one sample on average.
+    pub fn spacing(&self, count: usize) -> f64 {
+        (self.extent[0] * self.extent[1] / count as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scaling_is_an_exact_power_of_two() {
+        for width in [1.0, 0.999, 1e-20, 3e20, 7.0] {
+            let height = width / 3.0;
+            let boundary = Boundary::Periodic;
+            let region = Region {
+                width,
+                height,
+                boundary,
+            };
+            let domain = Domain::new(region).expect("supported");
+            assert!((1.0..2.0).contains(&domain.extent[0]), "{width}");
+            assert_eq!(domain.extent[0] / domain.scale, width);
+            assert_eq!(domain.extent[1] / domain.scale, height);
+            assert_eq!(domain.scale.to_bits() & ((1 << 52) - 1), 0);
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! A uniform grid over the region with the samples sorted by cell: the one index of the verifier.
+//! Cells of a row follow each other and each is sorted by x, so a row is sorted by x as a whole.
+//! It never copies a sample across the border; the searches that need copies make them.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::domain::Domain;
+use crate::error::VerifyError;
+
+/// A sample in the domain's unit with its index in the caller's slice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Entry {
+    pub position: [f64; 2],
+    pub id: u32,
+}
+
+pub(crate) struct Grid {
+    pub domain: Domain,
+    /// Cells along x and y.
+    pub cells: [usize; 2],
+    starts: Vec<u32>,
+    entries: Vec<Entry>,
+}
+
+impl Grid {
+    /// Samples that 32-bit indices can name.
+    pub const MAX_SAMPLES: usize = u32::MAX as usize;
+
+    /// Sorts the samples into cells whose sides are at least `side`, as far as the region is.
+    ///
+    /// There are at most about as many cells as samples, whatever the side.
+    pub fn new(points: &[[f64; 2]], domain: Domain, side: f64) -> Self {
+        let side = side.max(domain.spacing(points.len()));
+        // Along a thin region the cap matters: there, cells of that side would outnumber the samples.
+        let cells = domain
+            .extent
+            .map(|extent| ((extent / side) as usize).clamp(1, points.len()));
+        let mut grid = Self {
+            domain,
+            cells,
+            starts: vec![0; cells[0] * cells[1] + 1],
+            entries: vec![
+                Entry {
+                    position: [0.0; 2],
+                    id: 0
+                };
+                points.len()
+            ],
+        };
+        grid.fill(points);
+        grid.sort_cells();
+        grid
+    }
+
+    /// Counting sort by cell.
+    fn fill(&mut self, points: &[[f64; 2]]) {
+        let cell_of = |point: &[f64; 2]| self.cell_of(self.domain.scale_point(*point));
+        let keys: Vec<u32> = points.par_iter().map(|p| cell_of(p) as u32).collect();
+        for &key in &keys {
+            self.starts[key as usize + 1] += 1;
+        }
+        for cell in 1..self.starts.len() {
+            self.starts[cell] += self.starts[cell - 1];
+        }
+        // `starts[c]` serves as the cursor of cell c and ends as the start of cell c + 1.
+        for (id, (point, &key)) in points.iter().zip(&keys).enumerate() {
+            let cursor = &mut self.starts[key as usize];
+            self.entries[*cursor as usize] = Entry {
+                position: self.domain.scale_point(*point),
+                id: id as u32,
+            };
+            *cursor += 1;
+        }
+        self.starts.pop();
+        self.starts.insert(0, 0);
+    }
+
+    fn sort_cells(&mut self) {
+        let order = |a: &Entry, b: &Entry| {
+            let [ax, ay] = a.position;
+            let [bx, by] = b.position;
+            (ax.total_cmp(&bx))
+                .then_with(|| ay.total_cmp(&by))
+                .then_with(|| a.id.cmp(&b.id))
+        };
+        for bounds in self.starts.windows(2) {
+            let cell = &mut self.entries[bounds[0] as usize..bounds[1] as usize];
+            if cell.len() > 1 {
+                cell.sort_unstable_by(order);
+            }
+        }
+    }
+
+    /// The cell of a scaled position. Rounding may move a sample at a cell's side into the next
+    /// cell, by at most [`Self::ROUNDING`] of a cell.
+    fn cell_of(&self, position: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
+            let cell = position[axis] / self.domain.extent[axis] * self.cells[axis] as f64;
+            (cell as usize).min(self.cells[axis] - 1)
+        });
+        row * self.cells[0] + column
+    }
+
+    /// Bound of the rounding of a cell coordinate: two roundings of relative size 2^-53 on at most
+    /// 2^32 cells, with room to spare.
+    pub const ROUNDING: f64 = 1e-6;
+
+    /// Sides of a cell.
+    pub fn cell_sides(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.domain.extent[axis] / self.cells[axis] as f64)
+    }
+
+    pub fn cell_count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The entries of the cells `columns` of one row.
+    pub fn run(&self, row: usize, columns: &Range<usize>) -> &[Entry] {
+        &self.entries[self.run_range(row, columns)]
+    }
+
+    /// Where [`Self::run`] lies in [`Self::entries`].
+    pub fn run_range(&self, row: usize, columns: &Range<usize>) -> Range<usize> {
+        let first = row * self.cells[0];
+        let start = self.starts[first + columns.start] as usize;
+        start..self.starts[first + columns.end] as usize
+    }
+
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// Number of samples in a rectangle of cells.
+    pub fn count(&self, columns: &Range<usize>, rows: &Range<usize>) -> usize {
+        (rows.clone())
+            .map(|row| self.run_range(row, columns).len())
+            .sum()
+    }
+
+    /// Refuses identical samples. In a sorted cell they are neighbours.
+    pub fn check_duplicates(&self, points: &[[f64; 2]]) -> Result<(), VerifyError> {
+        let same = |pair: &&[Entry]| pair[0].position == pair[1].position;
+        let first = (self.entries.windows(2))
+            .filter(same)
+            .map(|pair| (pair[0].id as usize, pair[1].id as usize))
+            .min();
+        first.map_or(Ok(()), |(first, second)| {
+            let point = points[first];
+            Err(VerifyError::Duplicate {
+                first,
+                second,
+                point,
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::region::{Boundary, Region};
+
+    fn domain(width: f64, height: f64) -> Domain {
+        let boundary = Boundary::Bounded;
+        Domain::new(Region {
+            width,
+            height,
+            boundary,
+        })
+        .expect("supported")
+    }
+
+    fn scattered(count: usize, width: f64, height: f64) -> Vec<[f64; 2]> {
+        let fraction = |x: f64| x - x.floor();
+        (0..count)
+            .map(|i| i as f64)
+            .map(|i| {
+                [
+                    width * fraction(i * 0.754_877),
+                    height * fraction(i * 0.569_84),
+                ]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn holds_every_sample_once_and_rows_are_sorted_by_x() {
+        let points = scattered(1000, 1.5, 1.0);
+        let grid = Grid::new(&points, domain(1.5, 1.0), 0.05);
+        let mut ids: Vec<u32> = grid.entries().iter().map(|entry| entry.id).collect();
+        ids.sort_unstable();
+        assert!(ids.iter().copied().eq(0..1000));
+        for row in 0..grid.cells[1] {
+            let run = grid.run(row, &(0..grid.cells[0]));
+            assert!(run.is_sorted_by_key(|entry| entry.position[0]));
+        }
+        assert_eq!(grid.count(&(0..grid.cells[0]), &(0..grid.cells[1])), 1000);
+    }
+
+    #[test]
+    fn never_makes_many_more_cells_than_samples() {
+        for (width, height) in [(1.0, 1.0), (1.0, 1e-9), (1e-9, 1.0)] {
+            let points = scattered(50, width, height);
+            let grid = Grid::new(&points, domain(width, height), 0.0);
+            assert!(grid.cell_count() <= 64, "{width} {height}");
+        }
+    }
+
+    #[test]
+    fn names_the_first_duplicate() {
+        let mut points = scattered(100, 1.0, 1.0);
+        points[70] = points[40];
+        points[90] = points[12];
+        let grid = Grid::new(&points, domain(1.0, 1.0), 0.0);
+        let expected = VerifyError::Duplicate {
+            first: 12,
+            second: 90,
+            point: points[12],
+        };
+        assert_eq!(grid.check_duplicates(&points), Err(expected));
+        points[70] = [0.5, 0.123];
+        points[90] = [0.123, 0.5];
+        let grid = Grid::new(&points, domain(1.0, 1.0), 0.0);
+        assert_eq!(grid.check_duplicates(&points), Ok(()));
+    }
+}

@@ -1,0 +1,45 @@
+//! The judge: decides whether a planar point set is conflict-free and maximal, and measures it.
+//! It works on plain `f64` positions, a region and a radius, whoever made them.
+//! It never depends on the sampler, on a GPU, on files or on a clock.
+//!
+//! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
+//! witnesses; [`spectrum`] gives the radially averaged periodogram.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//! use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
+//!
+//! // A square lattice of spacing 1: its largest empty circles have radius 1 / sqrt 2.
+//! let points: Vec<[f64; 2]> = (0..64).map(|i| [f64::from(i % 8), f64::from(i / 8)]).collect();
+//! let region = Region { width: 8.0, height: 8.0, boundary: Boundary::Periodic };
+//! let never_cancel = |_| ControlFlow::Continue(());
+//! let report = verify(&points, region, 1.0, &VerifyOptions::default(), &never_cancel)?;
+//! assert!(report.valid());
+//! assert_eq!(report.min_distance, 1.0);
+//! assert!((report.covering_radius - 0.5f64.sqrt()).abs() < 1e-15);
+//! # Ok::<(), tilescope_analysis::VerifyError>(())
+//! ```
+
+#![allow(
+    clippy::float_cmp,
+    reason = "exactness is the subject: equal bits are meant where they are compared"
+)]
+
+mod cover;
+mod domain;
+mod error;
+mod grid;
+mod monitor;
+mod pairs;
+mod region;
+mod report;
+pub mod spectrum;
+mod verify;
+mod worst;
+
+pub use error::VerifyError;
+pub use monitor::Progress;
+pub use region::{Boundary, Region};
+pub use report::{Conflict, Gap, GapKind, Report};
+pub use spectrum::{RadialBin, radial_mean_power};
+pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};

@@ -1,0 +1,68 @@
+//! Progress and cancellation: the one channel from a running verification to its caller.
+//! Counts work in samples and asks the caller's function whether to go on.
+//! It never measures time.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::error::VerifyError;
+
+/// How far a verification has come. Calls come from several threads, so one with a larger `done`
+/// may arrive before one with a smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Work done, up to `total`.
+    pub done: u64,
+    /// All work, in the same unit; constant during a verification.
+    pub total: u64,
+}
+
+/// The caller's control function; `Break` cancels.
+pub(crate) type Control<'a> = dyn Fn(Progress) -> ControlFlow<()> + Sync + 'a;
+
+pub(crate) struct Monitor<'a> {
+    control: &'a Control<'a>,
+    done: AtomicU64,
+    total: u64,
+}
+
+impl<'a> Monitor<'a> {
+    pub fn new(control: &'a Control<'a>, total: u64) -> Self {
+        Self {
+            control,
+            done: AtomicU64::new(0),
+            total,
+        }
+    }
+
+    /// Adds finished work and reports it; the error says that the caller wants to stop.
+    pub fn advance(&self, work: u64) -> Result<(), VerifyError> {
+        let done = self.done.fetch_add(work, Ordering::Relaxed) + work;
+        let total = self.total;
+        match (self.control)(Progress { done, total }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(VerifyError::Cancelled),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn adds_up_and_stops_when_told() {
+        let stop_at_five = |progress: Progress| {
+            assert_eq!(progress.total, 9);
+            if progress.done >= 5 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let monitor = Monitor::new(&stop_at_five, 9);
+        assert_eq!(monitor.advance(0), Ok(()));
+        assert_eq!(monitor.advance(4), Ok(()));
+        assert_eq!(monitor.advance(1), Err(VerifyError::Cancelled));
+    }
+}

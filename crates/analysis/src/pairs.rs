@@ -1,0 +1,388 @@
+//! Conflicts and the smallest distance, by an own grid search.
+//! Distances go around the torus when periodic; each pair counts once, at its shortest.
+//! It never uses the triangulation: the two halves of the verdict stay independent.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::{Entry, Grid};
+use crate::monitor::Monitor;
+use crate::report::Conflict;
+use crate::worst::Worst;
+
+/// Cells per parallel task: enough to hide the scheduling, few enough for prompt cancellation.
+const CHUNK: usize = 4096;
+
+/// Runs of entries longer than this are narrowed by binary search before they are scanned.
+const LONG_RUN: usize = 32;
+
+/// What the pair search found, in the domain's unit.
+pub(crate) struct Pairs {
+    pub conflicts: u64,
+    pub worst: Worst<Conflict>,
+    /// Infinite for a single sample in a bounded region.
+    pub min_distance: f64,
+}
+
+/// The cell side that [`search`] wants: at least the radius, and such that the closest pair
+/// of a large set is within one cell side (no packing has all distances above 1.0746 spacings).
+pub(crate) fn cell_side(domain: &Domain, count: usize, radius: f64) -> f64 {
+    (radius * (1.0 + 4.0 * Grid::ROUNDING)).max(1.1 * domain.spacing(count))
+}
+
+/// Counts the pairs closer than `radius` and finds the smallest distance of all.
+///
+/// `grid` has cells of [`cell_side`].
+pub(crate) fn search(
+    grid: &Grid,
+    points: &[[f64; 2]],
+    radius: f64,
+    witnesses: usize,
+    monitor: &Monitor<'_>,
+) -> Result<Pairs, VerifyError> {
+    let mut pairs = scan_grid(grid, radius, witnesses, monitor, true)?;
+    widen(grid, points, &mut pairs, monitor)?;
+    if grid.domain.periodic {
+        add_own_copies(grid, radius, &mut pairs);
+    }
+    Ok(pairs)
+}
+
+/// Where the smallest distance exceeds a cell side, a closer pair may be in cells that do not touch:
+/// repeats the search with larger cells until that is excluded.
+fn widen(
+    grid: &Grid,
+    points: &[[f64; 2]],
+    pairs: &mut Pairs,
+    monitor: &Monitor<'_>,
+) -> Result<(), VerifyError> {
+    let mut side = certain_distance(grid);
+    while pairs.min_distance > side {
+        side *= 2.0;
+        let coarse = Grid::new(points, grid.domain, side);
+        monitor.advance(0)?;
+        let found = scan_grid(&coarse, 0.0, 0, monitor, false)?;
+        pairs.min_distance = pairs.min_distance.min(found.min_distance);
+        side = certain_distance(&coarse);
+    }
+    Ok(())
+}
+
+/// All pairs closer than this are in cells that touch, where the scan looks.
+fn certain_distance(grid: &Grid) -> f64 {
+    let sides = grid.cell_sides();
+    let all_touch = if grid.domain.periodic { 3 } else { 2 };
+    [0, 1]
+        .into_iter()
+        .filter(|&axis| grid.cells[axis] > all_touch)
+        .map(|axis| sides[axis] * (1.0 - 2.0 * Grid::ROUNDING))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// In the repeated plane each sample also neighbours its own copies.
+fn add_own_copies(grid: &Grid, radius: f64, pairs: &mut Pairs) {
+    let period = grid.domain.extent[0].min(grid.domain.extent[1]);
+    pairs.min_distance = pairs.min_distance.min(period);
+    if period < radius {
+        pairs.conflicts += grid.entries().len() as u64;
+        for id in 0..grid.entries().len() {
+            pairs.worst.push(Conflict {
+                first: id,
+                second: id,
+                distance: period,
+            });
+        }
+    }
+}
+
+fn scan_grid(
+    grid: &Grid,
+    radius: f64,
+    witnesses: usize,
+    monitor: &Monitor<'_>,
+    counted: bool,
+) -> Result<Pairs, VerifyError> {
+    let empty = || Scan::new(grid, radius, witnesses);
+    let chunks = grid.cell_count().div_ceil(CHUNK);
+    let scan = (0..chunks)
+        .into_par_iter()
+        .map(|chunk| {
+            let mut scan = empty();
+            let cells = chunk * CHUNK..((chunk + 1) * CHUNK).min(grid.cell_count());
+            let mut work = 0;
+            for cell in cells {
+                work += scan.cell(cell);
+            }
+            monitor.advance(if counted { work as u64 } else { 0 })?;
+            Ok(scan)
+        })
+        .try_reduce(empty, |left, right| Ok(left.merge(right)))?;
+    Ok(scan.pairs)
+}
+
+/// A stretch of entries sorted by x that may hold partners of a cell's samples.
+struct Stretch {
+    range: Range<usize>,
+    /// What to add to the entries' x to be on the side of the cell where they are closest; none
+    /// where the region is so few cells wide that both sides can be.
+    shift: Option<f64>,
+}
+
+struct Scan<'a> {
+    grid: &'a Grid,
+    periods: [f64; 2],
+    radius: f64,
+    /// Larger distances cannot be the smallest: pairs beyond it are not all seen.
+    reach: f64,
+    /// Squared distances up to this are looked at closely.
+    threshold: f64,
+    pairs: Pairs,
+}
+
+impl<'a> Scan<'a> {
+    fn new(grid: &'a Grid, radius: f64, witnesses: usize) -> Self {
+        let worst = Worst::new(witnesses);
+        let pairs = Pairs {
+            conflicts: 0,
+            worst,
+            min_distance: f64::INFINITY,
+        };
+        let (periods, threshold) = (grid.domain.periods(), f64::INFINITY);
+        let sides = grid.cell_sides();
+        Self {
+            grid,
+            periods,
+            radius,
+            reach: radius.max(sides[0]).max(sides[1]),
+            threshold,
+            pairs,
+        }
+    }
+
+    fn merge(mut self, other: Self) -> Self {
+        self.pairs.conflicts += other.pairs.conflicts;
+        self.pairs.worst.merge(other.pairs.worst);
+        self.pairs.min_distance = self.pairs.min_distance.min(other.pairs.min_distance);
+        self
+    }
+
+    /// Looks at the pairs within a cell and with the touching cells of higher index; returns the
+    /// number of samples in the cell.
+    fn cell(&mut self, cell: usize) -> usize {
+        let grid = self.grid;
+        let (column, row) = (cell % grid.cells[0], cell / grid.cells[0]);
+        let own = grid.run_range(row, &(column..column + 1));
+        if own.is_empty() {
+            return 0;
+        }
+        let mut stretches: [Option<Stretch>; 9] = Default::default();
+        let used = self.stretches(column, row, &mut stretches);
+        let ambiguous = grid.domain.periodic && grid.cells[0] < 3;
+        for index in own.clone() {
+            let entry = &grid.entries()[index];
+            let rest = Stretch {
+                range: index + 1..own.end,
+                shift: (!ambiguous).then_some(0.0),
+            };
+            self.stretch(entry, &rest);
+            for stretch in stretches[..used].iter().flatten() {
+                self.stretch(entry, stretch);
+            }
+        }
+        own.len()
+    }
+
+    /// Lists the touching cells of higher index, each once, touching ones of a row joined.
+    fn stretches(&self, column: usize, row: usize, out: &mut [Option<Stretch>; 9]) -> usize {
+        let [columns, rows] = self.grid.cells;
+        let mut used = 0;
+        let inside = column > 0 && column + 1 < columns;
+        if inside && row + 1 < rows && row > 0 {
+            // The common case, in two stretches; the row below has seen this cell already.
+            let ahead = self.grid.run_range(row, &(column + 1..column + 2));
+            let above = self.grid.run_range(row + 1, &(column - 1..column + 2));
+            for range in [ahead, above] {
+                let shift = Some(0.0);
+                out[used] = Some(Stretch { range, shift });
+                used += 1;
+            }
+            return used;
+        }
+        let (near_columns, near_rows) = (self.near(column, 0), self.near(row, 1));
+        for &(other_row, _) in near_rows.iter().flatten() {
+            for &(other_column, shift) in near_columns.iter().flatten() {
+                if (other_row, other_column) > (row, column) {
+                    let columns = other_column..other_column + 1;
+                    let range = self.grid.run_range(other_row, &columns);
+                    out[used] = Some(Stretch { range, shift });
+                    used += 1;
+                }
+            }
+        }
+        used
+    }
+
+    /// The cell indices along an axis that touch `index`, each once, with their shift.
+    fn near(&self, index: usize, axis: usize) -> [Option<(usize, Option<f64>)>; 3] {
+        let cells = self.grid.cells[axis];
+        let period = self.grid.domain.extent[axis];
+        let periodic = self.grid.domain.periodic;
+        let unwrapped = |step: usize| match (index + step).checked_sub(1) {
+            None => periodic.then_some((cells - 1, -period)),
+            Some(next) if next == cells => periodic.then_some((0, period)),
+            Some(next) => Some((next, 0.0)),
+        };
+        if periodic && cells < 3 {
+            return std::array::from_fn(|other| (other < cells).then_some((other, None)));
+        }
+        [0, 1, 2].map(|step| unwrapped(step).map(|(other, shift)| (other, Some(shift))))
+    }
+
+    fn stretch(&mut self, entry: &Entry, stretch: &Stretch) {
+        let entries = self.grid.entries();
+        let mut run = &entries[stretch.range.clone()];
+        if run.len() > LONG_RUN
+            && let Some(shift) = stretch.shift
+        {
+            // Clustered samples can fill a cell: skip those too far off along x.
+            let reach = self.reach * (1.0 + 1e-9);
+            let offset = |other: &Entry| other.position[0] + shift - entry.position[0];
+            let start = run.partition_point(|other| offset(other) < -reach);
+            let end = run.partition_point(|other| offset(other) <= reach);
+            run = &run[start..end];
+        }
+        for other in run {
+            let [dx, dy] = self.offset(entry, other);
+            if dx * dx + dy * dy <= self.threshold {
+                self.pair(entry, other, [dx, dy]);
+            }
+        }
+    }
+
+    /// The absolute offset of two samples, around the torus. The long way round is summed so that
+    /// its rounding is relative to the offset and not to the period.
+    #[inline]
+    fn offset(&self, entry: &Entry, other: &Entry) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let (a, b) = (entry.position[axis], other.position[axis]);
+            let (low, high) = if a < b { (a, b) } else { (b, a) };
+            let direct = high - low;
+            if direct + direct > self.periods[axis] {
+                (self.periods[axis] - high) + low
+            } else {
+                direct
+            }
+        })
+    }
+
+    #[cold]
+    fn pair(&mut self, entry: &Entry, other: &Entry, [dx, dy]: [f64; 2]) {
+        let square = dx * dx + dy * dy;
+        // The square root is correctly rounded, hypot is not; hypot does not underflow.
+        let distance = if square > 1e-280 {
+            square.sqrt()
+        } else {
+            dx.hypot(dy)
+        };
+        if distance < self.radius {
+            self.pairs.conflicts += 1;
+            self.pairs.worst.push(Conflict {
+                first: entry.id.min(other.id) as usize,
+                second: entry.id.max(other.id) as usize,
+                distance,
+            });
+        }
+        if distance < self.pairs.min_distance {
+            self.pairs.min_distance = distance;
+            self.reach = self.reach.min(distance.max(self.radius));
+            let limit = distance.max(self.radius);
+            self.threshold = limit * limit * (1.0 + 1e-12);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::region::{Boundary, Region};
+    use std::ops::ControlFlow;
+
+    fn run(points: &[[f64; 2]], width: f64, height: f64, periodic: bool, radius: f64) -> Pairs {
+        let boundary = if periodic {
+            Boundary::Periodic
+        } else {
+            Boundary::Bounded
+        };
+        let domain = Domain::new(Region {
+            width,
+            height,
+            boundary,
+        })
+        .expect("supported");
+        assert_eq!(domain.scale, 1.0, "tests work in the domain's unit");
+        let grid = Grid::new(points, domain, cell_side(&domain, points.len(), radius));
+        let go_on = |_| ControlFlow::Continue(());
+        let monitor = Monitor::new(&go_on, 0);
+        search(&grid, points, radius, 4, &monitor).expect("not cancelled")
+    }
+
+    #[test]
+    fn a_pair_at_the_radius_is_no_conflict_and_a_closer_one_is() {
+        let points = [[0.25, 0.5], [0.5, 0.5]];
+        assert_eq!(run(&points, 1.0, 1.0, false, 0.25).conflicts, 0);
+        let pairs = run(&points, 1.0, 1.0, false, 0.25 + 1e-15);
+        assert_eq!((pairs.conflicts, pairs.min_distance), (1, 0.25));
+    }
+
+    #[test]
+    fn the_torus_joins_opposite_sides() {
+        let points = [[0.0625, 0.5], [0.9375, 0.5]];
+        assert_eq!(run(&points, 1.0, 1.0, true, 0.2).min_distance, 0.125);
+        assert_eq!(run(&points, 1.0, 1.0, true, 0.2).conflicts, 1);
+        assert_eq!(run(&points, 1.0, 1.0, false, 0.2).min_distance, 0.875);
+        assert_eq!(run(&points, 1.0, 1.0, false, 0.2).conflicts, 0);
+    }
+
+    #[test]
+    fn a_sample_conflicts_with_its_own_copy_across_a_short_period() {
+        let pairs = run(&[[0.3, 0.1]], 1.0, 0.25, true, 0.5);
+        assert_eq!((pairs.conflicts, pairs.min_distance), (1, 0.25));
+        assert_eq!(pairs.worst.into_sorted()[0].second, 0);
+        assert_eq!(
+            run(&[[0.3, 0.1]], 1.0, 0.25, false, 0.5).min_distance,
+            f64::INFINITY
+        );
+    }
+
+    #[test]
+    fn far_pairs_and_tiny_distances_are_found() {
+        let far = [[0.0, 0.0], [1.0, 1.0]];
+        assert_eq!(run(&far, 1.0, 1.0, false, 1e-9).min_distance, 2.0f64.sqrt());
+        let mut line: Vec<_> = (0..10).map(|i| [f64::from(i) * 0.1, 1e-4]).collect();
+        let smallest = run(&line, 1.0, 1e-3, false, 1e-9).min_distance;
+        assert!((smallest - 0.1).abs() < 1e-15);
+        line.push([0.0, 0.0]);
+        line.push([1e-300, 0.0]);
+        assert_eq!(run(&line, 1.0, 1e-3, false, 1e-9).min_distance, 1e-300);
+    }
+
+    #[test]
+    fn a_cluster_in_one_cell_is_counted_in_full() {
+        // 40 x 40 samples in one cell of a sparse region, spacing 2^-20.
+        let step = 2f64.powi(-20);
+        let points: Vec<_> = (0..1600)
+            .map(|i| {
+                [
+                    0.4 + f64::from(i % 40) * step,
+                    0.4 + f64::from(i / 40) * step,
+                ]
+            })
+            .collect();
+        let pairs = run(&points, 1.0, 1.0, true, 1.25 * step);
+        assert_eq!(pairs.conflicts, 2 * 39 * 40);
+        assert_eq!(run(&points, 1.0, 1.0, true, 0.9).conflicts, 1600 * 1599 / 2);
+    }
+}

@@ -1,0 +1,118 @@
+//! The verdict on a point set with its extremes and witnesses.
+//! Plain data that survives a round trip through serde.
+//! It never decides anything that its numbers do not state.
+
+use serde::{Deserialize, Serialize};
+
+use crate::region::Region;
+
+/// What [`verify`](crate::verify) found out about a set. Lengths are in the unit of the samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Number of samples.
+    pub count: usize,
+    /// The region judged.
+    pub region: Region,
+    /// The radius `r` judged against.
+    pub radius: f64,
+    /// Relative tolerance of maximality: the covering radius may be `(1 + covering_tolerance) r`.
+    pub covering_tolerance: f64,
+    /// Number of pairs closer than `radius`, each pair once.
+    pub conflicts: u64,
+    /// The closest of those pairs, closest first.
+    pub worst_conflicts: Vec<Conflict>,
+    /// Number of places, each once, that are centres of too large an empty circle: Voronoi vertices
+    /// in the region and, when bounded, Voronoi edges crossing the border and the four corners.
+    /// One hole usually has several such places; none means that no hole exists.
+    pub gaps: u64,
+    /// The largest of those circles, largest first.
+    pub worst_gaps: Vec<Gap>,
+    /// Smallest distance between two samples (periodic: between any two of the repeated plane, so
+    /// at most the shorter extent). Infinite for one sample in a bounded region.
+    #[serde(with = "finite_or_null")]
+    pub min_distance: f64,
+    /// Radius of the largest empty circle centred in the region.
+    pub covering_radius: f64,
+    /// `N r^2 / area`.
+    pub density: f64,
+    /// `min_distance / r_max`, where `r_max = sqrt(2 area / (sqrt(3) N))` is that of the densest
+    /// packing. Infinite where `min_distance` is.
+    #[serde(with = "finite_or_null")]
+    pub relative_radius: f64,
+}
+
+impl Report {
+    /// Whether no pair is closer than the radius (equation 2 of the paper).
+    #[must_use]
+    pub fn conflict_free(&self) -> bool {
+        self.conflicts == 0 && self.min_distance >= self.radius
+    }
+
+    /// Whether no sample could be added: no empty circle centred in the region is larger than the
+    /// radius, up to the tolerance (equation 3 of the paper, with the border of a bounded region).
+    #[must_use]
+    pub fn maximal(&self) -> bool {
+        let limit = (1.0 + self.covering_tolerance) * self.radius;
+        self.gaps == 0 && self.covering_radius <= limit
+    }
+
+    /// Whether the set is both conflict-free and maximal.
+    #[must_use]
+    pub fn valid(&self) -> bool {
+        self.conflict_free() && self.maximal()
+    }
+}
+
+/// A pair of samples closer than the radius.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Conflict {
+    /// The smaller index.
+    pub first: usize,
+    /// The larger index; equal to `first` when a period is shorter than the radius, so that a sample
+    /// is too close to its own copy.
+    pub second: usize,
+    /// Their distance, around the torus when periodic; less than the radius.
+    pub distance: f64,
+}
+
+/// The centre of an empty circle larger than the radius allows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gap {
+    /// A place of the region.
+    pub center: [f64; 2],
+    /// Distance from there to the nearest sample.
+    pub distance: f64,
+    /// What kind of place it is.
+    pub kind: GapKind,
+}
+
+/// Where the centre of a largest empty circle can be. A place of several kinds counts as the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GapKind {
+    /// Equally far from three or more samples.
+    VoronoiVertex,
+    /// On the border of a bounded region, equally far from two samples.
+    Border,
+    /// A corner of a bounded region.
+    Corner,
+}
+
+/// Writes an infinite number as null and reads it back: JSON knows no infinity.
+mod finite_or_null {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde fixes the signature"
+    )]
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        Some(*value)
+            .filter(|value| value.is_finite())
+            .serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
+    }
+}

@@ -1,0 +1,199 @@
+//! The entry of the judge: checks the input, runs both searches and writes the report.
+//! Conflicts come from a grid search, maximality from Delaunay triangulations of tiles.
+//! It never repairs an input and never stops at the first fault of a readable one.
+
+use std::ops::ControlFlow;
+
+use crate::cover::{self, Task, on_a_line};
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::Grid;
+use crate::monitor::{Monitor, Progress};
+use crate::pairs;
+use crate::region::{Boundary, Region};
+use crate::report::{Conflict, Gap, Report};
+
+/// Default relative tolerance of maximality: a covering radius of `(1 + 2^-15) r` passes. That is
+/// one unit of the sampler's lattice, whose radius is 2^15 units.
+pub const COVERING_TOLERANCE: f64 = 1.0 / 32768.0;
+
+/// How to verify; the defaults suit a sampler's output.
+#[derive(Clone, Debug)]
+pub struct VerifyOptions {
+    /// Relative tolerance of maximality, see [`Report::covering_tolerance`].
+    pub covering_tolerance: f64,
+    /// Most witnesses listed of each kind; the counts are always complete.
+    pub witnesses: usize,
+    /// Most samples per tile of the triangulation. It decides memory and speed, never the verdict.
+    pub tile_samples: usize,
+}
+
+impl Default for VerifyOptions {
+    fn default() -> Self {
+        Self {
+            covering_tolerance: COVERING_TOLERANCE,
+            witnesses: 16,
+            tile_samples: 65_536,
+        }
+    }
+}
+
+/// Judges whether `points` are conflict-free and maximal in `region` for the given `radius`.
+///
+/// Distances between samples are exact up to the rounding of their `f64` formula, and a conflict is
+/// a distance strictly below `radius`. The covering radius is that of the true largest empty
+/// circle, also with large holes or a radius far off. Scaling region, samples and radius by
+/// a power of two changes neither verdict. The report does not depend on the number of
+/// threads nor, up to rounding of exactly cocircular samples, on `tile_samples`.
+///
+/// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels.
+/// Time is about one microsecond per sample and thread for a maximal set; memory about 45 bytes per
+/// sample besides the input and, per thread, a triangulation of a tile. Much too large a radius costs
+/// time for every conflicting pair.
+///
+/// # Errors
+///
+/// See [`VerifyError`]: input that cannot be judged is refused with its first offence. A set that can
+/// be judged always gives a report, however bad it is.
+pub fn verify(
+    points: &[[f64; 2]],
+    region: Region,
+    radius: f64,
+    options: &VerifyOptions,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Report, VerifyError> {
+    let domain = Domain::new(region)?;
+    let scaled_radius = domain.scale_radius(radius)?;
+    check_tolerance(options.covering_tolerance)?;
+    check_points(points, region)?;
+
+    // Both searches go over all samples.
+    let monitor = Monitor::new(control, 2 * points.len() as u64);
+    monitor.advance(0)?;
+    let side = pairs::cell_side(&domain, points.len(), scaled_radius);
+    let grid = Grid::new(points, domain, side);
+    grid.check_duplicates(points)?;
+    check_line(points, region, &domain)?;
+
+    let pairs = pairs::search(&grid, points, scaled_radius, options.witnesses, &monitor)?;
+    let limit = (1.0 + options.covering_tolerance) * scaled_radius;
+    let task = Task::new(&grid, scaled_radius, limit, options.witnesses);
+    let cover = cover::search(&task, options.tile_samples, &monitor)?;
+
+    let conflict = |found: Conflict| Conflict {
+        distance: found.distance / domain.scale,
+        ..found
+    };
+    let gap = |found: Gap| Gap {
+        center: found.center.map(|value| value / domain.scale),
+        distance: found.distance / domain.scale,
+        ..found
+    };
+    let count = points.len();
+    let min_distance = pairs.min_distance / domain.scale;
+    let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
+    Ok(Report {
+        count,
+        region,
+        radius,
+        covering_tolerance: options.covering_tolerance,
+        conflicts: pairs.conflicts,
+        worst_conflicts: pairs
+            .worst
+            .into_sorted()
+            .into_iter()
+            .map(conflict)
+            .collect(),
+        gaps: cover.gaps,
+        worst_gaps: cover.worst.into_sorted().into_iter().map(gap).collect(),
+        min_distance,
+        covering_radius: cover.covering_radius / domain.scale,
+        density: count as f64 * radius * radius / region.area(),
+        relative_radius: min_distance / r_max,
+    })
+}
+
+fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
+    if tolerance.is_finite() && tolerance >= 0.0 {
+        Ok(())
+    } else {
+        Err(VerifyError::BadTolerance { tolerance })
+    }
+}
+
+fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
+    check_count(points.len())?;
+    for (index, &point) in points.iter().enumerate() {
+        if region.contains(point) {
+            continue;
+        }
+        return Err(if point.iter().all(|value| value.is_finite()) {
+            VerifyError::OutOfRegion {
+                index,
+                point,
+                region,
+            }
+        } else {
+            VerifyError::NotFinite { index, point }
+        });
+    }
+    Ok(())
+}
+
+fn check_count(count: usize) -> Result<(), VerifyError> {
+    let limit = Grid::MAX_SAMPLES;
+    match count {
+        0 => Err(VerifyError::Empty),
+        1.. if count <= limit => Ok(()),
+        _ => Err(VerifyError::TooMany { count, limit }),
+    }
+}
+
+/// Refuses three or more samples on one line in a bounded region. The searches would manage; but no
+/// sampler makes such a set, and a misread file looks like that.
+fn check_line(points: &[[f64; 2]], region: Region, domain: &Domain) -> Result<(), VerifyError> {
+    let [first, second, rest @ ..] = points else {
+        return Ok(());
+    };
+    let scaled = |point: &[f64; 2]| domain.scale_point(*point);
+    let on_line = |third: &[f64; 2]| on_a_line([scaled(first), scaled(second), scaled(third)]);
+    if region.boundary == Boundary::Periodic || rest.is_empty() || !rest.iter().all(on_line) {
+        return Ok(());
+    }
+    Err(VerifyError::Collinear {
+        count: points.len(),
+        first: *first,
+        second: *second,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sample_counts_are_limited_to_what_indices_can_name() {
+        assert_eq!(check_count(0), Err(VerifyError::Empty));
+        assert_eq!(check_count(1), Ok(()));
+        let limit = Grid::MAX_SAMPLES;
+        assert_eq!(check_count(limit), Ok(()));
+        // On a 32-bit target no slice can be longer than the limit.
+        if let Some(count) = limit.checked_add(1) {
+            assert_eq!(
+                check_count(count),
+                Err(VerifyError::TooMany { count, limit })
+            );
+        }
+    }
+
+    #[test]
+    fn tolerances_are_finite_and_not_negative() {
+        assert_eq!(check_tolerance(0.0), Ok(()));
+        for tolerance in [-1e-9, f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                check_tolerance(tolerance),
+                Err(VerifyError::BadTolerance { .. })
+            ));
+        }
+    }
+}
