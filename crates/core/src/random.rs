@@ -26,6 +26,8 @@ pub enum Stream {
     Dart = 9,
     /// The seed of a pattern.
     Pattern = 10,
+    /// The key of one of a level's throws.
+    Throw = 11,
 }
 
 /// A 64-bit key from which draws and further keys are derived.

@@ -7,25 +7,24 @@ use crate::lattice::{Domain, Point};
 use crate::progress::{Observer, Stage};
 use crate::random::Key;
 use crate::stages::darts::DartProcess;
-use crate::stages::disks::{DiskGrid, base_cells};
 
 /// Returns a maximal Poisson-disk set of `domain` in canonical order.
 ///
 /// No two samples cover each other, and *no lattice point* of the domain is uncovered, which is
 /// stricter than what KDRT promises. Equal seeds and domains give equal sets. Fails only when
-/// `observer` stops it; progress is told under `stage`-independent [`Stage::Iterate`] levels.
+/// `observer` stops it; progress is
+/// told as [`Stage::Iterate`], an iteration a throw.
 pub fn reference_sample(
     domain: Domain,
     seed: u64,
     observer: &mut dyn Observer,
 ) -> Result<Vec<Point>, SampleError> {
-    let disks = DiskGrid::new(domain);
-    let mut process = DartProcess::new(Key::from_seed(seed), disks, base_cells(&domain));
+    let mut process = DartProcess::everywhere(Key::from_seed(seed), domain);
     let mut samples = Vec::new();
-    let mut level = 0;
+    let mut throw = 0;
     while !process.is_finished() {
-        level += 1;
-        samples.extend(process.step(Stage::Iterate(level), observer)?);
+        throw += 1;
+        samples.extend(process.step(Stage::Iterate(throw), observer)?);
     }
     samples.sort_unstable_by_key(|p| p.canonical());
     Ok(samples)
@@ -36,6 +35,7 @@ mod tests {
     use super::*;
     use crate::parameters::Boundary;
     use crate::progress::Unobserved;
+    use crate::stages::disks::DiskGrid;
 
     fn density(boundary: Boundary, side: f64) -> (usize, f64) {
         let domain = Domain::from_size([side, side], 1.0, boundary).unwrap();

@@ -2,18 +2,18 @@
 //! insertion, which is the same process restricted to the gaps.
 //! It never depends on the sequence in which cells are visited.
 //!
-//! A level works on active cells of one side. Each throws a Poisson number of darts with uniform
-//! positions and random ranks; over all cells that is a uniform process in random sequence. Darts
-//! are taken by rank; one that no sample covers becomes a sample. Then every active cell is cut in
-//! four, and the quarters that no single sample covers are the active cells of the next level.
-//! Cells of one unit hold one point and throw exactly it, so the process ends with no lattice
-//! point of the active cells uncovered.
+//! A level works on active cells of one side. In a throw each active cell draws a Poisson number of
+//! darts with uniform positions and random ranks; over all cells that is a uniform process in
+//! random sequence. Darts are taken by rank; one that no sample covers becomes a sample. After the
+//! level's throws every active cell is cut in four, and the quarters that no single sample covers
+//! are the active cells of the next level. Cells of one unit hold one point and throw exactly it,
+//! so the process ends with no lattice point of the active cells uncovered.
 
 use crate::error::SampleError;
-use crate::lattice::Point;
+use crate::lattice::{Domain, Point, R};
 use crate::progress::{Observer, Progress, Stage};
 use crate::random::{Key, Stream};
-use crate::stages::disks::{BASE_SIDE, Cell, DiskGrid};
+use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
 
 /// Cumulative probabilities, times 2^32, of 0, 1, 2, ... darts for a mean of 0.85 per active cell
 /// (the value of Ebeida et al.).
@@ -31,8 +31,16 @@ const POISSON: [u32; 11] = [
     0xffff_fff8,
 ];
 
-/// The number of levels: cells of R / 2 down to one unit.
-pub const LEVELS: u32 = BASE_SIDE.ilog2() + 1;
+/// The last level, whose cells have sides of one unit; level 0 has sides of R.
+const LAST_LEVEL: u32 = R.ilog2();
+
+/// Throws at level 0, whose cells no sample can cover: as many darts to an area as one throw at the
+/// level below, in portions, so that most darts that come too late are found covered in the cheap
+/// pass over the cells and never sorted.
+const FIRST_THROWS: u32 = 4;
+
+/// The side of the cells at which uniform insertion starts: gaps are smaller than a radius.
+pub const GAP_SIDE: i32 = R / 2;
 
 struct Dart {
     rank: u32,
@@ -43,19 +51,33 @@ struct Dart {
 pub struct DartProcess {
     key: Key,
     level: u32,
+    throw: u32,
     disks: DiskGrid,
     active: Vec<Point>,
 }
 
 impl DartProcess {
-    /// Returns the process that adds samples to `disks` inside the base cells `active` until no
-    /// lattice point of those cells is uncovered.
+    /// Returns the process that fills an empty domain.
     #[must_use]
-    pub fn new(key: Key, disks: DiskGrid, active: Vec<Cell>) -> Self {
-        let active = active.into_iter().map(|cell| cell.min).collect();
+    pub fn everywhere(key: Key, domain: Domain) -> Self {
+        let cells = tiling_cells(&domain, R).into_iter();
         Self {
             key,
             level: 0,
+            throw: 0,
+            disks: DiskGrid::new(domain),
+            active: cells.map(|cell| cell.min).collect(),
+        }
+    }
+
+    /// Returns the process that adds samples to `disks` inside cells of [`GAP_SIDE`] that start at
+    /// `active`, until no lattice point of those cells is uncovered.
+    #[must_use]
+    pub fn in_gaps(key: Key, disks: DiskGrid, active: Vec<Point>) -> Self {
+        Self {
+            key,
+            level: 1,
+            throw: 0,
             disks,
             active,
         }
@@ -75,10 +97,11 @@ impl DartProcess {
     }
 
     fn side(&self) -> i32 {
-        BASE_SIDE >> self.level.min(LEVELS - 1)
+        R >> self.level.min(LAST_LEVEL)
     }
 
-    /// Runs one level and returns the new samples in the sequence of their ranks.
+    /// Makes one throw, and cuts the cells after the level's last, and returns the new samples in
+    /// the sequence of their ranks.
     pub fn step(
         &mut self,
         stage: Stage,
@@ -108,14 +131,20 @@ impl DartProcess {
             }
         }
         ask(2)?;
-        self.split();
+        self.throw += 1;
+        if self.level > 0 || self.throw == FIRST_THROWS {
+            self.split();
+        }
         ask(3)?;
         Ok(accepted)
     }
 
     /// Returns the darts of this level that no sample of earlier levels covers, by rank.
     fn darts(&self) -> Vec<Dart> {
-        let key = self.key.derive(Stream::Level, self.level);
+        let key = self
+            .key
+            .derive(Stream::Level, self.level)
+            .derive(Stream::Throw, self.throw);
         let side = self.side();
         let shift = 16 - side.ilog2();
         let domain = self.disks.domain().rect();
@@ -144,6 +173,7 @@ impl DartProcess {
     fn split(&mut self) {
         let side = self.side();
         self.level += 1;
+        self.throw = 0;
         if side == 1 {
             self.active.clear();
             return;

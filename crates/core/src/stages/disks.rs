@@ -9,6 +9,7 @@ use crate::lattice::{Domain, Point, R, R_SQUARED, covers_offset};
 const SLOTS: usize = 4;
 const EMPTY: u32 = u32::MAX;
 const LOW_BITS: i32 = R - 1;
+const CELL_BITS: u32 = R.ilog2();
 
 /// A conflict-free set of samples that grows.
 #[derive(Clone)]
@@ -67,30 +68,37 @@ impl DiskGrid {
         above: i32,
         mut visit: impl FnMut((i32, i32)) -> bool,
     ) -> bool {
-        let rect = self.domain.rect();
-        let periodic = self.domain.is_periodic();
+        let extent = self.domain.rect().max;
+        let (left, right) = (from.x - below, from.x + above);
+        let (bottom, top) = (from.y - below, from.y + above);
+        if left >= 0 && bottom >= 0 && right < extent.x && top < extent.y {
+            // Away from the border, which is nearly always: nothing wraps.
+            let columns = left >> CELL_BITS..=right >> CELL_BITS;
+            for row in bottom >> CELL_BITS..=top >> CELL_BITS {
+                let start = row as usize * self.columns;
+                let range = start + *columns.start() as usize..=start + *columns.end() as usize;
+                for (slots, column) in self.cells[range].iter().zip(columns.clone()) {
+                    for p in unpack(slots, column, row) {
+                        if visit((p.x - from.x, p.y - from.y)) {
+                            return true;
+                        }
+                    }
+                }
+            }
+            return false;
+        }
         // spans() takes a centre and a reach; an odd width is rounded outwards.
         let reach = (below + above + 1) / 2;
         let shift = reach - below;
-        let (rows, row_spans) = spans(from.y + shift, reach, rect.max.y, periodic);
-        let (columns, column_spans) = spans(from.x + shift, reach, rect.max.x, periodic);
-        for &(row_min, row_max) in &rows[..row_spans] {
-            for row in row_min..=row_max {
-                for &(column_min, column_max) in &columns[..column_spans] {
-                    for column in column_min..=column_max {
-                        let slots = &self.cells[row as usize * self.columns + column as usize];
-                        for &packed in slots {
-                            if packed == EMPTY {
-                                break;
-                            }
-                            let p = Point::new(
-                                (column << 15) | (packed as i32 & LOW_BITS),
-                                (row << 15) | (packed >> 15) as i32,
-                            );
-                            if visit(self.domain.difference(from, p)) {
-                                return true;
-                            }
-                        }
+        let periodic = self.domain.is_periodic();
+        let (rows, row_spans) = spans(from.y + shift, reach, extent.y, periodic);
+        let (columns, column_spans) = spans(from.x + shift, reach, extent.x, periodic);
+        for row in rows[..row_spans].iter().flat_map(|&(a, b)| a..=b) {
+            for column in columns[..column_spans].iter().flat_map(|&(a, b)| a..=b) {
+                let slots = &self.cells[row as usize * self.columns + column as usize];
+                for p in unpack(slots, column, row) {
+                    if visit(self.domain.difference(from, p)) {
+                        return true;
                     }
                 }
             }
@@ -98,11 +106,15 @@ impl DiskGrid {
         false
     }
 
-    /// Returns whether any sample covers `point`.
+    /// Returns whether any sample covers `point`, which must lie in the domain.
     #[inline]
     #[must_use]
     pub fn covers(&self, point: Point) -> bool {
-        self.any_near(point, R, R, |(dx, dy)| covers_offset(dx, dy))
+        // The point's own cell nearly always answers when it holds a sample.
+        let (column, row) = (point.x >> CELL_BITS, point.y >> CELL_BITS);
+        let slots = &self.cells[row as usize * self.columns + column as usize];
+        unpack(slots, column, row).any(|p| covers_offset(p.x - point.x, p.y - point.y))
+            || self.any_near(point, R, R, |(dx, dy)| covers_offset(dx, dy))
     }
 
     /// Appends to `out` the quarters of `cell` that hold points of the domain and are not covered
@@ -150,7 +162,7 @@ impl DiskGrid {
     /// root of `R^2 + slack`, or `None`: an exact proof that the set is maximal on the lattice.
     #[must_use]
     pub fn uncovered_point(&self, slack: i64) -> Option<Point> {
-        let mut stack = base_cells(&self.domain);
+        let mut stack = tiling_cells(&self.domain, R / 2);
         while let Some(cell) = stack.pop() {
             if self.covers_cell(cell, slack) {
                 continue;
@@ -170,19 +182,28 @@ impl DiskGrid {
     }
 }
 
-/// Side of the cells at which the dart process starts: R / 2, so that one sample can cover a cell.
-pub const BASE_SIDE: i32 = R / 2;
+/// Returns the positions packed in a cell's slots.
+#[inline]
+fn unpack(slots: &[u32; SLOTS], column: i32, row: i32) -> impl Iterator<Item = Point> {
+    slots
+        .iter()
+        .take_while(|&&packed| packed != EMPTY)
+        .map(move |&packed| {
+            let (x, y) = (packed as i32 & LOW_BITS, (packed >> CELL_BITS) as i32);
+            Point::new((column << CELL_BITS) | x, (row << CELL_BITS) | y)
+        })
+}
 
-/// Returns the base cells that tile the domain, row by row.
+/// Returns the cells of `side` units that tile the domain, row by row.
 #[must_use]
-pub fn base_cells(domain: &Domain) -> Vec<Cell> {
+pub fn tiling_cells(domain: &Domain, side: i32) -> Vec<Cell> {
     let max = domain.rect().max;
-    let starts = |extent: i32| (0..=(extent - 1) / BASE_SIDE).map(|k| k * BASE_SIDE);
+    let starts = |extent: i32| (0..=(extent - 1) / side).map(move |k| k * side);
     starts(max.y)
         .flat_map(|y| {
             starts(max.x).map(move |x| Cell {
                 min: Point::new(x, y),
-                side: BASE_SIDE,
+                side,
             })
         })
         .collect()

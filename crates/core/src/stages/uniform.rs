@@ -4,8 +4,8 @@
 use crate::lattice::{Domain, Point, R};
 use crate::random::{Key, Stream};
 use crate::run::{Fate, Samples};
-use crate::stages::darts::DartProcess;
-use crate::stages::disks::{BASE_SIDE, Cell, DiskGrid};
+use crate::stages::darts::{DartProcess, GAP_SIDE};
+use crate::stages::disks::{Cell, DiskGrid};
 
 /// Units beyond r within which an eliminated sample's disk is taken to have covered a place.
 const SLACK: i32 = 4;
@@ -28,19 +28,15 @@ pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
     }
     cells.sort_unstable_by_key(|min| min.row_major());
     cells.dedup();
-    let active = cells
-        .into_iter()
-        .map(|min| Cell {
-            min,
-            side: BASE_SIDE,
-        })
-        .filter(|&cell| !disks.covers_cell(cell, 0))
-        .collect();
+    cells.retain(|&min| {
+        let side = GAP_SIDE;
+        !disks.covers_cell(Cell { min, side }, 0)
+    });
     // The iterations' stream keeps these draws apart from the reference sampler's of equal seed.
-    DartProcess::new(key.derive(Stream::Iteration, 0), disks, active)
+    DartProcess::in_gaps(key.derive(Stream::Iteration, 0), disks, cells)
 }
 
-/// Appends the lowest points of the base cells that the box around a sample's disk touches.
+/// Appends the lowest points of the cells that the box around a sample's disk touches.
 fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
     let reach = i64::from(R + SLACK);
     let starts = |x: i32, extent: i32| {
@@ -53,7 +49,7 @@ fn touched_cells(domain: &Domain, centre: Point, out: &mut Vec<Point>) {
             }
             let (low, high) = ((low + shift).max(0), (high + shift).min(extent - 1));
             if low <= high {
-                let side = i64::from(BASE_SIDE);
+                let side = i64::from(GAP_SIDE);
                 starts.extend((low / side..=high / side).map(|k| (k * side) as i32));
             }
         }

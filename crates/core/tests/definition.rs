@@ -1,0 +1,247 @@
+//! The engine against the definition: elimination, detection and insertion written down again
+//! without grids, filters or shortcuts, on small domains, must give the same run.
+
+use proptest::prelude::*;
+use tilescope_core::stages::detect::{Candidate, DETECTOR_REACH, Reach, Sites};
+use tilescope_core::{
+    Boundary, Domain, Fate, Key, Order, Origin, Parameters, PatternSpec, Point, Run, Sequential,
+    Stage, Stream, Unobserved, circumcentre, on_line,
+};
+
+/// The definition's 12 R by which a sample may be nearer to a candidate than the candidate's own.
+const NEARER_SLACK: i64 = 12 << 15;
+
+/// Ranks of the orders that can be written down in a line; `PhaseGroup` has tests of its own.
+fn rank(order: Order, key: Key, point: Point, own: bool) -> u32 {
+    match order {
+        Order::Random => key.derive(Stream::Order, 0).draw_at(point.x, point.y)[0],
+        Order::OwnBlockFirst => u32::from(!own),
+        _ => 0,
+    }
+}
+
+/// Every sample in order; one that no kept sample covers is kept.
+fn eliminate(run: &Run) -> Vec<Fate> {
+    let samples = &run.samples;
+    let key = Key::from_seed(run.parameters.seed);
+    let mut order: Vec<usize> = (0..samples.len())
+        .filter(|&id| samples.fates[id] != Fate::Dropped)
+        .collect();
+    order.sort_by_key(|&id| {
+        let Origin::Tiled { own, .. } = samples.origins[id] else {
+            unreachable!()
+        };
+        (rank(run.parameters.order, key, samples.points[id], own), id)
+    });
+    let mut fates = samples.fates.clone();
+    let mut kept: Vec<usize> = Vec::new();
+    for id in order {
+        let covering = |&&k: &&usize| run.domain.covers(samples.points[k], samples.points[id]);
+        fates[id] = match kept.iter().find(covering) {
+            Some(&by) => Fate::Eliminated { by: by as u32 },
+            None => {
+                kept.push(id);
+                Fate::Kept
+            }
+        };
+    }
+    fates
+}
+
+/// All candidates of one detector, straight from the definition.
+fn candidates(
+    domain: &Domain,
+    reach: Reach,
+    set: &[(u32, Point)],
+    i: (u32, Point),
+) -> Vec<Candidate> {
+    let offset = |p: Point| {
+        let (dx, dy) = domain.difference(i.1, p);
+        (i64::from(dx), i64::from(dy))
+    };
+    let near: Vec<(u32, (i64, i64))> = set
+        .iter()
+        .map(|&(id, p)| (id, offset(p)))
+        .filter(|&(id, (x, y))| id != i.0 && x * x + y * y <= i64::from(reach.search).pow(2))
+        .collect();
+    let accept = |c: (i64, i64), sites: &[(i64, i64)]| {
+        if c.0 * c.0 + c.1 * c.1 > i64::from(reach.radius).pow(2) {
+            return None;
+        }
+        let place = domain.wrap(i64::from(i.1.x) + c.0, i64::from(i.1.y) + c.1)?;
+        let square = |p: &(i64, i64)| (p.0 - c.0).pow(2) + (p.1 - c.1).pow(2);
+        let nearest = sites.iter().map(square).min().unwrap();
+        let refused = |&(_, p): &(u32, Point)| {
+            domain.covers(p, place) || domain.distance_squared(p, place) < nearest - NEARER_SLACK
+        };
+        (!set.iter().any(refused)).then_some(place)
+    };
+    let mut found = Vec::new();
+    for (k, m) in near.iter().enumerate() {
+        for n in &near[k + 1..] {
+            let point = circumcentre(m.1, n.1).and_then(|c| accept(c, &[(0, 0), m.1, n.1]));
+            if let Some(point) = point {
+                let mut ids = [i.0, m.0, n.0];
+                ids.sort_unstable();
+                found.push(Candidate {
+                    point,
+                    sites: Sites::Three(ids),
+                });
+            }
+        }
+    }
+    if !domain.is_periodic() {
+        let columns = [0, domain.width()].map(|x| i64::from(x - i.1.x));
+        let rows = [0, domain.height()].map(|y| i64::from(y - i.1.y));
+        for &(id, (x, y)) in &near {
+            let on_columns = columns.map(|c| on_line(c, (x, y)).map(|t| (c, t)));
+            let on_rows = rows.map(|r| on_line(r, (y, x)).map(|t| (t, r)));
+            for c in on_columns.into_iter().chain(on_rows).flatten() {
+                if let Some(point) = accept(c, &[(0, 0), (x, y)]) {
+                    found.push(Candidate {
+                        point,
+                        sites: Sites::Border([i.0.min(id), i.0.max(id)]),
+                    });
+                }
+            }
+        }
+        for corner in [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| (columns[a], rows[b])) {
+            if let Some(point) = accept(corner, &[(0, 0)]) {
+                found.push(Candidate {
+                    point,
+                    sites: Sites::Corner(i.0),
+                });
+            }
+        }
+    }
+    found
+}
+
+/// Checks one recorded iteration against the definition and returns the set after it.
+fn check_iteration(
+    run: &Run,
+    k: u32,
+    detectors: &[u32],
+    mut set: Vec<(u32, Point)>,
+) -> Vec<(u32, Point)> {
+    let iteration = run.iterations.get(k as usize - 1);
+    let reach = Reach::new(&run.domain, run.parameters.search);
+    let mut found: Vec<Candidate> = detectors
+        .iter()
+        .flat_map(|&id| {
+            candidates(
+                &run.domain,
+                reach,
+                &set,
+                (id, run.samples.points[id as usize]),
+            )
+        })
+        .collect();
+    found.sort_by_key(|c| ((c.point.y, c.point.x), c.sites));
+    found.dedup_by_key(|c| c.point);
+    let Some(iteration) = iteration else {
+        assert_eq!(found, [], "the run stopped with candidates left");
+        return set;
+    };
+    assert_eq!(iteration.detectors, detectors);
+    assert_eq!(iteration.candidates, found);
+    let key = Key::from_seed(run.parameters.seed).derive(Stream::Iteration, k);
+    found.sort_by_key(|c| (key.draw_at(c.point.x, c.point.y)[0], (c.point.y, c.point.x)));
+    let mut next = iteration.inserted.clone();
+    for candidate in found {
+        if !set
+            .iter()
+            .any(|&(_, p)| run.domain.covers(p, candidate.point))
+        {
+            let id = next.next().expect("the run inserted fewer samples");
+            assert_eq!(run.samples.points[id as usize], candidate.point);
+            let origin = Origin::Inserted {
+                iteration: k,
+                sites: candidate.sites,
+            };
+            assert_eq!(run.samples.origins[id as usize], origin);
+            set.push((id, candidate.point));
+        }
+    }
+    assert!(next.is_empty(), "the run inserted more samples");
+    set
+}
+
+fn check(parameters: &Parameters) {
+    let pattern = tilescope_core::Pattern::generate(&parameters.pattern, &mut Unobserved).unwrap();
+    let mut engine = Sequential::new(parameters, pattern.into()).unwrap();
+    while engine.step(&mut Unobserved).unwrap() != Some(Stage::Tile) {}
+    let fates = eliminate(engine.run());
+    let run = engine.finish(&mut Unobserved).unwrap();
+    assert_eq!(&run.samples.fates[..fates.len()], &fates[..]);
+    let point = |id: u32| run.samples.points[id as usize];
+    let ids = 0..fates.len() as u32;
+    let kept = ids.clone().filter(|&id| fates[id as usize] == Fate::Kept);
+    let mut set: Vec<(u32, Point)> = kept.map(|id| (id, point(id))).collect();
+    let gone: Vec<u32> = ids.filter(|&id| fates[id as usize] != Fate::Kept).collect();
+    let limit = i64::from(DETECTOR_REACH).pow(2);
+    let mut detectors: Vec<u32> = set
+        .iter()
+        .filter(|&&(_, p)| {
+            gone.iter()
+                .any(|&e| run.domain.distance_squared(p, point(e)) <= limit)
+        })
+        .map(|&(id, _)| id)
+        .collect();
+    for k in 1..=run.iterations.len() as u32 + 1 {
+        set = check_iteration(&run, k, &detectors, set);
+        detectors = run
+            .iterations
+            .get(k as usize - 1)
+            .map_or(vec![], |i| i.inserted.clone().collect());
+    }
+    let mut result: Vec<Point> = set.into_iter().map(|(_, p)| p).collect();
+    result.sort_by_key(|p| (p.y >> 15, p.x >> 15, p.y, p.x));
+    assert_eq!(run.points(), result);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn runs_follow_the_definition(
+        seed: u64,
+        width in 10.0_f64..24.0,
+        height in 10.0_f64..24.0,
+        leaf in 6.0_f64..12.0,
+        bounded: bool,
+        dihedral: bool,
+        order in prop_oneof![Just(Order::Index), Just(Order::Random), Just(Order::OwnBlockFirst)],
+        two_radii: bool,
+    ) {
+        check(&Parameters {
+            width,
+            height,
+            radius: 1.0,
+            boundary: if bounded { Boundary::Bounded } else { Boundary::Periodic },
+            seed,
+            leaf,
+            pattern: PatternSpec { side: 17.0, ..PatternSpec::default() },
+            dihedral,
+            order,
+            search: if two_radii {
+                tilescope_core::Search::TwoRadii
+            } else {
+                tilescope_core::Search::Complete
+            },
+            ..Parameters::default()
+        });
+    }
+}
+
+/// A whole domain of one block meets its own margin across the seam.
+#[test]
+fn one_block_follows_the_definition() {
+    for side in [10.0, 11.3] {
+        check(&Parameters {
+            width: side,
+            height: side,
+            radius: 1.0,
+            ..Parameters::default()
+        });
+    }
+}
