@@ -125,16 +125,12 @@ fn check_iteration(
     mut set: Vec<(u32, Point)>,
 ) -> Vec<(u32, Point)> {
     let iteration = run.iterations.get(k as usize - 1);
-    let reach = Reach::new(&run.domain, run.parameters.search);
+    let reach = |at| Reach::new(&run.domain, run.parameters.search, at);
     let mut found: Vec<Candidate> = detectors
         .iter()
         .flat_map(|&id| {
-            candidates(
-                &run.domain,
-                reach,
-                &set,
-                (id, run.samples.points[id as usize]),
-            )
+            let at = run.samples.points[id as usize];
+            candidates(&run.domain, reach(at), &set, (id, at))
         })
         .collect();
     found.sort_by_key(|c| ((c.point.y, c.point.x), c.sites));

@@ -18,7 +18,7 @@ use crate::stages::detect::{DETECTOR_REACH, Reach, Sites};
 /// The state of Algorithm 4: the set `C` and the marks.
 pub struct AsPrinted {
     domain: Domain,
-    reach: Reach,
+    search: Search,
     /// All tiled and inserted samples of the domain, eliminated ones included.
     grid: SampleGrid,
     is_detector: Vec<bool>,
@@ -47,7 +47,7 @@ impl AsPrinted {
         let is_detector = vec![false; samples.len()];
         Self {
             domain,
-            reach: Reach::new(&domain, search),
+            search,
             grid,
             is_detector,
         }
@@ -103,7 +103,11 @@ impl AsPrinted {
         meter.set_total(detectors.len() as u64);
         for &detector in &detectors {
             let at = samples.points[detector as usize];
-            let buffer = self.radius_search(samples, at, self.reach.search);
+            let buffer = self.radius_search(
+                samples,
+                at,
+                Reach::new(&self.domain, self.search, at).search,
+            );
             self.detect_and_insert(samples, &buffer, detector, iteration);
             meter.tick()?;
         }
@@ -193,7 +197,7 @@ impl AsPrinted {
         sites: Sites,
         iteration: u32,
     ) {
-        let reach = i64::from(self.reach.radius);
+        let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
         if centre.0.abs() > reach || centre.1.abs() > reach {
             return;
         }

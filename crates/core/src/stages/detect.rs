@@ -67,15 +67,16 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Returns the reach in `domain`: candidates within 2r, samples within 4r (3.5r and 7r in a
-    /// bounded domain), a few units more for rounding; or 2r for the samples as an experiment.
+    /// Returns the reach of a detector at `at`: candidates within 2r, samples within 4r, a few units
+    /// more for rounding; 3.5r and 7r within 4.5r of a bounded domain's border; or 2r for the samples
+    /// as an experiment.
+    ///
+    /// Only places within r of a border may be farther than 2r from all samples, and then by less
+    /// than 3.42r, so detectors deeper than 4.42r never see one.
     #[must_use]
-    pub const fn new(domain: &Domain, search: Search) -> Self {
-        let radius = if domain.is_periodic() {
-            2 * R + 16
-        } else {
-            7 * R / 2
-        };
+    pub fn new(domain: &Domain, search: Search, at: Point) -> Self {
+        let deep = domain.is_periodic() || domain.rect().depth(at) > 9 * R / 2;
+        let radius = if deep { 2 * R + 16 } else { 7 * R / 2 };
         match search {
             Search::Complete => Self {
                 radius,
@@ -115,6 +116,8 @@ pub fn first_detectors(samples: &Samples, survivors: &SampleGrid) -> Vec<u32> {
 /// Finds candidates; keeps its buffers between detectors.
 pub struct Detection<'a> {
     domain: Domain,
+    search: Search,
+    /// The reach of the detector at work.
     reach: Reach,
     survivors: &'a SampleGrid,
     cell: RelaxedCell,
@@ -134,7 +137,11 @@ impl<'a> Detection<'a> {
     pub fn new(domain: Domain, search: Search, survivors: &'a SampleGrid) -> Self {
         Self {
             domain,
-            reach: Reach::new(&domain, search),
+            search,
+            reach: Reach {
+                radius: 0,
+                search: 0,
+            },
             survivors,
             cell: RelaxedCell::default(),
             near: Vec::new(),
@@ -144,6 +151,7 @@ impl<'a> Detection<'a> {
 
     /// Appends the candidates of detector `id` at `at`, some of them more than once.
     pub fn find(&mut self, id: u32, at: Point, out: &mut Vec<Candidate>) {
+        self.reach = Reach::new(&self.domain, self.search, at);
         self.start_cell(at);
         // Most detectors have no gap, and their neighbours within 2r prove it.
         self.clip_cell(id, at, 2 * R);
