@@ -217,7 +217,7 @@ impl Differences {
         }
     }
 
-    fn exact<T: PartialEq + fmt::Display>(&mut self, field: &'static str, stated: T, found: T) {
+    fn exact<T: PartialEq + fmt::Display>(&mut self, field: &'static str, stated: &T, found: &T) {
         self.unless(
             stated == found,
             field,
@@ -245,23 +245,23 @@ fn differences(
 ) -> Vec<Difference> {
     let mut list = Differences::default();
     if let Some(digest) = &stated.digest {
-        list.exact("digest", digest.clone(), bytes_digest(data));
+        list.exact("digest", digest, &bytes_digest(data));
     }
     let positions = positions_digest(&decoded.set.points);
+    list.exact("positions_digest", &stated.positions_digest, &positions);
     list.exact(
-        "positions_digest",
-        stated.positions_digest.clone(),
-        positions,
+        "file_format",
+        &stated.file_format,
+        &decoded.detection.format,
     );
-    list.exact("file_format", stated.file_format, decoded.detection.format);
-    list.exact("precision", stated.precision, decoded.precision);
-    list.exact("count", stated.count, report.count as u64);
+    list.exact("precision", &stated.precision, &decoded.precision);
+    list.exact("count", &stated.count, &(report.count as u64));
     let region = judged.region;
-    list.exact("region", stated.region.to_string(), region.to_string());
-    list.exact("radius", stated.radius, judged.radius);
+    list.exact("region", &stated.region.to_string(), &region.to_string());
+    list.exact("radius", &stated.radius, &judged.radius);
     let tolerance = report.covering_tolerance;
-    list.exact("covering_tolerance", stated.covering_tolerance, tolerance);
-    list.exact("scale", stated.scale, judged.mapping.scale());
+    list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
+    list.exact("scale", &stated.scale, &judged.mapping.scale());
     let same_question = stated.region == region
         && stated.radius.to_bits() == judged.radius.to_bits()
         && stated.covering_tolerance.to_bits() == tolerance.to_bits();
@@ -290,9 +290,9 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     for (field, stated, found) in measured {
         list.measure(field, stated, finite(found));
     }
-    list.exact("conflicts", stated.conflicts, report.conflicts);
-    list.exact("gaps", stated.gaps, report.gaps);
-    list.exact("valid", stated.valid, report.valid());
+    list.exact("conflicts", &stated.conflicts, &report.conflicts);
+    list.exact("gaps", &stated.gaps, &report.gaps);
+    list.exact("valid", &stated.valid, &report.valid());
 }
 
 #[cfg(test)]

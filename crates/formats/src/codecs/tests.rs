@@ -46,7 +46,7 @@ fn sample() -> PointSet {
 
 fn any_points() -> impl Strategy<Value = Vec<[f64; 2]>> {
     let finite = prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
-    prop::collection::vec([finite.clone(), finite].prop_map(|p| p), 1..40)
+    prop::collection::vec([finite, finite], 1..40)
 }
 
 fn unit_points() -> impl Strategy<Value = Vec<[f64; 2]>> {
