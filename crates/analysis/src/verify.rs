@@ -24,7 +24,8 @@ pub struct VerifyOptions {
     pub covering_tolerance: f64,
     /// Most witnesses listed of each kind; the counts are always complete.
     pub witnesses: usize,
-    /// Most samples per tile of the triangulation. It decides memory and speed, never the verdict.
+    /// Most samples per tile of the triangulation. It decides memory and speed, never the verdict;
+    /// the default was the fastest measured (a tile then fits the second-level cache).
     pub tile_samples: usize,
 }
 
@@ -33,7 +34,7 @@ impl Default for VerifyOptions {
         Self {
             covering_tolerance: COVERING_TOLERANCE,
             witnesses: 16,
-            tile_samples: 65_536,
+            tile_samples: 16_384,
         }
     }
 }

@@ -1,0 +1,73 @@
+//! Measures the verifier: samples per second on a given number of threads, and peak memory.
+//! Usage: `verify_rate [samples] [threads] [tile samples]`, by default 1000000, 1 and the default tile.
+//! It never asserts a time; it prints what it saw.
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
+
+/// Samples of the maximal periodic set that is repeated: large beside a neighbourhood.
+const PATTERN: f64 = 10_000.0;
+/// `N r^2 / area` of a maximal random set.
+const DENSITY: f64 = 0.7;
+
+fn main() {
+    let arguments: Vec<usize> = (std::env::args().skip(1))
+        .map(|argument| argument.parse().expect("arguments are whole numbers"))
+        .collect();
+    let argument = |index: usize, default: usize| arguments.get(index).copied().unwrap_or(default);
+    let times = (argument(0, 1_000_000) as f64 / PATTERN).sqrt().round();
+    let boundary = Boundary::Periodic;
+    let unit = Region {
+        width: 1.0,
+        height: 1.0,
+        boundary,
+    };
+    let radius = (DENSITY / PATTERN).sqrt();
+    let pattern = support::maximal_set(unit, radius, 1);
+    let (points, region) = support::repeated(&pattern, unit, (times as usize).max(1));
+    println!("before: peak {}", peak_memory());
+
+    let mut options = VerifyOptions::default();
+    options.tile_samples = argument(2, options.tile_samples);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(argument(1, 1))
+        .build()
+        .expect("a thread pool");
+    let start = Instant::now();
+    let report = pool
+        .install(|| {
+            verify(&points, region, radius, &options, &|_| {
+                ControlFlow::Continue(())
+            })
+        })
+        .expect("a verdict");
+    let seconds = start.elapsed().as_secs_f64();
+    let (rate, threads) = (points.len() as f64 / seconds, argument(1, 1));
+    println!(
+        "{} samples in {seconds:.3} s: {:.3} M/s on {threads} thread(s), tiles of {}",
+        points.len(),
+        rate / 1e6,
+        options.tile_samples
+    );
+    println!(
+        "valid {}: density {:.4}, min distance {:.6} r, covering radius {:.9} r",
+        report.valid(),
+        report.density,
+        report.min_distance / radius,
+        report.covering_radius / radius
+    );
+    println!("after: peak {}", peak_memory());
+}
+
+/// The peak of resident memory as Linux states it.
+fn peak_memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    (status.lines())
+        .find_map(|line| line.strip_prefix("VmHWM:"))
+        .map_or("unknown".into(), |size| size.trim().into())
+}
