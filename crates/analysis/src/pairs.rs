@@ -369,6 +369,47 @@ mod tests {
         assert_eq!(run(&line, 1.0, 1e-3, false, 1e-9).min_distance, 1e-300);
     }
 
+    /// In a grid of 3 x 3 cells the closest pair, of the first two, has a cell between.
+    #[test]
+    fn the_closest_pair_is_found_beyond_touching_cells() {
+        let points = [
+            [0.33, 0.0],
+            [0.67, 0.0],
+            [0.0, 0.3],
+            [1.0, 0.3],
+            [0.5, 0.4],
+            [0.0, 0.7],
+            [1.0, 0.7],
+            [0.5, 0.76],
+            [0.25, 1.0],
+            [0.75, 1.0],
+        ];
+        let boundary = Boundary::Bounded;
+        let (width, height) = (1.0, 1.0);
+        let region = Region {
+            width,
+            height,
+            boundary,
+        };
+        let grid = Grid::new(&points, Domain::new(region).expect("supported"), 0.0);
+        assert_eq!(grid.cells, [3, 3]);
+        let go_on = |_| ControlFlow::Continue(());
+        let monitor = Monitor::new(&go_on, 0);
+        let pairs = search(&grid, &points, 0.1, 4, &monitor).expect("not cancelled");
+        assert!((pairs.min_distance - 0.34).abs() < 1e-15);
+    }
+
+    /// One column of cells, and two clusters in one cell that are close across the seam only.
+    #[test]
+    fn a_cluster_on_the_seam_of_a_narrow_torus_is_counted_in_full() {
+        let points: Vec<_> = (0..20)
+            .flat_map(|i| [1e-4, 0.0099].map(|x| [x, 0.5 + f64::from(i) * 1e-5]))
+            .collect();
+        let pairs = run(&points, 0.01, 1.0, true, 1e-3);
+        assert_eq!(pairs.conflicts, 40 * 39 / 2);
+        assert_eq!(run(&points, 0.01, 1.0, false, 1e-3).conflicts, 20 * 19);
+    }
+
     #[test]
     fn a_cluster_in_one_cell_is_counted_in_full() {
         // 40 x 40 samples in one cell of a sparse region, spacing 2^-20.

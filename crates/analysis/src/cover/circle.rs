@@ -88,22 +88,22 @@ mod tests {
 
     #[test]
     fn slivers_keep_their_precision() {
-        // Three points of a known circle within 1e-4 of its circumference, far from the origin.
-        let (center, radius) = ([100.0, 50.0], 2.0);
-        let on_circle = |angle: f64| {
-            [
-                center[0] + radius * angle.cos(),
-                center[1] + radius * angle.sin(),
-            ]
-        };
-        let circle = circumcircle([on_circle(1.0), on_circle(1.0001), on_circle(1.000_05)]);
-        // The points themselves are rounded by 1e-14, which the flat arc amplifies by 1e9.
-        assert!((circle.square.sqrt() - radius).abs() < 1e-4);
         // Exactly representable sliver: offsets 2^-20 over a base of 2, by hand.
         let height = 2f64.powi(-20);
         let circle = circumcircle([[0.0, 0.0], [2.0, 0.0], [1.0, height]]);
         let exact = (1.0 + height * height) / (2.0 * height);
         assert!((circle.square.sqrt() - exact).abs() <= exact * 4e-16);
+    }
+
+    /// The determinant is 2 k, the difference of products near k^2 that are rounded by 2^27.
+    #[test]
+    fn the_determinant_survives_cancellation() {
+        let (k, l) = (2f64.powi(40) + 12_345.0, 2f64.powi(40) - 6_789.0);
+        let points = [[0.0, 0.0], [2.0 * k, 2.0 * l], [k, l + 1.0]];
+        let sides = k.hypot(l + 1.0) * k.hypot(l - 1.0) * (2.0 * k).hypot(2.0 * l);
+        let exact = sides / (2.0 * 2.0 * k);
+        let found = circumcircle(points).square.sqrt();
+        assert!((found - exact).abs() < 1e-14 * exact, "{found} {exact}");
     }
 
     #[test]

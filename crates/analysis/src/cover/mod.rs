@@ -21,13 +21,16 @@
 //! # Why a tile is exact
 //!
 //! A tile `T` is seen through a window `W`: all samples, and copies of samples, within a halo `H` of
-//! it, or all that exist. Let `f_W` be the distance to the nearest sample of `W`; then `f <= f_W`.
-//! The maximum `m` of `f_W` over `T` is known exactly from the three kinds of places above, sides
-//! of the tile included. If `m <= H`, then for every `c` in `T` all samples at distance `f(c) <= H` are
-//! in `W`. Hence `f = f_W` on `T`, and the Voronoi vertices in `T` are the same for both.
-//! Otherwise the halo grows towards `m`, which would do, because `f <= m`, and the tile
-//! is done again. A hole of any size and a radius wrong by any factor are therefore found as what
-//! they are; the radius only suggests the first halo.
+//! it. Let `f_W` be the distance to the nearest sample of `W`, so `f <= f_W`, and let `m` be its
+//! maximum over the *sides* of `T`, known exactly from crossings and corners. If `m <= H`, then
+//! `f = f_W` on all of `T`: suppose that a place `c` in `T` has a sample `q` beyond `W` that is closer
+//! than `f_W(c)`. The way from `c` to `q` leaves `T` at a place `s` of a side, and
+//! `f_W(s) >= f_W(c) - |c s| > |c q| - |c s| = |s q| > H`, against the assumption. With `f`, the
+//! Voronoi vertices in `T` are the same for `W` and for the whole set, too.
+//!
+//! If `m > H`, the halo grows towards `m`, which would do, because a wider window only lowers
+//! `f_W`. A hole of any size and a radius wrong by any factor are therefore found as what they are;
+//! the radius only suggests the first halo. Each tile is triangulated once, after the proof.
 //!
 //! Across a period the nearest copy of a sample is at most half a period away along each axis,
 //! so a halo of half a period is always enough: a tiny set needs no special case.
@@ -56,7 +59,7 @@ use crate::worst::Worst;
 use places::Places;
 use survey::Survey;
 pub(crate) use survey::on_a_line;
-use tiles::Tile;
+use tiles::{Tile, Window};
 
 /// What the search for empty circles found, in the domain's unit.
 pub(crate) struct Cover {
@@ -116,18 +119,18 @@ pub(crate) fn search(
     Ok(sum.finish(task))
 }
 
-/// Surveys a tile with growing halos until the result is proven.
+/// Widens the window of a tile until its sides prove it sufficient, then looks inside.
 fn inspect(task: &Task<'_>, tile: &Tile, monitor: &Monitor<'_>) -> Result<Places, VerifyError> {
     let mut halo = tile.first_halo(task);
     loop {
-        let window = tiles::Window::gather(task, tile, halo);
-        let complete = window.complete;
-        let survey = Survey::of(task, tile, window)?;
-        if complete || survey.reach <= halo {
+        let window = Window::gather(task, tile, halo);
+        let mut survey = Survey::of_sides(task, tile, &window);
+        if survey.side_reach <= window.halo {
+            survey.add_vertices(task, tile, window.points)?;
             return Ok(Places::of_tile(task, tile, survey));
         }
         monitor.advance(0)?;
-        // `reach` is infinite while a side sees no sample at all.
-        halo = survey.reach.min(16.0 * halo);
+        // The reach is infinite while a side sees no sample at all.
+        halo = survey.side_reach.min(16.0 * halo);
     }
 }

@@ -1,6 +1,6 @@
 //! Looks at one tile through its window: the largest value of the distance field, and its gaps.
 //! Every place claimed is a Voronoi vertex, a border crossing or a corner of the window's samples.
-//! It never judges whether the window was wide enough; its caller compares `reach` with the halo.
+//! It never judges whether the window was wide enough; its caller compares `side_reach` with the halo.
 
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
@@ -13,9 +13,9 @@ use crate::report::{Gap, GapKind};
 
 /// What a tile shows through a window.
 pub(crate) struct Survey {
-    /// Maximum of the distance to the window's samples over the tile, or a lower bound of it that
-    /// already exceeds the halo.
-    pub reach: f64,
+    /// Maximum, over the sides of the tile, of the distance to the window's samples. The rest
+    /// holds for the whole set if the halo is at least that.
+    pub side_reach: f64,
     /// The largest empty circle among the places that count for the region.
     pub covering_radius: f64,
     /// Those places whose circle exceeds the limit, the same place possibly several times.
@@ -23,22 +23,19 @@ pub(crate) struct Survey {
 }
 
 impl Survey {
-    pub fn of(task: &Task<'_>, tile: &Tile, window: Window) -> Result<Self, VerifyError> {
+    /// Looks along the sides.
+    pub fn of_sides(task: &Task<'_>, tile: &Tile, window: &Window) -> Self {
         let mut survey = Self {
-            reach: 0.0,
+            side_reach: 0.0,
             covering_radius: 0.0,
             gaps: Vec::new(),
         };
         for axis in [0, 1] {
             for upper in [false, true] {
-                survey.add_side(task, tile, &window, Side { axis, upper });
+                survey.add_side(task, tile, window, Side { axis, upper });
             }
         }
-        // Too narrow a window shows at the sides first: spare the triangulation.
-        if survey.reach <= window.halo {
-            survey.add_vertices(task, tile, window.points)?;
-        }
-        Ok(survey)
+        survey
     }
 
     /// A place whose empty circle counts for the region.
@@ -61,7 +58,7 @@ impl Survey {
             if at < start - task.same || at > end + task.same {
                 continue;
             }
-            self.reach = self.reach.max(crossing.distance);
+            self.side_reach = self.side_reach.max(crossing.distance);
             if on_border && (0.0..=extent[side.axis]).contains(&at) {
                 let (center, distance) = (side.place(at, level), crossing.distance);
                 let kind = GapKind::Border;
@@ -78,7 +75,7 @@ impl Survey {
         for at in [start, end] {
             let distances = sites.iter().map(|site| site.distance(at));
             let distance = distances.fold(f64::INFINITY, f64::min);
-            self.reach = self.reach.max(distance);
+            self.side_reach = self.side_reach.max(distance);
             // A corner of the region ends two sides: the sides along x report it.
             if on_border && side.axis == 0 && (at == 0.0 || at == extent[0]) {
                 let (center, kind) = (side.place(at, level), GapKind::Corner);
@@ -94,7 +91,8 @@ impl Survey {
         }
     }
 
-    fn add_vertices(
+    /// Looks inside, at the circumcentres of the window's triangles.
+    pub fn add_vertices(
         &mut self,
         task: &Task<'_>,
         tile: &Tile,
@@ -139,7 +137,6 @@ impl Survey {
             }
         }
         self.covering_radius = self.covering_radius.max(largest.sqrt());
-        self.reach = self.reach.max(largest.sqrt());
         Ok(())
     }
 }

@@ -86,10 +86,9 @@ pub(crate) fn split(grid: &Grid, tile_samples: usize) -> Vec<Tile> {
 /// The samples seen from a tile: at least all, copies included, within the halo of it.
 pub(crate) struct Window {
     pub points: Vec<Point2<f64>>,
-    /// The halo, as wide as the samples beyond may matter; infinite in a complete window.
+    /// Samples beyond the window are further than this from the tile; infinite if none of them can
+    /// be nearest to any place of the tile.
     pub halo: f64,
-    /// Whether no sample beyond the window can be nearest to any place of the tile.
-    pub complete: bool,
 }
 
 impl Window {
@@ -114,11 +113,7 @@ impl Window {
             }
         }
         let halo = if complete { f64::INFINITY } else { halo };
-        Self {
-            points,
-            halo,
-            complete,
-        }
+        Self { points, halo }
     }
 }
 
@@ -249,8 +244,8 @@ mod tests {
             let grid = grid(100, boundary);
             let task = Task::new(&grid, 0.1, 0.1, 0);
             for tile in split(&grid, 10) {
-                assert!(Window::gather(&task, &tile, 2.0).complete);
-                assert!(!Window::gather(&task, &tile, 0.01).complete);
+                assert_eq!(Window::gather(&task, &tile, 2.0).halo, f64::INFINITY);
+                assert_eq!(Window::gather(&task, &tile, 0.01).halo, 0.01);
             }
         }
     }
