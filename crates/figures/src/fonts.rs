@@ -1,0 +1,199 @@
+//! The fonts of the program and the outlines of text.
+//!
+//! Inter and JetBrains Mono, subset (see `assets/fonts`), compiled in: text looks the same everywhere. Sets glyph after glyph by
+//! its advance. Never asks the system for a font; a character the subset lacks is drawn as the font's empty box.
+
+use ttf_parser::{Face, OutlineBuilder};
+
+use crate::error::FigureError;
+
+/// Inter Regular, OpenType.
+pub const INTER_REGULAR: &[u8] = include_bytes!("../../../assets/fonts/Inter-Regular.otf");
+/// Inter `SemiBold`, OpenType.
+pub const INTER_SEMI_BOLD: &[u8] = include_bytes!("../../../assets/fonts/Inter-SemiBold.otf");
+/// JetBrains Mono Regular, TrueType.
+pub const JETBRAINS_MONO: &[u8] = include_bytes!("../../../assets/fonts/JetBrainsMono-Regular.ttf");
+
+/// A font of the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Font {
+    /// Inter Regular.
+    #[default]
+    Regular,
+    /// Inter `SemiBold`.
+    SemiBold,
+    /// JetBrains Mono Regular.
+    Mono,
+}
+
+impl Font {
+    const ALL: [Self; 3] = [Self::Regular, Self::SemiBold, Self::Mono];
+
+    /// The font file's bytes.
+    #[must_use]
+    pub fn bytes(self) -> &'static [u8] {
+        match self {
+            Self::Regular => INTER_REGULAR,
+            Self::SemiBold => INTER_SEMI_BOLD,
+            Self::Mono => JETBRAINS_MONO,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "Inter Regular",
+            Self::SemiBold => "Inter SemiBold",
+            Self::Mono => "JetBrains Mono Regular",
+        }
+    }
+}
+
+/// The parsed fonts.
+pub(crate) struct Fonts {
+    faces: [Face<'static>; 3],
+}
+
+impl Fonts {
+    pub(crate) fn new() -> Result<Self, FigureError> {
+        let [a, b, c] = Font::ALL
+            .map(|font| Face::parse(font.bytes(), 0).map_err(|_| FigureError::Font(font.name())));
+        Ok(Self {
+            faces: [a?, b?, c?],
+        })
+    }
+
+    fn face(&self, font: Font) -> &Face<'static> {
+        match font {
+            Font::Regular => &self.faces[0],
+            Font::SemiBold => &self.faces[1],
+            Font::Mono => &self.faces[2],
+        }
+    }
+
+    /// Height of a capital letter in pixels.
+    pub(crate) fn capital_height(&self, font: Font, size: f64) -> f64 {
+        let face = self.face(font);
+        let height = face.capital_height().unwrap_or(face.ascender());
+        f64::from(height) * size / f64::from(face.units_per_em())
+    }
+
+    pub(crate) fn width(&self, text: &str, font: Font, size: f64) -> f64 {
+        let face = self.face(font);
+        let advances = text.chars().map(|c| advance(face, c));
+        advances.sum::<f64>() * size / f64::from(face.units_per_em())
+    }
+
+    /// Draws the outlines of `text`, in pixels from its start, y downwards.
+    pub(crate) fn outline(&self, text: &str, font: Font, size: f64, pen: &mut dyn Pen) {
+        let face = self.face(font);
+        let scale = size / f64::from(face.units_per_em());
+        let mut x = 0.0;
+        for character in text.chars() {
+            let glyph = face.glyph_index(character).unwrap_or_default();
+            face.outline_glyph(glyph, &mut Placed { x, scale, pen });
+            x += advance(face, character) * scale;
+        }
+    }
+}
+
+fn advance(face: &Face<'_>, character: char) -> f64 {
+    let glyph = face.glyph_index(character).unwrap_or_default();
+    f64::from(face.glyph_hor_advance(glyph).unwrap_or_default())
+}
+
+/// The width in pixels of `text` set in `font` with an em of `size` pixels.
+///
+/// ```
+/// use tilescope_figures::{Font, text_width};
+/// // Figures are tabular: numbers that change do not move.
+/// assert_eq!(text_width("1111", Font::Regular, 12.0), text_width("8080", Font::Regular, 12.0));
+/// ```
+#[must_use]
+pub fn text_width(text: &str, font: Font, size: f64) -> f64 {
+    Fonts::new().map_or(0.0, |fonts| fonts.width(text, font, size))
+}
+
+/// Receives outlines in pixels.
+pub(crate) trait Pen {
+    fn move_to(&mut self, to: [f64; 2]);
+    fn line_to(&mut self, to: [f64; 2]);
+    fn quad_to(&mut self, by: [f64; 2], to: [f64; 2]);
+    fn cubic_to(&mut self, by: [[f64; 2]; 2], to: [f64; 2]);
+    fn close(&mut self);
+}
+
+/// A glyph's outline on its way from font units, y up, to pixels, y down.
+struct Placed<'a> {
+    x: f64,
+    scale: f64,
+    pen: &'a mut dyn Pen,
+}
+
+impl Placed<'_> {
+    fn pixel(&self, x: f32, y: f32) -> [f64; 2] {
+        [
+            self.x + f64::from(x) * self.scale,
+            -f64::from(y) * self.scale,
+        ]
+    }
+}
+
+impl OutlineBuilder for Placed<'_> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.pen.move_to(self.pixel(x, y));
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.pen.line_to(self.pixel(x, y));
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.pen.quad_to(self.pixel(x1, y1), self.pixel(x, y));
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let by = [self.pixel(x1, y1), self.pixel(x2, y2)];
+        self.pen.cubic_to(by, self.pixel(x, y));
+    }
+
+    fn close(&mut self) {
+        self.pen.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_font_has_the_letters_of_the_interface() {
+        let fonts = Fonts::new().expect("intact fonts");
+        for font in Font::ALL {
+            let face = fonts.face(font);
+            for character in
+                "AZaz09 ~\u{e9}\u{d7}\u{2212}\u{2192}\u{3bc}\u{3c1}\u{2264}\u{2026}\u{2082}".chars()
+            {
+                assert!(
+                    face.glyph_index(character).is_some(),
+                    "{font:?} {character}"
+                );
+            }
+            assert_eq!(face.glyph_index('\u{4e2d}'), None);
+        }
+    }
+
+    #[test]
+    fn fonts_are_small_enough_for_the_web() {
+        for font in Font::ALL {
+            assert!(font.bytes().len() < 60_000, "{font:?}");
+        }
+    }
+
+    #[test]
+    fn widths_add_up() {
+        let width = |text| text_width(text, Font::Mono, 10.0);
+        assert!((width("abc") - 18.0).abs() < 1e-9);
+        assert!(width("").abs() < 1e-9);
+        assert!(text_width("il", Font::Regular, 10.0) < text_width("WM", Font::Regular, 10.0));
+    }
+}

@@ -1,0 +1,39 @@
+//! A scene of shapes, as SVG and as PNG.
+//!
+//! The room for pictures that leave the program: one [`Scene`], several exporters that agree, and the [`Palette`]
+//! that the app's canvas shares. Invariant: the same scene gives the same bytes on every platform. Never opens
+//! a file or a window, and never computes what it draws.
+//!
+//! ```
+//! use tilescope_figures::{Group, Marker, Palette, Scene, Shape, Style, to_png, to_svg};
+//!
+//! let palette = Palette::LIGHT;
+//! let mut samples = Group::new("samples");
+//! samples.shapes.push(Shape::marker(Marker::Dot, [30.0, 20.0], 6.0, Style::filled(palette.sample)));
+//! let mut scene = Scene::new(60.0, 40.0, palette.background);
+//! scene.groups.push(samples);
+//! assert!(to_svg(&scene)?.contains("<circle cx=\"30\" cy=\"20\" r=\"3\""));
+//! assert!(to_png(&scene, 2.0)?.starts_with(b"\x89PNG"));
+//! # Ok::<(), tilescope_figures::FigureError>(())
+//! ```
+
+mod error;
+mod fonts;
+mod geometry;
+mod palette;
+mod png;
+mod raster;
+mod scene;
+mod stages;
+mod svg;
+
+pub use error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
+pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
+pub use palette::{Color, Palette, with_alpha};
+pub use png::to_png;
+pub use raster::{Pixels, to_pixels};
+pub use scene::{
+    Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
+};
+pub use stages::{PictureOptions, SetPicture, caption, seam_window, set_scene, stage_scene};
+pub use svg::to_svg;

@@ -1,0 +1,462 @@
+//! The scene: named groups of shapes, in units of the group, styled in pixels.
+//!
+//! Plain data in painting order. Never draws; exporters read it. y points down, as on screens; a group's view
+//! turns its own units into the scene's pixels, so stroke widths and markers keep their size.
+
+use crate::error::{FigureError, MAX_SIDE};
+use crate::fonts::Font;
+use crate::palette::Color;
+
+/// A picture to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Width in pixels at scale 1.
+    pub width: f64,
+    /// Height in pixels at scale 1.
+    pub height: f64,
+    /// Behind everything.
+    pub background: Color,
+    /// The title: the SVG's accessible name, the PNG's `Title`.
+    pub title: String,
+    /// Parameters and whatever else makes the picture reproducible, as key and value.
+    pub metadata: Vec<(String, String)>,
+    /// Groups, the first painted first.
+    pub groups: Vec<Group>,
+}
+
+impl Scene {
+    /// An empty scene of `width` x `height` pixels.
+    #[must_use]
+    pub fn new(width: f64, height: f64, background: Color) -> Self {
+        Self {
+            width,
+            height,
+            background,
+            title: String::new(),
+            metadata: Vec::new(),
+            groups: Vec::new(),
+        }
+    }
+
+    /// Checks what both exporters need: sides of 1 to [`MAX_SIDE`] pixels, finite views and shapes.
+    pub fn validate(&self) -> Result<(), FigureError> {
+        let (width, height) = (self.width, self.height);
+        let side = 1.0..=MAX_SIDE;
+        if !(side.contains(&width) && side.contains(&height)) {
+            return Err(FigureError::Size { width, height });
+        }
+        for group in &self.groups {
+            group.validate()?;
+        }
+        Ok(())
+    }
+}
+
+/// A layer: shapes that belong together under a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// The layer's name; the SVG group's `id` is made of it.
+    pub name: String,
+    /// From the group's units to scene pixels.
+    pub view: View,
+    /// Only what lies in this rectangle (scene pixels) is seen.
+    pub clip: Option<Rect>,
+    /// Shapes, the first painted first.
+    pub shapes: Vec<Shape>,
+}
+
+impl Group {
+    /// An empty group in scene pixels, not clipped.
+    #[must_use]
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            view: View::PIXELS,
+            clip: None,
+            shapes: Vec::new(),
+        }
+    }
+
+    fn validate(&self) -> Result<(), FigureError> {
+        let View { scale, origin } = self.view;
+        let clip = self.clip.unwrap_or(Rect::new([0.0; 2], [1.0; 2]));
+        let numbers = [origin, clip.min, clip.max];
+        let finite = numbers.iter().flatten().all(|v| v.is_finite());
+        if !(finite && scale.is_finite() && scale > 0.0) {
+            let group = self.name.clone();
+            return Err(FigureError::View { group });
+        }
+        match self.shapes.iter().position(|shape| !shape.is_finite()) {
+            None => Ok(()),
+            Some(index) => Err(FigureError::NotFinite {
+                group: self.name.clone(),
+                index,
+            }),
+        }
+    }
+}
+
+/// From a group's units to scene pixels: `pixel = origin + scale * position`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Pixels per unit.
+    pub scale: f64,
+    /// The pixel of the group's origin.
+    pub origin: [f64; 2],
+}
+
+impl View {
+    /// Units are pixels.
+    pub const PIXELS: Self = Self {
+        scale: 1.0,
+        origin: [0.0; 2],
+    };
+
+    /// The view that fits the rectangle `domain` into `frame` (pixels), centred, with equal scales.
+    ///
+    /// ```
+    /// use tilescope_figures::{Rect, View};
+    /// let unit = Rect::new([0.0, 0.0], [1.0, 1.0]);
+    /// let view = View::fit(unit, Rect::new([10.0, 10.0], [110.0, 210.0]));
+    /// assert_eq!(view.pixel([0.5, 0.5]), [60.0, 110.0]);
+    /// assert_eq!(view.scale, 100.0);
+    /// ```
+    #[must_use]
+    pub fn fit(domain: Rect, frame: Rect) -> Self {
+        let size = |r: Rect| [r.max[0] - r.min[0], r.max[1] - r.min[1]];
+        let (from, to) = (size(domain), size(frame));
+        let scale = (to[0] / from[0]).min(to[1] / from[1]);
+        let origin = [0, 1].map(|axis| {
+            let middle = f64::midpoint(frame.min[axis], frame.max[axis]);
+            middle - scale * f64::midpoint(domain.min[axis], domain.max[axis])
+        });
+        Self { scale, origin }
+    }
+
+    /// The scene pixel of `position`.
+    #[must_use]
+    pub fn pixel(&self, position: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| self.origin[axis] + self.scale * position[axis])
+    }
+}
+
+/// An axis-parallel rectangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rect {
+    /// The corner with the smaller coordinates.
+    pub min: [f64; 2],
+    /// The corner with the larger coordinates.
+    pub max: [f64; 2],
+}
+
+impl Rect {
+    /// The rectangle between two opposite corners.
+    #[must_use]
+    pub const fn new(min: [f64; 2], max: [f64; 2]) -> Self {
+        Self { min, max }
+    }
+}
+
+/// How an area is filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fill {
+    /// One colour.
+    Solid(Color),
+    /// Diagonal lines.
+    Hatch(Hatch),
+}
+
+/// Diagonal lines through the whole scene, seen where an area is hatched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hatch {
+    /// Colour of the lines.
+    pub color: Color,
+    /// Distance between lines in pixels; at least 1 is drawn.
+    pub spacing: f64,
+    /// Width of a line in pixels.
+    pub width: f64,
+}
+
+/// A line along a shape's border.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Colour.
+    pub color: Color,
+    /// Width in pixels.
+    pub width: f64,
+    /// Lengths of dash and space in pixels; `None` is a solid line.
+    pub dash: Option<[f64; 2]>,
+}
+
+impl Stroke {
+    /// A solid line `width` pixels wide.
+    #[must_use]
+    pub const fn new(color: Color, width: f64) -> Self {
+        Self {
+            color,
+            width,
+            dash: None,
+        }
+    }
+
+    /// The same line, dashed.
+    #[must_use]
+    pub const fn dashed(self, dash: f64, space: f64) -> Self {
+        Self {
+            dash: Some([dash, space]),
+            ..self
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let [dash, space] = self.dash.unwrap_or_default();
+        [self.width, dash, space].iter().all(|v| v.is_finite())
+    }
+}
+
+/// Fill and stroke of a shape; neither makes it invisible.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Style {
+    /// The area.
+    pub fill: Option<Fill>,
+    /// The border.
+    pub stroke: Option<Stroke>,
+}
+
+impl Style {
+    /// An area of one colour.
+    #[must_use]
+    pub const fn filled(color: Color) -> Self {
+        Self {
+            fill: Some(Fill::Solid(color)),
+            stroke: None,
+        }
+    }
+
+    /// A solid border, `width` pixels wide.
+    #[must_use]
+    pub const fn stroked(color: Color, width: f64) -> Self {
+        Self {
+            fill: None,
+            stroke: Some(Stroke::new(color, width)),
+        }
+    }
+
+    /// The same style with `stroke` as its border.
+    #[must_use]
+    pub const fn with_stroke(self, stroke: Stroke) -> Self {
+        Self {
+            stroke: Some(stroke),
+            ..self
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let hatch = match self.fill {
+            Some(Fill::Hatch(hatch)) => [hatch.spacing, hatch.width],
+            _ => [0.0; 2],
+        };
+        hatch.iter().all(|v| v.is_finite()) && self.stroke.is_none_or(|s| s.is_finite())
+    }
+}
+
+/// The outline of a mark whose size is in pixels, whatever the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// A circle: samples.
+    Dot,
+    /// An upright saltire (x), an area that can be hollow: eliminated samples.
+    Cross,
+    /// A triangle pointing up: candidates.
+    Triangle,
+    /// A square on its corner: inserted samples.
+    Diamond,
+    /// An upright square.
+    Square,
+}
+
+/// Where text stands against its position, along the line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Anchor {
+    /// The text begins there.
+    #[default]
+    Start,
+    /// Its middle is there.
+    Middle,
+    /// It ends there.
+    End,
+}
+
+/// Where text stands against its position, across the line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Baseline {
+    /// Letters stand on the position.
+    #[default]
+    Alphabetic,
+    /// The middle of a capital letter is there.
+    Middle,
+    /// The top of a capital letter is there.
+    Top,
+}
+
+/// A line of text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Text {
+    /// Its position in the group's units.
+    pub at: [f64; 2],
+    /// The text.
+    pub text: String,
+    /// The font.
+    pub font: Font,
+    /// Size of the em in pixels.
+    pub size: f64,
+    /// Colour.
+    pub color: Color,
+    /// Place along the line.
+    pub anchor: Anchor,
+    /// Place across the line.
+    pub baseline: Baseline,
+    /// Clockwise quarter turns about the position: 3 for the label of a vertical axis. Others would need
+    /// trigonometry, whose last bits differ between platforms.
+    pub quarter_turns: u8,
+}
+
+impl Text {
+    /// Upright text in Inter that begins at `at`.
+    #[must_use]
+    pub fn new(at: [f64; 2], text: impl Into<String>, size: f64, color: Color) -> Self {
+        Self {
+            at,
+            text: text.into(),
+            font: Font::Regular,
+            size,
+            color,
+            anchor: Anchor::Start,
+            baseline: Baseline::Alphabetic,
+            quarter_turns: 0,
+        }
+    }
+}
+
+/// Something to draw. Positions and radii in the group's units; widths, markers and text in pixels.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A disk.
+    Circle {
+        /// Centre.
+        center: [f64; 2],
+        /// Radius.
+        radius: f64,
+        /// Fill and stroke.
+        style: Style,
+    },
+    /// An axis-parallel rectangle.
+    Rect {
+        /// The rectangle.
+        rect: Rect,
+        /// Fill and stroke.
+        style: Style,
+    },
+    /// A closed polygon; overlapping parts are filled by the even-odd rule.
+    Polygon {
+        /// Corners.
+        points: Vec<[f64; 2]>,
+        /// Fill and stroke.
+        style: Style,
+    },
+    /// Connected line segments.
+    Polyline {
+        /// Corners.
+        points: Vec<[f64; 2]>,
+        /// The line.
+        stroke: Stroke,
+    },
+    /// Separate line segments of one style: edges of a graph.
+    Segments {
+        /// Ends of each.
+        segments: Vec<[[f64; 2]; 2]>,
+        /// The lines.
+        stroke: Stroke,
+    },
+    /// A mark of fixed size.
+    Marker {
+        /// Its outline.
+        marker: Marker,
+        /// Centre.
+        center: [f64; 2],
+        /// Width and height in pixels.
+        size: f64,
+        /// Fill and stroke.
+        style: Style,
+    },
+    /// Text.
+    Text(Text),
+}
+
+impl Shape {
+    /// A disk.
+    #[must_use]
+    pub const fn circle(center: [f64; 2], radius: f64, style: Style) -> Self {
+        Self::Circle {
+            center,
+            radius,
+            style,
+        }
+    }
+
+    /// One straight line.
+    #[must_use]
+    pub fn line(from: [f64; 2], to: [f64; 2], stroke: Stroke) -> Self {
+        Self::Segments {
+            segments: vec![[from, to]],
+            stroke,
+        }
+    }
+
+    /// A mark `size` pixels wide.
+    #[must_use]
+    pub const fn marker(marker: Marker, center: [f64; 2], size: f64, style: Style) -> Self {
+        Self::Marker {
+            marker,
+            center,
+            size,
+            style,
+        }
+    }
+
+    /// The largest length that does not just place the shape, in scene pixels.
+    pub(crate) fn longest(&self, view: View) -> f64 {
+        let stroked = |style: &Style| style.stroke.map_or(0.0, |s| s.width);
+        match self {
+            Self::Circle { radius, style, .. } => (radius * view.scale).max(stroked(style)),
+            Self::Rect { style, .. } | Self::Polygon { style, .. } => stroked(style),
+            Self::Polyline { stroke, .. } | Self::Segments { stroke, .. } => stroke.width,
+            Self::Marker { size, style, .. } => size.max(stroked(style)),
+            Self::Text(text) => text.size,
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let all = |points: &[[f64; 2]]| points.iter().flatten().all(|v| v.is_finite());
+        match self {
+            Self::Circle {
+                center,
+                radius: length,
+                style,
+            }
+            | Self::Marker {
+                center,
+                size: length,
+                style,
+                ..
+            } => all(&[*center]) && length.is_finite() && style.is_finite(),
+            Self::Rect { rect, style } => all(&[rect.min, rect.max]) && style.is_finite(),
+            Self::Polygon { points, style } => all(points) && style.is_finite(),
+            Self::Polyline { points, stroke } => all(points) && stroke.is_finite(),
+            Self::Segments { segments, stroke } => {
+                segments.iter().all(|s| all(s)) && stroke.is_finite()
+            }
+            Self::Text(text) => all(&[text.at, [text.size; 2]]),
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! The scene as an SVG document.
+//!
+//! Everything is in scene pixels, rounded to a thousandth; a group becomes a `<g>` with its name, text stays text. Never
+//! lets a string break the markup.
+
+use std::fmt::Write;
+
+use crate::error::FigureError;
+use crate::fonts::{Font, Fonts};
+use crate::geometry::{hatch_circle, hatch_polygon, marker_outline};
+use crate::palette::Color;
+use crate::raster::baseline_shift;
+use crate::scene::{Anchor, Fill, Group, Hatch, Marker, Scene, Shape, Stroke, Style, Text, View};
+
+/// The text of an SVG document of `scene`.
+///
+/// Title and metadata become `<title>` and `<desc>`. The same scene gives the same text.
+///
+/// # Errors
+///
+/// [`FigureError`] when the size, a view or a shape is not usable.
+pub fn to_svg(scene: &Scene) -> Result<String, FigureError> {
+    scene.validate()?;
+    let mut writer = Writer {
+        out: String::new(),
+        fonts: Fonts::new()?,
+    };
+    writer.head(scene);
+    for (index, group) in scene.groups.iter().enumerate() {
+        writer.group(index, group);
+    }
+    writer.out.push_str("</svg>\n");
+    Ok(writer.out)
+}
+
+struct Writer {
+    out: String,
+    fonts: Fonts,
+}
+
+impl Writer {
+    fn push(&mut self, text: std::fmt::Arguments<'_>) {
+        // Writing to a String cannot fail.
+        let _ = self.out.write_fmt(text);
+    }
+
+    fn head(&mut self, scene: &Scene) {
+        let (width, height) = (number(scene.width), number(scene.height));
+        self.push(format_args!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"0 0 {width} {height}\" role=\"img\" stroke-linejoin=\"round\" \
+             fill-rule=\"evenodd\" style=\"font-variant-numeric:tabular-nums\">\n"
+        ));
+        if !scene.title.is_empty() {
+            self.push(format_args!("<title>{}</title>\n", escape(&scene.title)));
+        }
+        if !scene.metadata.is_empty() {
+            self.out.push_str("<desc>");
+            for (key, value) in &scene.metadata {
+                self.push(format_args!("{}: {}\n", escape(key), escape(value)));
+            }
+            self.out.push_str("</desc>\n");
+        }
+        if scene.background[3] > 0 {
+            let fill = paint("fill", Some(scene.background));
+            self.push(format_args!(
+                "<rect width=\"{width}\" height=\"{height}\"{fill}/>\n"
+            ));
+        }
+    }
+
+    fn group(&mut self, index: usize, group: &Group) {
+        if let Some(clip) = group.clip {
+            let [x, y] = clip.min.map(number);
+            let size = [0, 1].map(|k| number((clip.max[k] - clip.min[k]).max(0.0)));
+            self.push(format_args!(
+                "<clipPath id=\"clip-{index}\"><rect x=\"{x}\" y=\"{y}\" width=\"{}\" \
+                 height=\"{}\"/></clipPath>\n",
+                size[0], size[1]
+            ));
+        }
+        let name = &group.name;
+        let identifier: String = name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+            .collect();
+        self.push(format_args!(
+            "<g id=\"layer-{index}-{identifier}\" aria-label=\"{}\"",
+            escape(name)
+        ));
+        if group.clip.is_some() {
+            self.push(format_args!(" clip-path=\"url(#clip-{index})\""));
+        }
+        self.out.push_str(">\n");
+        for shape in &group.shapes {
+            self.shape(shape, group.view);
+        }
+        self.out.push_str("</g>\n");
+    }
+
+    fn shape(&mut self, shape: &Shape, view: View) {
+        match shape {
+            Shape::Circle {
+                center,
+                radius,
+                style,
+            } => self.circle(view.pixel(*center), radius * view.scale, *style),
+            Shape::Rect { rect, style } => {
+                let [[left, top], [right, bottom]] = [rect.min, rect.max].map(|p| view.pixel(p));
+                let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+                self.polygon(&corners, *style);
+            }
+            Shape::Polygon { points, style } => self.polygon(&pixels(points, view), *style),
+            Shape::Polyline { points, stroke } => {
+                let points = point_list(&pixels(points, view));
+                let stroke = stroke_attributes(*stroke);
+                self.push(format_args!(
+                    "<polyline points=\"{points}\" fill=\"none\"{stroke}/>\n"
+                ));
+            }
+            Shape::Segments { segments, stroke } => {
+                self.segments(segments.iter().map(|s| s.map(|p| view.pixel(p))), *stroke);
+            }
+            Shape::Marker {
+                marker,
+                center,
+                size,
+                style,
+            } => {
+                let center = view.pixel(*center);
+                if *marker == Marker::Dot {
+                    self.circle(center, size / 2.0, *style);
+                } else {
+                    self.polygon(&marker_outline(*marker, center, *size), *style);
+                }
+            }
+            Shape::Text(text) => self.text(text, view.pixel(text.at)),
+        }
+    }
+
+    fn circle(&mut self, center: [f64; 2], radius: f64, style: Style) {
+        if let Some(Fill::Hatch(hatch)) = style.fill {
+            let lines = hatch_circle(center, radius, hatch.spacing.max(1.0));
+            self.hatch(lines, hatch);
+        }
+        let ([x, y], radius) = (center.map(number), number(radius.max(0.0)));
+        let style = style_attributes(style);
+        self.push(format_args!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{style}/>\n"
+        ));
+    }
+
+    fn polygon(&mut self, points: &[[f64; 2]], style: Style) {
+        if let Some(Fill::Hatch(hatch)) = style.fill {
+            let lines = hatch_polygon(points, hatch.spacing.max(1.0));
+            self.hatch(lines, hatch);
+        }
+        let (points, style) = (point_list(points), style_attributes(style));
+        self.push(format_args!("<polygon points=\"{points}\"{style}/>\n"));
+    }
+
+    fn hatch(&mut self, lines: Vec<[[f64; 2]; 2]>, hatch: Hatch) {
+        self.segments(lines.into_iter(), Stroke::new(hatch.color, hatch.width));
+    }
+
+    fn segments(&mut self, segments: impl Iterator<Item = [[f64; 2]; 2]>, stroke: Stroke) {
+        let mut data = String::new();
+        for [a, b] in segments {
+            let ([ax, ay], [bx, by]) = (a.map(number), b.map(number));
+            let _ = write!(data, "M{ax} {ay}L{bx} {by}");
+        }
+        if data.is_empty() {
+            return;
+        }
+        let stroke = stroke_attributes(stroke);
+        self.push(format_args!("<path d=\"{data}\" fill=\"none\"{stroke}/>\n"));
+    }
+
+    fn text(&mut self, text: &Text, at: [f64; 2]) {
+        let below = baseline_shift(&self.fonts, text, text.size);
+        let [x, y] = at.map(number);
+        let (family, weight) = match text.font {
+            Font::Regular => ("Inter, 'Helvetica Neue', Arial, sans-serif", 400),
+            Font::SemiBold => ("Inter, 'Helvetica Neue', Arial, sans-serif", 600),
+            Font::Mono => ("'JetBrains Mono', Consolas, monospace", 400),
+        };
+        let anchor = match text.anchor {
+            Anchor::Start => "start",
+            Anchor::Middle => "middle",
+            Anchor::End => "end",
+        };
+        let turn = match text.quarter_turns % 4 {
+            0 => String::new(),
+            turns => format!(" transform=\"rotate({} {x} {y})\"", u32::from(turns) * 90),
+        };
+        let shifted = number(at[1] + below);
+        let (size, fill) = (number(text.size), paint("fill", Some(text.color)));
+        self.push(format_args!(
+            "<text x=\"{x}\" y=\"{shifted}\" font-family=\"{family}\" font-weight=\"{weight}\" \
+             font-size=\"{size}\" text-anchor=\"{anchor}\"{fill}{turn}>{}</text>\n",
+            escape(&text.text)
+        ));
+    }
+}
+
+fn pixels(points: &[[f64; 2]], view: View) -> Vec<[f64; 2]> {
+    points.iter().map(|&p| view.pixel(p)).collect()
+}
+
+fn point_list(points: &[[f64; 2]]) -> String {
+    let mut list = String::with_capacity(points.len() * 16);
+    for (index, point) in points.iter().enumerate() {
+        let [x, y] = point.map(number);
+        let before = if index == 0 { "" } else { " " };
+        let _ = write!(list, "{before}{x},{y}");
+    }
+    list
+}
+
+/// Rounded to a thousandth of a pixel, without a minus before zero.
+fn number(value: f64) -> f64 {
+    let rounded = (value * 1000.0).round() / 1000.0;
+    if rounded.is_finite() {
+        rounded + 0.0
+    } else {
+        value
+    }
+}
+
+fn paint(attribute: &str, color: Option<Color>) -> String {
+    let Some([r, g, b, a]) = color else {
+        return format!(" {attribute}=\"none\"");
+    };
+    let mut text = format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\"");
+    if a < 255 {
+        let opacity = number(f64::from(a) / 255.0);
+        let _ = write!(text, " {attribute}-opacity=\"{opacity}\"");
+    }
+    text
+}
+
+fn style_attributes(style: Style) -> String {
+    let fill = match style.fill {
+        Some(Fill::Solid(color)) => Some(color),
+        _ => None,
+    };
+    let mut text = paint("fill", fill);
+    if let Some(stroke) = style.stroke {
+        text.push_str(&stroke_attributes(stroke));
+    }
+    text
+}
+
+fn stroke_attributes(stroke: Stroke) -> String {
+    let mut text = paint("stroke", Some(stroke.color));
+    let _ = write!(text, " stroke-width=\"{}\"", number(stroke.width.max(0.0)));
+    if let Some([dash, space]) = stroke.dash {
+        let (dash, space) = (number(dash), number(space));
+        let _ = write!(text, " stroke-dasharray=\"{dash} {space}\"");
+    }
+    text
+}
+
+/// `text` for XML content and attributes; what XML 1.0 cannot hold becomes U+FFFD.
+fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&apos;"),
+            '\t' | '\n' => escaped.push(character),
+            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
+            c if c.is_control() => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests;
