@@ -1,1 +1,119 @@
-//! x
+//! The command line of Tilescope: commands and their arguments, progress bars, exit codes.
+//! It joins the crates below and computes nothing itself; the window is another crate's.
+
+mod bench;
+mod completions;
+mod convert;
+mod draw;
+mod files;
+mod headless;
+mod interrupt;
+mod options;
+mod output;
+mod parameters;
+mod progress;
+mod sample;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+pub use headless::{HeadlessReason, run_headless};
+
+/// Everything is as it should be.
+pub const EXIT_FINE: u8 = 0;
+/// The work was done, and the verifier's verdict is negative.
+pub const EXIT_NEGATIVE: u8 = 1;
+/// The arguments or an input cannot be used.
+pub const EXIT_BAD_INPUT: u8 = 2;
+/// Ctrl-C.
+pub const EXIT_INTERRUPTED: u8 = 130;
+
+/// Tilescope: a visual debugger for maximal Poisson-disk sampling by randomized tiling.
+#[derive(Debug, Parser)]
+#[command(name = "tilescope", version, about, long_about = None, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// What to do; without one the window opens.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Make a maximal Poisson-disk set, verify it and save it
+    Sample(Box<sample::SampleArguments>),
+    /// Verify a point set, against its certificate if it has one
+    Verify(verify::VerifyArguments),
+    /// Convert a point set to another format, verified
+    Convert(convert::ConvertArguments),
+    /// Draw a point set as PNG or SVG
+    Draw(draw::DrawArguments),
+    /// Measure KDRT against the reference sampler
+    Bench(bench::BenchArguments),
+    /// Run the default session without a window and save pictures of its stages
+    Headless(headless::HeadlessArguments),
+    /// Print a shell's completion script
+    Completions(completions::CompletionsArguments),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tilescope                                            open the window
+  tilescope sample --count 10000 --out set.csv         a verified set with its certificate
+  tilescope sample --radius 0.005 --boundary bounded --seed 7 --json
+  tilescope verify set.csv
+  tilescope convert set.csv set.npy
+  tilescope draw set.csv set.svg
+  tilescope bench --samples 1000000 --leaf 20 40 80
+
+Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
+
+/// Runs a command and returns the process's exit code; errors go to standard error.
+#[must_use]
+pub fn run(command: &Command) -> ExitCode {
+    let outcome = match command {
+        Command::Sample(arguments) => sample::run(arguments),
+        Command::Verify(arguments) => verify::run(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
+        Command::Draw(arguments) => draw::run(arguments),
+        Command::Bench(arguments) => bench::run(arguments),
+        Command::Headless(arguments) => headless::run(arguments),
+        Command::Completions(arguments) => {
+            completions::run(arguments, &mut Arguments::command());
+            Ok(EXIT_FINE)
+        }
+    };
+    exit_code(outcome)
+}
+
+/// Returns the exit code of an outcome and prints its error.
+fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
+    match outcome {
+        Ok(code) => ExitCode::from(code),
+        Err(_) if interrupt::requested() => {
+            eprintln!("interrupted; no file was left half written");
+            ExitCode::from(EXIT_INTERRUPTED)
+        }
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(EXIT_BAD_INPUT)
+        }
+    }
+}
+
+/// Returns the code of a verdict.
+const fn verdict_code(valid: bool) -> u8 {
+    if valid { EXIT_FINE } else { EXIT_NEGATIVE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_well_formed() {
+        Arguments::command().debug_assert();
+    }
+}

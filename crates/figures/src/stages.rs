@@ -62,7 +62,7 @@ pub struct SetPicture<'a> {
 pub fn set_scene(set: &SetPicture<'_>, options: &PictureOptions) -> Scene {
     let mut canvas = Canvas::new(set.size, set.boundary, set.radius.unwrap_or(0.0), options);
     canvas.blocks(set.blocks.iter().copied());
-    canvas.rings(set.points);
+    canvas.rings(set.points, Some(Fill::Solid(options.palette.disk_fill)));
     let mut samples = canvas.group("samples");
     let mut inserted = canvas.group("inserted");
     for (index, &point) in set.points.iter().enumerate() {
@@ -140,7 +140,9 @@ fn blocks(run: &Run) -> impl Iterator<Item = Rect> {
 pub fn seam_window(run: &Run, radii: f64) -> Rect {
     let size = run.domain.size();
     let from_middle = |p: &[f64; 2]| (p[0] - size[0] / 2.0).hypot(p[1] - size[1] / 2.0);
-    let corner = blocks(run).map(|rect| rect.min).min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
+    let corner = blocks(run)
+        .map(|rect| rect.min)
+        .min_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
     let half = 0.5 * radii * run.domain.radius();
     let [x, y] = corner.unwrap_or([size[0] / 2.0, size[1] / 2.0]);
     Rect::new([x - half, y - half], [x + half, y + half])
@@ -363,13 +365,16 @@ impl<'a> Canvas<'a> {
     }
 
     /// Draws disks, unless they are so small that their rings would be noise.
-    fn rings(&mut self, points: &[[f64; 2]]) {
+    fn rings(&mut self, points: &[[f64; 2]], fill: Option<Fill>) {
         if !self.options.disks || self.radius_px() < SMALLEST_DISK {
             return;
         }
         let mut group = self.group("disks");
-        let ring = Stroke::new(self.palette().disk, self.line_px());
-        let style = Style::filled(self.palette().disk_fill).with_stroke(ring);
+        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
+        let style = Style {
+            fill,
+            stroke: Some(ring),
+        };
         for &point in points {
             for image in self.images(point) {
                 group
@@ -389,7 +394,7 @@ impl<'a> Canvas<'a> {
             width: 2.0,
         };
         let rect = self.flip_rect(Rect::new([0.0; 2], self.size));
-        let solid = Style::filled(with_alpha(self.palette().gap, 90));
+        let solid = Style::filled(with_alpha(self.palette().gap, 170));
         gaps.shapes.push(Shape::Rect { rect, style: solid });
         let style = Style {
             fill: Some(Fill::Hatch(hatch)),
@@ -406,7 +411,8 @@ impl<'a> Canvas<'a> {
             }
         }
         self.push([gaps, disks]);
-        self.rings(points);
+        // Their overlapping fills would veil the gaps.
+        self.rings(points, None);
     }
 
     fn conflicts(&mut self, run: &Run) {

@@ -1,0 +1,111 @@
+//! The default session without a window: the same run, its table, its verdict, and pictures of its
+//! stages. What `tilescope` does where there is no display.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use tilescope_core::{Parameters, Run, Stage, sample};
+use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
+
+use crate::output::{self, Outcome};
+use crate::progress::{Stopwatch, verifying};
+use crate::sample::{context, described, from_run};
+use crate::{files, interrupt, verdict_code};
+
+/// Arguments of `tilescope headless`.
+#[derive(Debug, Args)]
+pub struct HeadlessArguments {
+    /// The folder to write to; it is made if it is missing
+    #[arg(long, value_name = "FOLDER", default_value = OUT)]
+    out: PathBuf,
+}
+
+/// Width of the part that pictures of seams show, in radii.
+const WINDOW_RADII: f64 = 32.0;
+
+const OUT: &str = "tilescope-out";
+
+/// Why there is no window.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum HeadlessReason {
+    /// No display is announced in the environment.
+    NoDisplay,
+    /// The window could not be opened.
+    Failed(String),
+}
+
+/// Runs the default session headless because no window could be opened, says why and how to open
+/// one, and returns the process's exit code.
+#[must_use]
+pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
+    match reason {
+        HeadlessReason::NoDisplay => {
+            println!("There is no display, so this runs without a window.")
+        }
+        HeadlessReason::Failed(why) => {
+            println!("The window could not be opened ({why}), so this runs without one.");
+        }
+    }
+    println!();
+    let outcome = session(Path::new(OUT));
+    println!(
+        "\nTo open the window, start tilescope where a display is (DISPLAY or WAYLAND_DISPLAY set);\n\
+         on a server: xvfb-run tilescope, or ssh -X. `tilescope --help` shows the command line."
+    );
+    crate::exit_code(outcome)
+}
+
+pub fn run(arguments: &HeadlessArguments) -> Result<u8> {
+    session(&arguments.out)
+}
+
+fn session(folder: &Path) -> Result<u8> {
+    interrupt::listen();
+    let mut watch = Stopwatch::start();
+    let parameters = Parameters::default();
+    let run = sample(&parameters, &mut watch)?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let made = from_run(&run, described(&parameters)?, watch.take());
+    let path = folder.join("set.csv");
+    let exported =
+        verifying(|control| tilescope_formats::export(&path, &made.set, &context(&made), control))
+            .with_context(|| path.display().to_string())?;
+    let outcome = Outcome {
+        made: &made,
+        report: &exported.report,
+        saved: Some(&exported.certificate_path),
+        warnings: Vec::new(),
+    };
+    print!("{}", output::text(&outcome));
+    println!("set            {}", path.display());
+    for picture in pictures(&run, folder)? {
+        println!("picture        {}", picture.display());
+    }
+    Ok(verdict_code(exported.report.valid()))
+}
+
+/// Draws every stage and returns the files.
+fn pictures(run: &Run, folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut paths = Vec::new();
+    for (number, stage) in run.stages().into_iter().enumerate() {
+        let name = match stage {
+            Stage::Iterate(k) => format!("iterate-{k}"),
+            other => other.to_string(),
+        };
+        let path = folder.join(format!("{number}-{name}.png"));
+        // What happens at seams is too small to be seen in a picture of the whole domain.
+        let at_seams = matches!(stage, Stage::Tile | Stage::Eliminate | Stage::Iterate(_));
+        let window = at_seams.then(|| seam_window(run, WINDOW_RADII));
+        let options = PictureOptions {
+            window,
+            ..PictureOptions::default()
+        };
+        let scene = stage_scene(run, stage, &options);
+        files::write(&path, &to_png(&scene, 1.0)?)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}

@@ -1,0 +1,211 @@
+//! What commands print: text for people, one JSON object for programs.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary, Region, Report};
+use tilescope_core::{Stage, Summary};
+
+use crate::sample::Made;
+
+/// A made set with its verdict.
+pub struct Outcome<'a> {
+    pub made: &'a Made,
+    pub report: &'a Report,
+    /// The certificate, when the set was saved.
+    pub saved: Option<&'a Path>,
+    pub warnings: Vec<String>,
+}
+
+/// Returns the JSON object of a made set.
+pub fn json(outcome: &Outcome<'_>) -> Value {
+    let Outcome {
+        made,
+        report,
+        saved,
+        warnings,
+    } = outcome;
+    let seconds: Vec<Value> = made
+        .seconds
+        .iter()
+        .map(|(stage, seconds)| json!({ "stage": stage.to_string(), "seconds": seconds }))
+        .collect();
+    let mut object = json!({
+        "method": made.method,
+        "parameters": made.parameters,
+        "radius": made.radius,
+        "seconds": seconds,
+        "certificate": saved.map(|path| path.display().to_string()),
+        "warnings": warnings,
+    });
+    if let Value::Object(map) = &mut object {
+        map.extend(verdict_json(report));
+        if let Some(s) = &made.summary {
+            map.insert("blocks".into(), json!(s.blocks));
+            map.insert("tiled".into(), json!(s.tiled));
+            map.insert("dropped".into(), json!(s.dropped));
+            map.insert("eliminated".into(), json!(s.eliminated));
+            map.insert("iterations".into(), json!(s.inserted.len()));
+            map.insert("inserted".into(), json!(s.inserted));
+        }
+    }
+    object
+}
+
+/// Returns the fields of a verdict, lengths in radii where the name says so.
+pub fn verdict_json(report: &Report) -> serde_json::Map<String, Value> {
+    let fields = json!({
+        "count": report.count,
+        "density": report.density,
+        "min_distance_r": finite(report.min_distance / report.radius),
+        "covering_radius_r": report.covering_radius / report.radius,
+        "relative_radius": finite(report.relative_radius),
+        "conflicts": report.conflicts,
+        "gaps": report.gaps,
+        "conflict_free": report.conflict_free(),
+        "maximal": report.maximal(),
+        "valid": report.valid(),
+    });
+    match fields {
+        Value::Object(map) => map,
+        _ => serde_json::Map::new(),
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// Returns the text for a made set: stages, verdict, file.
+pub fn text(outcome: &Outcome<'_>) -> String {
+    let Outcome {
+        made,
+        report,
+        saved,
+        warnings,
+    } = outcome;
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{} on {}, r = {}",
+        made.method,
+        region_text(&made.region),
+        made.radius
+    );
+    out.push('\n');
+    out.push_str(&stage_table(made.summary.as_ref(), &made.seconds));
+    out.push('\n');
+    out.push_str(&verdict_text(report));
+    for warning in warnings {
+        let _ = writeln!(out, "warning: {warning}");
+    }
+    if let Some(path) = saved {
+        let _ = writeln!(out, "certificate    {}", path.display());
+    }
+    out
+}
+
+/// Returns "1 x 1, periodic".
+pub fn region_text(region: &Region) -> String {
+    let boundary = match region.boundary {
+        Boundary::Periodic => "periodic",
+        Boundary::Bounded => "bounded",
+    };
+    format!("{} x {}, {boundary}", region.width, region.height)
+}
+
+/// Returns a table: a row a stage, with what it did and how long it took.
+pub fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> String {
+    let mut out = String::new();
+    let mut rest = 0.0;
+    for &(stage, time) in seconds {
+        let did = summary.map(|s| what_happened(stage, s)).unwrap_or_default();
+        // Uniform insertion ends in many levels that fill a handful of slivers.
+        if matches!(stage, Stage::Iterate(_)) && summary.is_none() {
+            rest += time;
+            continue;
+        }
+        let _ = writeln!(
+            out,
+            "  {:<12} {:>9.1} ms   {did}",
+            stage.to_string(),
+            time * 1e3
+        );
+    }
+    if rest > 0.0 {
+        let _ = writeln!(out, "  {:<12} {:>9.1} ms", "throw darts", rest * 1e3);
+    }
+    out
+}
+
+fn what_happened(stage: Stage, s: &Summary) -> String {
+    match stage {
+        Stage::Pattern => String::new(),
+        Stage::Blocks => format!("{} building blocks", s.blocks),
+        Stage::Tile if s.dropped > 0 => {
+            format!("{} samples, {} more outside dropped", s.tiled, s.dropped)
+        }
+        Stage::Tile => format!("{} samples", s.tiled),
+        Stage::Eliminate => format!("{} eliminated", s.eliminated),
+        Stage::Iterate(k) => match s.inserted.get(k as usize - 1) {
+            Some(n) => format!("{n} inserted"),
+            None => "no gap is left".to_owned(),
+        },
+        Stage::Finish => format!("{} samples in canonical order", s.count),
+    }
+}
+
+/// Returns the verdict in a few lines.
+pub fn verdict_text(report: &Report) -> String {
+    let mut out = String::new();
+    let r = report.radius;
+    let _ = writeln!(out, "samples        {}", report.count);
+    let _ = writeln!(out, "density        {:.4} N r^2 / area", report.density);
+    let _ = writeln!(
+        out,
+        "conflict-free  {}   min distance {:.9} r",
+        answer(report.conflict_free(), report.conflicts),
+        report.min_distance / r
+    );
+    let _ = writeln!(
+        out,
+        "maximal        {}   covering radius {:.9} r",
+        answer(report.maximal(), report.gaps),
+        report.covering_radius / r
+    );
+    for conflict in report.worst_conflicts.iter().take(3) {
+        let _ = writeln!(
+            out,
+            "  conflict: samples {} and {}, {:.6} r apart",
+            conflict.first,
+            conflict.second,
+            conflict.distance / r
+        );
+    }
+    if !report.maximal() {
+        for gap in report.worst_gaps.iter().take(3) {
+            let _ = writeln!(
+                out,
+                "  gap: ({}, {}) is {:.6} r from the nearest sample",
+                gap.center[0],
+                gap.center[1],
+                gap.distance / r
+            );
+        }
+    }
+    let _ = writeln!(
+        out,
+        "verdict        {}",
+        if report.valid() { "valid" } else { "NOT VALID" }
+    );
+    out
+}
+
+fn answer(yes: bool, count: u64) -> String {
+    if yes {
+        "yes".to_owned()
+    } else {
+        format!("NO, {count}")
+    }
+}

@@ -1,0 +1,98 @@
+//! Progress bars on a terminal, none in a pipe, and seconds per stage.
+
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tilescope_core::{Observer, Progress, Stage};
+
+use crate::interrupt;
+
+/// A bar, hidden where standard error is no terminal.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    pub fn new(what: &str) -> Self {
+        if !std::io::stderr().is_terminal() {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new(0);
+        let style =
+            ProgressStyle::with_template("{msg:14} {wide_bar:.cyan/dim} {percent:>3}% {eta:>4}");
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        Self(bar)
+    }
+
+    pub fn set(&self, done: u64, total: u64) {
+        self.0.set_length(total);
+        self.0.set_position(done);
+    }
+
+    pub fn clear(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// Verifies with a bar and Ctrl-C; hands itself to functions that report analysis progress.
+pub fn verifying<T>(
+    work: impl FnOnce(&(dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync)) -> T,
+) -> T {
+    let bar = Bar::new("verify");
+    let outcome = work(&|progress| {
+        bar.set(progress.done, progress.total);
+        interrupt::flow()
+    });
+    bar.clear();
+    outcome
+}
+
+/// Observes a run: shows its bar, measures its stages, and stops it on Ctrl-C.
+pub struct Stopwatch {
+    bar: Bar,
+    began: Instant,
+    seconds: Vec<(Stage, f64)>,
+}
+
+impl Stopwatch {
+    pub fn start() -> Self {
+        Self {
+            bar: Bar::new("sample"),
+            began: Instant::now(),
+            seconds: Vec::new(),
+        }
+    }
+
+    /// Seconds of each stage since the start or the last [`Self::take`], in their sequence.
+    pub fn take(&mut self) -> Vec<(Stage, f64)> {
+        self.bar.clear();
+        std::mem::take(&mut self.seconds)
+    }
+
+    fn add(&mut self, stage: Stage, time: Duration) {
+        // A stage that comes again belongs to another try; only the last one's times are told.
+        if self.seconds.last().is_some_and(|&(last, _)| stage < last) {
+            self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
+        }
+        match self.seconds.last_mut() {
+            Some((last, seconds)) if *last == stage => *seconds += time.as_secs_f64(),
+            _ => self.seconds.push((stage, time.as_secs_f64())),
+        }
+    }
+}
+
+impl Observer for Stopwatch {
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        let now = Instant::now();
+        // What passed since the last word belongs to the stage that speaks: stages tell when they
+        // begin, and what lies between two stages prepares the second.
+        self.add(progress.stage, now - self.began);
+        self.began = now;
+        self.bar.0.set_message(progress.stage.to_string());
+        self.bar.set(progress.done, progress.total);
+        interrupt::flow()
+    }
+}

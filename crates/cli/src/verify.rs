@@ -1,0 +1,109 @@
+//! `tilescope verify`: a file against its radius, its region and its certificate.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use serde_json::json;
+use tilescope_formats::{Check, CheckError};
+
+use crate::options::SetArguments;
+use crate::output;
+use crate::progress::verifying;
+use crate::{interrupt, verdict_code};
+
+/// Arguments of `tilescope verify`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct VerifyArguments {
+    /// The point set
+    file: PathBuf,
+    #[command(flatten)]
+    set: SetArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Without a certificate the radius must be given; sides and boundary that are not given are those of
+the periodic unit square.
+
+Examples:
+  tilescope verify set.csv
+  tilescope verify theirs.txt --radius 0.01
+  tilescope verify theirs.csv --radius 0.5 --width 20 --height 10 --boundary bounded --json";
+
+pub fn run(arguments: &VerifyArguments) -> Result<u8> {
+    interrupt::listen();
+    let check = checked(&arguments.file, &arguments.set)?;
+    if arguments.json {
+        println!("{}", to_json(&check));
+    } else {
+        print!("{}", to_text(&check));
+    }
+    Ok(verdict_code(check.passed()))
+}
+
+/// Reads and verifies a file.
+pub fn checked(file: &std::path::Path, set: &SetArguments) -> Result<Check> {
+    let mut overrides = set.overrides(file)?;
+    let outcome = match verifying(|control| tilescope_formats::check(file, &overrides, control)) {
+        Err(CheckError::NoRegion(_)) => {
+            overrides.region = Some(crate::options::UNIT_SQUARE);
+            verifying(|control| tilescope_formats::check(file, &overrides, control))
+        }
+        outcome => outcome,
+    };
+    let outcome = match outcome {
+        Err(CheckError::NoRadius) => Err(CheckError::NoRadius).context("give --radius"),
+        other => Ok(other?),
+    };
+    outcome.with_context(|| file.display().to_string())
+}
+
+fn to_json(check: &Check) -> serde_json::Value {
+    let differences: Vec<_> = check
+        .differences
+        .iter()
+        .map(|d| json!({ "field": d.field, "stated": d.stated, "found": d.found }))
+        .collect();
+    let mut object = json!({
+        "format": check.detection.format.to_string(),
+        "precision": check.precision,
+        "region": check.report.region,
+        "radius": check.report.radius,
+        "certificate": check.certificate.is_some(),
+        "differences": differences,
+        "passed": check.passed(),
+    });
+    if let Some(map) = object.as_object_mut() {
+        map.extend(output::verdict_json(&check.report));
+    }
+    object
+}
+
+fn to_text(check: &Check) -> String {
+    let report = &check.report;
+    let mut out = format!(
+        "{} on {}, r = {}\n\n{}",
+        check.detection,
+        output::region_text(&report.region),
+        report.radius,
+        output::verdict_text(report)
+    );
+    match &check.certificate {
+        None => out.push_str("certificate    none\n"),
+        Some(_) if check.differences.is_empty() => out.push_str("certificate    true\n"),
+        Some(_) => {
+            out.push_str("certificate    NOT TRUE\n");
+            for d in &check.differences {
+                out.push_str(&format!(
+                    "  {}: stated {}, found {}\n",
+                    d.field, d.stated, d.found
+                ));
+            }
+        }
+    }
+    out
+}
