@@ -1,7 +1,7 @@
 //! The fonts of the program and the outlines of text.
 //!
-//! Inter and JetBrains Mono, subset (see `assets/fonts`), compiled in: text looks the same everywhere. Sets glyph after glyph by
-//! its advance. Never asks the system for a font; a character the subset lacks is drawn as the font's empty box.
+//! Inter and `JetBrains` Mono, subset (see `assets/fonts`), compiled in: text looks the same everywhere.
+//! Sets glyph after glyph by its advance. Never asks the system for a font; a character the subset lacks is drawn as the font's empty box.
 
 use ttf_parser::{Face, OutlineBuilder};
 
@@ -11,7 +11,7 @@ use crate::error::FigureError;
 pub const INTER_REGULAR: &[u8] = include_bytes!("../../../assets/fonts/Inter-Regular.otf");
 /// Inter `SemiBold`, OpenType.
 pub const INTER_SEMI_BOLD: &[u8] = include_bytes!("../../../assets/fonts/Inter-SemiBold.otf");
-/// JetBrains Mono Regular, TrueType.
+/// `JetBrains` Mono Regular, TrueType.
 pub const JETBRAINS_MONO: &[u8] = include_bytes!("../../../assets/fonts/JetBrainsMono-Regular.ttf");
 
 /// A font of the program.
@@ -22,7 +22,7 @@ pub enum Font {
     Regular,
     /// Inter `SemiBold`.
     SemiBold,
-    /// JetBrains Mono Regular.
+    /// `JetBrains` Mono Regular.
     Mono,
 }
 

@@ -52,7 +52,8 @@ fn drop_opacity(rgba: &mut Vec<u8>) {
     rgba.truncate(3 * pixels);
 }
 
-fn encode_error(error: impl ToString) -> FigureError {
+#[expect(clippy::needless_pass_by_value, reason = "the shape map_err wants")]
+fn encode_error(error: png::EncodingError) -> FigureError {
     FigureError::Encode(error.to_string())
 }
 
