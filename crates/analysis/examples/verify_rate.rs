@@ -1,5 +1,5 @@
 //! Measures the verifier: samples per second on a given number of threads, and peak memory.
-//! Usage: `verify_rate [samples] [threads] [tile samples]`, by default 1000000, 1 and the default tile.
+//! Usage: `verify_rate [samples] [threads] [tile samples] [percent emptied] [empty margin percent]`.
 //! It never asserts a time; it prints what it saw.
 
 #[path = "../tests/support/mod.rs"]
@@ -29,7 +29,12 @@ fn main() {
     };
     let radius = (DENSITY / PATTERN).sqrt();
     let pattern = support::maximal_set(unit, radius, 1);
-    let (points, region) = support::repeated(&pattern, unit, (times as usize).max(1));
+    let (mut points, mut region) = support::repeated(&pattern, unit, (times as usize).max(1));
+    let emptied = region.width * argument(3, 0) as f64 / 100.0;
+    points.retain(|point| point[0] >= emptied);
+    // A wide margin makes a cluster of the set.
+    region.width *= 1.0 + argument(4, 0) as f64 / 100.0;
+    region.height *= 1.0 + argument(4, 0) as f64 / 100.0;
     println!("before: peak {}", peak_memory());
 
     let mut options = VerifyOptions::default();

@@ -160,3 +160,27 @@ fn huge_holes_are_measured_exactly() {
         }
     }
 }
+
+/// Most of a maximal set is cut away: the rest is seen across a hole from tiles of every size, while
+/// a single tile sees all of it and needs no halo.
+#[test]
+fn the_rim_of_a_large_hole_is_enough() {
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        for seed in 1..5 {
+            let region = Region {
+                width: 1.0,
+                height: 1.3,
+                boundary,
+            };
+            let radius = 0.012;
+            let mut points = maximal_set(region, radius, seed);
+            points.retain(|&[x, y]| (x - 0.3).hypot(y - 0.5) < 0.29 || y > 1.1 + 0.1 * x);
+            let reports =
+                [16, 100, 1000, 1_000_000].map(|tile| judge(&points, region, radius, tile));
+            assert!(reports[3].covering_radius > 0.1);
+            for report in &reports[..3] {
+                assert_eq!(report, &reports[3]);
+            }
+        }
+    }
+}

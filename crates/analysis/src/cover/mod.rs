@@ -32,6 +32,10 @@
 //! `f_W`. A hole of any size and a radius wrong by any factor are therefore found as what they are;
 //! the radius only suggests the first halo. Each tile is triangulated once, after the proof.
 //!
+//! Around a large hole a halo would take in much of the set, though only the rim matters: there,
+//! samples that cannot be nearest to any place of the tile are left out ([`buried`]). They are never
+//! the `q` of the argument above.
+//!
 //! Across a period the nearest copy of a sample is at most half a period away along each axis,
 //! so a halo of half a period is always enough: a tiny set needs no special case.
 //!
@@ -44,10 +48,13 @@
 //! merged ([`places`]). Cocircular samples thus make one gap.
 
 mod border;
+mod buried;
 mod circle;
 mod places;
 mod survey;
 mod tiles;
+
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
@@ -56,6 +63,7 @@ use crate::grid::Grid;
 use crate::monitor::Monitor;
 use crate::report::Gap;
 use crate::worst::Worst;
+use buried::Buried;
 use places::Places;
 use survey::Survey;
 pub(crate) use survey::on_a_line;
@@ -78,6 +86,8 @@ pub(crate) struct Task<'a> {
     /// Distance below which two places are the same.
     pub same: f64,
     pub witnesses: usize,
+    /// Found only when a large hole needs it.
+    buried: OnceLock<Buried>,
 }
 
 impl<'a> Task<'a> {
@@ -94,7 +104,12 @@ impl<'a> Task<'a> {
             limit,
             same,
             witnesses,
+            buried: OnceLock::new(),
         }
+    }
+
+    pub fn buried(&self) -> &Buried {
+        self.buried.get_or_init(|| Buried::new(self.grid))
     }
 }
 

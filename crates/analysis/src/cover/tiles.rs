@@ -83,7 +83,11 @@ pub(crate) fn split(grid: &Grid, tile_samples: usize) -> Vec<Tile> {
     done
 }
 
-/// The samples seen from a tile: at least all, copies included, within the halo of it.
+/// Windows that reach further than this many cells beyond their tile leave buried samples out.
+const WIDE: i64 = 8;
+
+/// The samples seen from a tile: at least all, copies included, within the halo of it that are
+/// nearest to any place of it.
 pub(crate) struct Window {
     pub points: Vec<Point2<f64>>,
     /// Samples beyond the window are further than this from the tile; infinite if none of them can
@@ -98,23 +102,54 @@ impl Window {
         let wide = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
         let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, wide));
         let complete = columns.complete && rows.complete;
-        let mut points = Vec::with_capacity(tile.count + tile.count / 8 + 64);
-        for row in rows.cells {
-            let (row, y) = wrap(grid, 1, row);
-            // Each stretch between two seams is one run of the row.
-            let mut column = columns.cells.start;
-            while column < columns.cells.end {
-                let (first, x) = wrap(grid, 0, column);
-                let seam = column + (grid.cells[0] - first) as i64;
-                let end = seam.min(columns.cells.end);
-                let run = grid.run(row, &(first..first + (end - column) as usize));
-                points.extend(run.iter().map(|entry| shifted(entry.position, [x, y])));
-                column = end;
-            }
-        }
+        let most = tile.columns.len().max(tile.rows.len()) as i64 + 2 * WIDE;
+        let span = |span: &Span| span.cells.end - span.cells.start;
+        let is_wide = span(&columns) > most || span(&rows) > most;
+        let points = if is_wide {
+            rim(task, tile, [&columns.cells, &rows.cells])
+        } else {
+            everything(grid, tile.count, [&columns.cells, &rows.cells])
+        };
         let halo = if complete { f64::INFINITY } else { halo };
         Self { points, halo }
     }
+}
+
+/// All samples of a rectangle of cells, copied across the seams.
+fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
+    let mut points = Vec::with_capacity(count + count / 8 + 64);
+    for row in rows.clone() {
+        let (row, y) = wrap(grid, 1, row);
+        // Each stretch between two seams is one run of the row.
+        let mut column = columns.start;
+        while column < columns.end {
+            let (first, x) = wrap(grid, 0, column);
+            let seam = column + (grid.cells[0] - first) as i64;
+            let end = seam.min(columns.end);
+            let run = grid.run(row, &(first..first + (end - column) as usize));
+            points.extend(run.iter().map(|entry| shifted(entry.position, [x, y])));
+            column = end;
+        }
+    }
+    points
+}
+
+/// The same without the samples buried too deep to matter to the tile.
+fn rim(task: &Task<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
+    let (grid, buried) = (task.grid, task.buried());
+    let mut points = Vec::new();
+    for at_row in rows.clone() {
+        let (row, y) = wrap(grid, 1, at_row);
+        for at_column in columns.clone() {
+            let (column, x) = wrap(grid, 0, at_column);
+            let at = [at_column, at_row];
+            if !buried.hides([column, row], at, [&tile.columns, &tile.rows]) {
+                let run = grid.run(row, &(column..column + 1));
+                points.extend(run.iter().map(|entry| shifted(entry.position, [x, y])));
+            }
+        }
+    }
+    points
 }
 
 /// The cells that a window spans along an axis, counted on across the seams.
