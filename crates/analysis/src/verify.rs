@@ -48,7 +48,7 @@ impl Default for VerifyOptions {
 /// threads nor, up to rounding of exactly cocircular samples, on `tile_samples`.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels.
-/// Time is about one microsecond per sample and thread for a maximal set; memory about 45 bytes per
+/// Time is below one microsecond per sample and thread for a maximal set; memory about 32 bytes per
 /// sample besides the input and, per thread, a triangulation of a tile. Much too large a radius costs
 /// time for every conflicting pair.
 ///
