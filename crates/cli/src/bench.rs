@@ -1,6 +1,7 @@
 //! `tilescope bench`: KDRT against the reference sampler and itself, interleaved in one run, every
 //! timed result verified.
 
+use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -231,8 +232,9 @@ fn to_text(rows: &[Row], pattern_seconds: f64, arguments: &BenchArguments) -> St
         "valid"
     );
     for row in rows {
-        out.push_str(&format!(
-            "{:<18} {:>9} {:>10.3} {:>6.2}x {:>9.4} {:>11.7} {:>11.7} {:>14.3} {:>6}\n",
+        let _ = writeln!(
+            out,
+            "{:<18} {:>9} {:>10.3} {:>6.2}x {:>9.4} {:>11.7} {:>11.7} {:>14.3} {:>6}",
             row.name,
             median(row.reports.iter().map(|report| report.count as f64)),
             row.rate() / 1e6,
@@ -246,13 +248,14 @@ fn to_text(rows: &[Row], pattern_seconds: f64, arguments: &BenchArguments) -> St
             } else {
                 "NO"
             }
-        ));
+        );
     }
-    out.push_str(&format!(
-        "\nmedian of {} rounds; sampling on one thread, verifying on all; pattern made in {:.1} ms\n",
+    let _ = writeln!(
+        out,
+        "\nmedian of {} rounds; sampling on one thread, verifying on all; pattern made in {:.1} ms",
         arguments.rounds,
         pattern_seconds * 1e3
-    ));
+    );
     out
 }
 

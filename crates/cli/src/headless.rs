@@ -42,7 +42,7 @@ pub enum HeadlessReason {
 pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
     match reason {
         HeadlessReason::NoDisplay => {
-            println!("There is no display, so this runs without a window.")
+            println!("There is no display, so this runs without a window.");
         }
         HeadlessReason::Failed(why) => {
             println!("The window could not be opened ({why}), so this runs without one.");

@@ -1,5 +1,6 @@
 //! `tilescope verify`: a file against its radius, its region and its certificate.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
@@ -98,10 +99,8 @@ fn to_text(check: &Check) -> String {
         Some(_) => {
             out.push_str("certificate    NOT TRUE\n");
             for d in &check.differences {
-                out.push_str(&format!(
-                    "  {}: stated {}, found {}\n",
-                    d.field, d.stated, d.found
-                ));
+                let (stated, found) = (&d.stated, &d.found);
+                let _ = writeln!(out, "  {}: stated {stated}, found {found}", d.field);
             }
         }
     }

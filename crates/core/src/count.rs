@@ -56,39 +56,25 @@ pub fn sample_count(
         .into());
     }
     let mut radius = radius_estimate(parameters, count);
-    let mut best: Option<Run> = None;
+    let mut nearest = u64::MAX;
     for attempt in 0..MAX_TRIES {
-        let run = Sequential::new(
-            &Parameters {
-                radius,
-                ..*parameters
-            },
-            Arc::clone(pattern),
-        )?
-        .finish(observer)?;
+        let parameters = Parameters {
+            radius,
+            ..*parameters
+        };
+        let run = Sequential::new(&parameters, Arc::clone(pattern))?.finish(observer)?;
         let found = run.result.len() as u64;
-        // A set that answered 0.3% too many shrinks by as much; the later tries of a small set
-        // are spread a little, since its count jumps as the radius moves.
-        let spread = 1.0 + 2e-4 * f64::from(attempt * attempt % 7);
-        let correction = (found as f64 / count as f64).sqrt() * spread;
-        let nearer = |b: &Run| found.abs_diff(count) < (b.result.len() as u64).abs_diff(count);
-        if best.as_ref().is_none_or(nearer) {
-            best = Some(run);
-        }
         if found.abs_diff(count) <= count / TOLERANCE {
-            break;
+            return Ok(run);
         }
-        radius *= correction;
-    }
-    let best = best.expect("at least one try was made");
-    if best.result.len().abs_diff(count as usize) as u64 > count / TOLERANCE {
-        return Err(ParameterError::CountMissed {
-            count,
-            nearest: best.result.len() as u64,
+        if found.abs_diff(count) < nearest.abs_diff(count) {
+            nearest = found;
         }
-        .into());
+        // The later tries of a small set are spread a little: its count jumps as the radius moves.
+        let spread = 1.0 + 2e-4 * f64::from(attempt * attempt % 7);
+        radius *= (found as f64 / count as f64).sqrt() * spread;
     }
-    Ok(best)
+    Err(ParameterError::CountMissed { count, nearest }.into())
 }
 
 /// Returns the fewest and the most samples that can be asked for in the parameters' domain.

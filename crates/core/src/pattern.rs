@@ -366,7 +366,7 @@ mod tests {
                 let start = Point::new(side - 1 - k as i32 * 5 * R, k as i32 * 3 * R + 17);
                 let mut clipped = Vec::new();
                 variant.clip(start, width, height, |x, y, index| {
-                    clipped.push((y, x, index))
+                    clipped.push((y, x, index));
                 });
                 clipped.sort_unstable();
                 let mut scanned = Vec::new();

@@ -37,12 +37,11 @@ fn eliminate(run: &Run) -> Vec<Fate> {
     let mut kept: Vec<usize> = Vec::new();
     for id in order {
         let covering = |&&k: &&usize| run.domain.covers(samples.points[k], samples.points[id]);
-        fates[id] = match kept.iter().find(covering) {
-            Some(&by) => Fate::Eliminated { by: by as u32 },
-            None => {
-                kept.push(id);
-                Fate::Kept
-            }
+        fates[id] = if let Some(&by) = kept.iter().find(covering) {
+            Fate::Eliminated { by: by as u32 }
+        } else {
+            kept.push(id);
+            Fate::Kept
         };
     }
     fates

@@ -492,7 +492,7 @@ impl<'a> Canvas<'a> {
         text.baseline = Baseline::Alphabetic;
         group.shapes.push(Shape::Text(text));
         self.push([group]);
-        self.scene.title = caption.to_owned();
+        caption.clone_into(&mut self.scene.title);
         self.scene
     }
 }

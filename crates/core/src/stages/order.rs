@@ -46,7 +46,7 @@ struct Phases {
 
 impl Phases {
     fn new(domain: &Domain, key: Key) -> Self {
-        let count = [domain.width(), domain.height()].map(|side| (side / (2 * R) & !1).max(2));
+        let count = [domain.width(), domain.height()].map(|side| ((side / (2 * R)) & !1).max(2));
         let mut sequence = [0, 1, 2, 3];
         for last in (1..4_u32).rev() {
             let other = below(key.draw(Stream::Phase, last)[0], last + 1);
