@@ -31,8 +31,8 @@ struct Peer {
 const ROUNDS: u64 = 3;
 
 fn main() {
-    let numbers = std::env::args().filter_map(|argument| argument.parse::<f64>().ok());
-    let count = numbers.last().unwrap_or(100_000.0).max(1000.0);
+    let mut numbers = std::env::args().filter_map(|argument| argument.parse::<f64>().ok());
+    let count = numbers.next_back().unwrap_or(100_000.0).max(1000.0);
     println!("about {count} samples, one thread, median of {ROUNDS} rounds");
     println!(
         "{:<28} {:>9} {:>10} {:>10} {:>11} {:>11} {:>8}",
