@@ -1,0 +1,207 @@
+//! The view of the domain: which place is at the centre of the canvas and how large a radius appears.
+//! Lengths are in r, y points upwards as in the domain; only here do they become screen points.
+
+use egui::{Pos2, Rect, Vec2, pos2};
+
+/// The smallest scale, in screen points per r: the longest domain then spans 300 points.
+pub const MIN_SCALE: f64 = 0.005;
+/// The largest scale, in screen points per r: beyond it lattice units would become visible.
+pub const MAX_SCALE: f64 = 4_000.0;
+/// Seconds that a flight takes.
+const FLIGHT_SECS: f32 = 0.7;
+/// Empty space around a fitted domain, in screen points.
+const FIT_MARGIN: f32 = 28.0;
+
+/// A view of the domain plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The place at the centre of the canvas, in r.
+    pub center: [f64; 2],
+    /// Screen points per r.
+    pub scale: f64,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            center: [0.0; 2],
+            scale: 7.0,
+        }
+    }
+}
+
+impl Camera {
+    /// Returns the camera that shows all of a domain of `size` r in `viewport`.
+    #[must_use]
+    pub fn fitting(size: [f64; 2], viewport: Rect) -> Self {
+        let room = (viewport.size() - Vec2::splat(2.0 * FIT_MARGIN)).max(Vec2::splat(16.0));
+        let scale = (f64::from(room.x) / size[0]).min(f64::from(room.y) / size[1]);
+        Self {
+            center: [size[0] / 2.0, size[1] / 2.0],
+            scale: scale.clamp(MIN_SCALE, MAX_SCALE),
+        }
+    }
+
+    /// Returns where the domain's `place` appears.
+    #[must_use]
+    pub fn screen_from_domain(&self, viewport: Rect, place: [f64; 2]) -> Pos2 {
+        let middle = viewport.center();
+        pos2(
+            middle.x + ((place[0] - self.center[0]) * self.scale) as f32,
+            middle.y - ((place[1] - self.center[1]) * self.scale) as f32,
+        )
+    }
+
+    /// Returns the place of the domain that appears at `pos`.
+    #[must_use]
+    pub fn domain_from_screen(&self, viewport: Rect, pos: Pos2) -> [f64; 2] {
+        let from_middle = pos - viewport.center();
+        [
+            self.center[0] + f64::from(from_middle.x) / self.scale,
+            self.center[1] - f64::from(from_middle.y) / self.scale,
+        ]
+    }
+
+    /// Returns the lowest and highest coordinates that are visible, in r.
+    #[must_use]
+    pub fn visible(&self, viewport: Rect) -> ([f64; 2], [f64; 2]) {
+        let low = self.domain_from_screen(viewport, viewport.left_bottom());
+        let high = self.domain_from_screen(viewport, viewport.right_top());
+        (low, high)
+    }
+
+    /// Moves the picture by `delta` screen points.
+    pub fn pan(&mut self, delta: Vec2) {
+        self.center[0] -= f64::from(delta.x) / self.scale;
+        self.center[1] += f64::from(delta.y) / self.scale;
+    }
+
+    /// Zooms by `factor`, keeping the place under `pos` where it is.
+    pub fn zoom_about(&mut self, viewport: Rect, pos: Pos2, factor: f64) {
+        let before = self.domain_from_screen(viewport, pos);
+        self.scale = (self.scale * factor).clamp(MIN_SCALE, MAX_SCALE);
+        let after = self.domain_from_screen(viewport, pos);
+        self.center[0] += before[0] - after[0];
+        self.center[1] += before[1] - after[1];
+    }
+}
+
+/// A camera on its way from one view to another.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight {
+    from: Camera,
+    to: Camera,
+    elapsed_secs: f32,
+}
+
+impl Flight {
+    /// Returns a flight that has just begun.
+    #[must_use]
+    pub const fn new(from: Camera, to: Camera) -> Self {
+        Self {
+            from,
+            to,
+            elapsed_secs: 0.0,
+        }
+    }
+
+    /// Returns where the flight ends.
+    #[must_use]
+    pub const fn destination(&self) -> Camera {
+        self.to
+    }
+
+    /// Goes on by `dt_secs`; returns the camera and whether it has arrived.
+    pub fn advance(&mut self, dt_secs: f32) -> (Camera, bool) {
+        self.elapsed_secs += dt_secs;
+        let t = (self.elapsed_secs / FLIGHT_SECS).clamp(0.0, 1.0);
+        if t >= 1.0 {
+            return (self.to, true);
+        }
+        let eased = f64::from(t * t * (3.0 - 2.0 * t));
+        (self.at(eased), false)
+    }
+
+    /// Zooms evenly and moves so that the picture grows about one fixed place.
+    fn at(&self, t: f64) -> Camera {
+        let scale = self.from.scale * (self.to.scale / self.from.scale).powf(t);
+        let (wide, narrow) = (1.0 / self.from.scale, 1.0 / self.to.scale);
+        let left = if (wide - narrow).abs() > 1e-3 * wide.max(narrow) {
+            (1.0 / scale - narrow) / (wide - narrow)
+        } else {
+            1.0 - t
+        };
+        let axis = |k: usize| self.to.center[k] + (self.from.center[k] - self.to.center[k]) * left;
+        Camera {
+            center: [axis(0), axis(1)],
+            scale,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn viewport() -> Rect {
+        Rect::from_min_size(pos2(300.0, 50.0), Vec2::new(900.0, 700.0))
+    }
+
+    #[test]
+    fn screen_and_domain_are_inverse() {
+        let camera = Camera {
+            center: [12.5, 80.25],
+            scale: 17.0,
+        };
+        for pos in [pos2(300.0, 50.0), pos2(777.0, 333.0), pos2(1200.0, 750.0)] {
+            let there = camera.domain_from_screen(viewport(), pos);
+            let back = camera.screen_from_domain(viewport(), there);
+            assert!(
+                (back - pos).length() < 1e-3,
+                "{pos:?} came back as {back:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn zoom_keeps_the_place_under_the_cursor() {
+        let mut camera = Camera::fitting([119.6, 119.6], viewport());
+        let cursor = pos2(500.0, 600.0);
+        let place = camera.domain_from_screen(viewport(), cursor);
+        for factor in [1.7, 9.0, 0.02, 1e9, 1e-12] {
+            camera.zoom_about(viewport(), cursor, factor);
+            let now = camera.domain_from_screen(viewport(), cursor);
+            assert!((now[0] - place[0]).abs() < 1e-6 && (now[1] - place[1]).abs() < 1e-6);
+            assert!((MIN_SCALE..=MAX_SCALE).contains(&camera.scale));
+        }
+    }
+
+    #[test]
+    fn panning_moves_the_picture_with_the_pointer() {
+        let mut camera = Camera::fitting([10.0, 20.0], viewport());
+        let place = camera.domain_from_screen(viewport(), pos2(400.0, 400.0));
+        camera.pan(Vec2::new(33.0, -21.0));
+        let moved = camera.screen_from_domain(viewport(), place);
+        assert!((moved - pos2(433.0, 379.0)).length() < 1e-3);
+    }
+
+    #[test]
+    fn a_fitted_domain_is_wholly_visible() {
+        let camera = Camera::fitting([65_000.0, 10.0], viewport());
+        let (low, high) = camera.visible(viewport());
+        assert!(low[0] < 0.0 && high[0] > 65_000.0 && low[1] < 0.0 && high[1] > 10.0);
+    }
+
+    #[test]
+    fn a_flight_ends_at_its_destination() {
+        let from = Camera::default();
+        let to = Camera {
+            center: [55.0, 3.0],
+            scale: 90.0,
+        };
+        let mut flight = Flight::new(from, to);
+        let (halfway, arrived) = flight.advance(FLIGHT_SECS / 2.0);
+        assert!(!arrived && halfway.scale > from.scale && halfway.scale < to.scale);
+        assert_eq!(flight.advance(FLIGHT_SECS), (to, true));
+    }
+}

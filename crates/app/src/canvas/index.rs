@@ -1,0 +1,168 @@
+//! Samples by place: which ones lie in a part of the domain, with their images across a periodic
+//! border. A compact sorted grid, built once per session.
+
+use tilescope_core::{Domain, Point};
+
+use crate::session::radii;
+
+/// Most cells of the grid: 32 MB of offsets.
+const MAX_CELLS: f64 = 8e6;
+
+/// A grid of sample ids, sorted by cell.
+pub struct SampleIndex {
+    size: [f64; 2],
+    periodic: bool,
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    starts: Vec<u32>,
+    entries: Vec<(u32, [f32; 2])>,
+}
+
+/// A sample, or an image of it, in a part of the domain.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// The sample.
+    pub id: u32,
+    /// Where it lies, in r; an image lies outside the domain.
+    pub place: [f64; 2],
+    /// Whether it is an image across the border.
+    pub image: bool,
+}
+
+impl SampleIndex {
+    /// Returns the index of `points`, whose ids are their places in the list.
+    #[must_use]
+    pub fn new(domain: &Domain, points: &[Point]) -> Self {
+        let size = [radii(domain.width()), radii(domain.height())];
+        let cell = (size[0] * size[1] / MAX_CELLS).sqrt().max(2.0);
+        let columns = (size[0] / cell) as usize + 1;
+        let rows = (size[1] / cell) as usize + 1;
+        let cell_of = |point: &Point| {
+            let column = ((radii(point.x) / cell).max(0.0) as usize).min(columns - 1);
+            let row = ((radii(point.y) / cell).max(0.0) as usize).min(rows - 1);
+            row * columns + column
+        };
+        let mut starts = vec![0_u32; columns * rows + 1];
+        for point in points {
+            starts[cell_of(point) + 1] += 1;
+        }
+        for k in 1..starts.len() {
+            starts[k] += starts[k - 1];
+        }
+        let mut next = starts.clone();
+        let mut entries = vec![(0, [0.0; 2]); points.len()];
+        for (point, id) in points.iter().zip(0..) {
+            let slot = &mut next[cell_of(point)];
+            entries[*slot as usize] = (id, [radii(point.x) as f32, radii(point.y) as f32]);
+            *slot += 1;
+        }
+        Self {
+            size,
+            periodic: domain.is_periodic(),
+            cell,
+            columns,
+            rows,
+            starts,
+            entries,
+        }
+    }
+
+    /// Returns about how many samples lie between `low` and `high`.
+    #[must_use]
+    pub fn count_in(&self, low: [f64; 2], high: [f64; 2]) -> usize {
+        let Some([columns, rows]) = self.cells(low, high) else {
+            return 0;
+        };
+        let row = |row: usize| {
+            let start = self.starts[row * self.columns + columns.0];
+            let end = self.starts[row * self.columns + columns.1 + 1];
+            (end - start) as usize
+        };
+        (rows.0..=rows.1).map(row).sum()
+    }
+
+    /// Calls `visit` with every sample within `reach` of the rectangle from `low` to `high` and, in
+    /// a periodic domain, with their images up to `reach` outside the domain.
+    pub fn visit(&self, low: [f64; 2], high: [f64; 2], reach: f64, mut visit: impl FnMut(Seen)) {
+        let copies: &[f64] = if self.periodic {
+            &[0.0, -1.0, 1.0]
+        } else {
+            &[0.0]
+        };
+        for &up in copies {
+            for &right in copies {
+                let shift = [right * self.size[0], up * self.size[1]];
+                let image = right != 0.0 || up != 0.0;
+                let from = |k: usize| (low[k] - reach).max(-reach) - shift[k];
+                let to = |k: usize| (high[k] + reach).min(self.size[k] + reach) - shift[k];
+                self.visit_copy([from(0), from(1)], [to(0), to(1)], |id, place| {
+                    let place = [place[0] + shift[0], place[1] + shift[1]];
+                    visit(Seen { id, place, image });
+                });
+            }
+        }
+    }
+
+    fn visit_copy(&self, low: [f64; 2], high: [f64; 2], mut visit: impl FnMut(u32, [f64; 2])) {
+        let Some([columns, rows]) = self.cells(low, high) else {
+            return;
+        };
+        for row in rows.0..=rows.1 {
+            let start = self.starts[row * self.columns + columns.0] as usize;
+            let end = self.starts[row * self.columns + columns.1 + 1] as usize;
+            for &(id, place) in &self.entries[start..end] {
+                let place = place.map(f64::from);
+                let inside = |k: usize| low[k] <= place[k] && place[k] <= high[k];
+                if inside(0) && inside(1) {
+                    visit(id, place);
+                }
+            }
+        }
+    }
+
+    fn cells(&self, low: [f64; 2], high: [f64; 2]) -> Option<[(usize, usize); 2]> {
+        let axis = |k: usize, count: usize| {
+            let (from, to) = (low[k].max(0.0), high[k].min(self.size[k]));
+            let cell = |value: f64| ((value / self.cell) as usize).min(count - 1);
+            (from <= to).then(|| (cell(from), cell(to)))
+        };
+        Some([axis(0, self.columns)?, axis(1, self.rows)?])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::{Boundary, R};
+
+    fn index(boundary: Boundary) -> SampleIndex {
+        let domain = Domain::from_size([20.0, 20.0], 1.0, boundary).unwrap();
+        let at = |x: i32, y: i32| Point::new(x * R, y * R);
+        SampleIndex::new(&domain, &[at(0, 10), at(5, 5), at(19, 19)])
+    }
+
+    fn seen(index: &SampleIndex, low: [f64; 2], high: [f64; 2]) -> Vec<(u32, bool)> {
+        let mut all = Vec::new();
+        index.visit(low, high, 1.0, |seen| all.push((seen.id, seen.image)));
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn only_samples_near_the_rectangle_are_visited() {
+        let index = index(Boundary::Bounded);
+        assert_eq!(seen(&index, [4.0, 4.0], [6.0, 6.0]), [(1, false)]);
+        assert_eq!(seen(&index, [6.1, 4.0], [9.0, 6.0]), []);
+        let all = seen(&index, [-99.0, -99.0], [99.0, 99.0]);
+        assert_eq!(all, [(0, false), (1, false), (2, false)]);
+    }
+
+    #[test]
+    fn images_appear_across_a_periodic_border_only() {
+        let index = index(Boundary::Periodic);
+        assert_eq!(seen(&index, [19.5, 9.0], [20.0, 11.0]), [(0, true)]);
+        let corner = seen(&index, [-1.0, -1.0], [0.0, 0.0]);
+        assert_eq!(corner, [(2, true)]);
+    }
+}

@@ -1,0 +1,128 @@
+//! What the canvas can show, layer by layer, and which layers are on.
+
+/// A layer of the canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Layer {
+    /// The clip rectangle: the enlarged block that receives a clip of the pattern.
+    Pattern,
+    /// Building blocks.
+    Blocks,
+    /// Samples.
+    Samples,
+    /// Disks of radius r.
+    Disks,
+    /// Pairs of samples that cover one another.
+    Conflicts,
+    /// Eliminated samples.
+    Eliminated,
+    /// Samples that look for gaps.
+    Detectors,
+    /// The uncovered area.
+    Gaps,
+    /// Uncovered places where a sample may be inserted.
+    Candidates,
+    /// Inserted samples.
+    Inserted,
+}
+
+impl Layer {
+    /// Every layer, in the order of the chips.
+    pub const ALL: [Self; 10] = [
+        Self::Pattern,
+        Self::Blocks,
+        Self::Samples,
+        Self::Disks,
+        Self::Conflicts,
+        Self::Eliminated,
+        Self::Gaps,
+        Self::Detectors,
+        Self::Candidates,
+        Self::Inserted,
+    ];
+
+    /// Returns the name on its chip.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pattern => "Pattern",
+            Self::Blocks => "Blocks",
+            Self::Samples => "Samples",
+            Self::Disks => "Disks",
+            Self::Conflicts => "Conflicts",
+            Self::Eliminated => "Eliminated",
+            Self::Gaps => "Gaps",
+            Self::Detectors => "Detectors",
+            Self::Candidates => "Candidates",
+            Self::Inserted => "Inserted",
+        }
+    }
+
+    /// Returns what it shows, as a sentence.
+    #[must_use]
+    pub const fn explanation(self) -> &'static str {
+        match self {
+            Self::Pattern => "The pattern's clips: each block, enlarged by r on every side.",
+            Self::Blocks => "The building blocks: leaves of a random KD-tree.",
+            Self::Samples => "The samples that are valid at this stage.",
+            Self::Disks => "A disk of radius r around each sample: no other sample may lie in it.",
+            Self::Conflicts => "Pairs of samples that lie in one another's disk.",
+            Self::Eliminated => "Samples that yielded to one which claimed the place first.",
+            Self::Gaps => "The area that no sample covers, exact for every pixel.",
+            Self::Detectors => "Samples that look for gaps around themselves.",
+            Self::Candidates => "Uncovered circumcentres: places where a sample may go.",
+            Self::Inserted => "Samples that were inserted into gaps.",
+        }
+    }
+}
+
+/// A set of layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Layers(u16);
+
+impl Default for Layers {
+    fn default() -> Self {
+        let hidden = [Layer::Pattern, Layer::Disks];
+        let shown = Layer::ALL.into_iter().filter(|l| !hidden.contains(l));
+        Self(shown.fold(0, |bits, layer| bits | 1 << layer as u16))
+    }
+}
+
+impl Layers {
+    /// Returns whether `layer` is on.
+    #[must_use]
+    pub const fn has(self, layer: Layer) -> bool {
+        self.0 & 1 << layer as u16 != 0
+    }
+
+    /// Switches `layer`.
+    pub const fn toggle(&mut self, layer: Layer) {
+        self.0 ^= 1 << layer as u16;
+    }
+}
+
+/// What the colour of a sample means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Colouring {
+    /// The block it was tiled into.
+    #[default]
+    Block,
+    /// Where it comes from: its block, the margin around it, or an insertion.
+    Provenance,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_toggle_changes_one_layer() {
+        let before = Layers::default();
+        for layer in Layer::ALL {
+            let mut after = before;
+            after.toggle(layer);
+            for other in Layer::ALL {
+                assert_eq!(after.has(other) != before.has(other), other == layer);
+            }
+        }
+    }
+}

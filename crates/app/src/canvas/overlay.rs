@@ -1,0 +1,166 @@
+//! What lies over the layers: scale bar, coordinates, remarks, and the place that decides a verdict.
+
+use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+
+use super::paint::tag;
+use crate::session::Session;
+use crate::state::State;
+use crate::theme::Palette;
+use crate::verification::Sight;
+
+const INSET: f32 = 18.0;
+
+/// Says that the first session is on its way, or why there is none.
+pub fn waiting(painter: &Painter, rect: Rect, state: &State, palette: &Palette) {
+    let text = if state.sampling.is_some() {
+        "Sampling the first session\u{2026}"
+    } else {
+        "There is no session: choose parameters and run."
+    };
+    let font = FontId::proportional(15.0);
+    painter.text(
+        rect.center(),
+        Align2::CENTER_CENTER,
+        text,
+        font,
+        palette.muted,
+    );
+}
+
+/// Draws a bar of a round number of r, about 80 screen points long.
+pub fn scale_bar(painter: &Painter, rect: Rect, state: &State, palette: &Palette) {
+    let radii = round_length(110.0 / state.camera.scale);
+    let length = (radii * state.camera.scale) as f32;
+    let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
+    let to = from + vec2(length, 0.0);
+    let ground = Rect::from_two_pos(from + vec2(-9.0, -28.0), to + vec2(9.0, 9.0));
+    painter.rect_filled(ground, 6.0, palette.panel.gamma_multiply(0.82));
+    let stroke = Stroke::new(2.0, palette.text);
+    painter.line_segment([from, to], stroke);
+    for end in [from, to] {
+        painter.line_segment([end - vec2(0.0, 4.0), end + vec2(0.0, 4.0)], stroke);
+    }
+    let middle = pos2(f32::midpoint(from.x, to.x), from.y - 6.0);
+    let text = format!("{radii} r");
+    let font = FontId::monospace(12.0);
+    painter.text(middle, Align2::CENTER_BOTTOM, text, font, palette.text);
+}
+
+/// Returns 1, 2 or 5 times the power of ten that is nearest below `radii`.
+fn round_length(radii: f64) -> f64 {
+    let power = 10_f64.powf(radii.log10().floor());
+    let steps = [5.0, 2.0, 1.0];
+    let step = steps.into_iter().find(|step| step * power <= radii);
+    let length = step.unwrap_or(1.0) * power;
+    // Powers of ten below 1 are not exact.
+    (length * 1e6).round() / 1e6
+}
+
+/// Draws the coordinates under the pointer in user units, and the scale.
+pub fn cursor(
+    painter: &Painter,
+    rect: Rect,
+    state: &State,
+    pointer: Option<Pos2>,
+    palette: &Palette,
+) {
+    let Some(session) = &state.session else {
+        return;
+    };
+    let zoom = format!("{:>7.2} px/r", state.camera.scale);
+    let text = match pointer {
+        Some(pos) => {
+            let place = state.camera.domain_from_screen(state.viewport, pos);
+            let radius = session.run.domain.radius();
+            format!(
+                "x {:>8.4}  y {:>8.4}  {zoom}",
+                place[0] * radius,
+                place[1] * radius
+            )
+        }
+        None => zoom,
+    };
+    let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
+    tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);
+}
+
+/// Draws a remark at the top of the canvas.
+pub fn note(painter: &Painter, rect: Rect, text: Option<&str>, palette: &Palette) {
+    if let Some(text) = text {
+        let pos = rect.center_top() + vec2(0.0, INSET - 4.0);
+        let font = FontId::proportional(12.5);
+        let galley = painter.layout_no_wrap(text.to_owned(), font, palette.text);
+        let place = Align2::CENTER_TOP.anchor_size(pos, galley.size());
+        painter.rect_filled(place.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
+        painter.galley(place.min, galley, palette.text);
+    }
+}
+
+/// Draws the place that a verdict was followed to.
+pub fn sight(painter: &Painter, rect: Rect, state: &State, session: &Session, palette: &Palette) {
+    let Some(sight) = state.sight else {
+        return;
+    };
+    let at = |place| state.camera.screen_from_domain(rect, place);
+    let fine = |value: f64| {
+        if value < 1.0 {
+            palette.conflict
+        } else {
+            palette.inserted
+        }
+    };
+    match sight {
+        Sight::Pair([a, b], distance) => {
+            let from = session.place(a);
+            let ends = [at(from), at(session.image_near(b, from))];
+            let color = fine(distance);
+            painter.line_segment(ends, Stroke::new(2.5, color));
+            let text = format!("{distance:.6} r");
+            let middle = ends[0].lerp(ends[1], 0.5) + vec2(14.0, -14.0);
+            tag(painter, middle, Align2::LEFT_BOTTOM, &text, palette);
+        }
+        Sight::Circle(center, radius) => {
+            let within = radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE;
+            let color = if within {
+                palette.inserted
+            } else {
+                palette.conflict
+            };
+            let reach = (radius * state.camera.scale) as f32;
+            let circle: Vec<Pos2> = (0..=96)
+                .map(|k| {
+                    at(center) + egui::Vec2::angled(k as f32 / 96.0 * std::f32::consts::TAU) * reach
+                })
+                .collect();
+            painter.extend(Shape::dashed_line(
+                &circle,
+                Stroke::new(2.0, color),
+                8.0,
+                5.0,
+            ));
+            painter.circle_filled(at(center), 3.5, color);
+            let text = format!("empty circle {radius:.6} r");
+            let beside = at(center) + vec2(0.0, -12.0);
+            tag(painter, beside, Align2::CENTER_BOTTOM, &text, palette);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[allow(clippy::float_cmp, reason = "round numbers are exact")]
+    fn bars_have_round_lengths() {
+        for (radii, expected) in [
+            (1.3, 1.0),
+            (2.0, 2.0),
+            (49.0, 20.0),
+            (0.07, 0.05),
+            (700.0, 500.0),
+        ] {
+            assert_eq!(round_length(radii), expected);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Pictures that are made pixel by pixel for the visible part of the domain: the uncovered area, and
+//! samples where there are too many for symbols. Plain pixels; nothing here knows a window.
+
+use egui::{Color32, ColorImage, Rect};
+
+use crate::camera::Camera;
+use crate::session::Session;
+
+/// A grid of pixels over the canvas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// The view.
+    pub camera: Camera,
+    /// Where the canvas is, in screen points.
+    pub viewport: Rect,
+    /// Pixels in a screen point.
+    pub pixels_per_point: f32,
+}
+
+impl Frame {
+    /// Returns the pixels of a row and of a column.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        let size = self.viewport.size() * self.pixels_per_point;
+        [
+            size.x.ceil().max(1.0) as usize,
+            size.y.ceil().max(1.0) as usize,
+        ]
+    }
+
+    /// Returns the pixels in one r.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.camera.scale * f64::from(self.pixels_per_point)
+    }
+
+    /// Returns where `place` lies, in pixels from the upper left corner.
+    #[must_use]
+    pub fn pixel_from_domain(&self, place: [f64; 2]) -> [f64; 2] {
+        let half = self.viewport.size() * self.pixels_per_point * 0.5;
+        [
+            f64::from(half.x) + (place[0] - self.camera.center[0]) * self.scale(),
+            f64::from(half.y) - (place[1] - self.camera.center[1]) * self.scale(),
+        ]
+    }
+}
+
+/// Which pixels are covered, and since when.
+pub struct Coverage {
+    size: [usize; 2],
+    cells: Vec<u8>,
+}
+
+/// Outside the domain.
+const OUTSIDE: u8 = 3;
+/// Covered by a sample that was there before the stage.
+const BEFORE: u8 = 2;
+/// Covered only by samples that the stage brought.
+const NOW: u8 = 1;
+/// Not covered.
+const OPEN: u8 = 0;
+
+impl Coverage {
+    /// Returns what `frame` shows of the domain with nothing covered yet.
+    #[must_use]
+    pub fn open(frame: &Frame, session: &Session) -> Self {
+        let size = frame.size();
+        let mut cells = vec![OUTSIDE; size[0] * size[1]];
+        let domain = session.size_radii();
+        let low = frame.pixel_from_domain([0.0, domain[1]]);
+        let high = frame.pixel_from_domain([domain[0], 0.0]);
+        let columns = centres(low[0], high[0], size[0]);
+        for row in centres(low[1], high[1], size[1]) {
+            cells[row * size[0]..][columns.clone()].fill(OPEN);
+        }
+        Self { size, cells }
+    }
+
+    /// Covers the disk of `radius` pixels around `at`, as of before the stage or by it.
+    pub fn cover(&mut self, at: [f64; 2], radius: f64, before: bool) {
+        for row in centres(at[1] - radius, at[1] + radius, self.size[1]) {
+            let dy = row as f64 + 0.5 - at[1];
+            let half = (radius * radius - dy * dy).max(0.0).sqrt();
+            let columns = centres(at[0] - half, at[0] + half, self.size[0]);
+            for cell in &mut self.cells[row * self.size[0]..][columns] {
+                *cell = match (*cell, before) {
+                    (OUTSIDE, _) => OUTSIDE,
+                    (_, true) | (BEFORE, false) => BEFORE,
+                    (_, false) => NOW,
+                };
+            }
+        }
+    }
+
+    /// Returns how many pixels of the domain are not covered.
+    #[must_use]
+    pub fn open_pixels(&self) -> usize {
+        self.cells.iter().filter(|&&cell| cell == OPEN).count()
+    }
+
+    /// Returns the picture: uncovered pixels hatched in `color` with a solid edge, those covered by
+    /// this stage in a faint tone.
+    #[must_use]
+    pub fn image(&self, color: Color32, pixels_per_point: f32) -> ColorImage {
+        let [width, height] = self.size;
+        let mut image = ColorImage::filled(self.size, Color32::TRANSPARENT);
+        let (fill, hatch, edge) = (
+            color.gamma_multiply(0.42),
+            color.gamma_multiply(0.85),
+            color,
+        );
+        let fading = color.gamma_multiply(0.20);
+        let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
+        let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
+        for row in 0..height {
+            for column in 0..width {
+                let k = row * width + column;
+                let is_edge = || {
+                    let closed = |cell: u8| cell == BEFORE || cell == NOW;
+                    column > 0 && closed(self.cells[k - 1])
+                        || column + 1 < width && closed(self.cells[k + 1])
+                        || row > 0 && closed(self.cells[k - width])
+                        || row + 1 < height && closed(self.cells[k + width])
+                };
+                image.pixels[k] = match self.cells[k] {
+                    OPEN if is_edge() => edge,
+                    OPEN if (row + column) % period < thick => hatch,
+                    OPEN => fill,
+                    NOW => fading,
+                    _ => continue,
+                };
+            }
+        }
+        image
+    }
+}
+
+/// Returns the pixels whose centres lie between `from` and `to`.
+fn centres(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
+    let limit = |value: f64| (value - 0.5).ceil().clamp(0.0, count as f64) as usize;
+    let (start, end) = (limit(from), limit(to));
+    start..end.max(start)
+}
+
+/// Points summed up pixel by pixel.
+pub struct Density {
+    size: [usize; 2],
+    sums: Vec<[f32; 4]>,
+}
+
+impl Density {
+    /// Returns an empty picture.
+    #[must_use]
+    pub fn empty(frame: &Frame) -> Self {
+        let size = frame.size();
+        Self {
+            size,
+            sums: vec![[0.0; 4]; size[0] * size[1]],
+        }
+    }
+
+    /// Adds a point of `color` at the pixel coordinates `at`.
+    pub fn add(&mut self, at: [f64; 2], color: Color32) {
+        let [x, y] = at.map(|value| value - 0.5);
+        let (column, row) = (x.floor(), y.floor());
+        let (right, down) = ((x - column) as f32, (y - row) as f32);
+        let weights = [
+            (0, 0, (1.0 - right) * (1.0 - down)),
+            (1, 0, right * (1.0 - down)),
+            (0, 1, (1.0 - right) * down),
+            (1, 1, right * down),
+        ];
+        for (dx, dy, weight) in weights {
+            let (column, row) = (column as i64 + dx, row as i64 + dy);
+            let inside = |value: i64, count: usize| (0..count as i64).contains(&value);
+            if inside(column, self.size[0]) && inside(row, self.size[1]) {
+                let sum = &mut self.sums[row as usize * self.size[0] + column as usize];
+                for (sum, part) in sum.iter_mut().zip([color.r(), color.g(), color.b()]) {
+                    *sum += weight * f32::from(part);
+                }
+                sum[3] += weight;
+            }
+        }
+    }
+
+    /// Returns the picture; `strength` says how opaque one point in a pixel is.
+    #[must_use]
+    pub fn image(&self, strength: f32) -> ColorImage {
+        let pixel = |sum: &[f32; 4]| {
+            if sum[3] <= 0.0 {
+                return Color32::TRANSPARENT;
+            }
+            let alpha = 1.0 - (-strength * sum[3]).exp();
+            let part = |k: usize| (sum[k] / sum[3]) as u8;
+            Color32::from_rgb(part(0), part(1), part(2)).gamma_multiply(alpha)
+        };
+        ColorImage::new(self.size, self.sums.iter().map(pixel).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blank(side: usize) -> Coverage {
+        Coverage {
+            size: [side, side],
+            cells: vec![OPEN; side * side],
+        }
+    }
+
+    #[test]
+    fn a_disk_covers_exactly_the_pixel_centres_within_its_radius() {
+        let mut coverage = blank(40);
+        let (at, radius) = ([17.3, 21.9], 11.4);
+        coverage.cover(at, radius, true);
+        for row in 0..40 {
+            for column in 0..40 {
+                let (dx, dy) = (column as f64 + 0.5 - at[0], row as f64 + 0.5 - at[1]);
+                let inside = dx * dx + dy * dy <= radius * radius;
+                assert_eq!(coverage.cells[row * 40 + column] == BEFORE, inside);
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_covered_before_stays_so() {
+        let mut coverage = blank(10);
+        coverage.cover([5.0, 5.0], 3.0, true);
+        coverage.cover([5.0, 5.0], 100.0, false);
+        assert_eq!(coverage.cells[5 * 10 + 5], BEFORE);
+        assert_eq!(coverage.cells[0], NOW);
+        assert_eq!(coverage.open_pixels(), 0);
+    }
+
+    #[test]
+    fn density_keeps_points_at_the_border_inside() {
+        let mut density = Density {
+            size: [4, 4],
+            sums: vec![[0.0; 4]; 16],
+        };
+        density.add([0.0, 0.0], Color32::WHITE);
+        density.add([4.0, 4.0], Color32::WHITE);
+        density.add([2.5, 1.5], Color32::RED);
+        let image = density.image(10.0);
+        assert_eq!(image.pixels[6].r(), 255);
+        assert!((density.sums[6][3] - 1.0).abs() < 1e-6);
+    }
+}

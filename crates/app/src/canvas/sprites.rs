@@ -1,0 +1,172 @@
+//! The symbols of the canvas as small white pictures, drawn once for a size and then stamped by
+//! the ten thousand, tinted. Shapes are signed distances, so every size is crisp.
+
+use std::collections::HashMap;
+
+use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
+
+/// A symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sprite {
+    /// A sample.
+    Dot,
+    /// A disk: a thin ring, faintly filled.
+    Disk,
+    /// An eliminated sample: a hollow cross.
+    Cross,
+    /// A gap detector: a ring with a dot.
+    Detector,
+    /// An inserted sample.
+    Diamond,
+    /// A candidate.
+    Triangle,
+    /// The ring around the current sample.
+    Halo,
+    /// Across a line: soft on both sides.
+    Stroke,
+}
+
+/// Symbols as textures.
+#[derive(Default)]
+pub struct Sprites {
+    ready: HashMap<Sprite, Ready>,
+}
+
+struct Ready {
+    radius_bits: u32,
+    pixels_per_point: f32,
+    texture: TextureHandle,
+    half_points: f32,
+}
+
+/// A texture with the half side of the square on which it appears at its true size.
+#[derive(Clone, Copy, Debug)]
+pub struct Stamp {
+    /// The texture.
+    pub texture: egui::TextureId,
+    /// Half the side of its square, in screen points.
+    pub half: f32,
+}
+
+impl Sprites {
+    /// Returns the picture of `sprite` for a symbol of `radius` screen points.
+    pub fn stamp(&mut self, ctx: &Context, sprite: Sprite, radius: f32) -> Stamp {
+        let pixels_per_point = ctx.pixels_per_point();
+        // Sizes in steps of an eighth of a pixel: zooming does not redraw without need.
+        let radius = (radius * pixels_per_point * 8.0).round() / 8.0;
+        let radius_bits = radius.to_bits();
+        let fits = |ready: &Ready| {
+            ready.radius_bits == radius_bits && ready.pixels_per_point == pixels_per_point
+        };
+        if !self.ready.get(&sprite).is_some_and(fits) {
+            let image = draw(sprite, radius, pixels_per_point);
+            let half_points = image.width() as f32 / 2.0 / pixels_per_point;
+            let name = format!("{sprite:?}");
+            let texture = ctx.load_texture(name, image, TextureOptions::LINEAR);
+            let ready = Ready {
+                radius_bits,
+                pixels_per_point,
+                texture,
+                half_points,
+            };
+            self.ready.insert(sprite, ready);
+        }
+        let ready = &self.ready[&sprite];
+        Stamp {
+            texture: ready.texture.id(),
+            half: ready.half_points,
+        }
+    }
+}
+
+/// Returns the picture of a symbol of `radius` pixels; `unit` is a screen point in pixels.
+fn draw(sprite: Sprite, radius: f32, unit: f32) -> ColorImage {
+    let half = (radius + 2.0 * unit).ceil() as i32;
+    let side = (2 * half) as usize;
+    let mut pixels = Vec::with_capacity(side * side);
+    for row in -half..half {
+        for column in -half..half {
+            let (x, y) = (column as f32 + 0.5, row as f32 + 0.5);
+            let alpha = coverage(sprite, x, y, radius, unit).clamp(0.0, 1.0);
+            pixels.push(Color32::from_white_alpha((alpha * 255.0).round() as u8));
+        }
+    }
+    ColorImage::new([side, side], pixels)
+}
+
+fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
+    let solid = |distance: f32| (0.5 - distance).clamp(0.0, 1.0);
+    let line = |distance: f32, width: f32| solid(distance.abs() - width / 2.0);
+    let from_middle = x.hypot(y);
+    match sprite {
+        Sprite::Dot => solid(from_middle - radius),
+        Sprite::Disk => {
+            (0.07 * solid(from_middle - radius)).max(0.62 * line(from_middle - radius, 0.9 * unit))
+        }
+        Sprite::Cross => {
+            let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());
+            let arm = (0.26 * radius).max(0.7 * unit);
+            let bar = |along: f32, across: f32| (along - radius).max(across - arm);
+            let distance = bar(turned[0], turned[1]).min(bar(turned[1], turned[0]));
+            if radius < 4.0 * unit {
+                solid(distance)
+            } else {
+                line(distance, 1.1 * unit)
+            }
+        }
+        Sprite::Detector => {
+            line(from_middle - radius, 1.4 * unit).max(solid(from_middle - 0.34 * radius))
+        }
+        Sprite::Diamond => solid((x.abs() + y.abs() - radius) * 0.5_f32.sqrt()),
+        Sprite::Triangle => {
+            // Half planes of an equilateral triangle with its tip up, circumradius `radius`.
+            let sides = (0.866 * x.abs() - 0.5 * y).max(y);
+            line(sides - 0.5 * radius, 1.5 * unit)
+        }
+        Sprite::Halo => line(from_middle - radius, 2.2 * unit),
+        Sprite::Stroke => solid(y.abs() - radius),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn alpha(image: &ColorImage, x: usize, y: usize) -> u8 {
+        image.pixels[y * image.width() + x].a()
+    }
+
+    #[test]
+    fn shapes_are_where_they_should_be() {
+        let dot = draw(Sprite::Dot, 5.0, 1.0);
+        let middle = dot.width() / 2;
+        assert_eq!(alpha(&dot, middle, middle), 255);
+        assert_eq!(alpha(&dot, 0, 0), 0);
+        let ring = draw(Sprite::Halo, 9.0, 1.0);
+        let middle = ring.width() / 2;
+        assert_eq!(alpha(&ring, middle, middle), 0);
+        assert!(alpha(&ring, middle + 9, middle) > 100);
+    }
+
+    #[test]
+    fn nothing_touches_the_edge_of_its_picture() {
+        for sprite in [
+            Sprite::Dot,
+            Sprite::Disk,
+            Sprite::Cross,
+            Sprite::Detector,
+            Sprite::Diamond,
+            Sprite::Triangle,
+            Sprite::Halo,
+        ] {
+            for radius in [1.0, 2.5, 7.3, 30.0] {
+                let image = draw(sprite, radius, 1.0);
+                let last = image.width() - 1;
+                for k in 0..=last {
+                    assert_eq!(alpha(&image, k, 0), 0, "{sprite:?} {radius}");
+                    assert_eq!(alpha(&image, last, k), 0, "{sprite:?} {radius}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Everything a user can do, as values: buttons, keys, the canvas and scripts issue the same ones,
+//! and only [`crate::State::apply`] carries them out.
+
+use egui::{Pos2, Rect, Vec2};
+use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+use tilescope_formats::Precision;
+
+use crate::canvas::layers::{Colouring, Layer};
+
+/// A parameter that is typed as a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// Width of the domain, user units.
+    Width,
+    /// Height of the domain, user units.
+    Height,
+    /// Poisson-disk radius, user units.
+    Radius,
+    /// Seed of the run.
+    Seed,
+    /// Shortest edge of a block, r.
+    Leaf,
+    /// Side of the pattern, r.
+    PatternSide,
+    /// Seed of the pattern.
+    PatternSeed,
+}
+
+/// A parameter that is chosen from a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// How the domain ends.
+    Boundary(Boundary),
+    /// How the pattern ends.
+    PatternBoundary(Boundary),
+    /// Whether the pattern is turned and mirrored.
+    Dihedral(bool),
+    /// Order of elimination.
+    Order(Order),
+    /// How gaps are filled.
+    Insertion(Insertion),
+    /// How far detectors look.
+    Search(Search),
+    /// Staged, or as printed.
+    Variant(Variant),
+}
+
+/// A place that decides a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Witness {
+    /// Of the overall verdict: the worst conflict, else the worst gap, else the tightest pair.
+    Verdict,
+    /// The closest pair of samples.
+    ClosestPair,
+    /// The largest empty circle.
+    LargestHole,
+}
+
+/// One action of the user.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Types a parameter.
+    Type(Field, String),
+    /// Chooses a parameter.
+    Choose(Choice),
+    /// Returns to the parameters of the default session.
+    ResetParameters,
+    /// Samples with the parameters of the panel.
+    Run,
+    /// Stops the sampling.
+    Cancel,
+    /// Shows the state after the stage of this place in the session's list.
+    ShowStage(usize),
+    /// Goes one stage back.
+    StepBack,
+    /// Goes one stage forward.
+    StepForward,
+    /// Goes to the first stage.
+    FirstStage,
+    /// Goes to the last stage.
+    LastStage,
+    /// Starts or stops the play of stages.
+    TogglePlay,
+    /// Shows or hides a layer.
+    ToggleLayer(Layer),
+    /// Chooses what the colour of samples means.
+    Colour(Colouring),
+    /// Changes between the light and the dark theme.
+    ToggleTheme,
+    /// Tells where the canvas is in the window.
+    Viewport(Rect),
+    /// Moves the picture by screen points.
+    Pan(Vec2),
+    /// Zooms about a place of the screen.
+    Zoom(Pos2, f64),
+    /// Shows the whole domain.
+    Fit,
+    /// Flies to a place, given in r, until about this many r are visible.
+    FlyTo([f64; 2], f64),
+    /// Flies to what decides a verdict.
+    FlyToWitness(Witness),
+    /// Points at a sample, or at none.
+    Hover(Option<u32>),
+    /// Selects a sample, or none.
+    Select(Option<u32>),
+    /// Selects a sample and flies to it.
+    GoToSample(u32),
+    /// Opens the export sheet.
+    OpenExport,
+    /// Closes the export sheet.
+    CloseExport,
+    /// Types the name of the file to export.
+    ExportPath(String),
+    /// Chooses the number type of the exported file.
+    ExportPrecision(Precision),
+    /// Asks for the file in the system's dialog.
+    BrowseExport,
+    /// Writes the file and its certificate.
+    Export,
+    /// Closes the notice.
+    DismissNotice,
+}

@@ -1,0 +1,219 @@
+//! The parameters as they are being typed: text until a run needs numbers.
+//! It knows which field a refusal belongs to; what is refused is the core's business.
+
+use tilescope_core::{MAXIMAL_DENSITY, ParameterError, Parameters};
+
+use crate::command::{Choice, Field};
+
+/// Every typed field, in the order of the panel.
+pub const FIELDS: [Field; 7] = [
+    Field::Width,
+    Field::Height,
+    Field::Radius,
+    Field::Seed,
+    Field::Leaf,
+    Field::PatternSide,
+    Field::PatternSeed,
+];
+
+/// Parameters under edit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draft {
+    texts: [String; FIELDS.len()],
+    /// The chosen values; numbers here are those of the last valid text.
+    pub parameters: Parameters,
+}
+
+/// Why a draft cannot be run, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// The field it belongs to; `None` for a combination of choices.
+    pub field: Option<Field>,
+    /// The reason, as a sentence.
+    pub reason: String,
+}
+
+impl Default for Draft {
+    fn default() -> Self {
+        Self::from_parameters(Parameters::default())
+    }
+}
+
+impl Draft {
+    /// Returns the draft that reads as `parameters`.
+    #[must_use]
+    pub fn from_parameters(parameters: Parameters) -> Self {
+        let p = &parameters;
+        let texts = [
+            p.width.to_string(),
+            p.height.to_string(),
+            p.radius.to_string(),
+            p.seed.to_string(),
+            p.leaf.to_string(),
+            p.pattern.side.to_string(),
+            p.pattern.seed.to_string(),
+        ];
+        Self { texts, parameters }
+    }
+
+    /// Returns the text of a field.
+    #[must_use]
+    pub fn text(&self, field: Field) -> &str {
+        &self.texts[field as usize]
+    }
+
+    /// Replaces the text of a field.
+    pub fn set_text(&mut self, field: Field, text: String) {
+        let value = text.trim();
+        let p = &mut self.parameters;
+        match field {
+            Field::Width => assign(&mut p.width, value),
+            Field::Height => assign(&mut p.height, value),
+            Field::Radius => assign(&mut p.radius, value),
+            Field::Seed => assign(&mut p.seed, value),
+            Field::Leaf => assign(&mut p.leaf, value),
+            Field::PatternSide => assign(&mut p.pattern.side, value),
+            Field::PatternSeed => assign(&mut p.pattern.seed, value),
+        }
+        self.texts[field as usize] = text;
+    }
+
+    /// Makes a choice.
+    pub fn choose(&mut self, choice: Choice) {
+        let p = &mut self.parameters;
+        match choice {
+            Choice::Boundary(boundary) => p.boundary = boundary,
+            Choice::PatternBoundary(boundary) => p.pattern.boundary = boundary,
+            Choice::Dihedral(dihedral) => p.dihedral = dihedral,
+            Choice::Order(order) => p.order = order,
+            Choice::Insertion(insertion) => p.insertion = insertion,
+            Choice::Search(search) => p.search = search,
+            Choice::Variant(variant) => p.variant = variant,
+        }
+    }
+
+    /// Returns everything that is wrong, field by field: unreadable texts first, then what the
+    /// core refuses. An empty list means that the draft can be run.
+    #[must_use]
+    pub fn refusals(&self) -> Vec<Refusal> {
+        let mut refusals: Vec<Refusal> = FIELDS
+            .into_iter()
+            .filter_map(|field| {
+                let reason = self.unreadable(field)?;
+                Some(Refusal {
+                    field: Some(field),
+                    reason,
+                })
+            })
+            .collect();
+        if let Err(error) = self.parameters.validate() {
+            let field = field_of(&error);
+            if !refusals.iter().any(|refusal| refusal.field == field) {
+                let reason = sentence(&error.to_string());
+                refusals.push(Refusal { field, reason });
+            }
+        }
+        refusals
+    }
+
+    /// Returns about how many samples a run would give.
+    #[must_use]
+    pub fn expected_samples(&self) -> Option<f64> {
+        let domain = self.parameters.validate().ok()?;
+        Some(domain.area_radii() * MAXIMAL_DENSITY)
+    }
+
+    fn unreadable(&self, field: Field) -> Option<String> {
+        let text = self.text(field).trim();
+        match field {
+            Field::Seed | Field::PatternSeed => text
+                .parse::<u64>()
+                .err()
+                .map(|_| format!("\"{text}\" is not a whole number from 0 to {}.", u64::MAX)),
+            _ => text
+                .parse::<f64>()
+                .err()
+                .map(|_| format!("\"{text}\" is not a number.")),
+        }
+    }
+}
+
+fn assign<T: std::str::FromStr>(value: &mut T, text: &str) {
+    if let Ok(read) = text.parse() {
+        *value = read;
+    }
+}
+
+fn field_of(error: &ParameterError) -> Option<Field> {
+    match error {
+        ParameterError::Radius { .. } | ParameterError::TooManySamples { .. } => {
+            Some(Field::Radius)
+        }
+        ParameterError::Side { name, .. }
+        | ParameterError::SideTooShort { name, .. }
+        | ParameterError::SideTooLong { name, .. } => Some(match *name {
+            "height" => Field::Height,
+            _ => Field::Width,
+        }),
+        ParameterError::Leaf { .. } => Some(Field::Leaf),
+        ParameterError::PatternSide { .. } => Some(Field::PatternSide),
+        _ => None,
+    }
+}
+
+/// Returns `text` with a capital letter and a full stop.
+#[must_use]
+pub fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string());
+    let mut sentence = first.unwrap_or_default() + letters.as_str();
+    if !sentence.ends_with(['.', '!', '?']) {
+        sentence.push('.');
+    }
+    sentence
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_draft_is_the_default_session() {
+        let draft = Draft::default();
+        assert_eq!(draft.refusals(), []);
+        assert_eq!(draft.parameters, Parameters::default());
+        assert_eq!(draft.text(Field::Radius), "0.00836");
+    }
+
+    #[test]
+    fn refusals_name_their_field() {
+        for (field, text, part) in [
+            (Field::Radius, "0", "above 0"),
+            (Field::Radius, "one", "\"one\" is not a number"),
+            (Field::Radius, "NaN", "NaN"),
+            (Field::Radius, "0.00002", "at most"),
+            (Field::Width, "-1", "width"),
+            (Field::Height, "0.01", "height"),
+            (Field::Seed, "-1", "whole number"),
+            (Field::Leaf, "2", "at least 6 r"),
+            (Field::PatternSide, "3", "between 10 r"),
+            (Field::PatternSeed, "", "whole number"),
+        ] {
+            let mut draft = Draft::default();
+            draft.set_text(field, text.to_owned());
+            let refusals = draft.refusals();
+            assert_eq!(refusals.len(), 1, "{field:?} {text}");
+            assert_eq!(refusals[0].field, Some(field));
+            assert!(refusals[0].reason.contains(part), "{}", refusals[0].reason);
+        }
+    }
+
+    #[test]
+    fn texts_return_to_numbers() {
+        let mut draft = Draft::default();
+        draft.set_text(Field::Seed, " 77 ".to_owned());
+        draft.set_text(Field::Leaf, "12.5".to_owned());
+        assert_eq!(draft.parameters.seed, 77);
+        assert!((draft.parameters.leaf - 12.5).abs() < f64::EPSILON);
+    }
+}

@@ -1,0 +1,183 @@
+//! Background work: a job runs on its own thread natively and at once on the web, reports progress,
+//! can be cancelled, and hands over its result when asked. It never touches the window but to wake it.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Asks the window for a new frame; called from any thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// What a job and its owner share while it runs.
+pub struct Monitor {
+    cancelled: AtomicBool,
+    fraction_bits: AtomicU32,
+    activity: Mutex<String>,
+    wake: Wake,
+}
+
+impl Monitor {
+    /// Returns whether the owner has asked the job to stop.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Says how far the job has come, from 0 to 1.
+    pub fn set_fraction(&self, fraction: f32) {
+        self.fraction_bits
+            .store(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+        (self.wake)();
+    }
+
+    /// Says what the job is doing.
+    pub fn set_activity(&self, activity: &str) {
+        let mut current = self.activity.lock().unwrap_or_else(PoisonError::into_inner);
+        if *current != activity {
+            activity.clone_into(&mut current);
+        }
+    }
+}
+
+/// Work in the background that ends with a `T`, or with a sentence should it panic.
+pub struct Job<T> {
+    monitor: Arc<Monitor>,
+    result: Receiver<Result<T, String>>,
+}
+
+impl<T: Send + 'static> Job<T> {
+    /// Starts `work`.
+    #[must_use]
+    pub fn start(wake: &Wake, work: impl FnOnce(&Monitor) -> T + Send + 'static) -> Self {
+        let monitor = Arc::new(Monitor {
+            cancelled: AtomicBool::new(false),
+            fraction_bits: AtomicU32::new(0),
+            activity: Mutex::new(String::new()),
+            wake: Arc::clone(wake),
+        });
+        let (sender, result) = channel();
+        let shared = Arc::clone(&monitor);
+        let body = move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| work(&shared)));
+            // An owner that is gone does not want the result.
+            let _ = sender.send(outcome.map_err(|panic| panic_sentence(&*panic)));
+            (shared.wake)();
+        };
+        spawn(body);
+        Self { monitor, result }
+    }
+
+    /// Asks the job to stop; it ends soon after.
+    pub fn cancel(&self) {
+        self.monitor.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns whether it was asked to stop.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.monitor.is_cancelled()
+    }
+
+    /// Returns how far it has come, from 0 to 1.
+    #[must_use]
+    pub fn fraction(&self) -> f32 {
+        f32::from_bits(self.monitor.fraction_bits.load(Ordering::Relaxed))
+    }
+
+    /// Returns what it is doing.
+    #[must_use]
+    pub fn activity(&self) -> String {
+        let current = self.monitor.activity.lock();
+        current.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Returns the result once it is there. It is handed out once.
+    #[must_use]
+    pub fn poll(&self) -> Option<Result<T, String>> {
+        match self.result.try_recv() {
+            Ok(outcome) => Some(outcome),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err(NO_THREAD.to_owned())),
+        }
+    }
+
+    /// Waits for the result. For tests and scripts: a window polls.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[must_use]
+    pub fn wait(&self) -> Result<T, String> {
+        let outcome = self.result.recv();
+        outcome.unwrap_or_else(|_| Err(NO_THREAD.to_owned()))
+    }
+}
+
+impl<T> Drop for Job<T> {
+    /// Nobody wants the result any more.
+    fn drop(&mut self) {
+        self.monitor.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+const NO_THREAD: &str = "the system gave no thread to work in the background";
+
+#[cfg(not(target_arch = "wasm32"))]
+fn spawn(body: impl FnOnce() + Send + 'static) {
+    // Without a thread the body is dropped, and the job reports it on the next poll.
+    let _ = std::thread::Builder::new()
+        .name("tilescope job".to_owned())
+        .spawn(body);
+}
+
+#[cfg(target_arch = "wasm32")]
+fn spawn(body: impl FnOnce() + Send + 'static) {
+    body();
+}
+
+pub(crate) fn panic_sentence(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned());
+    format!("a background job failed ({text}); this is a fault of the program")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn no_window() -> Wake {
+        Arc::new(|| {})
+    }
+
+    #[test]
+    fn a_job_hands_over_its_result() {
+        let job = Job::start(&no_window(), |monitor| {
+            monitor.set_fraction(0.5);
+            monitor.set_activity("counting");
+            42
+        });
+        assert_eq!(job.wait(), Ok(42));
+        assert!((job.fraction() - 0.5).abs() < f32::EPSILON);
+        assert_eq!(job.activity(), "counting");
+    }
+
+    #[test]
+    fn a_cancelled_job_notices() {
+        let job = Job::start(&no_window(), |monitor| {
+            while !monitor.is_cancelled() {
+                std::thread::yield_now();
+            }
+            "stopped"
+        });
+        assert!(job.poll().is_none());
+        job.cancel();
+        assert_eq!(job.wait(), Ok("stopped"));
+    }
+
+    #[test]
+    fn a_panic_becomes_a_sentence() {
+        let job: Job<()> = Job::start(&no_window(), |_| panic!("out of dots"));
+        assert!(job.wait().unwrap_err().contains("out of dots"));
+    }
+}

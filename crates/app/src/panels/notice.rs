@@ -1,0 +1,47 @@
+//! The notice: what the user should read, until dismissed.
+
+use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
+
+use crate::command::Command;
+use crate::state::State;
+use crate::theme::Palette;
+use crate::widgets::{Icon, icon_button, verdict_mark};
+
+/// Shows the notice, if there is one, over the lower part of the canvas.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(notice) = &state.notice else {
+        return;
+    };
+    let palette = Palette::of(state.theme);
+    let color = if notice.is_error {
+        palette.conflict
+    } else {
+        palette.accent
+    };
+    Area::new(Id::new("notice"))
+        .order(Order::Foreground)
+        .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -128.0))
+        .show(ui.ctx(), |ui| {
+            Frame::new()
+                .fill(palette.raised)
+                .stroke(Stroke::new(1.0, color))
+                .corner_radius(10)
+                .shadow(ui.visuals().window_shadow)
+                .inner_margin(Margin::symmetric(14, 8))
+                .show(ui, |ui| {
+                    ui.set_max_width(640.0);
+                    ui.horizontal(|ui| {
+                        let size = vec2(16.0, 22.0);
+                        let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+                        verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
+                        ui.scope(|ui| {
+                            ui.set_max_width(560.0);
+                            ui.add(egui::Label::new(RichText::new(&notice.text)).wrap());
+                        });
+                        if icon_button(ui, Icon::Close, "Dismiss", None, palette).clicked() {
+                            commands.push(Command::DismissNotice);
+                        }
+                    });
+                });
+        });
+}

@@ -1,0 +1,240 @@
+//! The parameters with what is wrong beside each field, and the button that runs or cancels.
+
+use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui};
+use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+
+use super::divide;
+use crate::command::{Choice, Command, Field};
+use crate::draft::{Refusal, sentence};
+use crate::sentence::grouped;
+use crate::state::State;
+use crate::theme::Palette;
+use crate::widgets::{heading, primary_button};
+
+/// Where the fields begin, from the left edge of the panel.
+const FIELD_START: f32 = 112.0;
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
+    let refusals = state.draft.refusals();
+    heading(ui, "Domain");
+    for (field, name, unit) in [
+        (Field::Width, "Width", ""),
+        (Field::Height, "Height", ""),
+        (Field::Radius, "Radius", ""),
+    ] {
+        number(ui, state, field, name, unit, &refusals, commands);
+    }
+    let p = &state.draft.parameters;
+    let boundaries = [
+        (Boundary::Periodic, "periodic"),
+        (Boundary::Bounded, "bounded"),
+    ];
+    let why = "Whether opposite sides are joined.";
+    if let Some(chosen) = choice(ui, "Boundary", why, p.boundary, &boundaries, palette) {
+        commands.push(Command::Choose(Choice::Boundary(chosen)));
+    }
+    expected(ui, state, palette);
+
+    heading(ui, "Tiling");
+    number(ui, state, Field::Seed, "Seed", "", &refusals, commands);
+    number(ui, state, Field::Leaf, "Leaf", "r", &refusals, commands);
+    let name = "Pattern side";
+    number(
+        ui,
+        state,
+        Field::PatternSide,
+        name,
+        "r",
+        &refusals,
+        commands,
+    );
+    let name = "Pattern seed";
+    number(ui, state, Field::PatternSeed, name, "", &refusals, commands);
+    let why = "A periodic pattern allows any offset; a bounded one is the paper's.";
+    let chosen = choice(
+        ui,
+        "Pattern ends",
+        why,
+        p.pattern.boundary,
+        &boundaries,
+        palette,
+    );
+    if let Some(chosen) = chosen {
+        commands.push(Command::Choose(Choice::PatternBoundary(chosen)));
+    }
+    let turns = [(false, "as it is"), (true, "turned, mirrored")];
+    let why = "Whether each block clips from one of the pattern's 8 rotations and mirror images.";
+    if let Some(chosen) = choice(ui, "Pattern use", why, p.dihedral, &turns, palette) {
+        commands.push(Command::Choose(Choice::Dihedral(chosen)));
+    }
+    algorithm(ui, state, commands);
+    for refusal in refusals.iter().filter(|r| r.field.is_none()) {
+        trouble(ui, &refusal.reason, palette);
+    }
+    ui.add_space(8.0);
+    run_or_cancel(ui, state, commands);
+    divide(ui, palette);
+}
+
+fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
+    let p = &state.draft.parameters;
+    heading(ui, "Elimination and insertion");
+    let orders = [
+        (Order::OwnBlockFirst, "own block first"),
+        (Order::Index, "index"),
+        (Order::Random, "random"),
+        (Order::PhaseGroup, "phase groups"),
+    ];
+    let why = "The order in which tiled samples claim their disks.";
+    if let Some(chosen) = choice(ui, "Order", why, p.order, &orders, palette) {
+        commands.push(Command::Choose(Choice::Order(chosen)));
+    }
+    let insertions = [
+        (Insertion::Circumcentre, "circumcentres"),
+        (Insertion::Uniform, "uniform darts"),
+    ];
+    let why = "How gaps are filled: at circumcentres (the paper), or without bias.";
+    if let Some(chosen) = choice(ui, "Insertion", why, p.insertion, &insertions, palette) {
+        commands.push(Command::Choose(Choice::Insertion(chosen)));
+    }
+    let searches = [
+        (Search::Complete, "complete"),
+        (Search::TwoRadii, "2 r (experiment)"),
+    ];
+    let why = "How far detectors look. 2 r, which the paper believes to suffice, leaves gaps.";
+    if let Some(chosen) = choice(ui, "Search", why, p.search, &searches, palette) {
+        commands.push(Command::Choose(Choice::Search(chosen)));
+    }
+    let variants = [
+        (Variant::Staged, "staged"),
+        (Variant::AsPrinted, "as printed"),
+    ];
+    let why = "Elimination first, or Algorithm 4 as printed.";
+    if let Some(chosen) = choice(ui, "Variant", why, p.variant, &variants, palette) {
+        commands.push(Command::Choose(Choice::Variant(chosen)));
+    }
+}
+
+fn expected(ui: &mut Ui, state: &State, palette: &Palette) {
+    let text = match state.draft.expected_samples() {
+        Some(samples) => {
+            // Two significant digits: it is an estimate.
+            let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
+            let about = (samples / step).round() * step;
+            format!("about {} samples", grouped(about as usize))
+        }
+        None => "about \u{2013} samples".to_owned(),
+    };
+    ui.horizontal(|ui| {
+        ui.add_space(FIELD_START);
+        ui.label(RichText::new(text).small().color(palette.muted));
+    });
+}
+
+fn labelled(ui: &mut Ui, name: &str, palette: &Palette, add: impl FnOnce(&mut Ui, egui::Id)) {
+    ui.horizontal(|ui| {
+        let start = ui.cursor().left();
+        let label = ui.label(RichText::new(name).color(palette.muted));
+        let gap = start + FIELD_START - ui.cursor().left();
+        ui.add_space(gap.max(0.0));
+        add(ui, label.id);
+    });
+}
+
+fn number(
+    ui: &mut Ui,
+    state: &State,
+    field: Field,
+    name: &str,
+    unit: &str,
+    refusals: &[Refusal],
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.theme);
+    let refusal = refusals.iter().find(|r| r.field == Some(field));
+    labelled(ui, name, palette, |ui, label| {
+        let mut text = state.draft.text(field).to_owned();
+        let color = refusal.map(|_| palette.conflict);
+        let width = ui.available_width() - 18.0;
+        let edit = TextEdit::singleline(&mut text)
+            .font(egui::TextStyle::Monospace)
+            .text_color_opt(color)
+            .margin(egui::Margin::symmetric(8, 5))
+            .desired_width(width);
+        let response = ui.add(edit).labelled_by(label);
+        if response.changed() {
+            commands.push(Command::Type(field, text));
+        }
+        let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        if entered && state.run_refusal().is_none() && state.sampling.is_none() {
+            commands.push(Command::Run);
+        }
+        if !unit.is_empty() {
+            ui.label(RichText::new(unit).color(palette.muted));
+        }
+    });
+    if let Some(refusal) = refusal {
+        trouble(ui, &refusal.reason, palette);
+    }
+}
+
+fn trouble(ui: &mut Ui, reason: &str, palette: &Palette) {
+    ui.label(RichText::new(reason).small().color(palette.conflict));
+}
+
+fn choice<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    explanation: &str,
+    current: T,
+    options: &[(T, &str)],
+    palette: &Palette,
+) -> Option<T> {
+    let mut chosen = current;
+    let text = options.iter().find(|(value, _)| *value == current);
+    labelled(ui, name, palette, |ui, label| {
+        let combo = ComboBox::from_id_salt(name)
+            .selected_text(text.map_or("", |(_, text)| text))
+            .width(ui.available_width() - 8.0)
+            .show_ui(ui, |ui| {
+                for (value, text) in options {
+                    ui.selectable_value(&mut chosen, *value, *text);
+                }
+            });
+        combo.response.labelled_by(label).on_hover_text(explanation);
+    });
+    (chosen != current).then_some(chosen)
+}
+
+/// The button and the progress take the same room, so that nothing jumps.
+fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
+    if let Some(job) = &state.sampling {
+        let refusal = job.is_cancelled().then_some("It is stopping.");
+        if primary_button(ui, "Cancel", refusal, palette).clicked() {
+            commands.push(Command::Cancel);
+        }
+        let activity = sentence(&job.activity());
+        let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
+        let bar = ProgressBar::new(job.fraction())
+            .desired_height(18.0)
+            .fill(palette.accent.gamma_multiply(0.5))
+            .text(RichText::new(text.trim_start_matches('.').trim()).small());
+        ui.add(bar);
+        return;
+    }
+    let refusal = state.run_refusal();
+    if primary_button(ui, "Run", refusal.as_deref(), palette).clicked() {
+        commands.push(Command::Run);
+    }
+    ui.horizontal(|ui| {
+        ui.set_height(18.0);
+        let reset = RichText::new("Reset to the default session").small();
+        if ui.link(reset).clicked() {
+            commands.push(Command::ResetParameters);
+        }
+    });
+}

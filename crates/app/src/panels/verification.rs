@@ -1,0 +1,182 @@
+//! The verdict of the independent verifier: a chip that is always visible, and its numbers.
+
+use egui::{
+    Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
+};
+
+use super::divide;
+use crate::command::{Command, Witness};
+use crate::sentence::{counted, grouped};
+use crate::state::{State, Verification};
+use crate::theme::{Palette, semibold};
+use crate::verification::Verdict;
+use crate::widgets::{heading, row, verdict_mark};
+
+/// Shows the chip; a click follows the verdict to its witness.
+pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
+    let (text, well, color) = summary(state, palette);
+    let font = FontId::new(13.0, semibold());
+    let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
+    // Wide enough for the longest verdict: nothing moves when it arrives.
+    let width = (galley.size().x + 46.0).max(150.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Verdict: {text}")));
+    let painter = ui.painter();
+    let hot = response.hovered() || response.has_focus();
+    let fill = color.gamma_multiply(if hot { 0.26 } else { 0.15 });
+    let stroke = Stroke::new(1.0, color.gamma_multiply(0.7));
+    painter.rect(rect, 15.0, fill, stroke, StrokeKind::Inside);
+    let start = rect.center().x - (galley.size().x + 18.0) / 2.0;
+    if let Some(well) = well {
+        let mark = egui::pos2(start + 4.0, rect.center().y);
+        verdict_mark(painter, mark, well, color);
+    }
+    let at = egui::pos2(start + 18.0, rect.center().y - galley.size().y / 2.0);
+    painter.galley(at, galley, color);
+    let tip = explanation(state);
+    let response = response.on_hover_text(tip);
+    if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
+        commands.push(Command::FlyToWitness(Witness::Verdict));
+    }
+}
+
+fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) {
+    match &state.verification {
+        Verification::Nothing => ("nothing to verify".to_owned(), None, palette.muted),
+        Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
+        Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
+        Verification::Done(verdict) => {
+            let report = &verdict.report;
+            let text = match (report.conflict_free(), report.maximal()) {
+                (true, true) => "verified".to_owned(),
+                (true, false) => "not maximal".to_owned(),
+                (false, true) => "not conflict-free".to_owned(),
+                (false, false) => "conflicts and gaps".to_owned(),
+            };
+            let well = report.valid();
+            let color = if well {
+                palette.inserted
+            } else {
+                palette.conflict
+            };
+            (text, Some(well), color)
+        }
+    }
+}
+
+fn explanation(state: &State) -> String {
+    match &state.verification {
+        Verification::Nothing => "The verifier judges each session when it is ready.".to_owned(),
+        Verification::Pending(job) => {
+            format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
+        }
+        Verification::Failed(reason) => reason.clone(),
+        Verification::Done(verdict) if verdict.report.valid() => {
+            "Conflict-free and maximal, says the independent verifier. Click to see the closest pair."
+                .to_owned()
+        }
+        Verification::Done(_) => "Click to fly to the witness.".to_owned(),
+    }
+}
+
+/// Shows the verifier's numbers. The rows are there before the numbers are.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
+    heading(ui, "Verification");
+    let verdict = state.verdict();
+    let report = verdict.map(|v| &v.report);
+    property(
+        ui,
+        "Conflict-free",
+        report.map(|r| {
+            (
+                r.conflict_free(),
+                counted(r.conflicts as usize, "conflict", "conflicts"),
+            )
+        }),
+        palette,
+    );
+    property(
+        ui,
+        "Maximal",
+        report.map(|r| {
+            (
+                r.maximal(),
+                counted(r.gaps as usize, "open place", "open places"),
+            )
+        }),
+        palette,
+    );
+    let number = |value: Option<f64>, digits: usize, unit: &str| match value {
+        Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
+        Some(_) => "none".to_owned(),
+        None => "\u{2013}".to_owned(),
+    };
+    let in_radii = |value: fn(&Verdict) -> f64| verdict.map(|v| value(v) / v.report.radius);
+    let least = number(in_radii(|v| v.report.min_distance), 6, " r");
+    let cover = number(in_radii(|v| v.report.covering_radius), 6, " r");
+    row(ui, "Smallest distance", &least, palette);
+    row(ui, "Covering radius", &cover, palette);
+    row(
+        ui,
+        "Density N r\u{b2}/A",
+        &number(report.map(|r| r.density), 4, ""),
+        palette,
+    );
+    row(
+        ui,
+        "Relative radius",
+        &number(report.map(|r| r.relative_radius), 4, ""),
+        palette,
+    );
+    row(
+        ui,
+        "Samples",
+        &report.map_or_else(|| "\u{2013}".to_owned(), |r| grouped(r.count)),
+        palette,
+    );
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        for (name, witness, known) in [
+            (
+                "Closest pair",
+                Witness::ClosestPair,
+                verdict.is_some_and(|v| v.closest.is_some()),
+            ),
+            (
+                "Largest hole",
+                Witness::LargestHole,
+                verdict.is_some_and(|v| v.largest.is_some()),
+            ),
+        ] {
+            let button = ui.add_enabled(known, egui::Button::new(name));
+            let button = button.on_disabled_hover_text("The verifier has not named one.");
+            if button.on_hover_text("Fly there").clicked() {
+                commands.push(Command::FlyToWitness(witness));
+            }
+        }
+    });
+    if let Verification::Failed(reason) = &state.verification {
+        ui.label(RichText::new(reason).color(palette.conflict));
+    }
+    divide(ui, palette);
+}
+
+fn property(ui: &mut Ui, name: &str, judged: Option<(bool, String)>, palette: &Palette) {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(vec2(16.0, 20.0), Sense::hover());
+        let (text, color) = match &judged {
+            None => ("\u{2013}".to_owned(), palette.muted),
+            Some((true, _)) => ("yes".to_owned(), palette.inserted),
+            Some((false, count)) => (format!("no: {count}"), palette.conflict),
+        };
+        if let Some((well, _)) = judged {
+            verdict_mark(ui.painter(), rect.center(), well, color);
+        }
+        ui.label(name);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(text).monospace().color(color));
+        });
+    });
+}

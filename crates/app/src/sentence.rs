@@ -1,0 +1,131 @@
+//! What happened at a stage, in one sentence. Numbers come from the run; nothing is computed here.
+
+use tilescope_core::{Boundary, Stage};
+
+use crate::session::{Session, radii};
+
+/// Returns `count` with thin groups of three digits.
+#[must_use]
+pub fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Returns "1 sample" or "2 samples".
+#[must_use]
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{} {}", grouped(count), if count == 1 { one } else { many })
+}
+
+/// Returns the name of a stage with a capital letter.
+#[must_use]
+pub fn stage_name(stage: Stage) -> String {
+    match stage {
+        Stage::Pattern => "Pattern".to_owned(),
+        Stage::Blocks => "Blocks".to_owned(),
+        Stage::Tile => "Tile".to_owned(),
+        Stage::Eliminate => "Eliminate".to_owned(),
+        Stage::Iterate(k) => format!("Iterate {k}"),
+        Stage::Finish => "Finish".to_owned(),
+    }
+}
+
+/// Returns what happened at `stage`.
+#[must_use]
+pub fn stage_sentence(session: &Session, stage: Stage) -> String {
+    let run = &session.run;
+    let summary = &session.summary;
+    let samples = |count: usize| counted(count, "sample", "samples");
+    match stage {
+        Stage::Pattern => {
+            let domain = run.pattern.domain();
+            let boundary = match domain.boundary() {
+                Boundary::Periodic => "periodic",
+                Boundary::Bounded => "bounded",
+            };
+            format!(
+                "Pattern: a maximal {boundary} set of {}, {:.0} r wide, from which every block clips.",
+                samples(run.pattern.samples().len()),
+                radii(domain.width()),
+            )
+        }
+        Stage::Blocks => {
+            let [width, height] = session.size_radii();
+            format!(
+                "Blocks: a domain of {width:.1} \u{d7} {height:.1} r is split into {} with edges of at least {} r.",
+                counted(summary.blocks, "block", "blocks"),
+                run.parameters.leaf,
+            )
+        }
+        Stage::Tile => format!(
+            "Tile: {}, each enlarged by r, bring {}; {} in conflict.",
+            counted(summary.blocks, "clip", "clips"),
+            samples(summary.tiled),
+            counted(session.conflicts.len(), "pair is", "pairs are"),
+        ),
+        Stage::Eliminate => {
+            let detectors = run.iterations.first().map_or(0, |i| i.detectors.len());
+            let looking = if detectors > 0 {
+                format!(" {} will look for gaps.", samples(detectors))
+            } else {
+                String::new()
+            };
+            format!(
+                "Eliminate: {} yield to one that claimed the place first, {} stay.{looking}",
+                samples(summary.eliminated),
+                grouped(summary.tiled - summary.eliminated),
+            )
+        }
+        Stage::Iterate(k) => iteration_sentence(session, k),
+        Stage::Finish => format!(
+            "Finish: {} in canonical order: {} tiled, {} eliminated, {} inserted.",
+            samples(summary.count),
+            grouped(summary.tiled),
+            grouped(summary.eliminated),
+            grouped(summary.inserted.iter().sum()),
+        ),
+    }
+}
+
+fn iteration_sentence(session: &Session, k: u32) -> String {
+    let iteration = &session.run.iterations[k as usize - 1];
+    let inserted = counted(iteration.inserted.len(), "sample", "samples");
+    if !iteration.cells.is_empty() {
+        let cells = counted(iteration.cells.len(), "open cell", "open cells");
+        return format!("Iteration {k}: darts thrown at {cells}; {inserted} inserted.");
+    }
+    if iteration.detectors.is_empty() {
+        return format!("Iteration {k}: {inserted} inserted.");
+    }
+    format!(
+        "Iteration {k}: {} found {}; {inserted} inserted.",
+        counted(iteration.detectors.len(), "detector", "detectors"),
+        counted(
+            iteration.candidates.len(),
+            "uncovered place",
+            "uncovered places"
+        ),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_and_counted() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1000), "1,000");
+        assert_eq!(grouped(12_345_678), "12,345,678");
+        assert_eq!(counted(1, "gap", "gaps"), "1 gap");
+        assert_eq!(counted(0, "gap", "gaps"), "0 gaps");
+    }
+}

@@ -1,0 +1,185 @@
+//! A finished run made ready to be looked at: its stages, an index of its samples by place, the
+//! conflicts that elimination resolved. Immutable once built; it is built in the background.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use tilescope_core::{
+    Observer, Parameters, Pattern, PatternSpec, Progress, R, Run, SampleError, SampleGrid,
+    Sequential, Stage, Standing, Summary, covers_offset,
+};
+
+use crate::canvas::index::SampleIndex;
+use crate::jobs::Monitor;
+
+/// A run and what the window needs to show it.
+pub struct Session {
+    /// The run.
+    pub run: Run,
+    /// Its stages, in their sequence.
+    pub stages: Vec<Stage>,
+    /// Its counts.
+    pub summary: Summary,
+    /// All samples by place.
+    pub index: SampleIndex,
+    /// Pairs of tiled samples that cover one another: the conflicts before elimination.
+    pub conflicts: Vec<[u32; 2]>,
+    /// Changes with every session, so that pictures made from an old one are not reused.
+    pub generation: u64,
+}
+
+/// A ready-made pattern and what it was made from.
+pub type ReadyPattern = (PatternSpec, Arc<Pattern>);
+
+impl Session {
+    /// Samples with `parameters` and prepares the result; reuses the pattern `ready` if it fits.
+    pub fn sample(
+        parameters: &Parameters,
+        ready: Option<ReadyPattern>,
+        generation: u64,
+        monitor: &Monitor,
+    ) -> Result<Self, SampleError> {
+        parameters.validate()?;
+        let mut observer = Reporter { monitor };
+        let pattern = match ready {
+            Some((spec, pattern)) if spec == parameters.pattern => pattern,
+            _ => Arc::new(Pattern::generate(&parameters.pattern, &mut observer)?),
+        };
+        let run = Sequential::new(parameters, pattern)?.finish(&mut observer)?;
+        observer.report(Stage::Finish, 0.5).map_or_else(
+            || Ok(Self::from_run(run, generation)),
+            |stage| Err(SampleError::Cancelled { stage }),
+        )
+    }
+
+    /// Prepares a finished run.
+    #[must_use]
+    pub fn from_run(run: Run, generation: u64) -> Self {
+        let index = SampleIndex::new(&run.domain, &run.samples.points);
+        let conflicts = tiled_conflicts(&run);
+        Self {
+            stages: run.stages(),
+            summary: run.summary(),
+            index,
+            conflicts,
+            generation,
+            run,
+        }
+    }
+
+    /// Returns the domain's sides in r.
+    #[must_use]
+    pub fn size_radii(&self) -> [f64; 2] {
+        [self.run.domain.width(), self.run.domain.height()].map(radii)
+    }
+
+    /// Returns where sample `id` lies, in r.
+    #[must_use]
+    pub fn place(&self, id: u32) -> [f64; 2] {
+        let point = self.run.samples.points[id as usize];
+        [radii(point.x), radii(point.y)]
+    }
+
+    /// Returns where the nearest image of sample `id` to `place` lies, in r.
+    #[must_use]
+    pub fn image_near(&self, id: u32, place: [f64; 2]) -> [f64; 2] {
+        let there = self.place(id);
+        if !self.run.domain.is_periodic() {
+            return there;
+        }
+        let size = self.size_radii();
+        let axis = |k: usize| there[k] - ((there[k] - place[k]) / size[k]).round() * size[k];
+        [axis(0), axis(1)]
+    }
+
+    /// Returns the pattern and what it was made from, for the next run.
+    #[must_use]
+    pub fn ready_pattern(&self) -> ReadyPattern {
+        let spec = self.run.parameters.pattern;
+        (spec, Arc::clone(&self.run.pattern))
+    }
+
+    /// Returns how many samples are valid (or, before elimination, tiled) after the stage at `place`.
+    #[must_use]
+    pub fn count_after(&self, place: usize) -> usize {
+        let summary = &self.summary;
+        match self.stages[place] {
+            Stage::Pattern => self.run.pattern.samples().len(),
+            Stage::Blocks => 0,
+            Stage::Tile => summary.tiled,
+            Stage::Eliminate => summary.tiled - summary.eliminated,
+            Stage::Iterate(k) => {
+                let inserted: usize = summary.inserted[..k as usize].iter().sum();
+                summary.tiled - summary.eliminated + inserted
+            }
+            Stage::Finish => summary.count,
+        }
+    }
+
+    /// Returns whether sample `id` can be seen after `stage`.
+    #[must_use]
+    pub fn exists(&self, id: u32, stage: Stage) -> bool {
+        self.run.standing(id, stage) != Standing::Absent
+    }
+}
+
+/// Returns lattice units in r.
+#[must_use]
+pub fn radii(units: i32) -> f64 {
+    f64::from(units) / f64::from(R)
+}
+
+/// Returns every pair of tiled samples inside the domain that cover one another.
+fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
+    let is_tiled = |id: u32| run.standing(id, Stage::Tile) == Standing::Tiled;
+    let points = &run.samples.points;
+    let mut grid = SampleGrid::with_capacity(run.domain, points.len());
+    let tiled = || (0..points.len() as u32).filter(|&id| is_tiled(id));
+    for id in tiled() {
+        grid.insert(id, points[id as usize]);
+    }
+    let mut conflicts = Vec::new();
+    for id in tiled() {
+        grid.any_near(points[id as usize], R, |near| {
+            if near.id > id && covers_offset(near.offset.0, near.offset.1) {
+                conflicts.push([id, near.id]);
+            }
+            false
+        });
+    }
+    conflicts
+}
+
+/// Carries a run's progress to the window, and the wish to cancel back.
+struct Reporter<'a> {
+    monitor: &'a Monitor,
+}
+
+impl Reporter<'_> {
+    /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
+    fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
+        // Shares of the whole, as measured on a million samples.
+        let (start, share) = match stage {
+            Stage::Pattern => (0.0, 0.08),
+            Stage::Blocks => (0.08, 0.01),
+            Stage::Tile => (0.09, 0.16),
+            Stage::Eliminate => (0.25, 0.3),
+            Stage::Iterate(1) => (0.55, 0.3),
+            Stage::Iterate(_) => (0.85, 0.05),
+            Stage::Finish => (0.9, 0.1),
+        };
+        self.monitor.set_activity(&stage.to_string());
+        self.monitor.set_fraction(start + share * part);
+        self.monitor.is_cancelled().then_some(stage)
+    }
+}
+
+impl Observer for Reporter<'_> {
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        let part = progress.done as f32 / progress.total.max(1) as f32;
+        match self.report(progress.stage, part) {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! Colours, type and spacing, light and dark: one palette (after Okabe and Ito) and one accent.
+//! The meaning of a colour is the same on the canvas, in chips and in the legend.
+
+use egui::{
+    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Shadow,
+    Stroke, Style, TextStyle, Theme, Visuals, vec2,
+};
+use std::sync::Arc;
+
+/// The family of headings.
+#[must_use]
+pub fn semibold() -> FontFamily {
+    FontFamily::Name("semibold".into())
+}
+
+/// Colours by meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Palette {
+    /// Whether it is the dark one.
+    pub dark: bool,
+    /// Panels.
+    pub panel: Color32,
+    /// Cards and fields on panels.
+    pub raised: Color32,
+    /// Thin lines between things.
+    pub line: Color32,
+    /// The canvas outside the domain.
+    pub outside: Color32,
+    /// The canvas inside the domain.
+    pub domain: Color32,
+    /// The domain's border.
+    pub border: Color32,
+    /// Text.
+    pub text: Color32,
+    /// Less important text.
+    pub muted: Color32,
+    /// The interface's accent.
+    pub accent: Color32,
+    /// Text on the accent.
+    pub on_accent: Color32,
+    /// A sample.
+    pub sample: Color32,
+    /// A sample from the margin around its block.
+    pub margin: Color32,
+    /// A conflict; also what is wrong.
+    pub conflict: Color32,
+    /// An eliminated sample.
+    pub eliminated: Color32,
+    /// A gap detector.
+    pub detector: Color32,
+    /// A gap.
+    pub gap: Color32,
+    /// A candidate.
+    pub candidate: Color32,
+    /// An inserted sample; also what is well.
+    pub inserted: Color32,
+    /// The halo of the current sample.
+    pub halo: Color32,
+}
+
+const fn rgb(hex: u32) -> Color32 {
+    Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
+}
+
+/// The dark palette.
+pub const DARK: Palette = Palette {
+    dark: true,
+    panel: rgb(0x0015_181d),
+    raised: rgb(0x001e_232a),
+    line: rgb(0x002b_313a),
+    outside: rgb(0x000c_0e11),
+    domain: rgb(0x0012_1519),
+    border: rgb(0x0057_6170),
+    text: rgb(0x00e6_e9ee),
+    muted: rgb(0x0098_a2b0),
+    accent: rgb(0x006c_a4ff),
+    on_accent: rgb(0x0009_1426),
+    sample: rgb(0x00d5_dbe4),
+    margin: rgb(0x00e6_9f00),
+    conflict: rgb(0x00ff_6a2b),
+    eliminated: rgb(0x00a4_9488),
+    detector: rgb(0x0056_b4e9),
+    gap: rgb(0x00d5_7bc0),
+    candidate: rgb(0x00f0_e442),
+    inserted: rgb(0x0019_c79a),
+    halo: rgb(0x00ff_ffff),
+};
+
+/// The light palette.
+pub const LIGHT: Palette = Palette {
+    dark: false,
+    panel: rgb(0x00f7_f8fa),
+    raised: rgb(0x00ff_ffff),
+    line: rgb(0x00db_dfe5),
+    outside: rgb(0x00e9_ecf0),
+    domain: rgb(0x00ff_ffff),
+    border: rgb(0x007d_8796),
+    text: rgb(0x0019_1e26),
+    muted: rgb(0x005b_6675),
+    accent: rgb(0x0020_5fd0),
+    on_accent: rgb(0x00ff_ffff),
+    sample: rgb(0x0023_2a34),
+    margin: rgb(0x00b8_6f00),
+    conflict: rgb(0x00d5_4a00),
+    eliminated: rgb(0x008d_7f76),
+    detector: rgb(0x0000_72b2),
+    gap: rgb(0x00a8_3f92),
+    candidate: rgb(0x0096_7a00),
+    inserted: rgb(0x0000_8e68),
+    halo: rgb(0x0000_0000),
+};
+
+impl Palette {
+    /// Returns the palette of a theme.
+    #[must_use]
+    pub const fn of(theme: Theme) -> &'static Self {
+        match theme {
+            Theme::Dark => &DARK,
+            Theme::Light => &LIGHT,
+        }
+    }
+
+    /// Returns the colour of a building block: neighbours in the list differ strongly.
+    #[must_use]
+    pub fn block(&self, index: u32) -> Color32 {
+        // The golden angle spreads hues; lightness alternates so that hue is not all.
+        let hue = f64::from(index) * 137.507_764 + 210.0;
+        let step = f64::from(index % 3) * 0.045;
+        let (lightness, chroma) = if self.dark {
+            (0.74 + step, 0.105)
+        } else {
+            (0.50 + step, 0.125)
+        };
+        oklch(lightness, chroma, hue)
+    }
+}
+
+/// Returns the sRGB colour of an Oklab lightness, chroma and hue (Ottosson 2020).
+fn oklch(lightness: f64, chroma: f64, hue_degrees: f64) -> Color32 {
+    let (sin, cos) = hue_degrees.to_radians().sin_cos();
+    let (a, b) = (chroma * cos, chroma * sin);
+    let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548 * b).powi(3);
+    let encode = |linear: f64| {
+        let linear = linear.clamp(0.0, 1.0);
+        let encoded = if linear <= 0.003_130_8 {
+            12.92 * linear
+        } else {
+            1.055 * linear.powf(1.0 / 2.4) - 0.055
+        };
+        (encoded * 255.0).round() as u8
+    };
+    Color32::from_rgb(
+        encode(4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s),
+        encode(-1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s),
+        encode(-0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701 * s),
+    )
+}
+
+/// Gives `ctx` the fonts and both themes, and shows `theme`.
+pub fn install(ctx: &Context, theme: Theme) {
+    ctx.set_fonts(fonts());
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.set_style_of(theme, style(Palette::of(theme)));
+    }
+    ctx.set_theme(theme);
+}
+
+fn fonts() -> FontDefinitions {
+    let mut fonts = FontDefinitions::default();
+    let embedded: [(&str, &'static [u8], FontFamily); 3] = [
+        (
+            "Inter",
+            include_bytes!("../../../assets/fonts/Inter-Regular.otf"),
+            FontFamily::Proportional,
+        ),
+        (
+            "Inter SemiBold",
+            include_bytes!("../../../assets/fonts/Inter-SemiBold.otf"),
+            semibold(),
+        ),
+        (
+            "JetBrains Mono",
+            include_bytes!("../../../assets/fonts/JetBrainsMono-Regular.ttf"),
+            FontFamily::Monospace,
+        ),
+    ];
+    let fallback = fonts.families[&FontFamily::Proportional].clone();
+    for (name, bytes, family) in embedded {
+        let data = Arc::new(FontData::from_static(bytes));
+        fonts.font_data.insert(name.to_owned(), data);
+        let names = fonts.families.entry(family).or_insert(fallback.clone());
+        names.insert(0, name.to_owned());
+    }
+    fonts
+}
+
+fn style(palette: &Palette) -> Style {
+    let mut style = Style {
+        visuals: visuals(palette),
+        animation_time: 0.12,
+        ..Style::default()
+    };
+    let fonts = [
+        (TextStyle::Small, 11.5, FontFamily::Proportional),
+        (TextStyle::Body, 13.5, FontFamily::Proportional),
+        (TextStyle::Button, 13.5, FontFamily::Proportional),
+        (TextStyle::Heading, 15.0, semibold()),
+        (TextStyle::Monospace, 12.5, FontFamily::Monospace),
+    ];
+    for (name, size, family) in fonts {
+        style.text_styles.insert(name, FontId::new(size, family));
+    }
+    style.spacing.item_spacing = vec2(8.0, 6.0);
+    style.spacing.button_padding = vec2(10.0, 5.0);
+    style.spacing.interact_size.y = 26.0;
+    style.spacing.window_margin = Margin::same(18);
+    style.interaction.tooltip_delay = 0.25;
+    style
+}
+
+fn visuals(palette: &Palette) -> Visuals {
+    let mut visuals = if palette.dark {
+        Visuals::dark()
+    } else {
+        Visuals::light()
+    };
+    let corner = CornerRadius::same(6);
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.panel;
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
+    visuals.window_corner_radius = CornerRadius::same(10);
+    visuals.menu_corner_radius = CornerRadius::same(8);
+    visuals.window_shadow = Shadow {
+        offset: [0, 8],
+        blur: 28,
+        spread: 0,
+        color: Color32::from_black_alpha(if palette.dark { 130 } else { 50 }),
+    };
+    visuals.extreme_bg_color = palette.raised;
+    visuals.faint_bg_color = palette.raised;
+    visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
+    visuals.selection.stroke = Stroke::new(1.0, palette.accent);
+    visuals.hyperlink_color = palette.accent;
+    visuals.weak_text_color = Some(palette.muted);
+    visuals.error_fg_color = palette.conflict;
+    visuals.warn_fg_color = palette.margin;
+    let hover = palette.text.gamma_multiply(0.08);
+    let states = [
+        (
+            &mut visuals.widgets.noninteractive,
+            Color32::TRANSPARENT,
+            1.0,
+        ),
+        (&mut visuals.widgets.inactive, palette.raised, 1.0),
+        (
+            &mut visuals.widgets.hovered,
+            palette.raised.blend(hover),
+            1.0,
+        ),
+        (
+            &mut visuals.widgets.active,
+            palette.raised.blend(hover),
+            1.0,
+        ),
+        (&mut visuals.widgets.open, palette.raised, 1.0),
+    ];
+    for (state, fill, width) in states {
+        state.bg_fill = fill;
+        state.weak_bg_fill = fill;
+        state.bg_stroke = Stroke::new(width, palette.line);
+        state.fg_stroke = Stroke::new(1.0, palette.text);
+        state.corner_radius = corner;
+        state.expansion = 0.0;
+    }
+    visuals.widgets.hovered.bg_stroke.color = palette.muted;
+    visuals.widgets.active.bg_stroke.color = palette.accent;
+    visuals.disabled_alpha = 0.45;
+    visuals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(color: Color32) -> f32 {
+        let linear = egui::Rgba::from(color);
+        0.2126 * linear.r() + 0.7152 * linear.g() + 0.0722 * linear.b()
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn text_and_symbols_can_be_read() {
+        for palette in [DARK, LIGHT] {
+            for ground in [palette.panel, palette.raised, palette.domain] {
+                assert!(contrast(palette.text, ground) > 7.0);
+                assert!(contrast(palette.muted, ground) > 4.5);
+            }
+            assert!(contrast(palette.on_accent, palette.accent) > 4.5);
+            let symbols = [
+                palette.sample,
+                palette.margin,
+                palette.conflict,
+                palette.detector,
+                palette.gap,
+                palette.candidate,
+                palette.inserted,
+                palette.eliminated,
+            ];
+            for symbol in symbols.into_iter().chain((0..64).map(|k| palette.block(k))) {
+                assert!(contrast(symbol, palette.domain) > 3.0, "{symbol:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What the independent verifier says about the session at hand, with places to look at.
+//! It only asks `tilescope_analysis`; it never judges.
+
+use std::ops::ControlFlow;
+
+use tilescope_analysis::{
+    Boundary, Conflict, Gap, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+};
+
+use crate::command::Witness;
+use crate::jobs::Monitor;
+use crate::session::Session;
+
+/// Most samples for which the extremes of a valid set are looked up as well.
+const MAX_EXTREMES: usize = 400_000;
+/// By how much a judgement is sharpened to make the extremes of a valid set its witnesses.
+const HAIR: f64 = 1e-9;
+
+/// A report and the places that decide it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The verifier's report on the result.
+    pub report: Report,
+    /// The closest pair, if known; indices are of the result.
+    pub closest: Option<Conflict>,
+    /// The largest empty circle, if known.
+    pub largest: Option<Gap>,
+}
+
+/// A place to fly to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sight {
+    /// Two samples, by id, and their distance in r.
+    Pair([u32; 2], f64),
+    /// The centre of an empty circle and its radius, in r.
+    Circle([f64; 2], f64),
+}
+
+impl Verdict {
+    /// Asks the verifier about the result of a run. `points` are its positions.
+    pub fn of(
+        points: &[[f64; 2]],
+        region: Region,
+        radius: f64,
+        monitor: &Monitor,
+    ) -> Result<Self, VerifyError> {
+        let control = |progress: Progress| {
+            monitor.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
+            if monitor.is_cancelled() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let ask = |radius: f64, options: &VerifyOptions| {
+            verify(points, region, radius, options, &control)
+        };
+        let report = ask(radius, &VerifyOptions::default())?;
+        let mut closest = report.worst_conflicts.first().copied();
+        let mut largest = report.worst_gaps.first().copied();
+        if points.len() <= MAX_EXTREMES {
+            let exact = VerifyOptions {
+                covering_tolerance: 0.0,
+                witnesses: 1,
+                ..VerifyOptions::default()
+            };
+            if closest.is_none() && report.min_distance.is_finite() {
+                let sharper = ask(report.min_distance * (1.0 + HAIR), &exact)?;
+                closest = sharper.worst_conflicts.first().copied();
+            }
+            if largest.is_none() && report.covering_radius > 0.0 {
+                let sharper = ask(report.covering_radius * (1.0 - HAIR), &exact)?;
+                largest = sharper.worst_gaps.first().copied();
+            }
+        }
+        Ok(Self {
+            report,
+            closest,
+            largest,
+        })
+    }
+
+    /// Returns the place that shows `witness`, if it is known.
+    #[must_use]
+    pub fn sight(&self, witness: Witness, session: &Session) -> Option<Sight> {
+        let radius = self.report.radius;
+        let pair = || {
+            let pair = self.closest?;
+            let id = |index: usize| session.run.result.get(index).copied();
+            Some(Sight::Pair(
+                [id(pair.first)?, id(pair.second)?],
+                pair.distance / radius,
+            ))
+        };
+        let circle = || {
+            let gap = self.largest?;
+            let center = gap.center.map(|value| value / radius);
+            Some(Sight::Circle(center, gap.distance / radius))
+        };
+        match witness {
+            Witness::ClosestPair => pair(),
+            Witness::LargestHole => circle(),
+            Witness::Verdict if !self.report.conflict_free() => pair(),
+            Witness::Verdict if !self.report.maximal() => circle(),
+            Witness::Verdict => pair().or_else(circle),
+        }
+    }
+}
+
+/// Returns the region of a session's result, in user units.
+#[must_use]
+pub fn region_of(session: &Session) -> Region {
+    let [width, height] = session.run.domain.size();
+    Region {
+        width,
+        height,
+        boundary: if session.run.domain.is_periodic() {
+            Boundary::Periodic
+        } else {
+            Boundary::Bounded
+        },
+    }
+}

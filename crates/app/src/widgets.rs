@@ -1,0 +1,334 @@
+//! Small widgets of the house: chips, icon buttons, headings, rows of names and numbers.
+//! They draw and report clicks; they know nothing of the state.
+
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
+    Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+};
+
+use crate::canvas::layers::Layer;
+use crate::theme::{Palette, semibold};
+
+/// Returns a heading of a section of a panel.
+pub fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(4.0);
+    ui.label(RichText::new(text).font(FontId::new(13.5, semibold())));
+    ui.add_space(2.0);
+}
+
+/// A name on the left, a number in tabular figures on the right.
+pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(name).color(palette.muted));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(value).monospace());
+        });
+    });
+}
+
+/// The symbol of a layer, as on the canvas, in a square around `at`.
+pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
+    let thin = |color: Color32| Stroke::new(1.4, color);
+    match layer {
+        Layer::Samples => {
+            painter.circle_filled(at, 3.0, palette.sample);
+        }
+        Layer::Disks => {
+            let fill = palette.sample.gamma_multiply(0.12);
+            painter.circle(at, 6.0, fill, thin(palette.sample.gamma_multiply(0.8)));
+        }
+        Layer::Pattern => {
+            let rect = Rect::from_center_size(at, Vec2::splat(12.0));
+            let corners = [
+                rect.left_top(),
+                rect.right_top(),
+                rect.right_bottom(),
+                rect.left_bottom(),
+                rect.left_top(),
+            ];
+            painter.extend(Shape::dashed_line(&corners, thin(palette.sample), 3.0, 2.0));
+        }
+        Layer::Blocks => {
+            let rect = Rect::from_center_size(at, Vec2::splat(11.0));
+            let color = palette.block(0);
+            painter.rect(
+                rect,
+                1.0,
+                color.gamma_multiply(0.25),
+                thin(color),
+                StrokeKind::Middle,
+            );
+        }
+        Layer::Conflicts => {
+            let ends = [at + vec2(-6.0, 4.0), at + vec2(6.0, -4.0)];
+            painter.extend(Shape::dashed_line(
+                &ends,
+                Stroke::new(1.8, palette.conflict),
+                3.5,
+                2.0,
+            ));
+        }
+        Layer::Eliminated => {
+            let stroke = Stroke::new(1.6, palette.eliminated);
+            for side in [vec2(4.0, 4.0), vec2(4.0, -4.0)] {
+                painter.line_segment([at - side, at + side], stroke);
+            }
+        }
+        Layer::Gaps => gap_symbol(painter, at, palette),
+        Layer::Detectors => {
+            painter.circle_stroke(at, 5.0, thin(palette.detector));
+            painter.circle_filled(at, 1.8, palette.detector);
+        }
+        Layer::Candidates => {
+            let corners = [vec2(0.0, -6.0), vec2(5.2, 4.0), vec2(-5.2, 4.0)];
+            let corners = corners.map(|v| at + v).to_vec();
+            painter.add(Shape::closed_line(corners, thin(palette.candidate)));
+        }
+        Layer::Inserted => {
+            let corners = [
+                vec2(0.0, -5.5),
+                vec2(5.5, 0.0),
+                vec2(0.0, 5.5),
+                vec2(-5.5, 0.0),
+            ];
+            let corners = corners.map(|v| at + v).to_vec();
+            painter.add(Shape::convex_polygon(
+                corners,
+                palette.inserted,
+                Stroke::NONE,
+            ));
+        }
+    }
+}
+
+fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
+    let rect = Rect::from_center_size(at, Vec2::splat(11.0));
+    painter.rect_filled(rect, 1.0, palette.gap.gamma_multiply(0.3));
+    let stroke = Stroke::new(1.3, palette.gap);
+    for ends in [
+        [vec2(-5.0, 0.0), vec2(0.0, -5.0)],
+        [vec2(-5.0, 5.0), vec2(5.0, -5.0)],
+        [vec2(0.0, 5.0), vec2(5.0, 0.0)],
+    ] {
+        painter.line_segment(ends.map(|v| at + v), stroke);
+    }
+}
+
+/// A pill with a symbol and a name that is on or off.
+pub fn chip(ui: &mut Ui, layer: Layer, on: bool, palette: &Palette) -> Response {
+    let font = FontId::proportional(12.5);
+    let color = if on { palette.text } else { palette.muted };
+    let galley = ui
+        .painter()
+        .layout_no_wrap(layer.name().to_owned(), font, color);
+    let size = vec2(galley.size().x + 36.0, 26.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+    let name = layer.name();
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, name));
+    let (fill, line) = if on {
+        (
+            palette.accent.gamma_multiply(0.16),
+            palette.accent.gamma_multiply(0.75),
+        )
+    } else {
+        (Color32::TRANSPARENT, palette.line)
+    };
+    let line = if response.hovered() || response.has_focus() {
+        palette.accent
+    } else {
+        line
+    };
+    let painter = ui.painter();
+    painter.rect(rect, 13.0, fill, Stroke::new(1.0, line), StrokeKind::Inside);
+    let mut shaded = painter.clone();
+    if !on {
+        shaded.set_opacity(0.45);
+    }
+    symbol(
+        &shaded,
+        layer,
+        rect.left_center() + vec2(16.0, 0.0),
+        palette,
+    );
+    let text = rect.left_center() + vec2(27.0, -galley.size().y / 2.0);
+    painter.galley(text, galley, color);
+    response
+        .on_hover_cursor(CursorIcon::PointingHand)
+        .on_hover_text(layer.explanation())
+}
+
+/// What an icon button shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Icon {
+    /// To the first stage.
+    First,
+    /// One stage back.
+    Back,
+    /// Play.
+    Play,
+    /// Stop playing.
+    Pause,
+    /// One stage forward.
+    Forward,
+    /// To the last stage.
+    Last,
+    /// Close.
+    Close,
+    /// To the light theme.
+    Sun,
+    /// To the dark theme.
+    Moon,
+    /// The whole domain.
+    Fit,
+}
+
+/// A square button with an icon; `name` is its label for readers and its tooltip.
+pub fn icon_button(
+    ui: &mut Ui,
+    icon: Icon,
+    name: &str,
+    refusal: Option<&str>,
+    palette: &Palette,
+) -> Response {
+    let enabled = refusal.is_none();
+    let sense = if enabled {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(30.0), sense);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    let hot = enabled && (response.hovered() || response.has_focus());
+    let painter = ui.painter();
+    if hot {
+        painter.rect_filled(rect, 7.0, palette.text.gamma_multiply(0.09));
+    }
+    let color = if enabled {
+        palette.text
+    } else {
+        palette.muted.gamma_multiply(0.4)
+    };
+    paint_icon(painter, icon, rect.center(), color);
+    response.on_hover_text(refusal.unwrap_or(name))
+}
+
+fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32) {
+    let stroke = Stroke::new(1.8, color);
+    let triangle = |middle: Pos2, way: f32| {
+        let corners = [
+            vec2(-3.5 * way, -5.5),
+            vec2(5.0 * way, 0.0),
+            vec2(-3.5 * way, 5.5),
+        ];
+        let corners = corners.map(|v| middle + v).to_vec();
+        painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
+    };
+    let bar = |x: f32| {
+        let ends = [at + vec2(x, -5.5), at + vec2(x, 5.5)];
+        painter.line_segment(ends, Stroke::new(2.2, color));
+    };
+    match icon {
+        Icon::First => {
+            triangle(at + vec2(1.5, 0.0), -1.0);
+            bar(-5.5);
+        }
+        Icon::Back => triangle(at, -1.0),
+        Icon::Play | Icon::Forward => triangle(at, 1.0),
+        Icon::Last => {
+            triangle(at - vec2(1.5, 0.0), 1.0);
+            bar(5.5);
+        }
+        Icon::Pause => {
+            bar(-3.0);
+            bar(3.0);
+        }
+        Icon::Close => {
+            for side in [vec2(4.0, 4.0), vec2(4.0, -4.0)] {
+                painter.line_segment([at - side, at + side], stroke);
+            }
+        }
+        Icon::Sun => {
+            painter.circle_stroke(at, 3.6, stroke);
+            for k in 0..8 {
+                let ray = Vec2::angled(k as f32 * std::f32::consts::TAU / 8.0);
+                painter.line_segment([at + ray * 6.0, at + ray * 8.2], Stroke::new(1.4, color));
+            }
+        }
+        Icon::Moon => {
+            let arc = |radius: f32, from: f32, to: f32, middle: Pos2| {
+                (0..=20).map(move |k| {
+                    middle + Vec2::angled(from + (to - from) * k as f32 / 20.0) * radius
+                })
+            };
+            let outer = arc(6.5, -1.15, 4.29, at);
+            painter.add(Shape::line(outer.collect(), stroke));
+            let inner = arc(6.0, 3.45, -0.31, at + vec2(5.0, -1.5));
+            let inner: Vec<Pos2> = inner.filter(|p| (*p - at).length() < 6.6).collect();
+            painter.add(Shape::line(inner, stroke));
+        }
+        Icon::Fit => {
+            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let corner = at + vec2(6.0 * x, 6.0 * y);
+                let arm = [
+                    corner - vec2(4.0 * x, 0.0),
+                    corner,
+                    corner - vec2(0.0, 4.0 * y),
+                ];
+                painter.add(Shape::line(arm.to_vec(), stroke));
+            }
+        }
+    }
+}
+
+/// A check mark or a cross, for verdicts.
+pub fn verdict_mark(painter: &Painter, at: Pos2, well: bool, color: Color32) {
+    let stroke = Stroke::new(2.0, color);
+    if well {
+        let line = [vec2(-4.5, 0.5), vec2(-1.2, 3.8), vec2(4.8, -3.8)];
+        painter.add(Shape::line(line.map(|v| at + v).to_vec(), stroke));
+    } else {
+        for side in [vec2(3.8, 3.8), vec2(3.8, -3.8)] {
+            painter.line_segment([at - side, at + side], stroke);
+        }
+    }
+}
+
+/// The main button of a panel: filled with the accent.
+pub fn primary_button(
+    ui: &mut Ui,
+    text: &str,
+    refusal: Option<&str>,
+    palette: &Palette,
+) -> Response {
+    let enabled = refusal.is_none();
+    let sense = if enabled {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
+    let size = vec2(ui.available_width(), 34.0);
+    let (rect, response) = ui.allocate_exact_size(size, sense);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
+    let strength = match (enabled, response.hovered()) {
+        (false, _) => 0.25,
+        (true, false) => 0.92,
+        (true, true) => 1.0,
+    };
+    let painter = ui.painter();
+    painter.rect_filled(rect, 8.0, palette.accent.gamma_multiply(strength));
+    if response.has_focus() {
+        let stroke = Stroke::new(2.0, palette.text);
+        painter.rect_stroke(rect, 8.0, stroke, StrokeKind::Outside);
+    }
+    let color = if enabled {
+        palette.on_accent
+    } else {
+        palette.muted
+    };
+    let font = FontId::new(14.0, semibold());
+    painter.text(rect.center(), Align2::CENTER_CENTER, text, font, color);
+    match refusal {
+        Some(refusal) => response.on_hover_text(refusal),
+        None => response.on_hover_cursor(CursorIcon::PointingHand),
+    }
+}
