@@ -11,7 +11,7 @@
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
-use crate::progress::{Observer, Progress, Stage};
+use crate::progress::{Meter, Observer, Stage};
 use crate::random::{Key, Stream};
 use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
 
@@ -107,20 +107,9 @@ impl DartProcess {
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Point>, SampleError> {
-        let mut ask = |done| {
-            let progress = Progress {
-                stage,
-                done,
-                total: 3,
-            };
-            match observer.observe(progress) {
-                std::ops::ControlFlow::Continue(()) => Ok(()),
-                std::ops::ControlFlow::Break(()) => Err(SampleError::Cancelled { stage }),
-            }
-        };
-        ask(0)?;
-        let darts = self.darts();
-        ask(1)?;
+        let cells = self.active.len() as u64;
+        let mut meter = Meter::begin(observer, stage, 3 * cells)?;
+        let darts = self.darts(&mut meter)?;
         let mut accepted = Vec::new();
         for dart in darts {
             if !self.disks.covers(dart.point) {
@@ -129,18 +118,18 @@ impl DartProcess {
                 debug_assert!(fits, "the set is conflict-free");
                 accepted.push(dart.point);
             }
+            meter.tick()?;
         }
-        ask(2)?;
         self.throw += 1;
         if self.level > 0 || self.throw == FIRST_THROWS {
-            self.split();
+            self.split(&mut meter)?;
         }
-        ask(3)?;
+        meter.end()?;
         Ok(accepted)
     }
 
     /// Returns the darts of this level that no sample of earlier levels covers, by rank.
-    fn darts(&self) -> Vec<Dart> {
+    fn darts(&self, meter: &mut Meter<'_>) -> Result<Vec<Dart>, SampleError> {
         let key = self
             .key
             .derive(Stream::Level, self.level)
@@ -165,26 +154,29 @@ impl DartProcess {
                     darts.push(Dart { rank, point });
                 }
             }
+            meter.tick()?;
         }
         darts.sort_unstable_by_key(|dart| (dart.rank, dart.point.row_major()));
-        darts
+        Ok(darts)
     }
 
-    fn split(&mut self) {
+    fn split(&mut self, meter: &mut Meter<'_>) -> Result<(), SampleError> {
         let side = self.side();
         self.level += 1;
         self.throw = 0;
         if side == 1 {
             self.active.clear();
-            return;
+            return Ok(());
         }
         let mut next = Vec::with_capacity(self.active.len());
         let mut near = Vec::with_capacity(32);
         for &min in &self.active {
             self.disks
                 .uncovered_quarters(Cell { min, side }, &mut near, &mut next);
+            meter.tick()?;
         }
         self.active = next;
+        Ok(())
     }
 }
 
