@@ -56,11 +56,13 @@ pub fn checked(file: &std::path::Path, set: &SetArguments) -> Result<Check> {
         }
         outcome => outcome,
     };
-    let outcome = match outcome {
-        Err(CheckError::NoRadius) => Err(CheckError::NoRadius).context("give --radius"),
-        other => Ok(other?),
-    };
-    outcome.with_context(|| file.display().to_string())
+    let named = || file.display().to_string();
+    match outcome {
+        Err(error @ CheckError::NoRadius) => {
+            Err(error).context("give --radius").with_context(named)
+        }
+        outcome => outcome.with_context(named),
+    }
 }
 
 fn to_json(check: &Check) -> serde_json::Value {

@@ -4,6 +4,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
+use tilescope_app::WindowOptions;
 use tilescope_cli::{Arguments, HeadlessReason};
 
 fn main() -> ExitCode {
@@ -14,7 +15,7 @@ fn main() -> ExitCode {
     if !tilescope_app::display_available() {
         return tilescope_cli::run_headless(&HeadlessReason::NoDisplay);
     }
-    match tilescope_app::run_native() {
+    match tilescope_app::run_native(&WindowOptions::default()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => tilescope_cli::run_headless(&HeadlessReason::Failed(error.to_string())),
     }

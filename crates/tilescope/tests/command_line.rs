@@ -263,11 +263,14 @@ fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
         ),
         (&["verify", "missing.csv", "--radius", "0.1"], "missing.csv"),
         (&["verify", "bad.csv", "--radius", "0.1"], "zebra"),
-        (&["verify", "empty.csv", "--radius", "0.1"], "empty"),
+        (
+            &["verify", "empty.csv", "--radius", "0.1"],
+            "empty.csv: CSV: the set has no points",
+        ),
         (&["verify", "nan.csv", "--radius", "0.1"], "NaN"),
         (&["verify", "bad.csv", "--radius", "-1"], "error"),
         (&["convert", "bad.csv", "b.npy"], "zebra"),
-        (&["draw", "empty.csv", "a.png"], "empty"),
+        (&["draw", "empty.csv", "a.png"], "no points"),
         (&["draw", "bad.csv", "a.gif"], ".png or .svg"),
         (
             &["draw", "nan.csv", "a.png", "--size", "0"],
