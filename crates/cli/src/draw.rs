@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_core::{Key, Parameters, stages};
 use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_scene};
-use tilescope_formats::{Certificate, PointSet, Provenance};
+use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::{EXIT_FINE, files, interrupt};
+use crate::{EXIT_FINE, interrupt};
 
 /// Arguments of `tilescope draw`.
 #[derive(Debug, Args)]
@@ -77,7 +77,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         Picture::Png => tilescope_figures::to_png(&scene, 1.0)?,
         Picture::Svg => tilescope_figures::to_svg(&scene)?.into_bytes(),
     };
-    files::write(&arguments.picture, &bytes)?;
+    write_whole(&arguments.picture, &bytes)?;
     println!(
         "{} samples drawn into {}",
         read.set.len(),

@@ -8,11 +8,12 @@ use anyhow::{Context, Result};
 use clap::Args;
 use tilescope_core::{Parameters, Run, Stage, sample};
 use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
+use tilescope_formats::write_whole;
 
 use crate::output::{self, Outcome};
 use crate::progress::{Stopwatch, verifying};
 use crate::sample::{context, described, from_run};
-use crate::{files, interrupt, verdict_code};
+use crate::{interrupt, verdict_code};
 
 /// Arguments of `tilescope headless`.
 #[derive(Debug, Args)]
@@ -104,7 +105,7 @@ fn pictures(run: &Run, folder: &Path) -> Result<Vec<PathBuf>> {
             ..PictureOptions::default()
         };
         let scene = stage_scene(run, stage, &options);
-        files::write(&path, &to_png(&scene, 1.0)?)?;
+        write_whole(&path, &to_png(&scene, 1.0)?)?;
         paths.push(path);
     }
     Ok(paths)

@@ -5,7 +5,6 @@ mod bench;
 mod completions;
 mod convert;
 mod draw;
-mod files;
 mod headless;
 mod interrupt;
 mod options;

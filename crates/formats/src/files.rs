@@ -154,6 +154,17 @@ pub fn export(
     })
 }
 
+/// Writes `bytes` to a temporary file in the folder of `path` and renames it: `path` is whole or as it was.
+///
+/// # Errors
+///
+/// [`FormatError::Io`] with the path that failed; the temporary file is removed then.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+    let temporary = Temporary::beside(path);
+    temporary.write(bytes)?;
+    fs::rename(&temporary.path, path).map_err(|e| io_error(path, e))
+}
+
 /// Renames both files into place, or neither.
 fn publish(
     data: &Temporary,

@@ -139,3 +139,18 @@ fn missing_files_and_bad_certificates_are_errors_with_the_path() {
     let nowhere = folder.path().join("no").join("set.csv");
     assert!(export(&nowhere, &lattice(), &context(), &GO).is_err());
 }
+
+#[test]
+fn a_file_is_written_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.svg");
+    write_whole(&path, b"one").unwrap();
+    write_whole(&path, b"two").unwrap();
+    assert_eq!(std::fs::read(&path).unwrap(), b"two");
+    let missing = folder.path().join("no such folder").join("picture.svg");
+    assert!(matches!(
+        write_whole(&missing, b"three"),
+        Err(FormatError::Io { .. })
+    ));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
