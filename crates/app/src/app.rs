@@ -36,6 +36,7 @@ impl App {
 
     /// Shows one frame.
     pub fn show(&mut self, ui: &mut Ui) {
+        self.follow_theme(ui.ctx());
         let dt = ui.input(|i| i.stable_dt);
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
@@ -55,11 +56,16 @@ impl App {
         for command in self.commands.drain(..) {
             self.state.apply(command);
         }
+        self.follow_theme(ctx);
+        ctx.request_repaint();
+    }
+
+    fn follow_theme(&mut self, ctx: &Context) {
         if self.shown_theme != self.state.theme {
             self.shown_theme = self.state.theme;
             ctx.set_theme(self.state.theme);
+            ctx.request_repaint();
         }
-        ctx.request_repaint();
     }
 }
 

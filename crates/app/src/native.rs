@@ -75,7 +75,6 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                 let mut app = App::new(&creation.egui_ctx);
                 if light {
                     app.state.apply(crate::Command::ToggleTheme);
-                    creation.egui_ctx.set_theme(app.state.theme);
                 }
                 Ok(Box::new(app))
             }),

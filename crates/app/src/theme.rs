@@ -212,9 +212,9 @@ fn style(palette: &Palette) -> Style {
     for (name, size, family) in fonts {
         style.text_styles.insert(name, FontId::new(size, family));
     }
-    style.spacing.item_spacing = vec2(8.0, 6.0);
-    style.spacing.button_padding = vec2(10.0, 5.0);
-    style.spacing.interact_size.y = 26.0;
+    style.spacing.item_spacing = vec2(8.0, 5.0);
+    style.spacing.button_padding = vec2(9.0, 4.0);
+    style.spacing.interact_size.y = 24.0;
     style.spacing.window_margin = Margin::same(18);
     style.interaction.tooltip_delay = 0.25;
     style

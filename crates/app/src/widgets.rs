@@ -3,7 +3,7 @@
 
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
-    Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
 
 use crate::canvas::layers::Layer;
@@ -116,12 +116,12 @@ fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
 
 /// A pill with a symbol and a name that is on or off.
 pub fn chip(ui: &mut Ui, layer: Layer, on: bool, palette: &Palette) -> Response {
-    let font = FontId::proportional(12.5);
+    let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
     let galley = ui
         .painter()
         .layout_no_wrap(layer.name().to_owned(), font, color);
-    let size = vec2(galley.size().x + 36.0, 26.0);
+    let size = vec2(galley.size().x + 32.0, 26.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     let name = layer.name();
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, name));
@@ -147,10 +147,10 @@ pub fn chip(ui: &mut Ui, layer: Layer, on: bool, palette: &Palette) -> Response 
     symbol(
         &shaded,
         layer,
-        rect.left_center() + vec2(16.0, 0.0),
+        rect.left_center() + vec2(14.0, 0.0),
         palette,
     );
-    let text = rect.left_center() + vec2(27.0, -galley.size().y / 2.0);
+    let text = rect.left_center() + vec2(24.0, -galley.size().y / 2.0);
     painter.galley(text, galley, color);
     response
         .on_hover_cursor(CursorIcon::PointingHand)
@@ -208,11 +208,11 @@ pub fn icon_button(
     } else {
         palette.muted.gamma_multiply(0.4)
     };
-    paint_icon(painter, icon, rect.center(), color);
+    paint_icon(painter, icon, rect.center(), color, palette.panel);
     response.on_hover_text(refusal.unwrap_or(name))
 }
 
-fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32) {
+fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: Color32) {
     let stroke = Stroke::new(1.8, color);
     let triangle = |middle: Pos2, way: f32| {
         let corners = [
@@ -255,16 +255,8 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32) {
             }
         }
         Icon::Moon => {
-            let arc = |radius: f32, from: f32, to: f32, middle: Pos2| {
-                (0..=20).map(move |k| {
-                    middle + Vec2::angled(from + (to - from) * k as f32 / 20.0) * radius
-                })
-            };
-            let outer = arc(6.5, -1.15, 4.29, at);
-            painter.add(Shape::line(outer.collect(), stroke));
-            let inner = arc(6.0, 3.45, -0.31, at + vec2(5.0, -1.5));
-            let inner: Vec<Pos2> = inner.filter(|p| (*p - at).length() < 6.6).collect();
-            painter.add(Shape::line(inner, stroke));
+            painter.circle_filled(at, 7.0, color);
+            painter.circle_filled(at + vec2(3.6, -2.6), 5.6, ground);
         }
         Icon::Fit => {
             for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {

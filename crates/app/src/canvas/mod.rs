@@ -213,7 +213,7 @@ fn handle_input(ui: &Ui, response: &Response, state: &State, commands: &mut Vec<
     }
     if response.contains_pointer() {
         let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
-        let factor = f64::from(pinch) * f64::from(scroll.y * 0.0045).exp();
+        let factor = f64::from(pinch) * f64::from(scroll.y * 0.0024).exp();
         let at = response.hover_pos().unwrap_or(state.viewport.center());
         if (factor - 1.0).abs() > 1e-6 {
             commands.push(Command::Zoom(at, factor));

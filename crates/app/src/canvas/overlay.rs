@@ -140,7 +140,7 @@ pub fn sight(painter: &Painter, rect: Rect, state: &State, session: &Session, pa
             ));
             painter.circle_filled(at(center), 3.5, color);
             let text = format!("empty circle {radius:.6} r");
-            let beside = at(center) + vec2(0.0, -12.0);
+            let beside = at(center) - vec2(0.0, reach + 10.0);
             tag(painter, beside, Align2::CENTER_BOTTOM, &text, palette);
         }
     }

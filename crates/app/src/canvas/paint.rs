@@ -285,9 +285,16 @@ impl<'a> Scene<'a> {
         let mut crosses = Mesh::with_texture(cross.texture);
         let mut diamonds = Mesh::with_texture(ground.texture);
         let dropped = self.palette.eliminated.gamma_multiply(0.35);
+        // Once the result stands, those it does not hold step back.
+        let presence = match self.stage {
+            Stage::Finish => 0.3,
+            Stage::Iterate(_) => 0.6,
+            _ => 1.0,
+        };
+        let ghost = self.palette.eliminated.gamma_multiply(presence);
         self.visit(|id, pos, standing| match standing {
             Standing::Eliminated { .. } if self.has(Layer::Eliminated) => {
-                add_stamp(&mut crosses, cross, pos, self.palette.eliminated);
+                add_stamp(&mut crosses, cross, pos, ghost);
             }
             Standing::Dropped if self.has(Layer::Eliminated) && self.stage == Stage::Tile => {
                 add_stamp(&mut dots, dot, pos, dropped);

@@ -92,9 +92,8 @@ impl Coverage {
         }
     }
 
-    /// Returns how many pixels of the domain are not covered.
-    #[must_use]
-    pub fn open_pixels(&self) -> usize {
+    #[cfg(test)]
+    fn open_pixels(&self) -> usize {
         self.cells.iter().filter(|&&cell| cell == OPEN).count()
     }
 
@@ -104,11 +103,7 @@ impl Coverage {
     pub fn image(&self, color: Color32, pixels_per_point: f32) -> ColorImage {
         let [width, height] = self.size;
         let mut image = ColorImage::filled(self.size, Color32::TRANSPARENT);
-        let (fill, hatch, edge) = (
-            color.gamma_multiply(0.42),
-            color.gamma_multiply(0.85),
-            color,
-        );
+        let (fill, hatch, edge) = (color.gamma_multiply(0.5), color.gamma_multiply(0.85), color);
         let fading = color.gamma_multiply(0.20);
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;

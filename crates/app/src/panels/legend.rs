@@ -1,13 +1,16 @@
-//! The legend: each symbol with its meaning.
+//! The legend: each symbol with its meaning, and what the colour of samples means.
 
-use egui::{RichText, Sense, Ui, vec2};
+use egui::{Button, RichText, Sense, Ui, vec2};
 
-use crate::canvas::layers::Layer;
+use crate::canvas::layers::{Colouring, Layer};
+use crate::command::Command;
+use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{heading, symbol};
 
 /// Shows the legend.
-pub fn show(ui: &mut Ui, palette: &Palette) {
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
     heading(ui, "Legend");
     ui.spacing_mut().item_spacing.y = 1.0;
     for (layer, meaning) in [
@@ -28,4 +31,30 @@ pub fn show(ui: &mut Ui, palette: &Palette) {
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }
+    ui.add_space(8.0);
+    colouring(ui, state, commands);
+}
+
+fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.theme);
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Colour").color(palette.muted));
+        for (colouring, name, explanation) in [
+            (
+                Colouring::Block,
+                "by block",
+                "Samples have the colour of the block they were tiled into.",
+            ),
+            (
+                Colouring::Provenance,
+                "by origin",
+                "Samples inside their own block, from the margin around it, or inserted.",
+            ),
+        ] {
+            let button = Button::selectable(state.colouring == colouring, name);
+            if ui.add(button).on_hover_text(explanation).clicked() {
+                commands.push(Command::Colour(colouring));
+            }
+        }
+    });
 }

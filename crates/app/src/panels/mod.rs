@@ -18,9 +18,9 @@ use crate::state::State;
 use crate::theme::Palette;
 
 /// Width of the left panel, in screen points.
-const LEFT_WIDTH: f32 = 288.0;
+const LEFT_WIDTH: f32 = 276.0;
 /// Width of the right panel, in screen points.
-const RIGHT_WIDTH: f32 = 304.0;
+const RIGHT_WIDTH: f32 = 288.0;
 
 /// Shows every panel that has a fixed place; what is left of `ui` is the canvas.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -59,7 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             scrolled(ui, |ui| {
                 verification::show(ui, state, commands);
                 inspector::show(ui, state, commands);
-                legend::show(ui, palette);
+                legend::show(ui, state, commands);
             });
         });
     Panel::top("layers")

@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         palette.accent
     };
-    Area::new(Id::new("notice"))
+    Area::new(Id::unique("notice"))
         .order(Order::Foreground)
         .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -128.0))
         .show(ui.ctx(), |ui| {

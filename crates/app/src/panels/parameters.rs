@@ -12,20 +12,24 @@ use crate::theme::Palette;
 use crate::widgets::{heading, primary_button};
 
 /// Where the fields begin, from the left edge of the panel.
-const FIELD_START: f32 = 112.0;
+const FIELD_START: f32 = 100.0;
+/// How wide a field is with its frame.
+const FIELD_WIDTH: f32 = 132.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.theme);
     let refusals = state.draft.refusals();
     heading(ui, "Domain");
-    for (field, name, unit) in [
-        (Field::Width, "Width", ""),
-        (Field::Height, "Height", ""),
-        (Field::Radius, "Radius", ""),
-    ] {
-        number(ui, state, field, name, unit, &refusals, commands);
-    }
+    pair(
+        ui,
+        state,
+        "Size",
+        [(Field::Width, "Width"), (Field::Height, "Height")],
+        &refusals,
+        commands,
+    );
+    number(ui, state, Field::Radius, "Radius", "", &refusals, commands);
     let p = &state.draft.parameters;
     let boundaries = [
         (Boundary::Periodic, "periodic"),
@@ -40,18 +44,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     heading(ui, "Tiling");
     number(ui, state, Field::Seed, "Seed", "", &refusals, commands);
     number(ui, state, Field::Leaf, "Leaf", "r", &refusals, commands);
-    let name = "Pattern side";
-    number(
-        ui,
-        state,
-        Field::PatternSide,
-        name,
-        "r",
-        &refusals,
-        commands,
-    );
-    let name = "Pattern seed";
-    number(ui, state, Field::PatternSeed, name, "", &refusals, commands);
+    let fields = [
+        (Field::PatternSide, "Pattern side"),
+        (Field::PatternSeed, "Pattern seed"),
+    ];
+    pair(ui, state, "Pattern, seed", fields, &refusals, commands);
     let why = "A periodic pattern allows any offset; a bounded one is the paper's.";
     let chosen = choice(
         ui,
@@ -155,29 +152,80 @@ fn number(
 ) {
     let palette = Palette::of(state.theme);
     let refusal = refusals.iter().find(|r| r.field == Some(field));
-    labelled(ui, name, palette, |ui, label| {
-        let mut text = state.draft.text(field).to_owned();
-        let color = refusal.map(|_| palette.conflict);
-        let width = ui.available_width() - 18.0;
-        let edit = TextEdit::singleline(&mut text)
-            .font(egui::TextStyle::Monospace)
-            .text_color_opt(color)
-            .margin(egui::Margin::symmetric(8, 5))
-            .desired_width(width);
-        let response = ui.add(edit).labelled_by(label);
-        if response.changed() {
-            commands.push(Command::Type(field, text));
-        }
-        let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        if entered && state.run_refusal().is_none() && state.sampling.is_none() {
-            commands.push(Command::Run);
-        }
+    labelled(ui, name, palette, |ui, _| {
+        edit(
+            ui,
+            state,
+            field,
+            name,
+            FIELD_WIDTH,
+            refusal.is_some(),
+            commands,
+        );
         if !unit.is_empty() {
             ui.label(RichText::new(unit).color(palette.muted));
         }
     });
     if let Some(refusal) = refusal {
         trouble(ui, &refusal.reason, palette);
+    }
+}
+
+/// Two fields on a line.
+fn pair(
+    ui: &mut Ui,
+    state: &State,
+    name: &str,
+    fields: [(Field, &str); 2],
+    refusals: &[Refusal],
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.theme);
+    let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
+    labelled(ui, name, palette, |ui, _| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        let width = (FIELD_WIDTH - 6.0) / 2.0;
+        for (field, name) in fields {
+            edit(
+                ui,
+                state,
+                field,
+                name,
+                width,
+                refusal(field).is_some(),
+                commands,
+            );
+        }
+    });
+    for refusal in fields.iter().filter_map(|(field, _)| refusal(*field)) {
+        trouble(ui, &refusal.reason, palette);
+    }
+}
+
+fn edit(
+    ui: &mut Ui,
+    state: &State,
+    field: Field,
+    name: &str,
+    width: f32,
+    is_wrong: bool,
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.theme);
+    let mut text = state.draft.text(field).to_owned();
+    let edit = TextEdit::singleline(&mut text)
+        .id_salt(name)
+        .font(egui::TextStyle::Monospace)
+        .text_color_opt(is_wrong.then_some(palette.conflict))
+        .margin(egui::Margin::symmetric(8, 4))
+        .desired_width(width);
+    let response = ui.add(edit).accessible_name(name).on_hover_text(name);
+    if response.changed() {
+        commands.push(Command::Type(field, text));
+    }
+    let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    if entered && state.run_refusal().is_none() && state.sampling.is_none() {
+        commands.push(Command::Run);
     }
 }
 
@@ -198,7 +246,7 @@ fn choice<T: Copy + PartialEq>(
     labelled(ui, name, palette, |ui, label| {
         let combo = ComboBox::from_id_salt(name)
             .selected_text(text.map_or("", |(_, text)| text))
-            .width(ui.available_width() - 8.0)
+            .width(FIELD_WIDTH)
             .show_ui(ui, |ui| {
                 for (value, text) in options {
                     ui.selectable_value(&mut chosen, *value, *text);

@@ -150,7 +150,7 @@ fn track(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for (place, &stage) in session.stages.iter().enumerate() {
         let middle = node(place);
         let area = Rect::from_center_size(middle + vec2(0.0, 9.0), vec2(step.min(96.0), 46.0));
-        let response = ui.interact(area, ui.id().with(("stage", place)), Sense::click());
+        let response = ui.interact(area, ui.scope_id().with(("stage", place)), Sense::click());
         let clicked = stop(
             ui,
             &response,

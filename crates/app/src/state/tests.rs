@@ -1,1 +1,159 @@
+//! The state driven by commands, without a window.
 
+use super::*;
+use crate::canvas::layers::Layer;
+use crate::command::{Choice, Field};
+use tilescope_core::Search;
+
+fn settled() -> State {
+    let mut state = State::new(Arc::new(|| {}));
+    state.apply(Command::Viewport(Rect::from_min_size(
+        egui::pos2(0.0, 0.0),
+        egui::vec2(800.0, 800.0),
+    )));
+    state.settle();
+    state
+}
+
+fn type_in(state: &mut State, field: Field, text: &str) {
+    state.apply(Command::Type(field, text.to_owned()));
+}
+
+#[test]
+fn the_default_session_is_finished_and_verified() {
+    let state = settled();
+    let session = state.session.as_ref().unwrap();
+    assert!((9_800..10_200).contains(&session.summary.count));
+    assert_eq!(state.current_stage(), Some(Stage::Finish));
+    assert!(state.verdict().unwrap().report.valid());
+}
+
+#[test]
+fn stages_stop_at_both_ends() {
+    let mut state = settled();
+    let last = state.stage;
+    state.apply(Command::StepForward);
+    assert_eq!(state.stage, last);
+    state.apply(Command::StepBack);
+    assert_eq!(state.stage, last - 1);
+    state.apply(Command::FirstStage);
+    state.apply(Command::StepBack);
+    assert_eq!(
+        (state.stage, state.current_stage()),
+        (0, Some(Stage::Pattern))
+    );
+    state.apply(Command::ShowStage(usize::MAX));
+    assert_eq!(state.stage, last);
+}
+
+#[test]
+fn playing_ends_at_the_last_stage() {
+    let mut state = settled();
+    let stages = state.stage;
+    state.apply(Command::TogglePlay);
+    assert_eq!(state.stage, 0);
+    for _ in 0..stages {
+        state.advance(SECONDS_PER_STAGE);
+    }
+    assert_eq!(state.current_stage(), Some(Stage::Finish));
+    assert!(state.playing.is_none());
+}
+
+#[test]
+fn a_bad_draft_is_not_run() {
+    let mut state = settled();
+    type_in(&mut state, Field::Radius, "-3");
+    assert!(state.run_refusal().unwrap().contains("-3"));
+    state.apply(Command::Run);
+    assert!(state.sampling.is_none());
+    state.apply(Command::ResetParameters);
+    assert_eq!(state.run_refusal(), None);
+}
+
+#[test]
+fn a_cancelled_run_leaves_the_session_and_says_so() {
+    let mut state = settled();
+    let before = state.session.as_ref().unwrap().generation;
+    type_in(&mut state, Field::Radius, "0.0005");
+    state.apply(Command::Run);
+    assert_eq!(state.session.as_ref().unwrap().generation, before);
+    state.apply(Command::Cancel);
+    state.settle();
+    assert_eq!(state.session.as_ref().unwrap().generation, before);
+    assert!(state.notice.as_ref().unwrap().text.contains("Cancelled"));
+    state.apply(Command::DismissNotice);
+    assert!(state.notice.is_none());
+}
+
+#[test]
+fn a_failing_verdict_leads_to_its_witness() {
+    let mut state = settled();
+    type_in(&mut state, Field::Leaf, "6");
+    type_in(&mut state, Field::Radius, "0.004");
+    state.apply(Command::Choose(Choice::Search(Search::TwoRadii)));
+    state.apply(Command::Run);
+    state.settle();
+    let report = &state.verdict().unwrap().report;
+    assert!(report.conflict_free() && !report.maximal());
+    state.apply(Command::FlyToWitness(Witness::Verdict));
+    let Some(Sight::Circle(center, radius)) = state.sight else {
+        panic!("a gap is the witness");
+    };
+    assert!(radius > 1.0);
+    while state.advance(0.1) {}
+    assert_eq!(state.camera.center, center);
+}
+
+#[test]
+fn a_valid_set_shows_its_extremes() {
+    let mut state = settled();
+    state.apply(Command::FlyToWitness(Witness::Verdict));
+    assert!(matches!(state.sight, Some(Sight::Pair(_, d)) if (1.0..1.01).contains(&d)));
+    state.apply(Command::FlyToWitness(Witness::LargestHole));
+    assert!(matches!(state.sight, Some(Sight::Circle(_, r)) if (0.9..=1.0001).contains(&r)));
+}
+
+#[test]
+fn an_export_says_where_file_and_certificate_went() {
+    let folder = std::env::temp_dir().join(format!("tilescope-app-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("set.ply");
+    let mut state = settled();
+    state.apply(Command::OpenExport);
+    state.apply(Command::ExportPath(path.to_string_lossy().into_owned()));
+    state.apply(Command::Export);
+    state.settle();
+    let notice = state.notice.clone().unwrap();
+    assert!(!notice.is_error, "{}", notice.text);
+    assert!(notice.text.contains("set.ply.certificate.json"));
+    assert!(path.exists() && state.export.is_none());
+    state.apply(Command::OpenExport);
+    let nowhere = folder.join("missing").join("set.csv");
+    state.apply(Command::ExportPath(nowhere.to_string_lossy().into_owned()));
+    state.apply(Command::Export);
+    state.settle();
+    assert!(state.notice.clone().unwrap().is_error && state.export.is_some());
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn samples_that_are_not_there_yet_are_not_pointed_at() {
+    let mut state = settled();
+    let id = state.session.as_ref().unwrap().run.iterations[0]
+        .inserted
+        .start;
+    state.apply(Command::GoToSample(id));
+    assert_eq!(state.selected, Some(id));
+    state.apply(Command::ShowStage(2));
+    assert_eq!(state.selected, None);
+}
+
+#[test]
+fn layers_and_theme_toggle() {
+    let mut state = settled();
+    let before = (state.layers.has(Layer::Gaps), state.theme);
+    state.apply(Command::ToggleLayer(Layer::Gaps));
+    state.apply(Command::ToggleTheme);
+    assert_ne!(state.layers.has(Layer::Gaps), before.0);
+    assert_ne!(state.theme, before.1);
+}

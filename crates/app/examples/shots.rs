@@ -1,0 +1,82 @@
+//! Renders states of the window to pictures, without a display:
+//! `cargo run --release -p tilescope-app --example shots FOLDER`.
+
+use std::path::Path;
+
+use egui_kittest::Harness;
+use tilescope_app::canvas::layers::{Colouring, Layer};
+use tilescope_app::command::{Choice, Field, Witness};
+use tilescope_app::{App, Command};
+use tilescope_core::Search;
+
+fn main() {
+    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
+    let mut harness = Harness::builder()
+        .with_size([1600.0, 1000.0])
+        .with_max_steps(64)
+        .build_eframe(|creation| App::new(&creation.egui_ctx));
+    harness.state_mut().state.settle();
+    harness.run();
+    let mut shoot = |name: &str, commands: Vec<Command>| {
+        for command in commands {
+            harness.state_mut().state.apply(command);
+        }
+        harness.state_mut().state.settle();
+        harness.run();
+        let image = harness.render().expect("a picture of the window");
+        let path = Path::new(&folder).join(format!("{name}.png"));
+        image.save(&path).expect("a writable folder");
+        println!("{}", path.display());
+    };
+    let near = || Command::FlyTo([37.0, 45.0], 18.0);
+    shoot("finish", vec![]);
+    shoot("tile", vec![Command::ShowStage(2)]);
+    shoot("tile-zoom", vec![near()]);
+    shoot(
+        "eliminate-zoom",
+        vec![Command::StepForward, Command::ToggleLayer(Layer::Disks)],
+    );
+    shoot("iterate-zoom", vec![Command::StepForward]);
+    shoot(
+        "finish-zoom",
+        vec![Command::LastStage, Command::Colour(Colouring::Provenance)],
+    );
+    shoot(
+        "largest-hole",
+        vec![Command::FlyToWitness(Witness::LargestHole)],
+    );
+    shoot("pattern", vec![Command::ShowStage(0), Command::Fit]);
+    shoot(
+        "light-blocks",
+        vec![Command::ToggleTheme, Command::ShowStage(1)],
+    );
+    shoot(
+        "light",
+        vec![Command::LastStage, Command::ToggleLayer(Layer::Disks)],
+    );
+    shoot(
+        "light-eliminate",
+        vec![Command::ShowStage(3), near(), Command::OpenExport],
+    );
+    shoot(
+        "light-iterate",
+        vec![Command::CloseExport, Command::StepForward],
+    );
+    let gaps = vec![
+        Command::Choose(Choice::Search(Search::TwoRadii)),
+        Command::Type(Field::Leaf, "6".to_owned()),
+        Command::Type(Field::Radius, "0.004".to_owned()),
+        Command::ToggleTheme,
+        Command::Run,
+    ];
+    shoot("two-radii", gaps);
+    shoot(
+        "two-radii-witness",
+        vec![Command::FlyToWitness(Witness::Verdict)],
+    );
+    let bad = vec![
+        Command::Type(Field::Radius, "0".to_owned()),
+        Command::Type(Field::Leaf, "2".to_owned()),
+    ];
+    shoot("bad", bad);
+}

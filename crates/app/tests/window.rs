@@ -1,0 +1,198 @@
+//! The window as a user meets it: found by its labels, clicked, typed into, looked at.
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::canvas::layers::Layer;
+use tilescope_app::command::{Choice, Field};
+use tilescope_app::{App, Command};
+use tilescope_core::{Search, Stage};
+
+fn opened() -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size([1440.0, 900.0])
+        .with_max_steps(64)
+        .build_eframe(|creation| App::new(&creation.egui_ctx));
+    settle(&mut harness);
+    harness
+}
+
+fn settle(harness: &mut Harness<'_, App>) {
+    harness.state_mut().state.settle();
+    harness.run();
+}
+
+fn shown_stage(harness: &Harness<'_, App>) -> Stage {
+    harness.state().state.current_stage().expect("a session")
+}
+
+#[test]
+fn it_opens_on_a_finished_verified_session() {
+    let harness = opened();
+    harness.get_by_label("Verdict: verified");
+    harness.get_by_label_contains("Finish: 10,041 samples");
+    assert_eq!(shown_stage(&harness), Stage::Finish);
+}
+
+#[test]
+fn stages_go_back_and_forward_by_button_key_and_track() {
+    let mut harness = opened();
+    harness.get_by_label("Stage back (Left)").click();
+    harness.run();
+    assert_eq!(shown_stage(&harness), Stage::Iterate(2));
+    harness.key_press(egui::Key::ArrowLeft);
+    harness.run();
+    harness.get_by_label_contains("Iteration 1:");
+    harness.get_by_label("Eliminate").click();
+    harness.run();
+    assert_eq!(shown_stage(&harness), Stage::Eliminate);
+    harness.get_by_label("Stage forward (Right)").click();
+    harness.run();
+    assert_eq!(shown_stage(&harness), Stage::Iterate(1));
+}
+
+#[test]
+fn a_bad_radius_is_refused_beside_its_field_and_run_is_disabled() {
+    let mut harness = opened();
+    assert!(!harness.get_by_label("Run").accesskit_node().is_disabled());
+    harness.get_by_label("Radius").focus();
+    harness.run();
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    harness.get_by_label("Radius").type_text("0");
+    harness.run();
+    let reason = harness.get_by_label_contains("must be a finite number above 0");
+    let field = harness.get_by_label("Radius").rect();
+    assert!(reason.rect().top() >= field.top() && reason.rect().top() < field.bottom() + 12.0);
+    assert!(harness.get_by_label("Run").accesskit_node().is_disabled());
+}
+
+#[test]
+fn a_run_can_be_cancelled() {
+    let mut harness = opened();
+    let count = harness
+        .state()
+        .state
+        .session
+        .as_ref()
+        .expect("a session")
+        .summary
+        .count;
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Type(Field::Radius, "0.0005".to_owned()));
+    harness.step();
+    harness.get_by_label("Run").click();
+    harness.step();
+    harness.step();
+    harness.get_by_label("Cancel").click();
+    harness.step();
+    harness.step();
+    settle(&mut harness);
+    harness.get_by_label_contains("Cancelled during stage");
+    harness.get_by_label("Dismiss").click();
+    harness.run();
+    assert!(
+        harness
+            .query_by_label_contains("Cancelled during stage")
+            .is_none()
+    );
+    let after = harness
+        .state()
+        .state
+        .session
+        .as_ref()
+        .expect("a session")
+        .summary
+        .count;
+    assert_eq!(after, count);
+}
+
+#[test]
+fn a_failing_verdict_is_red_and_flies_to_the_gap() {
+    let mut harness = opened();
+    for command in [
+        Command::Type(Field::Leaf, "6".to_owned()),
+        Command::Type(Field::Radius, "0.004".to_owned()),
+        Command::Choose(Choice::Search(Search::TwoRadii)),
+        Command::Run,
+    ] {
+        harness.state_mut().state.apply(command);
+    }
+    settle(&mut harness);
+    let before = harness.state().state.camera;
+    harness.get_by_label("Verdict: not maximal").click();
+    harness.run();
+    let after = harness.state().state.camera;
+    assert!(after.scale > 5.0 * before.scale && after.center != before.center);
+    assert!(harness.state().state.sight.is_some());
+}
+
+#[test]
+fn every_layer_has_a_chip_that_toggles_it() {
+    let mut harness = opened();
+    for layer in Layer::ALL {
+        let before = harness.state().state.layers.has(layer);
+        harness.get_by_label(layer.name()).click();
+        harness.run();
+        assert_ne!(harness.state().state.layers.has(layer), before, "{layer:?}");
+    }
+}
+
+#[test]
+fn the_theme_toggles_and_both_are_drawn() {
+    let mut harness = opened();
+    let dark = harness.render().expect("a picture");
+    harness.get_by_label("Light theme").click();
+    harness.run();
+    let light = harness.render().expect("a picture");
+    let brightness = |image: &[u8]| image.iter().map(|&v| u64::from(v)).sum::<u64>();
+    assert!(brightness(light.as_raw()) > 2 * brightness(dark.as_raw()));
+    harness.get_by_label("Dark theme");
+}
+
+#[test]
+fn the_export_sheet_refuses_unknown_extensions() {
+    let mut harness = opened();
+    harness.get_by_label("Export\u{2026}").click();
+    harness.run();
+    harness
+        .state_mut()
+        .state
+        .apply(Command::ExportPath("set.jpeg".to_owned()));
+    harness.run();
+    harness.get_by_label_contains("The extension chooses the format");
+    let write = harness.get_by_label("Write file and certificate");
+    assert!(write.accesskit_node().is_disabled());
+}
+
+#[test]
+fn the_canvas_zooms_about_the_pointer_and_pans() {
+    let mut harness = opened();
+    let viewport = harness.state().state.viewport;
+    assert!(viewport.width() >= 0.6 * 1440.0);
+    let at = viewport.center() + egui::vec2(120.0, 60.0);
+    let place = harness
+        .state()
+        .state
+        .camera
+        .domain_from_screen(viewport, at);
+    harness.hover_at(at);
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 200.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: egui::Modifiers::NONE,
+    });
+    harness.run();
+    let camera = harness.state().state.camera;
+    let now = camera.domain_from_screen(viewport, at);
+    assert!(camera.scale > 6.0 && (now[0] - place[0]).abs() < 1e-3);
+    let center = camera.center;
+    harness.drag_at(at);
+    harness.run();
+    harness.hover_at(at + egui::vec2(50.0, 0.0));
+    harness.run();
+    harness.drop_at(at + egui::vec2(50.0, 0.0));
+    harness.run();
+    assert!(harness.state().state.camera.center[0] < center[0]);
+}
