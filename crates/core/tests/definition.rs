@@ -64,7 +64,8 @@ fn candidates(
         .filter(|&(id, (x, y))| id != i.0 && x * x + y * y <= i64::from(reach.search).pow(2))
         .collect();
     let accept = |c: (i64, i64), sites: &[(i64, i64)]| {
-        if c.0 * c.0 + c.1 * c.1 > i64::from(reach.radius).pow(2) {
+        let wide = |x: i64| i128::from(x) * i128::from(x);
+        if wide(c.0) + wide(c.1) > wide(reach.radius.into()) {
             return None;
         }
         let place = domain.wrap(i64::from(i.1.x) + c.0, i64::from(i.1.y) + c.1)?;

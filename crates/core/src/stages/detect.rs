@@ -270,7 +270,9 @@ impl<'a> Detection<'a> {
     /// by `sites`: the definition, word for word.
     fn accept(&self, at: Point, centre: Offset, sites: &[Site]) -> Option<Point> {
         let reach = i64::from(self.reach.radius);
-        if norm_squared(centre) > reach * reach {
+        // Three samples nearly in line have a centre so far away that its square is no number.
+        if centre.0.abs() > reach || centre.1.abs() > reach || norm_squared(centre) > reach * reach
+        {
             return None;
         }
         let distance = |site: &Site| norm_squared(minus(site.offset, centre));
