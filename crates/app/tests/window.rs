@@ -1,5 +1,6 @@
 //! The window as a user meets it: found by its labels, clicked, typed into, looked at.
 
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::layers::Layer;
@@ -54,13 +55,19 @@ fn stages_go_back_and_forward_by_button_key_and_track() {
 fn a_bad_radius_is_refused_beside_its_field_and_run_is_disabled() {
     let mut harness = opened();
     assert!(!harness.get_by_label("Run").accesskit_node().is_disabled());
-    harness.get_by_label("Radius").focus();
+    harness
+        .get_by_role_and_label(Role::TextInput, "Radius")
+        .focus();
     harness.run();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    harness.get_by_label("Radius").type_text("0");
+    harness
+        .get_by_role_and_label(Role::TextInput, "Radius")
+        .type_text("0");
     harness.run();
     let reason = harness.get_by_label_contains("must be a finite number above 0");
-    let field = harness.get_by_label("Radius").rect();
+    let field = harness
+        .get_by_role_and_label(Role::TextInput, "Radius")
+        .rect();
     assert!(reason.rect().top() >= field.top() && reason.rect().top() < field.bottom() + 12.0);
     assert!(harness.get_by_label("Run").accesskit_node().is_disabled());
 }
@@ -132,7 +139,9 @@ fn every_layer_has_a_chip_that_toggles_it() {
     let mut harness = opened();
     for layer in Layer::ALL {
         let before = harness.state().state.layers.has(layer);
-        harness.get_by_label(layer.name()).click();
+        harness
+            .get_by_role_and_label(Role::CheckBox, layer.name())
+            .click();
         harness.run();
         assert_ne!(harness.state().state.layers.has(layer), before, "{layer:?}");
     }
@@ -181,6 +190,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
         unit: egui::MouseWheelUnit::Point,
         delta: egui::vec2(0.0, 200.0),
         phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
         modifiers: egui::Modifiers::NONE,
     });
     harness.run();

@@ -203,13 +203,18 @@ fn coverage(frame: &Frame, session: &Session, stage: Stage) -> Coverage {
 }
 
 fn handle_input(ui: &Ui, response: &Response, state: &State, commands: &mut Vec<Command>) {
-    let touches = ui.input(|i| i.multi_touch());
-    if let Some(touch) = touches.filter(|_| response.contains_pointer()) {
-        commands.push(Command::Pan(touch.translation_delta));
-    } else if response.dragged_by(PointerButton::Primary)
-        || response.dragged_by(PointerButton::Middle)
-    {
-        commands.push(Command::Pan(response.drag_delta()));
+    let touch = ui.input(|i| i.multi_touch());
+    let moved = match touch.filter(|_| response.contains_pointer()) {
+        Some(touch) => touch.translation_delta,
+        None if response.dragged_by(PointerButton::Primary)
+            || response.dragged_by(PointerButton::Middle) =>
+        {
+            response.drag_delta()
+        }
+        None => egui::Vec2::ZERO,
+    };
+    if moved != egui::Vec2::ZERO {
+        commands.push(Command::Pan(moved));
     }
     if response.contains_pointer() {
         let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));

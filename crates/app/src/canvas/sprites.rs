@@ -81,7 +81,7 @@ impl Sprites {
 
 /// Returns the picture of a symbol of `radius` pixels; `unit` is a screen point in pixels.
 fn draw(sprite: Sprite, radius: f32, unit: f32) -> ColorImage {
-    let half = (radius + 2.0 * unit).ceil() as i32;
+    let half = (radius + 3.0 * unit).ceil() as i32;
     let side = (2 * half) as usize;
     let mut pixels = Vec::with_capacity(side * side);
     for row in -half..half {

@@ -13,7 +13,7 @@ use crate::theme::Palette;
 use crate::widgets::{heading, row};
 
 /// Height kept for the sample's rows, so that the legend below stays where it is.
-const HEIGHT: f32 = 216.0;
+const HEIGHT: f32 = 200.0;
 
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -28,7 +28,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let size = vec2(ui.available_width(), HEIGHT);
     ui.allocate_ui(size, |ui| {
         ui.set_min_size(size);
-        ui.spacing_mut().item_spacing.y = 3.0;
+        ui.spacing_mut().item_spacing.y = 2.0;
+        ui.spacing_mut().interact_size.y = 18.0;
         match (id, &state.session, state.current_stage()) {
             (Some(id), Some(session), Some(stage)) => {
                 sample(ui, session, stage, id, palette, commands);

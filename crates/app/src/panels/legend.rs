@@ -12,6 +12,8 @@ use crate::widgets::{heading, symbol};
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.theme);
     heading(ui, "Legend");
+    colouring(ui, state, commands);
+    ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
     for (layer, meaning) in [
         (Layer::Samples, "sample"),
@@ -31,8 +33,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }
-    ui.add_space(8.0);
-    colouring(ui, state, commands);
 }
 
 fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

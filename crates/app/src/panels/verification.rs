@@ -84,6 +84,8 @@ fn explanation(state: &State) -> String {
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.theme);
     heading(ui, "Verification");
+    ui.spacing_mut().item_spacing.y = 3.0;
+    ui.spacing_mut().interact_size.y = 21.0;
     let verdict = state.verdict();
     let report = verdict.map(|v| &v.report);
     property(
