@@ -81,7 +81,7 @@ mod native {
         let run = &session.run;
         let mut context = ExportContext::new(region_of(session), run.domain.radius());
         context.precision = form.precision;
-        context.method = "kdrt".to_owned();
+        "kdrt".clone_into(&mut context.method);
         context.parameters = parameter_map(run);
         let control = |progress: Progress| {
             monitor.set_fraction(progress.done as f32 / progress.total.max(1) as f32);

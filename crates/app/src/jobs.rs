@@ -104,7 +104,6 @@ impl<T: Send + 'static> Job<T> {
 
     /// Waits for the result. For tests and scripts: a window polls.
     #[cfg(not(target_arch = "wasm32"))]
-    #[must_use]
     pub fn wait(&self) -> Result<T, String> {
         let outcome = self.result.recv();
         outcome.unwrap_or_else(|_| Err(NO_THREAD.to_owned()))

@@ -82,7 +82,8 @@ pub struct State {
     /// The system's file dialog, while open.
     #[cfg(not(target_arch = "wasm32"))]
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
-    fit_pending: bool,
+    /// Whether the whole domain is shown, and stays so when the window changes.
+    fitted: bool,
     generation: u64,
     wake: Wake,
 }
@@ -113,7 +114,7 @@ impl State {
             exporting: None,
             #[cfg(not(target_arch = "wasm32"))]
             browsing: None,
-            fit_pending: true,
+            fitted: true,
             generation: 0,
             wake,
         };
@@ -215,22 +216,22 @@ impl State {
         match *command {
             Command::Viewport(rect) => {
                 self.viewport = rect;
-                if self.fit_pending && self.session.is_some() {
-                    self.fit_pending = false;
+                if self.fitted && self.session.is_some() {
                     self.camera = self.fitting();
                     self.flight = None;
                 }
             }
             Command::Pan(delta) => {
-                self.flight = None;
+                (self.flight, self.fitted) = (None, false);
                 self.camera.pan(delta);
             }
             Command::Zoom(pos, factor) => {
-                self.flight = None;
+                (self.flight, self.fitted) = (None, false);
                 self.camera.zoom_about(self.viewport, pos, factor);
             }
             Command::Fit => {
                 self.sight = None;
+                self.fitted = true;
                 self.flight = Some(Flight::new(self.camera, self.fitting()));
             }
             Command::FlyTo(center, radii) => self.fly_to(center, radii),
@@ -252,6 +253,7 @@ impl State {
     }
 
     fn fly_to(&mut self, center: [f64; 2], radii: f64) {
+        self.fitted = false;
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let to = Camera {
             center,
@@ -405,10 +407,10 @@ impl State {
             Verdict::of(&points, region, session.run.domain.radius(), monitor)
         }));
         if !same_domain {
-            self.fit_pending = self.viewport.width() <= 0.0;
-            if !self.fit_pending {
+            self.fitted = true;
+            self.flight = None;
+            if self.viewport.is_positive() {
                 self.camera = self.fitting();
-                self.flight = None;
             }
         }
     }

@@ -203,7 +203,7 @@ fn coverage(frame: &Frame, session: &Session, stage: Stage) -> Coverage {
 }
 
 fn handle_input(ui: &Ui, response: &Response, state: &State, commands: &mut Vec<Command>) {
-    let touch = ui.input(|i| i.multi_touch());
+    let touch = ui.input(egui::InputState::multi_touch);
     let moved = match touch.filter(|_| response.contains_pointer()) {
         Some(touch) => touch.translation_delta,
         None if response.dragged_by(PointerButton::Primary)

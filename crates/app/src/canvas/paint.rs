@@ -278,7 +278,7 @@ impl<'a> Scene<'a> {
     fn samples(&self, sprites: &mut Sprites) {
         let scale = self.scale();
         let ctx = self.painter.ctx();
-        let dot = sprites.stamp(ctx, Sprite::Dot, (0.17 * scale).clamp(0.9, 5.0));
+        let dot = sprites.stamp(ctx, Sprite::Dot, (0.2 * scale).clamp(1.0, 5.5));
         let cross = sprites.stamp(ctx, Sprite::Cross, (0.26 * scale).clamp(2.2, 8.0));
         let ground = sprites.stamp(ctx, Sprite::Diamond, (0.27 * scale).clamp(2.6, 8.5));
         let mut dots = Mesh::with_texture(dot.texture);

@@ -94,7 +94,10 @@ impl Coverage {
 
     #[cfg(test)]
     fn open_pixels(&self) -> usize {
-        self.cells.iter().filter(|&&cell| cell == OPEN).count()
+        self.cells
+            .iter()
+            .map(|&cell| usize::from(cell == OPEN))
+            .sum()
     }
 
     /// Returns the picture: uncovered pixels hatched in `color` with a solid edge, those covered by

@@ -34,7 +34,7 @@ pub struct Sprites {
 
 struct Ready {
     radius_bits: u32,
-    pixels_per_point: f32,
+    pixels_per_point_bits: u32,
     texture: TextureHandle,
     half_points: f32,
 }
@@ -56,7 +56,8 @@ impl Sprites {
         let radius = (radius * pixels_per_point * 8.0).round() / 8.0;
         let radius_bits = radius.to_bits();
         let fits = |ready: &Ready| {
-            ready.radius_bits == radius_bits && ready.pixels_per_point == pixels_per_point
+            ready.radius_bits == radius_bits
+                && ready.pixels_per_point_bits == pixels_per_point.to_bits()
         };
         if !self.ready.get(&sprite).is_some_and(fits) {
             let image = draw(sprite, radius, pixels_per_point);
@@ -65,7 +66,7 @@ impl Sprites {
             let texture = ctx.load_texture(name, image, TextureOptions::LINEAR);
             let ready = Ready {
                 radius_bits,
-                pixels_per_point,
+                pixels_per_point_bits: pixels_per_point.to_bits(),
                 texture,
                 half_points,
             };

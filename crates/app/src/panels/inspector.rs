@@ -30,14 +30,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.set_min_size(size);
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
-        match (id, &state.session, state.current_stage()) {
-            (Some(id), Some(session), Some(stage)) => {
-                sample(ui, session, stage, id, palette, commands);
-            }
-            _ => {
-                let text = "Point at a sample to read where it comes from and what became of it; click to keep it.";
-                ui.label(RichText::new(text).color(palette.muted));
-            }
+        if let (Some(id), Some(session), Some(stage)) = (id, &state.session, state.current_stage())
+        {
+            sample(ui, session, stage, id, palette, commands);
+        } else {
+            let text = "Point at a sample to read where it comes from and what became of it; click to keep it.";
+            ui.label(RichText::new(text).color(palette.muted));
         }
     });
     divide(ui, palette);

@@ -27,7 +27,7 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let fill = color.gamma_multiply(if hot { 0.26 } else { 0.15 });
     let stroke = Stroke::new(1.0, color.gamma_multiply(0.7));
     painter.rect(rect, 15.0, fill, stroke, StrokeKind::Inside);
-    let start = rect.center().x - (galley.size().x + 18.0) / 2.0;
+    let start = rect.center().x - 0.5 * (galley.size().x + 18.0);
     if let Some(well) = well {
         let mark = egui::pos2(start + 4.0, rect.center().y);
         verdict_mark(painter, mark, well, color);
@@ -88,28 +88,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = 21.0;
     let verdict = state.verdict();
     let report = verdict.map(|v| &v.report);
-    property(
-        ui,
-        "Conflict-free",
-        report.map(|r| {
-            (
-                r.conflict_free(),
-                counted(r.conflicts as usize, "conflict", "conflicts"),
-            )
-        }),
-        palette,
-    );
-    property(
-        ui,
-        "Maximal",
-        report.map(|r| {
-            (
-                r.maximal(),
-                counted(r.gaps as usize, "open place", "open places"),
-            )
-        }),
-        palette,
-    );
+    let free = report.map(|r| {
+        let count = counted(r.conflicts as usize, "conflict", "conflicts");
+        (r.conflict_free(), count)
+    });
+    property(ui, "Conflict-free", free.as_ref(), palette);
+    let maximal = report.map(|r| {
+        let count = counted(r.gaps as usize, "open place", "open places");
+        (r.maximal(), count)
+    });
+    property(ui, "Maximal", maximal.as_ref(), palette);
     let number = |value: Option<f64>, digits: usize, unit: &str| match value {
         Some(value) if value.is_finite() => format!("{value:.digits$}{unit}"),
         Some(_) => "none".to_owned(),
@@ -165,16 +153,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     divide(ui, palette);
 }
 
-fn property(ui: &mut Ui, name: &str, judged: Option<(bool, String)>, palette: &Palette) {
+fn property(ui: &mut Ui, name: &str, judged: Option<&(bool, String)>, palette: &Palette) {
     ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(16.0, 20.0), Sense::hover());
-        let (text, color) = match &judged {
+        let (text, color) = match judged {
             None => ("\u{2013}".to_owned(), palette.muted),
             Some((true, _)) => ("yes".to_owned(), palette.inserted),
             Some((false, count)) => (format!("no: {count}"), palette.conflict),
         };
         if let Some((well, _)) = judged {
-            verdict_mark(ui.painter(), rect.center(), well, color);
+            verdict_mark(ui.painter(), rect.center(), *well, color);
         }
         ui.label(name);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

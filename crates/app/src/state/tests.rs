@@ -101,7 +101,8 @@ fn a_failing_verdict_leads_to_its_witness() {
     };
     assert!(radius > 1.0);
     while state.advance(0.1) {}
-    assert_eq!(state.camera.center, center);
+    let off = [0, 1].map(|k| (state.camera.center[k] - center[k]).abs());
+    assert!(off[0] < 1e-9 && off[1] < 1e-9);
 }
 
 #[test]
