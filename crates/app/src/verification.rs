@@ -12,7 +12,7 @@ use crate::jobs::Monitor;
 use crate::session::Session;
 
 /// Most samples for which the extremes of a valid set are looked up as well.
-const MAX_EXTREMES: usize = 400_000;
+const MAX_EXTREMES: usize = 3_000_000;
 /// By how much a judgement is sharpened to make the extremes of a valid set its witnesses.
 const HAIR: f64 = 1e-9;
 

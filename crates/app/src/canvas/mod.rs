@@ -107,9 +107,9 @@ impl Canvas {
                 painter.image(texture, frame_rect(&frame), UNIT, egui::Color32::WHITE);
             }
             scene.block_borders();
-            let crowd = crate::sentence::grouped(crowd);
+            let most = crate::sentence::grouped(MAX_SYMBOLS);
             return Some(format!(
-                "{crowd} samples in view are drawn as points; zoom in for symbols and disks."
+                "More than {most} samples in view: drawn as points. Zoom in for symbols and disks."
             ));
         }
         scene.symbols(&mut self.sprites, fine);
