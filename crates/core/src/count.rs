@@ -13,85 +13,177 @@ use crate::pattern::Pattern;
 use crate::progress::Observer;
 use crate::run::Run;
 
-/// How far the result's count may be from the wanted one: 1%, rounded down to whole samples.
+/// How far the result's count may be from the wanted one: this share of it, or one sample.
 const TOLERANCE: u64 = 100;
 
 /// The most runs made in search of a count. Large sets need one or two, since their count hardly
 /// varies; small ones are cheap.
-const MAX_TRIES: u32 = 48;
+const MAX_TRIES: u32 = 64;
 
-/// Returns the first radius to try for `count` samples: from the density of a maximal set, the
-/// few more that seams make, and the half radius by which a closed border widens a domain.
-#[must_use]
-pub fn radius_estimate(parameters: &Parameters, count: u64) -> f64 {
-    let Parameters { width, height, .. } = *parameters;
-    let density = MAXIMAL_DENSITY + 0.05 / parameters.leaf.clamp(6.0, 1e3);
-    let mut radius = (density * width * height / count as f64).sqrt();
-    if parameters.boundary == Boundary::Bounded {
-        for _ in 0..20 {
-            let area = (width + 0.45 * radius) * (height + 0.45 * radius);
-            radius = (density * area / count as f64).sqrt();
-        }
+/// Tries before the radius is spread: the count of a small set jumps as the radius moves.
+const STRAIGHT_TRIES: u32 = 4;
+
+/// Samples that a closed border adds, as a width in radii by which it widens the domain.
+const BORDER_WIDTH: f64 = 0.45;
+
+/// Returns about the radius of a set of `count` samples: from the density of a maximal set, the few
+/// more that seams make, and what a closed border adds.
+///
+/// Fails when anything but the radius is wrong with the parameters, and when no radius within the
+/// limits gives so many samples.
+pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, ParameterError> {
+    parameters.validate_but_radius()?;
+    let [shortest, longest] = radius_limits(parameters);
+    let minimum = (expected(parameters, longest) * 1.1).ceil() as u64;
+    let maximum = (expected(parameters, shortest).min(MAX_SEQUENTIAL_SAMPLES) * 0.98) as u64;
+    if !(minimum..=maximum).contains(&count) {
+        return Err(ParameterError::Count {
+            count,
+            minimum,
+            maximum,
+        });
     }
-    radius
+    let mut radius = longest;
+    for _ in 0..20 {
+        radius *= (expected(parameters, radius) / count as f64).sqrt();
+    }
+    Ok(radius.clamp(shortest, longest))
+}
+
+/// Returns what `attempt` makes with a radius for which it says that there are `count` samples, to
+/// within 1% or one sample.
+///
+/// `attempt` is called with one radius after the other. Fails as [`radius_estimate`] and as
+/// `attempt`, and when none of many radii gave the count.
+pub fn search_radius<T, E: From<ParameterError>>(
+    parameters: &Parameters,
+    count: u64,
+    mut attempt: impl FnMut(f64) -> Result<(u64, T), E>,
+) -> Result<T, E> {
+    let [shortest, longest] = radius_limits(parameters);
+    let mut radius = radius_estimate(parameters, count)?;
+    let mut nearest = u64::MAX;
+    for number in 0..MAX_TRIES {
+        let (found, made) = attempt(radius)?;
+        if found.abs_diff(count) <= (count / TOLERANCE).max(1) {
+            return Ok(made);
+        }
+        if found.abs_diff(count) < nearest.abs_diff(count) {
+            nearest = found;
+        }
+        radius *= (found as f64 / count as f64).sqrt();
+        if number >= STRAIGHT_TRIES {
+            // Golden-ratio steps through +-1%, so that no two tries repeat each other.
+            radius *= 0.99 + 0.02 * (f64::from(number) * 0.618_033_988_749_895).fract();
+        }
+        radius = radius.clamp(shortest, longest);
+    }
+    Err(ParameterError::CountMissed { count, nearest }.into())
 }
 
 /// Returns the run of `parameters` with the radius chosen so that the result has `count` samples
-/// to within 1%; the run's parameters state the radius.
-///
-/// Fails with [`ParameterError::Count`] when no radius within the limits gives so many.
+/// to within 1% or one sample; the run's parameters state the radius. Fails as [`search_radius`].
 pub fn sample_count(
     parameters: &Parameters,
     count: u64,
     pattern: &Arc<Pattern>,
     observer: &mut dyn Observer,
 ) -> Result<Run, SampleError> {
-    let (minimum, maximum) = count_limits(parameters);
-    if !(minimum..=maximum).contains(&count) {
-        return Err(ParameterError::Count {
-            count,
-            minimum,
-            maximum,
-        }
-        .into());
-    }
-    let mut radius = radius_estimate(parameters, count);
-    let mut nearest = u64::MAX;
-    for attempt in 0..MAX_TRIES {
+    search_radius(parameters, count, |radius| {
         let parameters = Parameters {
             radius,
             ..*parameters
         };
         let run = Sequential::new(&parameters, Arc::clone(pattern))?.finish(observer)?;
-        let found = run.result.len() as u64;
-        if found.abs_diff(count) <= count / TOLERANCE {
-            return Ok(run);
-        }
-        if found.abs_diff(count) < nearest.abs_diff(count) {
-            nearest = found;
-        }
-        // The later tries of a small set are spread a little: its count jumps as the radius moves.
-        let spread = 1.0 + 2e-4 * f64::from(attempt * attempt % 7);
-        radius *= (found as f64 / count as f64).sqrt() * spread;
-    }
-    Err(ParameterError::CountMissed { count, nearest }.into())
+        Ok((run.result.len() as u64, run))
+    })
 }
 
-/// Returns the fewest and the most samples that can be asked for in the parameters' domain.
-fn count_limits(parameters: &Parameters) -> (u64, u64) {
-    let Parameters {
-        width,
-        height,
-        boundary,
-        ..
-    } = *parameters;
-    let minimum_side = match boundary {
+/// Returns about how many samples a radius gives.
+fn expected(parameters: &Parameters, radius: f64) -> f64 {
+    let density = MAXIMAL_DENSITY + 0.05 / parameters.leaf.clamp(6.0, 1e3);
+    let border = match parameters.boundary {
+        Boundary::Periodic => 0.0,
+        Boundary::Bounded => BORDER_WIDTH,
+    };
+    let side = |side: f64| side / radius + border;
+    density * side(parameters.width) * side(parameters.height)
+}
+
+/// Returns the shortest and the longest radius that the domain's sides allow, a hair inside.
+fn radius_limits(parameters: &Parameters) -> [f64; 2] {
+    let Parameters { width, height, .. } = *parameters;
+    let least_side = match parameters.boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
     };
-    let (short, long) = (width.min(height), width.max(height));
-    let area = |radius: f64| width * height / (radius * radius);
-    let fewest = area(short / minimum_side) * 0.75;
-    let most = (area(long / MAX_SIDE_RADII) * 0.6).min(MAX_SEQUENTIAL_SAMPLES * 0.99);
-    (fewest.ceil() as u64, most as u64)
+    let shortest = width.max(height) / MAX_SIDE_RADII * (1.0 + 1e-9);
+    let longest = width.min(height) / least_side * (1.0 - 1e-9);
+    [shortest, longest]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Unobserved;
+
+    #[test]
+    fn small_counts_are_met_in_both_boundaries() {
+        let pattern =
+            Arc::new(Pattern::generate(&crate::PatternSpec::default(), &mut Unobserved).unwrap());
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            for (seed, count) in (40..130).step_by(9).enumerate() {
+                let base = Parameters {
+                    boundary,
+                    seed: seed as u64,
+                    ..Parameters::default()
+                };
+                match sample_count(&base, count, &pattern, &mut Unobserved) {
+                    Ok(run) => assert!((run.result.len() as u64).abs_diff(count) <= 1),
+                    Err(SampleError::Parameters(ParameterError::Count { minimum, .. })) => {
+                        assert!(count < minimum && boundary == Boundary::Periodic);
+                    }
+                    Err(other) => panic!("{boundary:?} {count}: {other}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_before_any_try() {
+        let base = Parameters::default();
+        let refused = |p: Parameters, count| radius_estimate(&p, count).unwrap_err().to_string();
+        assert!(
+            refused(
+                Parameters {
+                    width: -1.0,
+                    ..base
+                },
+                100
+            )
+            .contains("the width is -1")
+        );
+        assert!(
+            refused(
+                Parameters {
+                    height: f64::NAN,
+                    ..base
+                },
+                100
+            )
+            .contains("the height is NaN")
+        );
+        assert!(
+            refused(
+                Parameters {
+                    leaf: f64::NAN,
+                    ..base
+                },
+                100
+            )
+            .contains("the leaf is NaN")
+        );
+        assert!(refused(base, 0).contains("0 samples were asked for"));
+        assert!(refused(base, u64::MAX).contains("must be between"));
+    }
 }

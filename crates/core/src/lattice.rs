@@ -10,9 +10,13 @@ pub const R: i32 = 1 << 15;
 /// `R` squared: 2^30.
 pub const R_SQUARED: i64 = (R as i64) * (R as i64);
 
-/// The longest side of a domain, in radii: its 2^31 - 2^15 units leave room for one radius of
-/// margin beyond the border in 32-bit coordinates.
-pub const MAX_SIDE_RADII: f64 = 65_535.0;
+/// The longest side of a domain, in radii: 2^31 - 2^17 units, so that places up to three radii
+/// beyond a closed border still have 32-bit coordinates.
+pub const MAX_SIDE_RADII: f64 = 65_532.0;
+
+/// The shortest and the longest side of a domain in user units, 2^-100 and 2^100: within them no
+/// quotient of sides, radius and units leaves the range of normal numbers.
+pub const SIDE_LIMITS: [f64; 2] = [7.888_609_052_210_118e-31, 1.267_650_600_228_229_4e30];
 
 /// The shortest side of a periodic domain, in radii: two samples 4r from a detector, on opposite
 /// sides of it, must not be images of one another, and the candidate search looks a little further.
@@ -200,8 +204,8 @@ impl Domain {
     /// Returns the promised bound on the covering radius, in user units: (1 + 2^-15) radius.
     ///
     /// A place that insertion leaves uncovered is within 0.71 units (half a lattice diagonal) of
-    /// a covered point, and a unit exceeds `radius / R` by at most one part in the shortest
-    /// side's 196,608 units: together 2.7e-5, below 2^-15 = 3.05e-5.
+    /// a covered point (0.12 units more with a pattern from a file), and a unit exceeds `radius / R` by at most one part in the shortest
+    /// side's 196,608 units, 0.17 units at r: together below one unit, 2^-15 r.
     #[must_use]
     pub fn covering_bound(&self) -> f64 {
         self.radius * (1.0 + 1.0 / f64::from(R))
@@ -260,8 +264,8 @@ impl Domain {
         ]
     }
 
-    /// Returns the lattice point nearest to a position in user units, wrapped or clamped into the
-    /// domain. Positions made by [`Self::user_from_lattice`] return to their own lattice point.
+    /// Returns the lattice point nearest to a finite position in user units, wrapped or clamped into
+    /// the domain; positions should lie in it, or at most a side outside. Positions made by [`Self::user_from_lattice`] return to their own lattice point.
     #[must_use]
     pub fn lattice_from_user(&self, position: [f64; 2]) -> Point {
         let axis = |value: f64, side: f64, total: i32| {
@@ -299,15 +303,27 @@ const fn shortest(d: i32, side: i32) -> i32 {
     }
 }
 
+/// Refuses a side that is not a number within [`SIDE_LIMITS`].
+pub(crate) fn check_side(name: &'static str, side: f64) -> Result<(), ParameterError> {
+    let [shortest, longest] = SIDE_LIMITS;
+    if !(shortest..=longest).contains(&side) {
+        return Err(ParameterError::Side {
+            name,
+            side,
+            shortest,
+            longest,
+        });
+    }
+    Ok(())
+}
+
 fn side_units(
     name: &'static str,
     side: f64,
     radius: f64,
     boundary: Boundary,
 ) -> Result<i32, ParameterError> {
-    if !side.is_finite() || side <= 0.0 {
-        return Err(ParameterError::Side { name, side });
-    }
+    check_side(name, side)?;
     let minimum = match boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
@@ -427,6 +443,6 @@ mod tests {
             make(1.0, 1.0, 1e-5),
             Err(ParameterError::SideTooLong { .. })
         ));
-        assert!(make(1.0, 1.0, 1.0 / 65_535.0).is_ok());
+        assert!(make(1.0, 1.0, 1.0 / 65_532.0).is_ok());
     }
 }

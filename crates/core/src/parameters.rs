@@ -1,10 +1,10 @@
 //! What a run is made from, and the typed errors that refuse what cannot be made.
-//! Everything here is plain data that serialises; a run is a function of it and nothing else.
+//! Everything here is plain data that serialises; a run is a function of it and of its pattern.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::lattice::{Domain, R};
+use crate::lattice::{Domain, R, check_side};
 
 /// The shortest edge of a building block, in radii (paper, section 3.1.2).
 pub const MIN_LEAF_RADII: f64 = 6.0;
@@ -16,8 +16,8 @@ pub const MIN_PATTERN_SIDE_RADII: f64 = 10.0;
 /// more than the run that it is to speed up.
 pub const MAX_PATTERN_SIDE_RADII: f64 = 2_000.0;
 
-/// The most samples that the sequential engine takes: at about 60 bytes a tiled sample it then
-/// holds 12 GB.
+/// The most samples that the sequential engine takes. Measured: 105 bytes a sample with its
+/// verification and export, which makes 21 GB.
 pub const MAX_SEQUENTIAL_SAMPLES: f64 = 2e8;
 
 /// Expected samples of a maximal set per squared radius of area (Ebeida et al. 2012; seen: 0.6960).
@@ -120,7 +120,7 @@ pub struct Parameters {
     pub seed: u64,
     /// Shortest edge of a building block, in radii.
     pub leaf: f64,
-    /// The pattern that blocks clip from.
+    /// The pattern that blocks clip from; of no meaning when an engine is given another one.
     pub pattern: PatternSpec,
     /// Whether each block clips from one of the pattern's 8 rotations and mirror images.
     pub dihedral: bool,
@@ -158,11 +158,7 @@ impl Parameters {
     /// Returns the domain, or the first thing that is wrong with these parameters.
     pub fn validate(&self) -> Result<Domain, ParameterError> {
         let domain = Domain::from_size([self.width, self.height], self.radius, self.boundary)?;
-        self.leaf_units()?;
-        self.pattern.side_units()?;
-        if self.variant == Variant::AsPrinted && self.insertion == Insertion::Uniform {
-            return Err(ParameterError::UniformAsPrinted);
-        }
+        self.validate_but_radius()?;
         let samples = domain.area_radii() * MAXIMAL_DENSITY;
         if samples > MAX_SEQUENTIAL_SAMPLES {
             return Err(ParameterError::TooManySamples {
@@ -171,6 +167,19 @@ impl Parameters {
             });
         }
         Ok(domain)
+    }
+
+    /// Returns the first thing that is wrong with these parameters whatever the radius.
+    pub(crate) fn validate_but_radius(&self) -> Result<(), ParameterError> {
+        for (name, side) in [("width", self.width), ("height", self.height)] {
+            check_side(name, side)?;
+        }
+        self.leaf_units()?;
+        self.pattern.side_units()?;
+        if self.variant == Variant::AsPrinted && self.insertion == Insertion::Uniform {
+            return Err(ParameterError::UniformAsPrinted);
+        }
+        Ok(())
     }
 
     /// Returns the shortest edge of a block in lattice units.
@@ -212,13 +221,17 @@ pub enum ParameterError {
         /// What was given.
         radius: f64,
     },
-    /// A side of the domain is not a positive finite number.
-    #[error("the {name} is {side}; it must be a finite number above 0")]
+    /// A side of the domain is not a number within [`crate::SIDE_LIMITS`].
+    #[error("the {name} is {side}; it must be a number between {shortest:.1e} and {longest:.1e}")]
     Side {
         /// Which side.
         name: &'static str,
         /// What was given.
         side: f64,
+        /// The lower limit.
+        shortest: f64,
+        /// The upper limit.
+        longest: f64,
     },
     /// A side is too short for its radius.
     #[error(
@@ -290,7 +303,9 @@ pub enum ParameterError {
         maximum: u64,
     },
     /// No radius that was tried gave the wanted number of samples.
-    #[error("no radius gave {count} samples to within 1%; the nearest gave {nearest}")]
+    #[error(
+        "no radius gave {count} samples to within 1% or one sample; the nearest gave {nearest}"
+    )]
     CountMissed {
         /// What was asked for.
         count: u64,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::lattice::{Domain, Point};
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::progress::Stage;
 use crate::stages::blocks::Blocks;
@@ -196,11 +196,12 @@ impl Run {
         stages
     }
 
-    /// Returns how sample `id` stood after `stage`.
+    /// Returns how sample `id` stood after `stage`. In Algorithm 4 as printed the samples of iteration 1
+    /// are there after [`Stage::Eliminate`] already, since that loop inserts them.
     #[must_use]
     pub fn standing(&self, id: u32, stage: Stage) -> Standing {
         match self.samples.origins[id as usize] {
-            Origin::Inserted { iteration, .. } if stage >= Stage::Iterate(iteration) => {
+            Origin::Inserted { iteration, .. } if stage >= self.arrival(iteration) => {
                 Standing::Valid
             }
             Origin::Inserted { .. } => Standing::Absent,
@@ -212,6 +213,14 @@ impl Run {
                 Fate::Kept => Standing::Valid,
                 Fate::Eliminated { by } => Standing::Eliminated { by },
             },
+        }
+    }
+
+    /// Returns the stage that inserts the samples of `iteration`.
+    fn arrival(&self, iteration: u32) -> Stage {
+        match self.parameters.variant {
+            Variant::AsPrinted if iteration == 1 => Stage::Eliminate,
+            _ => Stage::Iterate(iteration),
         }
     }
 

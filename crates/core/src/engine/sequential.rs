@@ -98,7 +98,8 @@ impl Sequential {
     }
 
     /// Runs one stage and returns it, or `None` when the run is finished. An iteration that finds
-    /// no gap is not recorded: the step goes on to [`Stage::Finish`].
+    /// no gap is not recorded: the step goes on to [`Stage::Finish`]. In Algorithm 4 as printed the step
+    /// [`Stage::Eliminate`] contains iteration 1.
     ///
     /// After an error the engine must be thrown away.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Stage>, SampleError> {

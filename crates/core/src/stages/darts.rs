@@ -34,12 +34,12 @@ const POISSON: [u32; 11] = [
 /// The last level, whose cells have sides of one unit; level 0 has sides of R.
 const LAST_LEVEL: u32 = R.ilog2();
 
-/// Throws at level 0, whose cells no sample can cover: as many darts to an area as one throw at the
+/// Throws at level 0, whose cells hardly any sample covers: as many darts to an area as one throw at the
 /// level below, in portions, so that most darts that come too late are found covered in the cheap
 /// pass over the cells and never sorted.
 const FIRST_THROWS: u32 = 4;
 
-/// The side of the cells at which uniform insertion starts: gaps are smaller than a radius.
+/// The side of the cells at which uniform insertion starts: most gaps are smaller than a radius.
 pub const GAP_SIDE: i32 = R / 2;
 
 struct Dart {
@@ -71,7 +71,7 @@ impl DartProcess {
     }
 
     /// Returns the process that adds samples to `disks` inside cells of [`GAP_SIDE`] that start at
-    /// `active`, until no lattice point of those cells is uncovered.
+    /// `active` (multiples of it, each once), until no lattice point of those cells is uncovered.
     #[must_use]
     pub fn in_gaps(key: Key, disks: DiskGrid, active: Vec<Point>) -> Self {
         Self {
@@ -113,7 +113,7 @@ impl DartProcess {
         let mut accepted = Vec::new();
         for dart in darts {
             if !self.disks.covers(dart.point) {
-                // A cell of R / 2 holds one sample of a conflict-free set, a grid cell four.
+                // A grid cell of a conflict-free set never fills up.
                 let fits = self.disks.insert(dart.point);
                 debug_assert!(fits, "the set is conflict-free");
                 accepted.push(dart.point);

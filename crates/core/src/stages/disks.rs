@@ -4,8 +4,9 @@
 use crate::grid::spans;
 use crate::lattice::{Domain, Point, R, R_SQUARED, covers_offset};
 
-/// Samples in one cell: three points of a half-open square of side R can be farther than R apart
-/// from each other, four cannot (two of them would share a quarter or face each other across it).
+/// Samples in one cell. Of four points some three form an angle of at least 90 degrees; were all
+/// farther than R apart, its far side would exceed sqrt 2 R, the diagonal of a cell. So a cell of a
+/// conflict-free set holds at most three; the fourth slot keeps cells aligned.
 const SLOTS: usize = 4;
 const EMPTY: u32 = u32::MAX;
 const LOW_BITS: i32 = R - 1;
@@ -48,7 +49,7 @@ impl DiskGrid {
         &self.domain
     }
 
-    /// Adds a sample; returns `false`, and adds nothing, when its cell is full, which only happens
+    /// Adds a sample of the domain; returns `false`, and adds nothing, when its cell is full, which only happens
     /// in a set that is not conflict-free.
     #[must_use]
     pub fn insert(&mut self, p: Point) -> bool {
@@ -224,8 +225,9 @@ mod tests {
     use crate::parameters::Boundary;
 
     #[test]
-    fn a_gap_of_one_lattice_point_is_found() {
-        // Samples R apart on a square lattice cover everything; take one away and look again.
+    fn an_uncovered_point_is_found() {
+        // Samples R apart on a square lattice cover everything, and so they do without one of them:
+        // its neighbours are exactly R away.
         let side = 10 * R;
         let domain = Domain::from_units(side, side, Boundary::Periodic);
         let fill = |skip: Option<Point>| {
@@ -242,8 +244,6 @@ mod tests {
         };
         assert_eq!(fill(None).uncovered_point(0), None);
         let missing = Point::new(0, 9 * R);
-        // Its four neighbours still cover all but the missing sample's own... nothing: they are
-        // exactly R away, so only points nearer to it than to them stay open.
         let disks = fill(Some(missing));
         let witness = disks.uncovered_point(0);
         assert_eq!(

@@ -85,7 +85,7 @@ fn place(
     };
     match domain.wrap(x, y) {
         Some(point) => samples.push(point, origin, Fate::Undecided),
-        // At most one radius outside, so 32 bits hold it.
+        // At most one radius outside, which 32 bits hold in the longest domain.
         None => samples.push(Point::new(x as i32, y as i32), origin, Fate::Dropped),
     }
 }

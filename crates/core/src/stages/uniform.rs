@@ -1,14 +1,15 @@
 //! Uniform insertion: the dart process of the reference sampler, restricted to the gaps. It has no
-//! bias within a gap and leaves no lattice point uncovered.
+//! bias within a gap and leaves no lattice point uncovered that the pattern covered.
 
 use crate::lattice::{Domain, Point, R};
 use crate::random::{Key, Stream};
 use crate::run::{Fate, Samples};
 use crate::stages::darts::{DartProcess, GAP_SIDE};
+use crate::stages::detect::DETECTOR_REACH;
 use crate::stages::disks::{Cell, DiskGrid};
 
 /// Units beyond r within which an eliminated sample's disk is taken to have covered a place.
-const SLACK: i32 = 4;
+const SLACK: i32 = DETECTOR_REACH - 2 * R;
 
 /// Returns the dart process that fills the gaps which eliminated and dropped samples left.
 ///
