@@ -10,7 +10,7 @@ use tilescope_core::{
 };
 
 fn parameters() -> impl Strategy<Value = Parameters> {
-    let shape = (10.0_f64..90.0, 10.0_f64..90.0, 1e-6_f64..1e6, 6.0_f64..45.0);
+    let shape = (6.0_f64..90.0, 6.0_f64..90.0, 1e-6_f64..1e6, 6.0_f64..45.0);
     let order = prop_oneof![
         Just(Order::Index),
         Just(Order::Random),
@@ -35,9 +35,9 @@ fn parameters() -> impl Strategy<Value = Parameters> {
         .prop_map(
             |(seed, (width, height, radius, leaf), bounded, dihedral, order, way, pattern)| {
                 Parameters {
-                    // A hair more than 10 r, so that rounding in the product cannot refuse it.
-                    width: width * 1.000_001 * radius,
-                    height: height * 1.000_001 * radius,
+                    // A hair more than the limit, so that rounding in the product cannot refuse it.
+                    width: width.max(if bounded { 6.0 } else { 10.0 }) * 1.000_001 * radius,
+                    height: height.max(if bounded { 6.0 } else { 10.0 }) * 1.000_001 * radius,
                     radius,
                     boundary: if bounded {
                         Boundary::Bounded

@@ -2,11 +2,35 @@
 //! without grids, filters or shortcuts, on small domains, must give the same run.
 
 use proptest::prelude::*;
-use tilescope_core::stages::detect::{Candidate, DETECTOR_REACH, Reach, Sites};
+use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{
-    Boundary, Domain, Fate, Key, Order, Origin, Parameters, PatternSpec, Point, Run, Sequential,
-    Stage, Stream, Unobserved, circumcentre, on_line,
+    Boundary, Domain, Fate, Key, Order, Origin, Parameters, PatternSpec, Point, Run, Search,
+    Sequential, Stage, Stream, Unobserved, circumcentre, on_line,
 };
+
+/// How far a first detector may be from an eliminated sample: 2r and 4 units.
+const DETECTOR_REACH: i64 = 2 * 32_768 + 4;
+
+/// How far a detector's candidates and the candidates' other samples may be.
+struct Reach {
+    radius: i32,
+    search: i32,
+}
+
+fn reach(run: &Run, at: Point) -> Reach {
+    let domain = run.domain;
+    let depth =
+        at.x.min(domain.width() + 1 - at.x)
+            .min(at.y)
+            .min(domain.height() + 1 - at.y);
+    let wide = !domain.is_periodic() && depth <= 147_456;
+    let radius = if wide { 114_688 } else { 65_552 };
+    let search = match run.parameters.search {
+        Search::Complete => 2 * radius,
+        Search::TwoRadii => 65_536,
+    };
+    Reach { radius, search }
+}
 
 /// The definition's 12 R by which a sample may be nearer to a candidate than the candidate's own.
 const NEARER_SLACK: i64 = 12 << 15;
@@ -125,12 +149,11 @@ fn check_iteration(
     mut set: Vec<(u32, Point)>,
 ) -> Vec<(u32, Point)> {
     let iteration = run.iterations.get(k as usize - 1);
-    let reach = |at| Reach::new(&run.domain, run.parameters.search, at);
     let mut found: Vec<Candidate> = detectors
         .iter()
         .flat_map(|&id| {
             let at = run.samples.points[id as usize];
-            candidates(&run.domain, reach(at), &set, (id, at))
+            candidates(&run.domain, reach(run, at), &set, (id, at))
         })
         .collect();
     found.sort_by_key(|c| ((c.point.y, c.point.x), c.sites));
@@ -175,7 +198,7 @@ fn check(parameters: &Parameters) {
     let kept = ids.clone().filter(|&id| fates[id as usize] == Fate::Kept);
     let mut set: Vec<(u32, Point)> = kept.map(|id| (id, point(id))).collect();
     let gone: Vec<u32> = ids.filter(|&id| fates[id as usize] != Fate::Kept).collect();
-    let limit = i64::from(DETECTOR_REACH).pow(2);
+    let limit = DETECTOR_REACH.pow(2);
     let mut detectors: Vec<u32> = set
         .iter()
         .filter(|&&(_, p)| {

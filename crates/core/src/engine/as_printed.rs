@@ -6,14 +6,14 @@
 //! farther from the pivot than detection reaches belongs to no gap of the pivot and is passed over;
 //! a bounded domain adds its border's candidates.
 
-use crate::circumcentre::{Offset, circumcentre, on_line};
+use crate::circumcentre::{Offset, circumcentre};
 use crate::error::SampleError;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, covers_offset};
 use crate::parameters::Search;
 use crate::progress::Meter;
 use crate::run::{Fate, Iteration, Origin, Samples};
-use crate::stages::detect::{DETECTOR_REACH, Reach, Sites};
+use crate::stages::detect::{Border, DETECTOR_REACH, Reach, Sites};
 
 /// The state of Algorithm 4: the set `C` and the marks.
 pub struct AsPrinted {
@@ -166,24 +166,14 @@ impl AsPrinted {
         iteration: u32,
     ) {
         let at = samples.points[pivot as usize];
-        let columns = [0, self.domain.width()].map(|x| i64::from(x - at.x));
-        let rows = [0, self.domain.height()].map(|y| i64::from(y - at.y));
+        let border = Border::around(&self.domain, at);
         for m in others {
             let sites = Sites::Border([pivot.min(m.id), pivot.max(m.id)]);
-            let (x, y) = m.wide();
-            for place in [
-                on_line(columns[0], (x, y)).map(|y| (columns[0], y)),
-                on_line(columns[1], (x, y)).map(|y| (columns[1], y)),
-                on_line(rows[0], (y, x)).map(|x| (x, rows[0])),
-                on_line(rows[1], (y, x)).map(|x| (x, rows[1])),
-            ]
-            .into_iter()
-            .flatten()
-            {
+            for place in border.as_far_from(m.wide()) {
                 self.insert(samples, at, place, sites, iteration);
             }
         }
-        for corner in columns.iter().flat_map(|&x| rows.map(|y| (x, y))) {
+        for corner in border.corners() {
             self.insert(samples, at, corner, Sites::Corner(pivot), iteration);
         }
     }

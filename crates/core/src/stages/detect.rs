@@ -185,7 +185,7 @@ impl<'a> Detection<'a> {
         let reach = f64::from(self.reach.radius);
         let (mut min, mut max) = ([-reach; 2], [reach; 2]);
         if !self.domain.is_periodic() {
-            let (low, high) = self.border_offsets(at);
+            let Border { low, high } = Border::around(&self.domain, at);
             for axis in 0..2 {
                 min[axis] = min[axis].max(low[axis] as f64);
                 max[axis] = max[axis].min(high[axis] as f64);
@@ -229,16 +229,9 @@ impl<'a> Detection<'a> {
     }
 
     fn find_on_border(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
-        let (low, high) = self.border_offsets(at);
+        let border = Border::around(&self.domain, at);
         for m in &self.concerned {
-            let swapped = (m.offset.1, m.offset.0);
-            let places = [
-                on_line(low[0], m.offset).map(|y| (low[0], y)),
-                on_line(high[0], m.offset).map(|y| (high[0], y)),
-                on_line(low[1], swapped).map(|x| (x, low[1])),
-                on_line(high[1], swapped).map(|x| (x, high[1])),
-            ];
-            for place in places.into_iter().flatten() {
+            for place in border.as_far_from(m.offset) {
                 if let Some(point) = self.accept(at, place, &[own, *m]) {
                     let sites = Sites::Border([own.id.min(m.id), own.id.max(m.id)]);
                     out.push(Candidate { point, sites });
@@ -248,22 +241,12 @@ impl<'a> Detection<'a> {
     }
 
     fn find_corners(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
-        let (low, high) = self.border_offsets(at);
-        for corner in [low, [high[0], low[1]], [low[0], high[1]], high] {
-            if let Some(point) = self.accept(at, (corner[0], corner[1]), &[own]) {
-                out.push(Candidate {
-                    point,
-                    sites: Sites::Corner(own.id),
-                });
+        for corner in Border::around(&self.domain, at).corners() {
+            if let Some(point) = self.accept(at, corner, &[own]) {
+                let sites = Sites::Corner(own.id);
+                out.push(Candidate { point, sites });
             }
         }
-    }
-
-    /// Returns the offsets from `at` of the lowest and highest coordinates of a bounded domain.
-    fn border_offsets(&self, at: Point) -> ([i64; 2], [i64; 2]) {
-        let low = [-i64::from(at.x), -i64::from(at.y)];
-        let high = [self.domain.width() - at.x, self.domain.height() - at.y].map(i64::from);
-        (low, high)
     }
 
     /// Returns the lattice point at `centre` from the detector at `at` if it is a candidate made
@@ -283,6 +266,41 @@ impl<'a> Detection<'a> {
         }
         let (x, y) = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
         self.domain.wrap(x, y)
+    }
+}
+
+/// The border of a bounded domain as seen from one of its points.
+pub(crate) struct Border {
+    /// Offsets of the left and lower lines.
+    low: [i64; 2],
+    /// Offsets of the right and upper lines.
+    high: [i64; 2],
+}
+
+impl Border {
+    pub(crate) fn around(domain: &Domain, at: Point) -> Self {
+        let (width, height) = (domain.width(), domain.height());
+        Self {
+            low: [-i64::from(at.x), -i64::from(at.y)],
+            high: [i64::from(width - at.x), i64::from(height - at.y)],
+        }
+    }
+
+    /// Returns the places of the four border lines that are as far from the point as from `m`,
+    /// some of them far outside the domain.
+    pub(crate) fn as_far_from(&self, m: Offset) -> impl Iterator<Item = Offset> {
+        let swapped = (m.1, m.0);
+        let column = |x: i64| on_line(x, m).map(|y| (x, y));
+        let row = |y: i64| on_line(y, swapped).map(|x| (x, y));
+        let ([left, lower], [right, upper]) = (self.low, self.high);
+        [column(left), column(right), row(lower), row(upper)]
+            .into_iter()
+            .flatten()
+    }
+
+    pub(crate) const fn corners(&self) -> [Offset; 4] {
+        let ([left, lower], [right, upper]) = (self.low, self.high);
+        [(left, lower), (right, lower), (left, upper), (right, upper)]
     }
 }
 
