@@ -46,7 +46,7 @@ fn main() {
 }
 
 fn measure(peer: &Peer, count: f64) {
-    let radius = radius_estimate(&Parameters::default(), count as u64);
+    let radius = radius_estimate(&Parameters::default(), count as u64).expect("a count in range");
     let domain = Domain::from_size([1.0, 1.0], radius, peer.boundary).expect("a domain");
     let mut rates = Vec::new();
     let mut last = None;

@@ -93,7 +93,7 @@ fn mean_spectrum(sets: impl Iterator<Item = Vec<[f64; 2]>>) -> Vec<f64> {
 fn the_spectrum_is_the_reference_samplers() {
     let base = Parameters::default();
     let base = Parameters {
-        radius: radius_estimate(&base, 10_000),
+        radius: radius_estimate(&base, 10_000).unwrap(),
         ..base
     };
     let domain = base.validate().unwrap();

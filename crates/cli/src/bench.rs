@@ -9,15 +9,15 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde_json::json;
 use tilescope_analysis::{Report, VerifyOptions};
-use tilescope_core::{Domain, Parameters, Pattern, Sequential, Unobserved, reference_sample};
+use tilescope_core::{Domain, Parameters, Pattern, Sequential, reference_sample};
 
 use crate::options::region;
 use crate::progress::{Bar, verifying};
-use crate::{interrupt, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope bench`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct BenchArguments {
     /// Samples of each set, about
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
@@ -37,7 +37,7 @@ pub struct BenchArguments {
 }
 
 const EXAMPLES: &str = "\
-KDRT starts with its pattern ready-made; the time to make one is a row of its own. The ratio is to
+KDRT starts with its pattern ready-made; the time to make one is told below the table. The ratio is to
 the reference sampler in the same round, and the median over the rounds.
 
 Example:
@@ -59,30 +59,31 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         "--rounds is {}; it must be between 1 and 1000",
         arguments.rounds
     );
-    let base = parameters(arguments);
+    let base = parameters(arguments)?;
     let domain = base.validate()?;
+    for &leaf in &arguments.leaf {
+        Parameters { leaf, ..base }.validate()?;
+    }
     let began = Instant::now();
-    let pattern = Arc::new(Pattern::generate(&base.pattern, &mut Unobserved)?);
+    let pattern = Arc::new(Pattern::generate(&base.pattern, &mut stop_on_interrupt)?);
     let pattern_seconds = began.elapsed().as_secs_f64();
     let rows = measure(arguments, &base, &domain, &pattern)?;
     let valid = rows.iter().flat_map(|row| &row.reports).all(Report::valid);
     if arguments.json {
-        println!("{}", to_json(&rows, pattern_seconds));
+        output::emit(&format!("{}\n", to_json(&rows, pattern_seconds)))?;
     } else {
-        print!("{}", to_text(&rows, pattern_seconds, arguments));
+        output::emit(&to_text(&rows, pattern_seconds, arguments))?;
     }
     Ok(verdict_code(valid))
 }
 
-fn parameters(arguments: &BenchArguments) -> Parameters {
+fn parameters(arguments: &BenchArguments) -> Result<Parameters> {
     let base = Parameters {
         leaf: 40.0,
         ..Parameters::default()
     };
-    Parameters {
-        radius: tilescope_core::radius_estimate(&base, arguments.samples),
-        ..base
-    }
+    let radius = tilescope_core::radius_estimate(&base, arguments.samples)?;
+    Ok(Parameters { radius, ..base })
 }
 
 fn measure(

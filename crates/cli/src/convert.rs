@@ -1,5 +1,6 @@
 //! `tilescope convert`: a point set into another format, verified on both sides.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
@@ -13,7 +14,7 @@ use crate::{EXIT_FINE, interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct ConvertArguments {
     /// The point set
     input: PathBuf,
@@ -48,15 +49,18 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let exported =
         verifying(|control| tilescope_formats::export(path, &input.set, &input.context, control))
             .with_context(|| path.display().to_string())?;
-    println!(
-        "{} samples, r = {}",
-        exported.report.count, exported.report.radius
-    );
-    print!("{}", output::verdict_text(&exported.report));
+    let report = &exported.report;
+    let mut text = format!("{} samples, r = {}\n", report.count, report.radius);
+    text.push_str(&output::verdict_text(report));
     for warning in &exported.warnings {
-        println!("warning: {warning}");
+        let _ = writeln!(text, "warning: {warning}");
     }
-    println!("certificate    {}", exported.certificate_path.display());
+    let _ = writeln!(
+        text,
+        "certificate    {}",
+        exported.certificate_path.display()
+    );
+    output::emit(&text)?;
     Ok(if input.certain {
         verdict_code(exported.report.valid())
     } else {

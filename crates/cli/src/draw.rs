@@ -10,11 +10,11 @@ use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_sc
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::{EXIT_FINE, interrupt};
+use crate::{EXIT_FINE, output};
 
 /// Arguments of `tilescope draw`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct DrawArguments {
     /// The point set
     file: PathBuf,
@@ -59,7 +59,6 @@ enum Picture {
 }
 
 pub fn run(arguments: &DrawArguments) -> Result<u8> {
-    interrupt::listen();
     let picture = picture_of(&arguments.picture)?;
     ensure!(
         (16..=32_768).contains(&arguments.size),
@@ -78,11 +77,11 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         Picture::Svg => tilescope_figures::to_svg(&scene)?.into_bytes(),
     };
     write_whole(&arguments.picture, &bytes)?;
-    println!(
-        "{} samples drawn into {}",
+    output::emit(&format!(
+        "{} samples drawn into {}\n",
         read.set.len(),
         arguments.picture.display()
-    );
+    ))?;
     Ok(EXIT_FINE)
 }
 
@@ -112,6 +111,8 @@ fn scene(
         boundary: given.boundary.map_or(base.boundary, Into::into),
     };
     let radius = given.radius.or(certificate.map(|c| c.radius));
+    // Blocks of other sides or another radius are not those of this set.
+    let as_certified = certificate.is_some_and(|c| c.region == region && Some(c.radius) == radius);
     for (name, value) in [("--width", region.width), ("--height", region.height)] {
         ensure!(
             value.is_finite() && value > 0.0,
@@ -132,7 +133,10 @@ fn scene(
             Boundary::Bounded => tilescope_core::Boundary::Bounded,
         },
         radius,
-        blocks: certificate.map(blocks).unwrap_or_default(),
+        blocks: certificate
+            .filter(|_| as_certified)
+            .map(blocks)
+            .unwrap_or_default(),
         block_of: set
             .provenance
             .as_ref()
@@ -145,19 +149,25 @@ fn scene(
             Theme::Light => Palette::LIGHT,
             Theme::Dark => Palette::DARK,
         },
-        window: window(arguments.window.as_deref())?,
+        window: window(arguments.window.as_deref(), &region)?,
         disks: !arguments.no_disks,
     };
     Ok(set_scene(&picture, &options))
 }
 
-fn window(given: Option<&[f64]>) -> Result<Option<Rect>> {
+fn window(given: Option<&[f64]>, region: &Region) -> Result<Option<Rect>> {
     let Some(&[x0, y0, x1, y1]) = given else {
         return Ok(None);
     };
     ensure!(
         [x0, y0, x1, y1].iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1,
         "--window is {x0} {y0} {x1} {y1}; it must be X0 < X1 and Y0 < Y1"
+    );
+    ensure!(
+        x1 > 0.0 && y1 > 0.0 && x0 < region.width && y0 < region.height,
+        "--window is {x0} {y0} {x1} {y1}; nothing of the domain, {} x {}, lies in it",
+        region.width,
+        region.height
     );
     Ok(Some(Rect::new([x0, y0], [x1, y1])))
 }

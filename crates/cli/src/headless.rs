@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use tilescope_core::{Parameters, Run, Stage, sample};
 use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
@@ -80,10 +80,13 @@ fn session(folder: &Path) -> Result<u8> {
         saved: Some(&exported.certificate_path),
         warnings: Vec::new(),
     };
-    print!("{}", output::text(&outcome));
-    println!("set            {}", path.display());
+    output::emit(&format!(
+        "{}set            {}\n",
+        output::text(&outcome),
+        path.display()
+    ))?;
     for picture in pictures(&run, folder)? {
-        println!("picture        {}", picture.display());
+        output::emit(&format!("picture        {}\n", picture.display()))?;
     }
     Ok(verdict_code(exported.report.valid()))
 }
@@ -96,6 +99,7 @@ fn pictures(run: &Run, folder: &Path) -> Result<Vec<PathBuf>> {
             Stage::Iterate(k) => format!("iterate-{k}"),
             other => other.to_string(),
         };
+        ensure!(!interrupt::requested(), "cancelled before picture {number}");
         let path = folder.join(format!("{number}-{name}.png"));
         // What happens at seams is too small to be seen in a picture of the whole domain.
         let at_seams = matches!(stage, Stage::Tile | Stage::Eliminate | Stage::Iterate(_));

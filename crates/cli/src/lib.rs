@@ -91,15 +91,36 @@ pub fn run(command: &Command) -> ExitCode {
 fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
-        Err(_) if interrupt::requested() => {
+        Err(error) if is_broken_pipe(&error) => ExitCode::from(EXIT_FINE),
+        Err(error) if interrupt::requested() && describe(&error).contains("cancelled") => {
             eprintln!("interrupted; no file was left half written");
             ExitCode::from(EXIT_INTERRUPTED)
         }
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", describe(&error));
             ExitCode::from(EXIT_BAD_INPUT)
         }
     }
+}
+
+/// Whoever read the output has seen enough.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let io = error.downcast_ref::<std::io::Error>();
+    io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// Returns an error and its causes in one line, none of them twice: a library's message may name
+/// the file or the cause that its neighbours in the chain name.
+fn describe(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for part in error.chain().map(ToString::to_string) {
+        if part.starts_with(&line) {
+            line = part;
+        } else if !line.contains(&part) {
+            line = format!("{line}: {part}");
+        }
+    }
+    line
 }
 
 /// Returns the code of a verdict.
@@ -110,6 +131,15 @@ const fn verdict_code(valid: bool) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_say_nothing_twice() {
+        let cause = anyhow::anyhow!("no such file");
+        let error = cause.context("a.csv: no such file").context("a.csv");
+        assert_eq!(describe(&error), "a.csv: no such file");
+        let error = anyhow::anyhow!("it is empty").context("a.csv");
+        assert_eq!(describe(&error), "a.csv: it is empty");
+    }
 
     #[test]
     fn the_arguments_are_well_formed() {

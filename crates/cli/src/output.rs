@@ -9,6 +9,14 @@ use tilescope_core::{Stage, Summary};
 
 use crate::sample::Made;
 
+/// Prints text; a closed pipe is an error that ends the command quietly.
+pub fn emit(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    std::io::Write::write_all(&mut out, text.as_bytes())?;
+    std::io::Write::flush(&mut out)?;
+    Ok(())
+}
+
 /// A made set with its verdict.
 pub struct Outcome<'a> {
     pub made: &'a Made,
@@ -119,8 +127,12 @@ pub fn region_text(region: &Region) -> String {
 pub fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> String {
     let mut out = String::new();
     let mut rest = 0.0;
+    // Algorithm 4 as printed has no separate iteration 1.
+    let at_once = !seconds.iter().any(|&(stage, _)| stage == Stage::Iterate(1));
     for &(stage, time) in seconds {
-        let did = summary.map(|s| what_happened(stage, s)).unwrap_or_default();
+        let did = summary
+            .map(|s| what_happened(stage, s, at_once))
+            .unwrap_or_default();
         // Uniform insertion ends in many levels that fill a handful of slivers.
         if matches!(stage, Stage::Iterate(_)) && summary.is_none() {
             rest += time;
@@ -139,7 +151,7 @@ pub fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> Strin
     out
 }
 
-fn what_happened(stage: Stage, s: &Summary) -> String {
+fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
     match stage {
         Stage::Pattern => String::new(),
         Stage::Blocks => format!("{} building blocks", s.blocks),
@@ -147,6 +159,10 @@ fn what_happened(stage: Stage, s: &Summary) -> String {
             format!("{} samples, {} more outside dropped", s.tiled, s.dropped)
         }
         Stage::Tile => format!("{} samples", s.tiled),
+        Stage::Eliminate if at_once => {
+            let first = s.inserted.first().copied().unwrap_or(0);
+            format!("{} eliminated, {first} inserted at once", s.eliminated)
+        }
         Stage::Eliminate => format!("{} eliminated", s.eliminated),
         Stage::Iterate(k) => match s.inserted.get(k as usize - 1) {
             Some(n) => format!("{n} inserted"),

@@ -54,7 +54,7 @@ pub struct RunArguments {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["pattern_side", "pattern_seed"]
+        conflicts_with_all = ["pattern_side", "pattern_seed", "pattern_boundary"]
     )]
     pub pattern: Option<PathBuf>,
     /// Radius of a pattern file without a certificate; its domain is then the unit square
@@ -109,9 +109,9 @@ pub enum VariantArgument {
 }
 
 impl RunArguments {
-    /// Returns the parameters; with `--count` the radius is a first estimate.
+    /// Returns the parameters; with `--count` the radius is still 0.
     pub fn parameters(&self) -> Parameters {
-        let mut parameters = Parameters {
+        Parameters {
             width: self.width,
             height: self.height,
             radius: self.radius.unwrap_or(0.0),
@@ -143,11 +143,7 @@ impl RunArguments {
                 VariantArgument::Staged => Variant::Staged,
                 VariantArgument::AsPrinted => Variant::AsPrinted,
             },
-        };
-        if let (None, Some(count)) = (self.radius, self.count) {
-            parameters.radius = tilescope_core::radius_estimate(&parameters, count);
         }
-        parameters
     }
 
     /// Returns the pattern, from its file or generated.

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Domain, Origin, Parameters, Point, Run, Sequential, Stage, Summary, reference_sample,
-    sample_count,
+    Domain, Origin, Parameters, Point, Run, SampleError, Sequential, Stage, Summary,
+    reference_sample, sample_count, search_radius,
 };
 use tilescope_formats::{ExportContext, Format, PointSet, Precision, Provenance, bytes_digest};
 
@@ -20,16 +20,14 @@ use crate::parameters::RunArguments;
 use crate::progress::{Stopwatch, verifying};
 use crate::{interrupt, verdict_code};
 
-/// Radii tried for a wanted count.
-const REFERENCE_TRIES: u32 = 48;
-
 /// Arguments of `tilescope sample`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct SampleArguments {
     #[command(flatten)]
     run: RunArguments,
-    /// KDRT, or the reference sampler that makes a maximal set from scratch
+    /// KDRT, or the reference sampler, which makes a maximal set from scratch and of the arguments
+    /// above heeds radius or count, sides, boundary and seed
     #[arg(long, value_enum, default_value = "kdrt")]
     method: Method,
     /// Save the set, validated, with a certificate beside it; the extension gives the format
@@ -103,9 +101,9 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         warnings,
     };
     if arguments.json {
-        println!("{}", output::json(&outcome));
+        output::emit(&format!("{}\n", output::json(&outcome)))?;
     } else {
-        print!("{}", output::text(&outcome));
+        output::emit(&output::text(&outcome))?;
     }
     Ok(verdict_code(report.valid()))
 }
@@ -199,31 +197,25 @@ fn reference(arguments: &SampleArguments) -> Result<Made> {
     })
 }
 
-/// Makes a reference set; with a count, tries radii until it has so many samples to within 1%.
+/// Makes a reference set; with a count, of the radius that gives it.
 fn reference_set(
     parameters: &Parameters,
     count: Option<u64>,
     watch: &mut Stopwatch,
-) -> Result<(Domain, Vec<Point>)> {
-    let mut radius = parameters.radius;
-    let mut found = 0;
-    for _ in 0..REFERENCE_TRIES {
+) -> Result<(Domain, Vec<Point>), SampleError> {
+    let mut attempt = |radius| {
         let domain = Parameters {
             radius,
             ..*parameters
         }
         .validate()?;
         let points = reference_sample(domain, parameters.seed, watch)?;
-        found = points.len() as u64;
-        match count {
-            Some(count) if found.abs_diff(count) > count / 100 => {
-                radius *= (found as f64 / count as f64).sqrt();
-            }
-            _ => return Ok((domain, points)),
-        }
+        Ok((points.len() as u64, (domain, points)))
+    };
+    match count {
+        Some(count) => search_radius(parameters, count, attempt),
+        None => attempt(parameters.radius).map(|(_, made)| made),
     }
-    let count = count.unwrap_or_default();
-    bail!("no radius gave {count} samples to within 1%; the last gave {found}")
 }
 
 fn positions(domain: &Domain, points: &[Point]) -> Vec<[f64; 2]> {

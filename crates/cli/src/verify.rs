@@ -15,7 +15,7 @@ use crate::{interrupt, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct VerifyArguments {
     /// The point set
     file: PathBuf,
@@ -39,9 +39,9 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
     interrupt::listen();
     let check = checked(&arguments.file, &arguments.set)?;
     if arguments.json {
-        println!("{}", to_json(&check));
+        output::emit(&format!("{}\n", to_json(&check)))?;
     } else {
-        print!("{}", to_text(&check));
+        output::emit(&to_text(&check))?;
     }
     Ok(verdict_code(check.passed()))
 }

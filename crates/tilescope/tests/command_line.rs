@@ -190,6 +190,7 @@ fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
     fs::write(folder.path().join("bad.csv"), "x,y\n0.5,zebra\n").unwrap();
     fs::write(folder.path().join("empty.csv"), "x,y\n").unwrap();
     fs::write(folder.path().join("nan.csv"), "x,y\n0.1,0.2\nNaN,0.5\n").unwrap();
+    fs::write(folder.path().join("good.csv"), "x,y\n0.1,0.2\n0.7,0.5\n").unwrap();
     let before = names(folder.path());
     let cases: &[(&[&str], &str)] = &[
         (&["sample"], "--radius"),
@@ -206,7 +207,7 @@ fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
             &["sample", "--radius", "0.01", "--leaf", "5"],
             "the leaf is 5 r",
         ),
-        (&["sample", "--radius", "1e-9"], "at most 65535 r"),
+        (&["sample", "--radius", "1e-9"], "at most 65532 r"),
         (
             &[
                 "sample", "--radius", "0.00001", "--width", "0.5", "--height", "0.5", "--leaf",
@@ -268,7 +269,29 @@ fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
             "empty.csv: CSV: the set has no points",
         ),
         (&["verify", "nan.csv", "--radius", "0.1"], "NaN"),
-        (&["verify", "bad.csv", "--radius", "-1"], "error"),
+        (
+            &["verify", "good.csv", "--radius", "-1"],
+            "good.csv: the set has no verdict: the radius",
+        ),
+        (&["sample", "--radius", "-1"], "the radius is -1"),
+        (
+            &["sample", "--count", "100", "--width", "-1"],
+            "the width is -1",
+        ),
+        (
+            &["sample", "--count", "100", "--leaf", "nan"],
+            "the leaf is NaN",
+        ),
+        (
+            &["sample", "--count", "0", "--method", "reference"],
+            "0 samples were asked for",
+        ),
+        (&["bench", "--samples", "0"], "0 samples were asked for"),
+        (&["bench", "--leaf", "20", "5"], "the leaf is 5 r"),
+        (
+            &["draw", "good.csv", "a.png", "--window", "5", "5", "6", "6"],
+            "nothing of the domain",
+        ),
         (&["convert", "bad.csv", "b.npy"], "zebra"),
         (&["draw", "empty.csv", "a.png"], "no points"),
         (&["draw", "bad.csv", "a.gif"], ".png or .svg"),
@@ -289,13 +312,41 @@ fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
 }
 
 #[test]
-fn an_existing_file_survives_a_failed_run() {
+fn an_existing_file_survives_a_failed_export() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("set.csv");
     fs::write(&path, "precious").unwrap();
-    let arguments = ["sample", "--radius", "0.9", "--out", "set.csv"];
-    tilescope(&folder).args(arguments).assert().code(2);
+    // The set is made and written; then its certificate cannot take the place of a folder.
+    let obstacle = folder.path().join("set.csv.certificate.json");
+    fs::create_dir(&obstacle).unwrap();
+    fs::write(obstacle.join("inside"), "").unwrap();
+    let before = names(folder.path());
+    tilescope(&folder)
+        .args(["sample", "--radius", "0.02", "--out", "set.csv"])
+        .assert()
+        .code(2)
+        .stderr(contains("set.csv.certificate.json"));
     assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
+    assert_eq!(names(folder.path()), before);
+}
+
+/// Whoever reads only the first lines ends the program quietly.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let folder = tempdir().unwrap();
+    let binary = assert_cmd::cargo::cargo_bin("tilescope");
+    let mut child = std::process::Command::new(binary)
+        .current_dir(folder.path())
+        .args(["sample", "--radius", "0.02"])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert_eq!(output.status.code(), Some(0));
 }
 
 #[test]
@@ -523,7 +574,15 @@ fn an_interrupt_leaves_nothing_behind() {
         .args(["-INT", &child.id().to_string()])
         .status();
     assert!(killed.unwrap().success());
-    let status = child.wait().unwrap();
-    assert!(!status.success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    // Before the handler is installed the signal itself ends the process, which is as good.
+    match output.status.code() {
+        Some(code) => assert!(
+            code == 130 && said.contains("interrupted"),
+            "{code}: {said}"
+        ),
+        None => assert_eq!(said, ""),
+    }
     assert_eq!(names(folder.path()), Vec::<String>::new());
 }
