@@ -6,6 +6,7 @@ use egui::{
     Stroke, Style, TextStyle, Theme, Visuals, vec2,
 };
 use std::sync::Arc;
+use tilescope_figures::Palette as Marks;
 
 /// The family of headings.
 #[must_use]
@@ -58,6 +59,11 @@ pub struct Palette {
     pub halo: Color32,
 }
 
+/// Returns a colour of the figures: what marks mean looks the same in the window and on paper.
+const fn mark([red, green, blue, _]: tilescope_figures::Color) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
 const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
@@ -75,14 +81,14 @@ pub const DARK: Palette = Palette {
     muted: rgb(0x0098_a2b0),
     accent: rgb(0x006c_a4ff),
     on_accent: rgb(0x0009_1426),
-    sample: rgb(0x00d5_dbe4),
+    sample: mark(Marks::DARK.sample),
     margin: rgb(0x00e6_9f00),
-    conflict: rgb(0x00ff_6a2b),
-    eliminated: rgb(0x00a4_9488),
-    detector: rgb(0x0056_b4e9),
-    gap: rgb(0x00d5_7bc0),
-    candidate: rgb(0x00f0_e442),
-    inserted: rgb(0x0019_c79a),
+    conflict: mark(Marks::DARK.conflict),
+    eliminated: mark(Marks::DARK.eliminated),
+    detector: mark(Marks::DARK.detector),
+    gap: mark(Marks::DARK.gap),
+    candidate: mark(Marks::DARK.candidate),
+    inserted: mark(Marks::DARK.inserted),
     halo: rgb(0x00ff_ffff),
 };
 
@@ -99,14 +105,14 @@ pub const LIGHT: Palette = Palette {
     muted: rgb(0x005b_6675),
     accent: rgb(0x0020_5fd0),
     on_accent: rgb(0x00ff_ffff),
-    sample: rgb(0x0023_2a34),
+    sample: mark(Marks::LIGHT.sample),
     margin: rgb(0x00b8_6f00),
-    conflict: rgb(0x00d5_4a00),
-    eliminated: rgb(0x008d_7f76),
-    detector: rgb(0x0000_72b2),
-    gap: rgb(0x00a8_3f92),
-    candidate: rgb(0x0096_7a00),
-    inserted: rgb(0x0000_8e68),
+    conflict: mark(Marks::LIGHT.conflict),
+    eliminated: mark(Marks::LIGHT.eliminated),
+    detector: mark(Marks::LIGHT.detector),
+    gap: mark(Marks::LIGHT.gap),
+    candidate: mark(Marks::LIGHT.candidate),
+    inserted: mark(Marks::LIGHT.inserted),
     halo: rgb(0x0000_0000),
 };
 

@@ -66,7 +66,7 @@ impl Palette {
         muted: rgb(0x5B_6470),
         line: rgb(0xD5_DAE0),
         accent: rgb(0x00_72B2),
-        sample: rgb(0x26_2C35),
+        sample: rgb(0x23_2A34),
         disk: rgb(0x7D_8896),
         disk_fill: with_alpha(rgb(0x7D_8896), 24),
         block_tints: [
@@ -85,12 +85,12 @@ impl Palette {
             rgb(0xC9_BE4F),
             rgb(0xDB_9A77),
         ],
-        conflict: rgb(0xD5_5E00),
-        eliminated: rgb(0x85_8D98),
+        conflict: rgb(0xD5_4A00),
+        eliminated: rgb(0x8D_7F76),
         detector: rgb(0x00_72B2),
-        gap: rgb(0xB0_5590),
-        candidate: rgb(0xA8_7000),
-        inserted: rgb(0x00_8F68),
+        gap: rgb(0xA8_3F92),
+        candidate: rgb(0x96_7A00),
+        inserted: rgb(0x00_8E68),
         current: rgb(0x00_0000),
     };
 
@@ -102,7 +102,7 @@ impl Palette {
         muted: rgb(0x9A_A3AE),
         line: rgb(0x38_3E46),
         accent: rgb(0x56_B4E9),
-        sample: rgb(0xDF_E3E8),
+        sample: rgb(0xD5_DBE4),
         disk: rgb(0x7B_8592),
         disk_fill: with_alpha(rgb(0x9A_A3AE), 22),
         block_tints: [
@@ -121,12 +121,12 @@ impl Palette {
             rgb(0x77_702B),
             rgb(0x88_5A40),
         ],
-        conflict: rgb(0xF0_8040),
-        eliminated: rgb(0x79_828E),
+        conflict: rgb(0xFF_6A2B),
+        eliminated: rgb(0xA4_9488),
         detector: rgb(0x56_B4E9),
-        gap: rgb(0xD9_8FBC),
-        candidate: rgb(0xE6_9F00),
-        inserted: rgb(0x2F_C49A),
+        gap: rgb(0xD5_7BC0),
+        candidate: rgb(0xF0_E442),
+        inserted: rgb(0x19_C79A),
         current: rgb(0xFF_FFFF),
     };
 
