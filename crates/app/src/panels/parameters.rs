@@ -257,21 +257,26 @@ fn choice<T: Copy + PartialEq>(
     (chosen != current).then_some(chosen)
 }
 
-/// The button and the progress take the same room, so that nothing jumps.
+/// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so
+/// that a double click on Run does not hit it.
 fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.theme);
     if let Some(job) = &state.sampling {
-        let refusal = job.is_cancelled().then_some("It is stopping.");
-        if primary_button(ui, "Cancel", refusal, palette).clicked() {
-            commands.push(Command::Cancel);
-        }
         let activity = sentence(&job.activity());
         let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
         let bar = ProgressBar::new(job.fraction())
-            .desired_height(18.0)
+            .desired_height(34.0)
             .fill(palette.accent.gamma_multiply(0.5))
             .text(RichText::new(text.trim_start_matches('.').trim()).small());
         ui.add(bar);
+        ui.horizontal(|ui| {
+            ui.set_height(18.0);
+            if job.is_cancelled() {
+                ui.label(RichText::new("Stopping").small().color(palette.muted));
+            } else if ui.link(RichText::new("Cancel").small()).clicked() {
+                commands.push(Command::Cancel);
+            }
+        });
         return;
     }
     let refusal = state.run_refusal();
