@@ -88,6 +88,36 @@ fn an_arrow_that_the_map_lacks_is_found() {
     );
 }
 
+/// What the judge and the accused are made of, at run time: no window, no GPU, no files, no clock.
+#[test]
+fn core_and_analysis_use_little_else() {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
+    let metadata = MetadataCommand::new()
+        .manifest_path(manifest)
+        .no_deps()
+        .exec()
+        .unwrap();
+    for (name, allowed) in [
+        ("tilescope-core", &["serde", "thiserror"][..]),
+        (
+            "tilescope-analysis",
+            &["rayon", "serde", "spade", "thiserror"],
+        ),
+    ] {
+        let package = metadata
+            .packages
+            .iter()
+            .find(|p| p.name.as_str() == name)
+            .unwrap();
+        let used = package
+            .dependencies
+            .iter()
+            .filter(|d| d.kind != DependencyKind::Development);
+        let used: BTreeSet<&str> = used.map(|d| d.name.as_str()).collect();
+        assert_eq!(used, allowed.iter().copied().collect(), "{name}");
+    }
+}
+
 /// The judge does not know the accused, not even through another crate or in its tests.
 #[test]
 fn the_verifier_never_meets_the_sampler() {

@@ -35,19 +35,36 @@ fn reach(run: &Run, at: Point) -> Reach {
 /// The definition's 12 R by which a sample may be nearer to a candidate than the candidate's own.
 const NEARER_SLACK: i64 = 12 << 15;
 
-/// Ranks of the orders that can be written down in a line; `PhaseGroup` has tests of its own.
-fn rank(order: Order, key: Key, point: Point, own: bool) -> u32 {
-    match order {
+/// The rank of a sample in an order.
+fn rank(run: &Run, point: Point, own: bool) -> u32 {
+    let key = Key::from_seed(run.parameters.seed);
+    match run.parameters.order {
         Order::Random => key.derive(Stream::Order, 0).draw_at(point.x, point.y)[0],
         Order::OwnBlockFirst => u32::from(!own),
-        _ => 0,
+        Order::PhaseGroup => phase_group(run, key, point),
+        Order::Index => 0,
     }
+}
+
+/// Cells at least 2r wide, an even number on each axis, in a 2 x 2 scheme; the four groups follow
+/// each other in a random sequence.
+fn phase_group(run: &Run, key: Key, point: Point) -> u32 {
+    let parity = |x: i32, side: i32| {
+        let cells = (2 * (side / (4 << 15))).max(2);
+        (x / (side / cells)).min(cells - 1) % 2
+    };
+    let mut sequence = vec![0, 1, 2, 3];
+    for last in [3_u32, 2, 1] {
+        let word = u64::from(key.draw(Stream::Phase, last)[0]);
+        sequence.swap(last as usize, (word * u64::from(last + 1) >> 32) as usize);
+    }
+    let row = parity(point.y, run.domain.height());
+    sequence[(2 * row + parity(point.x, run.domain.width())) as usize]
 }
 
 /// Every sample in order; one that no kept sample covers is kept.
 fn eliminate(run: &Run) -> Vec<Fate> {
     let samples = &run.samples;
-    let key = Key::from_seed(run.parameters.seed);
     let mut order: Vec<usize> = (0..samples.len())
         .filter(|&id| samples.fates[id] != Fate::Dropped)
         .collect();
@@ -55,7 +72,7 @@ fn eliminate(run: &Run) -> Vec<Fate> {
         let Origin::Tiled { own, .. } = samples.origins[id] else {
             unreachable!()
         };
-        (rank(run.parameters.order, key, samples.points[id], own), id)
+        (rank(run, samples.points[id], own), id)
     });
     let mut fates = samples.fates.clone();
     let mut kept: Vec<usize> = Vec::new();
@@ -229,7 +246,7 @@ proptest! {
         leaf in 6.0_f64..12.0,
         bounded: bool,
         dihedral: bool,
-        order in prop_oneof![Just(Order::Index), Just(Order::Random), Just(Order::OwnBlockFirst)],
+        order in prop_oneof![Just(Order::Index), Just(Order::Random), Just(Order::OwnBlockFirst), Just(Order::PhaseGroup)],
         two_radii: bool,
     ) {
         check(&Parameters {

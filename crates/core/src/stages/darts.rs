@@ -180,7 +180,8 @@ impl DartProcess {
     }
 }
 
-/// Returns the Poisson count of mean 0.85 for a uniform word.
+/// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key.
+/// The darts are drawn under the whole key, so the count says nothing about them.
 fn poisson(word: u32) -> u32 {
     POISSON.iter().take_while(|&&bound| word >= bound).count() as u32
 }
@@ -188,6 +189,31 @@ fn poisson(word: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::Boundary;
+    use crate::progress::Unobserved;
+
+    /// Runs a process to its end, its cells rearranged before each throw.
+    fn run(mut process: DartProcess, rearrange: fn(&mut Vec<Point>)) -> Vec<Point> {
+        let mut samples = Vec::new();
+        while !process.is_finished() {
+            rearrange(&mut process.active);
+            samples.extend(process.step(Stage::Pattern, &mut Unobserved).unwrap());
+        }
+        samples
+    }
+
+    #[test]
+    fn the_sequence_of_cells_does_not_matter() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let domain = Domain::from_size([23.0, 17.0], 1.0, boundary).unwrap();
+            let process = || DartProcess::everywhere(Key::from_seed(8), domain);
+            let plain = run(process(), |_| {});
+            assert!(plain.len() > 250);
+            assert_eq!(run(process(), |cells| cells.reverse()), plain);
+            let by_column = |cells: &mut Vec<Point>| cells.sort_by_key(|c| (c.x ^ 0x5555, c.y));
+            assert_eq!(run(process(), by_column), plain);
+        }
+    }
 
     #[test]
     fn counts_follow_the_poisson_distribution() {
