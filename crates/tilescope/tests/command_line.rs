@@ -184,6 +184,116 @@ fn a_spoiled_file_is_refused_and_the_difference_named() {
     assert!(!folder.path().join("set.npy").exists());
 }
 
+/// Arguments that are refused, and what the message says.
+const BAD: &[(&[&str], &str)] = &[
+    (&["sample"], "--radius"),
+    (
+        &["sample", "--radius", "0", "--out", "a.csv"],
+        "the radius is 0",
+    ),
+    (&["sample", "--radius", "nan"], "NaN"),
+    (
+        &["sample", "--radius", "0.5"],
+        "2.0000 r long; it must be at least 10 r",
+    ),
+    (
+        &["sample", "--radius", "0.01", "--leaf", "5"],
+        "the leaf is 5 r",
+    ),
+    (&["sample", "--radius", "1e-9"], "at most 65532 r"),
+    (
+        &[
+            "sample", "--radius", "0.00001", "--width", "0.5", "--height", "0.5", "--leaf", "1e9",
+        ],
+        "at most 2e8",
+    ),
+    (&["sample", "--count", "3"], "must be between"),
+    (&["sample", "--count", "99999999999"], "must be between"),
+    (
+        &["sample", "--radius", "0.01", "--pattern-side", "3"],
+        "between 10 r and 2000 r",
+    ),
+    (
+        &["sample", "--radius", "0.01", "--pattern", "missing.csv"],
+        "missing.csv",
+    ),
+    (
+        &[
+            "sample",
+            "--radius",
+            "0.01",
+            "--pattern-boundary",
+            "bounded",
+            "--leaf",
+            "60",
+        ],
+        "does not fit a bounded pattern",
+    ),
+    (
+        &["sample", "--radius", "0.01", "--out", "a.zebra"],
+        "the extension names no format",
+    ),
+    (
+        &["sample", "--radius", "0.01", "--out", "no/such/a.csv"],
+        "no such folder",
+    ),
+    (&["sample", "--radius", "0.01", "--seed", "-1"], "-1"),
+    (
+        &["sample", "--radius", "0.01", "--search", "3"],
+        "[possible values: 4, 2]",
+    ),
+    (
+        &[
+            "sample",
+            "--radius",
+            "0.01",
+            "--variant",
+            "as-printed",
+            "--insertion",
+            "uniform",
+        ],
+        "staged",
+    ),
+    (&["verify", "missing.csv", "--radius", "0.1"], "missing.csv"),
+    (&["verify", "bad.csv", "--radius", "0.1"], "zebra"),
+    (
+        &["verify", "empty.csv", "--radius", "0.1"],
+        "empty.csv: CSV: the set has no points",
+    ),
+    (&["verify", "nan.csv", "--radius", "0.1"], "NaN"),
+    (
+        &["verify", "good.csv", "--radius", "-1"],
+        "good.csv: the set has no verdict: the radius",
+    ),
+    (&["sample", "--radius", "-1"], "the radius is -1"),
+    (
+        &["sample", "--count", "100", "--width", "-1"],
+        "the width is -1",
+    ),
+    (
+        &["sample", "--count", "100", "--leaf", "nan"],
+        "the leaf is NaN",
+    ),
+    (
+        &["sample", "--count", "0", "--method", "reference"],
+        "0 samples were asked for",
+    ),
+    (&["bench", "--samples", "0"], "0 samples were asked for"),
+    (&["bench", "--leaf", "20", "5"], "the leaf is 5 r"),
+    (
+        &["draw", "good.csv", "a.png", "--window", "5", "5", "6", "6"],
+        "nothing of the domain",
+    ),
+    (&["convert", "bad.csv", "b.npy"], "zebra"),
+    (&["draw", "empty.csv", "a.png"], "no points"),
+    (&["draw", "bad.csv", "a.gif"], ".png or .svg"),
+    (
+        &["draw", "nan.csv", "a.png", "--size", "0"],
+        "between 16 and 32768",
+    ),
+    (&["bench", "--rounds", "0"], "--rounds is 0"),
+];
+
 #[test]
 fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
     let folder = tempdir().unwrap();
@@ -192,116 +302,7 @@ fn bad_input_names_the_value_and_the_limit_and_leaves_nothing() {
     fs::write(folder.path().join("nan.csv"), "x,y\n0.1,0.2\nNaN,0.5\n").unwrap();
     fs::write(folder.path().join("good.csv"), "x,y\n0.1,0.2\n0.7,0.5\n").unwrap();
     let before = names(folder.path());
-    let cases: &[(&[&str], &str)] = &[
-        (&["sample"], "--radius"),
-        (
-            &["sample", "--radius", "0", "--out", "a.csv"],
-            "the radius is 0",
-        ),
-        (&["sample", "--radius", "nan"], "NaN"),
-        (
-            &["sample", "--radius", "0.5"],
-            "2.0000 r long; it must be at least 10 r",
-        ),
-        (
-            &["sample", "--radius", "0.01", "--leaf", "5"],
-            "the leaf is 5 r",
-        ),
-        (&["sample", "--radius", "1e-9"], "at most 65532 r"),
-        (
-            &[
-                "sample", "--radius", "0.00001", "--width", "0.5", "--height", "0.5", "--leaf",
-                "1e9",
-            ],
-            "at most 2e8",
-        ),
-        (&["sample", "--count", "3"], "must be between"),
-        (&["sample", "--count", "99999999999"], "must be between"),
-        (
-            &["sample", "--radius", "0.01", "--pattern-side", "3"],
-            "between 10 r and 2000 r",
-        ),
-        (
-            &["sample", "--radius", "0.01", "--pattern", "missing.csv"],
-            "missing.csv",
-        ),
-        (
-            &[
-                "sample",
-                "--radius",
-                "0.01",
-                "--pattern-boundary",
-                "bounded",
-                "--leaf",
-                "60",
-            ],
-            "does not fit a bounded pattern",
-        ),
-        (
-            &["sample", "--radius", "0.01", "--out", "a.zebra"],
-            "the extension names no format",
-        ),
-        (
-            &["sample", "--radius", "0.01", "--out", "no/such/a.csv"],
-            "no such folder",
-        ),
-        (&["sample", "--radius", "0.01", "--seed", "-1"], "-1"),
-        (
-            &["sample", "--radius", "0.01", "--search", "3"],
-            "[possible values: 4, 2]",
-        ),
-        (
-            &[
-                "sample",
-                "--radius",
-                "0.01",
-                "--variant",
-                "as-printed",
-                "--insertion",
-                "uniform",
-            ],
-            "staged",
-        ),
-        (&["verify", "missing.csv", "--radius", "0.1"], "missing.csv"),
-        (&["verify", "bad.csv", "--radius", "0.1"], "zebra"),
-        (
-            &["verify", "empty.csv", "--radius", "0.1"],
-            "empty.csv: CSV: the set has no points",
-        ),
-        (&["verify", "nan.csv", "--radius", "0.1"], "NaN"),
-        (
-            &["verify", "good.csv", "--radius", "-1"],
-            "good.csv: the set has no verdict: the radius",
-        ),
-        (&["sample", "--radius", "-1"], "the radius is -1"),
-        (
-            &["sample", "--count", "100", "--width", "-1"],
-            "the width is -1",
-        ),
-        (
-            &["sample", "--count", "100", "--leaf", "nan"],
-            "the leaf is NaN",
-        ),
-        (
-            &["sample", "--count", "0", "--method", "reference"],
-            "0 samples were asked for",
-        ),
-        (&["bench", "--samples", "0"], "0 samples were asked for"),
-        (&["bench", "--leaf", "20", "5"], "the leaf is 5 r"),
-        (
-            &["draw", "good.csv", "a.png", "--window", "5", "5", "6", "6"],
-            "nothing of the domain",
-        ),
-        (&["convert", "bad.csv", "b.npy"], "zebra"),
-        (&["draw", "empty.csv", "a.png"], "no points"),
-        (&["draw", "bad.csv", "a.gif"], ".png or .svg"),
-        (
-            &["draw", "nan.csv", "a.png", "--size", "0"],
-            "between 16 and 32768",
-        ),
-        (&["bench", "--rounds", "0"], "--rounds is 0"),
-    ];
-    for (arguments, expected) in cases {
+    for (arguments, expected) in BAD {
         tilescope(&folder)
             .args(*arguments)
             .assert()
@@ -560,7 +561,7 @@ fn bench_verifies_what_it_times() {
 fn an_interrupt_leaves_nothing_behind() {
     let folder = tempdir().unwrap();
     let binary = assert_cmd::cargo::cargo_bin("tilescope");
-    let mut child = std::process::Command::new(binary)
+    let child = std::process::Command::new(binary)
         .current_dir(folder.path())
         .args(["sample", "--radius", "0.0001", "--out", "big.npy"])
         .stdout(std::process::Stdio::null())
