@@ -53,10 +53,10 @@ fn phase_group(run: &Run, key: Key, point: Point) -> u32 {
         let cells = (2 * (side / (4 << 15))).max(2);
         (x / (side / cells)).min(cells - 1) % 2
     };
-    let mut sequence = vec![0, 1, 2, 3];
+    let mut sequence = [0, 1, 2, 3];
     for last in [3_u32, 2, 1] {
         let word = u64::from(key.draw(Stream::Phase, last)[0]);
-        sequence.swap(last as usize, (word * u64::from(last + 1) >> 32) as usize);
+        sequence.swap(last as usize, ((word * u64::from(last + 1)) >> 32) as usize);
     }
     let row = parity(point.y, run.domain.height());
     sequence[(2 * row + parity(point.x, run.domain.width())) as usize]
@@ -91,7 +91,7 @@ fn eliminate(run: &Run) -> Vec<Fate> {
 /// All candidates of one detector, straight from the definition.
 fn candidates(
     domain: &Domain,
-    reach: Reach,
+    reach: &Reach,
     set: &[(u32, Point)],
     i: (u32, Point),
 ) -> Vec<Candidate> {
@@ -170,7 +170,7 @@ fn check_iteration(
         .iter()
         .flat_map(|&id| {
             let at = run.samples.points[id as usize];
-            candidates(&run.domain, reach(run, at), &set, (id, at))
+            candidates(&run.domain, &reach(run, at), &set, (id, at))
         })
         .collect();
     found.sort_by_key(|c| ((c.point.y, c.point.x), c.sites));
