@@ -17,6 +17,7 @@
 //! # Ok::<(), tilescope_figures::FigureError>(())
 //! ```
 
+mod canvas;
 mod error;
 mod fonts;
 mod geometry;
@@ -27,6 +28,7 @@ mod scene;
 mod stages;
 mod svg;
 
+pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
 pub use palette::{Color, Palette, with_alpha};
@@ -35,5 +37,5 @@ pub use raster::{Pixels, to_pixels};
 pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
-pub use stages::{PictureOptions, SetPicture, caption, seam_window, set_scene, stage_scene};
+pub use stages::{SetPicture, caption, seam_window, set_scene, stage_scene};
 pub use svg::to_svg;

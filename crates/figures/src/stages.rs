@@ -3,40 +3,9 @@
 
 use tilescope_core::{Boundary, Domain, Origin, Point, Run, Stage, Standing};
 
-use crate::palette::{Palette, with_alpha};
-use crate::scene::{
-    Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
-};
-
-/// Height of the caption, in pixels at a picture width of 1000.
-const CAPTION: f64 = 44.0;
-
-/// Disks of a smaller radius in pixels are left out.
-const SMALLEST_DISK: f64 = 12.0;
-
-/// How a picture looks.
-#[derive(Clone, Debug)]
-pub struct PictureOptions {
-    /// Width of the picture in pixels; the height follows from the domain or the window.
-    pub width: f64,
-    /// Colours.
-    pub palette: Palette,
-    /// The part of the domain that is shown, in user units; `None` shows it whole.
-    pub window: Option<Rect>,
-    /// Whether disks are drawn.
-    pub disks: bool,
-}
-
-impl Default for PictureOptions {
-    fn default() -> Self {
-        Self {
-            width: 1200.0,
-            palette: Palette::LIGHT,
-            window: None,
-            disks: true,
-        }
-    }
-}
+use crate::canvas::{Canvas, PictureOptions};
+use crate::palette::with_alpha;
+use crate::scene::{Fill, Marker, Rect, Scene, Shape, Stroke, Style};
 
 /// A set to draw without its run.
 #[derive(Clone, Debug)]
@@ -202,219 +171,7 @@ impl Standings {
     }
 }
 
-/// A scene in the making: user units, y upwards, one frame below a caption.
-struct Canvas<'a> {
-    options: &'a PictureOptions,
-    size: [f64; 2],
-    periodic: bool,
-    radius: f64,
-    shown: Rect,
-    frame: Rect,
-    view: View,
-    scene: Scene,
-}
-
-impl<'a> Canvas<'a> {
-    fn new(size: [f64; 2], boundary: Boundary, radius: f64, options: &'a PictureOptions) -> Self {
-        let whole = Rect::new([0.0; 2], size);
-        let shown = options.window.unwrap_or(whole);
-        let scale = options.width / 1000.0;
-        let margin = 16.0 * scale;
-        let top = margin + CAPTION * scale;
-        let inner = options.width - 2.0 * margin;
-        let height = inner * (shown.max[1] - shown.min[1]) / (shown.max[0] - shown.min[0]);
-        let frame = Rect::new([margin, top], [margin + inner, top + height]);
-        // The scene's y points down: positions are mirrored about the shown part.
-        let view = View::fit(shown, frame);
-        let scene = Scene::new(
-            options.width,
-            top + height + margin,
-            options.palette.background,
-        );
-        let periodic = boundary == Boundary::Periodic;
-        Self {
-            options,
-            size,
-            periodic,
-            radius,
-            shown,
-            frame,
-            view,
-            scene,
-        }
-    }
-
-    fn palette(&self) -> &'a Palette {
-        &self.options.palette
-    }
-
-    fn group(&self, name: &str) -> Group {
-        Group {
-            view: self.view,
-            clip: Some(self.frame),
-            ..Group::new(name)
-        }
-    }
-
-    fn push(&mut self, groups: impl IntoIterator<Item = Group>) {
-        self.scene
-            .groups
-            .extend(groups.into_iter().filter(|group| !group.shapes.is_empty()));
-    }
-
-    /// Returns a position with y pointing down, within the shown part.
-    fn flip(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [x, self.shown.min[1] + self.shown.max[1] - y]
-    }
-
-    fn flip_rect(&self, rect: Rect) -> Rect {
-        let (a, b) = (self.flip(rect.min), self.flip(rect.max));
-        Rect::new([a[0], b[1]], [b[0], a[1]])
-    }
-
-    /// Returns the images of a disk that touch the shown part.
-    fn images(&self, point: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-        let shifts: &[f64] = if self.periodic {
-            &[0.0, -1.0, 1.0]
-        } else {
-            &[0.0]
-        };
-        let (size, shown, radius) = (self.size, self.shown, self.radius);
-        shifts
-            .iter()
-            .flat_map(move |dx| {
-                shifts
-                    .iter()
-                    .map(move |dy| [point[0] + dx * size[0], point[1] + dy * size[1]])
-            })
-            .filter(move |p| {
-                (0..2).all(|k| shown.min[k] - radius <= p[k] && p[k] <= shown.max[k] + radius)
-            })
-    }
-
-    /// Pixels of one radius.
-    fn radius_px(&self) -> f64 {
-        self.radius * self.view.scale
-    }
-
-    /// Width of a sample's dot in pixels.
-    fn dot_px(&self) -> f64 {
-        let px = self.options.width / 1000.0;
-        if self.radius > 0.0 {
-            (self.radius_px() * 0.34).clamp(1.0, 9.0 * px)
-        } else {
-            3.0 * px
-        }
-    }
-
-    fn line_px(&self) -> f64 {
-        (self.radius_px() * 0.05).clamp(0.3, 1.6 * self.options.width / 1000.0)
-    }
-
-    fn dot(&self, block: Option<u32>) -> Style {
-        let color = match block {
-            Some(block) => self.palette().block(block as usize).1,
-            None => self.palette().sample,
-        };
-        Style::filled(color)
-    }
-
-    fn inserted(&self) -> Style {
-        Style::filled(self.palette().inserted)
-    }
-
-    fn mark(&self, group: &mut Group, marker: Marker, point: [f64; 2], style: Style) {
-        let size = match marker {
-            Marker::Dot => self.dot_px(),
-            _ => self.dot_px() * 1.7,
-        };
-        for image in self.images(point) {
-            group
-                .shapes
-                .push(Shape::marker(marker, self.flip(image), size, style));
-        }
-    }
-
-    fn blocks(&mut self, blocks: impl Iterator<Item = Rect>) {
-        let mut group = self.group("blocks");
-        for (index, rect) in blocks.enumerate() {
-            let (tint, border) = self.palette().block(index);
-            let style = Style::filled(tint).with_stroke(Stroke::new(border, 1.0));
-            group.shapes.push(Shape::Rect {
-                rect: self.flip_rect(rect),
-                style,
-            });
-        }
-        self.push([group]);
-    }
-
-    fn block_borders(&mut self, blocks: impl Iterator<Item = Rect>) {
-        let mut group = self.group("block borders");
-        let stroke = Stroke::new(with_alpha(self.palette().muted, 130), 1.0);
-        for rect in blocks {
-            let style = Style {
-                fill: None,
-                stroke: Some(stroke),
-            };
-            group.shapes.push(Shape::Rect {
-                rect: self.flip_rect(rect),
-                style,
-            });
-        }
-        self.push([group]);
-    }
-
-    /// Draws disks, unless they are so small that their rings would be noise.
-    fn rings(&mut self, points: &[[f64; 2]], fill: Option<Fill>) {
-        if !self.options.disks || self.radius_px() < SMALLEST_DISK {
-            return;
-        }
-        let mut group = self.group("disks");
-        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
-        let style = Style {
-            fill,
-            stroke: Some(ring),
-        };
-        for &point in points {
-            for image in self.images(point) {
-                group
-                    .shapes
-                    .push(Shape::circle(self.flip(image), self.radius, style));
-            }
-        }
-        self.push([group]);
-    }
-
-    /// Hatches the domain and lays the disks on top: what stays hatched is a gap, exactly.
-    fn coverage(&mut self, points: &[[f64; 2]]) {
-        let mut gaps = self.group("gaps");
-        let hatch = Hatch {
-            color: self.palette().gap,
-            spacing: 5.0,
-            width: 2.0,
-        };
-        let rect = self.flip_rect(Rect::new([0.0; 2], self.size));
-        let solid = Style::filled(with_alpha(self.palette().gap, 170));
-        gaps.shapes.push(Shape::Rect { rect, style: solid });
-        let style = Style {
-            fill: Some(Fill::Hatch(hatch)),
-            stroke: None,
-        };
-        gaps.shapes.push(Shape::Rect { rect, style });
-        let mut disks = self.group("disks");
-        let covered = Style::filled(self.palette().background);
-        for &point in points {
-            for image in self.images(point) {
-                disks
-                    .shapes
-                    .push(Shape::circle(self.flip(image), self.radius, covered));
-            }
-        }
-        self.push([gaps, disks]);
-        // Their overlapping fills would veil the gaps.
-        self.rings(points, None);
-    }
-
+impl Canvas<'_> {
     fn conflicts(&mut self, run: &Run) {
         let mut group = self.group("conflicts");
         let stroke = Stroke::new(self.palette().conflict, self.line_px() * 1.4).dashed(4.0, 2.0);
@@ -477,24 +234,6 @@ impl<'a> Canvas<'a> {
         }
         self.push([eliminated, rings, samples, inserted]);
     }
-
-    fn finish(mut self, caption: &str) -> Scene {
-        let px = self.options.width / 1000.0;
-        let mut group = Group::new("frame");
-        let border = Style::stroked(self.palette().line, 1.0 * px);
-        group.shapes.push(Shape::Rect {
-            rect: self.frame,
-            style: border,
-        });
-        let at = [self.frame.min[0], self.frame.min[1] - 16.0 * px];
-        let mut text = Text::new(at, caption, 20.0 * px, self.palette().text);
-        text.anchor = Anchor::Start;
-        text.baseline = Baseline::Alphabetic;
-        group.shapes.push(Shape::Text(text));
-        self.push([group]);
-        caption.clone_into(&mut self.scene.title);
-        self.scene
-    }
 }
 
 fn unit(domain: &Domain) -> [f64; 2] {
@@ -516,5 +255,83 @@ fn block_of(run: &Run, id: u32) -> Option<u32> {
     match run.samples.origins[id as usize] {
         Origin::Tiled { block, .. } => Some(block),
         Origin::Inserted { .. } => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tilescope_core::{Parameters, Unobserved, sample};
+
+    use super::*;
+    use crate::to_pixels;
+
+    fn run() -> Run {
+        let parameters = Parameters {
+            radius: 0.02,
+            leaf: 12.0,
+            ..Parameters::default()
+        };
+        sample(&parameters, &mut Unobserved).unwrap()
+    }
+
+    /// Pixels of a stage's picture that are nearer to the gap's colour than to any other.
+    fn gap_pixels(run: &Run, stage: Stage) -> usize {
+        let options = PictureOptions {
+            width: 500.0,
+            disks: false,
+            ..PictureOptions::default()
+        };
+        let scene = stage_scene(run, stage, &options);
+        let pixels = to_pixels(&scene, 1.0).unwrap();
+        let gap = options.palette.gap;
+        let is_gap = |p: &[u8]| (0..3).all(|k| p[k].abs_diff(gap[k]) < 50);
+        pixels.rgba.chunks_exact(4).filter(|p| is_gap(p)).count()
+    }
+
+    #[test]
+    fn gaps_are_seen_after_elimination_and_gone_in_the_end() {
+        let run = run();
+        assert!(gap_pixels(&run, Stage::Eliminate) > 30);
+        assert!(gap_pixels(&run, Stage::Iterate(1)) < gap_pixels(&run, Stage::Eliminate));
+        assert_eq!(gap_pixels(&run, Stage::Finish), 0);
+    }
+
+    #[test]
+    fn every_stage_has_a_picture_of_its_own_with_a_caption() {
+        let run = run();
+        let scenes: Vec<Scene> = run
+            .stages()
+            .into_iter()
+            .map(|stage| stage_scene(&run, stage, &PictureOptions::default()))
+            .collect();
+        assert!(scenes.len() >= 6);
+        for (k, scene) in scenes.iter().enumerate() {
+            assert!(scene.validate().is_ok());
+            assert!(!scene.title.is_empty());
+            assert!(scenes[k + 1..].iter().all(|other| other != scene));
+        }
+    }
+
+    #[test]
+    fn a_conflict_joins_the_two_samples_by_the_shortest_way() {
+        let run = run();
+        let scene = stage_scene(&run, Stage::Tile, &PictureOptions::default());
+        let conflicts = scene.groups.iter().find(|g| g.name == "conflicts").unwrap();
+        let Shape::Segments { segments, .. } = &conflicts.shapes[0] else {
+            panic!("segments")
+        };
+        assert_eq!(segments.len(), run.summary().eliminated);
+        for [a, b] in segments {
+            assert!((a[0] - b[0]).hypot(a[1] - b[1]) <= run.domain.radius() * 1.0001);
+        }
+    }
+
+    #[test]
+    fn the_seam_window_has_its_width_and_shows_a_corner() {
+        let run = run();
+        let window = seam_window(&run, 8.0);
+        assert!((window.max[0] - window.min[0] - 0.16).abs() < 1e-12);
+        let inside = |p: [f64; 2]| (0..2).all(|k| window.min[k] < p[k] && p[k] < window.max[k]);
+        assert!(blocks(&run).any(|rect| inside(rect.min)));
     }
 }

@@ -1,0 +1,276 @@
+//! A canvas for pictures of samples: user units with y upwards, one frame below a caption. It knows
+//! marks, disks, blocks and gaps, and no run.
+
+use tilescope_core::Boundary;
+
+use crate::palette::{Palette, with_alpha};
+use crate::scene::{
+    Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
+};
+
+/// Height of the caption, in pixels at a picture width of 1000.
+const CAPTION: f64 = 44.0;
+
+/// Disks of a smaller radius in pixels are left out.
+const SMALLEST_DISK: f64 = 12.0;
+
+/// How a picture looks.
+#[derive(Clone, Debug)]
+pub struct PictureOptions {
+    /// Width of the picture in pixels; the height follows from the domain or the window.
+    pub width: f64,
+    /// Colours.
+    pub palette: Palette,
+    /// The part of the domain that is shown, in user units; `None` shows it whole.
+    pub window: Option<Rect>,
+    /// Whether disks are drawn.
+    pub disks: bool,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self {
+            width: 1200.0,
+            palette: Palette::LIGHT,
+            window: None,
+            disks: true,
+        }
+    }
+}
+
+/// A scene in the making: user units, y upwards, one frame below a caption.
+pub(crate) struct Canvas<'a> {
+    pub(crate) options: &'a PictureOptions,
+    size: [f64; 2],
+    periodic: bool,
+    radius: f64,
+    shown: Rect,
+    frame: Rect,
+    view: View,
+    scene: Scene,
+}
+
+impl<'a> Canvas<'a> {
+    pub(crate) fn new(
+        size: [f64; 2],
+        boundary: Boundary,
+        radius: f64,
+        options: &'a PictureOptions,
+    ) -> Self {
+        let whole = Rect::new([0.0; 2], size);
+        let shown = options.window.unwrap_or(whole);
+        let scale = options.width / 1000.0;
+        let margin = 16.0 * scale;
+        let top = margin + CAPTION * scale;
+        let inner = options.width - 2.0 * margin;
+        let height = inner * (shown.max[1] - shown.min[1]) / (shown.max[0] - shown.min[0]);
+        let frame = Rect::new([margin, top], [margin + inner, top + height]);
+        // The scene's y points down: positions are mirrored about the shown part.
+        let view = View::fit(shown, frame);
+        let scene = Scene::new(
+            options.width,
+            top + height + margin,
+            options.palette.background,
+        );
+        let periodic = boundary == Boundary::Periodic;
+        Self {
+            options,
+            size,
+            periodic,
+            radius,
+            shown,
+            frame,
+            view,
+            scene,
+        }
+    }
+
+    pub(crate) fn palette(&self) -> &'a Palette {
+        &self.options.palette
+    }
+
+    pub(crate) fn group(&self, name: &str) -> Group {
+        Group {
+            view: self.view,
+            clip: Some(self.frame),
+            ..Group::new(name)
+        }
+    }
+
+    pub(crate) fn push(&mut self, groups: impl IntoIterator<Item = Group>) {
+        self.scene
+            .groups
+            .extend(groups.into_iter().filter(|group| !group.shapes.is_empty()));
+    }
+
+    /// Returns a position with y pointing down, within the shown part.
+    pub(crate) fn flip(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x, self.shown.min[1] + self.shown.max[1] - y]
+    }
+
+    pub(crate) fn flip_rect(&self, rect: Rect) -> Rect {
+        let (a, b) = (self.flip(rect.min), self.flip(rect.max));
+        Rect::new([a[0], b[1]], [b[0], a[1]])
+    }
+
+    /// Returns the images of a disk that touch the shown part.
+    pub(crate) fn images(&self, point: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+        let shifts: &[f64] = if self.periodic {
+            &[0.0, -1.0, 1.0]
+        } else {
+            &[0.0]
+        };
+        let (size, shown, radius) = (self.size, self.shown, self.radius);
+        shifts
+            .iter()
+            .flat_map(move |dx| {
+                shifts
+                    .iter()
+                    .map(move |dy| [point[0] + dx * size[0], point[1] + dy * size[1]])
+            })
+            .filter(move |p| {
+                (0..2).all(|k| shown.min[k] - radius <= p[k] && p[k] <= shown.max[k] + radius)
+            })
+    }
+
+    /// Pixels of one radius.
+    pub(crate) fn radius_px(&self) -> f64 {
+        self.radius * self.view.scale
+    }
+
+    /// Width of a sample's dot in pixels.
+    pub(crate) fn dot_px(&self) -> f64 {
+        let px = self.options.width / 1000.0;
+        if self.radius > 0.0 {
+            (self.radius_px() * 0.34).clamp(1.0, 9.0 * px)
+        } else {
+            3.0 * px
+        }
+    }
+
+    pub(crate) fn line_px(&self) -> f64 {
+        (self.radius_px() * 0.05).clamp(0.3, 1.6 * self.options.width / 1000.0)
+    }
+
+    pub(crate) fn dot(&self, block: Option<u32>) -> Style {
+        let color = match block {
+            Some(block) => self.palette().block(block as usize).1,
+            None => self.palette().sample,
+        };
+        Style::filled(color)
+    }
+
+    pub(crate) fn inserted(&self) -> Style {
+        Style::filled(self.palette().inserted)
+    }
+
+    pub(crate) fn mark(&self, group: &mut Group, marker: Marker, point: [f64; 2], style: Style) {
+        let size = match marker {
+            Marker::Dot => self.dot_px(),
+            _ => self.dot_px() * 1.7,
+        };
+        for image in self.images(point) {
+            group
+                .shapes
+                .push(Shape::marker(marker, self.flip(image), size, style));
+        }
+    }
+
+    pub(crate) fn blocks(&mut self, blocks: impl Iterator<Item = Rect>) {
+        let mut group = self.group("blocks");
+        for (index, rect) in blocks.enumerate() {
+            let (tint, border) = self.palette().block(index);
+            let style = Style::filled(tint).with_stroke(Stroke::new(border, 1.0));
+            group.shapes.push(Shape::Rect {
+                rect: self.flip_rect(rect),
+                style,
+            });
+        }
+        self.push([group]);
+    }
+
+    pub(crate) fn block_borders(&mut self, blocks: impl Iterator<Item = Rect>) {
+        let mut group = self.group("block borders");
+        let stroke = Stroke::new(with_alpha(self.palette().muted, 130), 1.0);
+        for rect in blocks {
+            let style = Style {
+                fill: None,
+                stroke: Some(stroke),
+            };
+            group.shapes.push(Shape::Rect {
+                rect: self.flip_rect(rect),
+                style,
+            });
+        }
+        self.push([group]);
+    }
+
+    /// Draws disks, unless they are so small that their rings would be noise.
+    pub(crate) fn rings(&mut self, points: &[[f64; 2]], fill: Option<Fill>) {
+        if !self.options.disks || self.radius_px() < SMALLEST_DISK {
+            return;
+        }
+        let mut group = self.group("disks");
+        let ring = Stroke::new(with_alpha(self.palette().disk, 110), self.line_px());
+        let style = Style {
+            fill,
+            stroke: Some(ring),
+        };
+        for &point in points {
+            for image in self.images(point) {
+                group
+                    .shapes
+                    .push(Shape::circle(self.flip(image), self.radius, style));
+            }
+        }
+        self.push([group]);
+    }
+
+    /// Hatches the domain and lays the disks on top: what stays hatched is a gap, exactly.
+    pub(crate) fn coverage(&mut self, points: &[[f64; 2]]) {
+        let mut gaps = self.group("gaps");
+        let hatch = Hatch {
+            color: self.palette().gap,
+            spacing: 5.0,
+            width: 2.0,
+        };
+        let rect = self.flip_rect(Rect::new([0.0; 2], self.size));
+        let solid = Style::filled(with_alpha(self.palette().gap, 170));
+        gaps.shapes.push(Shape::Rect { rect, style: solid });
+        let style = Style {
+            fill: Some(Fill::Hatch(hatch)),
+            stroke: None,
+        };
+        gaps.shapes.push(Shape::Rect { rect, style });
+        let mut disks = self.group("disks");
+        let covered = Style::filled(self.palette().background);
+        for &point in points {
+            for image in self.images(point) {
+                disks
+                    .shapes
+                    .push(Shape::circle(self.flip(image), self.radius, covered));
+            }
+        }
+        self.push([gaps, disks]);
+        // Their overlapping fills would veil the gaps.
+        self.rings(points, None);
+    }
+
+    pub(crate) fn finish(mut self, caption: &str) -> Scene {
+        let px = self.options.width / 1000.0;
+        let mut group = Group::new("frame");
+        let border = Style::stroked(self.palette().line, 1.0 * px);
+        group.shapes.push(Shape::Rect {
+            rect: self.frame,
+            style: border,
+        });
+        let at = [self.frame.min[0], self.frame.min[1] - 16.0 * px];
+        let mut text = Text::new(at, caption, 20.0 * px, self.palette().text);
+        text.anchor = Anchor::Start;
+        text.baseline = Baseline::Alphabetic;
+        group.shapes.push(Shape::Text(text));
+        self.push([group]);
+        caption.clone_into(&mut self.scene.title);
+        self.scene
+    }
+}
