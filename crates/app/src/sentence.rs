@@ -77,8 +77,15 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
             } else {
                 String::new()
             };
+            let at_once = match session.inserted_at_once() {
+                0 => String::new(),
+                n => format!(
+                    " {} inserted at once.",
+                    counted(n, "sample is", "samples are")
+                ),
+            };
             format!(
-                "Eliminate: {} yield to one that claimed the place first, {} stay.{looking}",
+                "Eliminate: {} yield to one that claimed the place first, {} stay.{at_once}{looking}",
                 samples(summary.eliminated),
                 grouped(summary.tiled - summary.eliminated),
             )

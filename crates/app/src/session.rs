@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use tilescope_core::{
     Observer, Parameters, Pattern, PatternSpec, Progress, R, Run, SampleError, SampleGrid,
-    Sequential, Stage, Standing, Summary, covers_offset,
+    Sequential, Stage, Standing, Summary, Variant, covers_offset,
 };
 
 use crate::canvas::index::SampleIndex;
@@ -107,12 +107,21 @@ impl Session {
             Stage::Pattern => self.run.pattern.samples().len(),
             Stage::Blocks => 0,
             Stage::Tile => summary.tiled,
-            Stage::Eliminate => summary.tiled - summary.eliminated,
+            Stage::Eliminate => summary.tiled - summary.eliminated + self.inserted_at_once(),
             Stage::Iterate(k) => {
                 let inserted: usize = summary.inserted[..k as usize].iter().sum();
                 summary.tiled - summary.eliminated + inserted
             }
             Stage::Finish => summary.count,
+        }
+    }
+
+    /// Returns how many samples elimination itself inserts: Algorithm 4 as printed fills gaps at once.
+    #[must_use]
+    pub fn inserted_at_once(&self) -> usize {
+        match self.run.parameters.variant {
+            Variant::AsPrinted => self.summary.inserted.first().copied().unwrap_or(0),
+            Variant::Staged => 0,
         }
     }
 

@@ -462,7 +462,7 @@ impl State {
                     text.push_str(&sentence(&warning.to_string()));
                 }
                 self.export = None;
-                self.tell(text, false);
+                self.tell(text, !exported.report.valid());
             }
             Ok(Err(error)) => {
                 let text = format!("Nothing was exported: {error}");

@@ -53,7 +53,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     let mut text = format!("{} samples, r = {}\n", report.count, report.radius);
     text.push_str(&output::verdict_text(report));
     for warning in &exported.warnings {
-        let _ = writeln!(text, "warning: {warning}");
+        text.push_str(&output::warning_line(&warning.to_string()));
     }
     let _ = writeln!(
         text,

@@ -106,12 +106,21 @@ pub fn text(outcome: &Outcome<'_>) -> String {
     out.push('\n');
     out.push_str(&verdict_text(report));
     for warning in warnings {
-        let _ = writeln!(out, "warning: {warning}");
+        out.push_str(&warning_line(warning));
     }
     if let Some(path) = saved {
         let _ = writeln!(out, "certificate    {}", path.display());
     }
     out
+}
+
+/// Returns a line for a warning; some only take note of something.
+pub fn warning_line(warning: &str) -> String {
+    if warning.starts_with("note: ") {
+        format!("{warning}\n")
+    } else {
+        format!("warning: {warning}\n")
+    }
 }
 
 /// Returns "1 x 1, periodic".
@@ -154,6 +163,7 @@ pub fn stage_table(summary: Option<&Summary>, seconds: &[(Stage, f64)]) -> Strin
 fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
     match stage {
         Stage::Pattern => String::new(),
+        Stage::Blocks if s.blocks == 1 => "1 building block".to_owned(),
         Stage::Blocks => format!("{} building blocks", s.blocks),
         Stage::Tile if s.dropped > 0 => {
             format!("{} samples, {} more outside dropped", s.tiled, s.dropped)

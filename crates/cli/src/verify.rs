@@ -89,7 +89,7 @@ fn to_json(check: &Check) -> serde_json::Value {
 fn to_text(check: &Check) -> String {
     let report = &check.report;
     let mut out = format!(
-        "{} on {}, r = {}\n\n{}",
+        "{}: {}, r = {}\n\n{}",
         check.detection,
         output::region_text(&report.region),
         report.radius,

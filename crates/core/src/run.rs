@@ -189,7 +189,9 @@ impl Run {
                 stages.push(Stage::Eliminate);
             }
         }
-        stages.extend((1..=self.iterations.len() as u32).map(Stage::Iterate));
+        // In Algorithm 4 as printed iteration 1 is part of elimination.
+        let arrivals = (1..=self.iterations.len() as u32).map(|k| self.arrival(k));
+        stages.extend(arrivals.filter(|&stage| stage != Stage::Eliminate));
         if !self.result.is_empty() {
             stages.push(Stage::Finish);
         }

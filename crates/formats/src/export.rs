@@ -111,7 +111,10 @@ impl fmt::Display for Warning {
                 )
             }
             Self::ProvenanceLeftOut { format } => {
-                write!(f, "{format} has no room for where each sample came from")
+                write!(
+                    f,
+                    "note: {format} keeps positions only; PLY and JSON also keep where each sample came from"
+                )
             }
         }
     }

@@ -137,13 +137,14 @@ pub fn export(
     let certificate_path = certificate_path(path);
     let data = Temporary::beside(path);
     let mut store = |bytes: Vec<u8>| {
-        data.write(&bytes)?;
+        data.write(&bytes).map_err(|e| io_error(path, e))?;
         drop(bytes);
         Ok(read_file(&data.path)?)
     };
     let exported = export_through(&mut store, &name, set, context, control)?;
     let certificate = Temporary::beside(&certificate_path);
-    certificate.write(&exported.certificate_bytes)?;
+    let wrote = certificate.write(&exported.certificate_bytes);
+    wrote.map_err(|e| io_error(&certificate_path, e))?;
     publish(&data, path, &certificate, &certificate_path)?;
     Ok(Exported {
         path: path.to_owned(),
@@ -161,7 +162,7 @@ pub fn export(
 /// [`FormatError::Io`] with the path that failed; the temporary file is removed then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     let temporary = Temporary::beside(path);
-    temporary.write(bytes)?;
+    temporary.write(bytes).map_err(|e| io_error(path, e))?;
     fs::rename(&temporary.path, path).map_err(|e| io_error(path, e))
 }
 
@@ -210,18 +211,15 @@ impl Temporary {
     }
 
     /// Writes `bytes` through to the device.
-    fn write(&self, bytes: &[u8]) -> Result<(), FormatError> {
-        let write = || -> io::Result<()> {
-            let mut options = OpenOptions::new();
-            let mut file = options
-                .write(true)
-                .create(true)
-                .truncate(true)
-                .open(&self.path)?;
-            file.write_all(bytes)?;
-            file.sync_all()
-        };
-        write().map_err(|e| io_error(&self.path, e))
+    fn write(&self, bytes: &[u8]) -> io::Result<()> {
+        let mut options = OpenOptions::new();
+        let mut file = options
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(&self.path)?;
+        file.write_all(bytes)?;
+        file.sync_all()
     }
 }
 

@@ -90,12 +90,14 @@ impl SampleIndex {
         } else {
             &[0.0]
         };
+        // Samples that a bounded domain dropped lie up to one radius outside it.
+        let beyond = if self.periodic { reach } else { reach.max(1.0) };
         for &up in copies {
             for &right in copies {
                 let shift = [right * self.size[0], up * self.size[1]];
                 let image = right != 0.0 || up != 0.0;
-                let from = |k: usize| (low[k] - reach).max(-reach) - shift[k];
-                let to = |k: usize| (high[k] + reach).min(self.size[k] + reach) - shift[k];
+                let from = |k: usize| (low[k] - reach).max(-beyond) - shift[k];
+                let to = |k: usize| (high[k] + reach).min(self.size[k] + beyond) - shift[k];
                 self.visit_copy([from(0), from(1)], [to(0), to(1)], |id, place| {
                     let place = [place[0] + shift[0], place[1] + shift[1]];
                     visit(Seen { id, place, image });

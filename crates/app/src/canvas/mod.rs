@@ -21,7 +21,7 @@ use raster::{Coverage, Frame};
 use sprites::Sprites;
 
 /// More samples than this in view are drawn as points, without symbols and disks.
-pub const MAX_SYMBOLS: usize = 60_000;
+pub const MAX_SYMBOLS: usize = 90_000;
 /// Disks and gaps are drawn from this many screen points per r.
 pub const MIN_DISK_SCALE: f64 = 2.0;
 /// How near to a sample the pointer picks it, in screen points.
@@ -109,7 +109,7 @@ impl Canvas {
             scene.block_borders();
             let most = crate::sentence::grouped(MAX_SYMBOLS);
             return Some(format!(
-                "More than {most} samples in view: drawn as points. Zoom in for symbols and disks."
+                "More than {most} symbols in view, eliminated samples among them: drawn as points. Zoom in."
             ));
         }
         scene.symbols(&mut self.sprites, fine);

@@ -285,7 +285,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     ui.horizontal(|ui| {
         ui.set_height(18.0);
-        let reset = RichText::new("Reset to the default session").small();
+        let reset = RichText::new("Reset the parameters").small();
         if ui.link(reset).clicked() {
             commands.push(Command::ResetParameters);
         }

@@ -41,6 +41,11 @@ fn change(session: &Session, stage: Stage) -> String {
     match stage {
         Stage::Blocks => format!("{} blocks", grouped(summary.blocks)),
         Stage::Tile => format!("+{}", grouped(summary.tiled)),
+        Stage::Eliminate if session.inserted_at_once() > 0 => format!(
+            "\u{2212}{} +{}",
+            grouped(summary.eliminated),
+            grouped(session.inserted_at_once())
+        ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
         Stage::Iterate(k) => format!("+{}", grouped(summary.inserted[k as usize - 1])),
         Stage::Pattern | Stage::Finish => String::new(),
