@@ -84,6 +84,9 @@ pub struct State {
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
     /// Whether the whole domain is shown, and stays so when the window changes.
     fitted: bool,
+    /// While the pattern, which has a domain of its own, is shown: the camera to return to, and
+    /// whether it was fitted.
+    before_pattern: Option<(Camera, bool)>,
     generation: u64,
     wake: Wake,
 }
@@ -115,6 +118,7 @@ impl State {
             #[cfg(not(target_arch = "wasm32"))]
             browsing: None,
             fitted: true,
+            before_pattern: None,
             generation: 0,
             wake,
         };
@@ -146,6 +150,11 @@ impl State {
 
     /// Carries out a command: the only way in which the state changes for a user.
     pub fn apply(&mut self, command: Command) {
+        self.carry_out(command);
+        self.follow_pattern();
+    }
+
+    fn carry_out(&mut self, command: Command) {
         match command {
             Command::Type(field, text) => self.draft.set_text(field, text),
             Command::Choose(choice) => self.draft.choose(choice),
@@ -248,8 +257,36 @@ impl State {
     }
 
     fn fitting(&self) -> Camera {
-        let size = self.session.as_ref().map_or([1.0; 2], |s| s.size_radii());
+        let on_pattern = self.current_stage() == Some(Stage::Pattern);
+        let size = self.session.as_ref().map_or([1.0; 2], |session| {
+            if on_pattern {
+                // Its user unit is one radius.
+                session.run.pattern.domain().size()
+            } else {
+                session.size_radii()
+            }
+        });
         Camera::fitting(size, self.viewport)
+    }
+
+    /// Fits the pattern when it comes into view, and returns to where the camera was afterwards.
+    fn follow_pattern(&mut self) {
+        let on_pattern = self.current_stage() == Some(Stage::Pattern);
+        match (on_pattern, self.before_pattern) {
+            (true, None) => {
+                self.before_pattern = Some((self.camera, self.fitted));
+                (self.flight, self.fitted) = (None, true);
+                self.camera = self.fitting();
+            }
+            (false, Some((camera, fitted))) => {
+                self.before_pattern = None;
+                if self.flight.is_none() {
+                    self.fitted = fitted;
+                    self.camera = if fitted { self.fitting() } else { camera };
+                }
+            }
+            _ => {}
+        }
     }
 
     fn fly_to(&mut self, center: [f64; 2], radii: f64) {
@@ -406,7 +443,8 @@ impl State {
             let (points, region) = (session.run.positions(), region_of(&session));
             Verdict::of(&points, region, session.run.domain.radius(), monitor)
         }));
-        if !same_domain {
+        let from_pattern = self.before_pattern.take().is_some();
+        if !same_domain || from_pattern {
             self.fitted = true;
             self.flight = None;
             if self.viewport.is_positive() {

@@ -158,3 +158,18 @@ fn layers_and_theme_toggle() {
     assert_ne!(state.layers.has(Layer::Gaps), before.0);
     assert_ne!(state.theme, before.1);
 }
+
+#[test]
+fn the_pattern_is_fitted_and_the_camera_returns() {
+    let mut state = settled();
+    state.apply(Command::FlyTo([3.0, 90.0], 5.0));
+    while state.advance(0.1) {}
+    let camera = state.camera;
+    state.apply(Command::FirstStage);
+    assert_eq!(state.current_stage(), Some(Stage::Pattern));
+    let middle = state.session.as_ref().unwrap().run.pattern.domain().size()[0] / 2.0;
+    assert!((state.camera.center[0] - middle).abs() < 1e-9);
+    assert!(state.camera.scale < camera.scale);
+    state.apply(Command::StepForward);
+    assert_eq!(state.camera, camera);
+}
