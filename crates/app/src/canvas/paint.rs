@@ -219,7 +219,8 @@ impl<'a> Scene<'a> {
     /// Draws each block enlarged by r, dashed.
     fn clips(&self) {
         for (index, rect) in self.visible_blocks() {
-            let clip = rect.expand(self.scale());
+            // Dashing what is far outside the view could take millions of dashes.
+            let clip = rect.expand(self.scale()).intersect(self.rect.expand(20.0));
             let corners = [
                 clip.left_top(),
                 clip.right_top(),
