@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cargo_metadata::{DependencyKind, MetadataCommand};
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 
 /// The rows of the map: a crate and what it may use, read from the README's table.
 fn map() -> BTreeMap<String, BTreeSet<String>> {
@@ -28,14 +28,15 @@ fn map() -> BTreeMap<String, BTreeSet<String>> {
     .collect()
 }
 
+fn metadata() -> Metadata {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
+    let mut command = MetadataCommand::new();
+    command.manifest_path(manifest).no_deps().exec().unwrap()
+}
+
 /// Every arrow between crates of the workspace that is used at run time.
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
-    let metadata = MetadataCommand::new()
-        .manifest_path(manifest)
-        .no_deps()
-        .exec()
-        .unwrap();
+    let metadata = metadata();
     let packages = metadata
         .packages
         .iter()
@@ -91,12 +92,7 @@ fn an_arrow_that_the_map_lacks_is_found() {
 /// What the judge and the accused are made of, at run time: no window, no GPU, no files, no clock.
 #[test]
 fn core_and_analysis_use_little_else() {
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
-    let metadata = MetadataCommand::new()
-        .manifest_path(manifest)
-        .no_deps()
-        .exec()
-        .unwrap();
+    let metadata = metadata();
     for (name, allowed) in [
         ("tilescope-core", &["serde", "thiserror"][..]),
         (
@@ -121,12 +117,7 @@ fn core_and_analysis_use_little_else() {
 /// The judge does not know the accused, not even through another crate or in its tests.
 #[test]
 fn the_verifier_never_meets_the_sampler() {
-    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
-    let metadata = MetadataCommand::new()
-        .manifest_path(manifest)
-        .no_deps()
-        .exec()
-        .unwrap();
+    let metadata = metadata();
     for name in ["tilescope-analysis", "tilescope-formats"] {
         let package = metadata
             .packages
