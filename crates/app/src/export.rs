@@ -57,14 +57,12 @@ pub use native::{browse, write};
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
     use std::future::Future;
-    use std::ops::ControlFlow;
     use std::path::{Path, PathBuf};
     use std::pin::pin;
     use std::sync::Arc;
     use std::task::{Context, Poll, Waker};
     use std::thread::Thread;
 
-    use tilescope_analysis::Progress;
     use tilescope_formats::{ExportContext, ExportError, Exported, Format, export};
 
     use super::{ExportForm, parameter_map, point_set};
@@ -83,14 +81,7 @@ mod native {
         context.precision = form.precision;
         "kdrt".clone_into(&mut context.method);
         context.parameters = parameter_map(run);
-        let control = |progress: Progress| {
-            monitor.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
-            if monitor.is_cancelled() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        };
+        let control = |progress| monitor.follow(progress);
         let path = Path::new(form.path.trim());
         export(path, &point_set(run), &context, &control)
     }

@@ -1,6 +1,7 @@
 //! Background work: a job runs on its own thread natively and at once on the web, reports progress,
 //! can be cancelled, and hands over its result when asked. It never touches the window but to wake it.
 
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -29,6 +30,16 @@ impl Monitor {
         self.fraction_bits
             .store(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
         (self.wake)();
+    }
+
+    /// Passes on how far the verifier has come, and answers whether it shall go on.
+    pub fn follow(&self, progress: tilescope_analysis::Progress) -> ControlFlow<()> {
+        self.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
+        if self.is_cancelled() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 
     /// Says what the job is doing.

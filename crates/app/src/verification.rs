@@ -1,10 +1,8 @@
 //! What the independent verifier says about the session at hand, with places to look at.
 //! It only asks `tilescope_analysis`; it never judges.
 
-use std::ops::ControlFlow;
-
 use tilescope_analysis::{
-    Boundary, Conflict, Gap, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, Conflict, Gap, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
 use crate::command::Witness;
@@ -44,14 +42,7 @@ impl Verdict {
         radius: f64,
         monitor: &Monitor,
     ) -> Result<Self, VerifyError> {
-        let control = |progress: Progress| {
-            monitor.set_fraction(progress.done as f32 / progress.total.max(1) as f32);
-            if monitor.is_cancelled() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        };
+        let control = |progress| monitor.follow(progress);
         let ask = |radius: f64, options: &VerifyOptions| {
             verify(points, region, radius, options, &control)
         };

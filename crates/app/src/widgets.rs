@@ -191,13 +191,7 @@ pub fn icon_button(
     palette: &Palette,
 ) -> Response {
     let enabled = refusal.is_none();
-    let sense = if enabled {
-        Sense::click()
-    } else {
-        Sense::hover()
-    };
-    let (rect, response) = ui.allocate_exact_size(Vec2::splat(30.0), sense);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    let (rect, response) = button_place(ui, Vec2::splat(30.0), name, enabled);
     let hot = enabled && (response.hovered() || response.has_focus());
     let painter = ui.painter();
     if hot {
@@ -285,6 +279,18 @@ pub fn verdict_mark(painter: &Painter, at: Pos2, well: bool, color: Color32) {
     }
 }
 
+/// Takes the room of a button that is named for screen readers and heeds clicks only when enabled.
+fn button_place(ui: &mut Ui, size: Vec2, name: &str, enabled: bool) -> (Rect, Response) {
+    let sense = if enabled {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
+    let (rect, response) = ui.allocate_exact_size(size, sense);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    (rect, response)
+}
+
 /// The main button of a panel: filled with the accent.
 pub fn primary_button(
     ui: &mut Ui,
@@ -293,14 +299,8 @@ pub fn primary_button(
     palette: &Palette,
 ) -> Response {
     let enabled = refusal.is_none();
-    let sense = if enabled {
-        Sense::click()
-    } else {
-        Sense::hover()
-    };
     let size = vec2(ui.available_width(), 34.0);
-    let (rect, response) = ui.allocate_exact_size(size, sense);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
+    let (rect, response) = button_place(ui, size, text, enabled);
     let strength = match (enabled, response.hovered()) {
         (false, _) => 0.25,
         (true, false) => 0.92,
