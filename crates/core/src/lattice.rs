@@ -59,7 +59,7 @@ impl Point {
 }
 
 /// A rectangle of lattice points, half open: `min <= p < max` on both axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rect {
     /// The lowest point inside.
     pub min: Point,

@@ -64,45 +64,80 @@ pub struct Blocks {
 #[must_use]
 pub fn split(domain: &Domain, leaf: i32, key: Key) -> Blocks {
     let mut blocks = Blocks::default();
-    let root = Block {
-        rect: domain.rect(),
-        key: key.derive(Stream::Split, 0),
-        depth: 0,
-    };
-    let mut stack = vec![(root, Axis::X)];
-    while let Some((node, axis)) = stack.pop() {
-        let Some(axis) = [axis, axis.other()]
-            .into_iter()
-            .find(|&a| extent(&node.rect, a) / 2 >= leaf)
-        else {
-            blocks.leaves.push(node);
-            continue;
-        };
-        let planes = (extent(&node.rect, axis) - 2 * leaf + 1) as u32;
-        let draw = below(node.key.draw(Stream::Plane, 0)[0], planes) as i32;
-        let plane = start(&node.rect, axis) + leaf + draw;
-        blocks.splits.push(Split {
-            rect: node.rect,
-            axis,
-            plane,
-            depth: node.depth,
-        });
-        let (lower, upper) = halves(&node.rect, axis, plane);
-        let child = |rect, side| {
-            let key = node.key.derive(Stream::Split, side);
-            (
-                Block {
-                    rect,
-                    key,
-                    depth: node.depth + 1,
-                },
-                axis.other(),
-            )
-        };
-        stack.push(child(upper, 1));
-        stack.push(child(lower, 0));
+    let mut stack = vec![Node::root(domain, key)];
+    while let Some(node) = stack.pop() {
+        match node.cut(leaf) {
+            None => blocks.leaves.push(node.block),
+            Some(cut) => {
+                blocks.splits.push(Split {
+                    rect: node.block.rect,
+                    axis: cut.axis,
+                    plane: cut.plane,
+                    depth: node.block.depth,
+                });
+                stack.push(cut.upper);
+                stack.push(cut.lower);
+            }
+        }
     }
     blocks
+}
+
+/// A node of the tree before it is known whether it will be cut.
+#[derive(Clone, Copy)]
+pub(crate) struct Node {
+    /// The node as the block that it is unless it is cut.
+    pub(crate) block: Block,
+    /// The axis across which it is cut if it is long enough.
+    axis: Axis,
+}
+
+/// A node's children and the plane between them.
+pub(crate) struct Cut {
+    axis: Axis,
+    plane: i32,
+    pub(crate) lower: Node,
+    pub(crate) upper: Node,
+}
+
+impl Node {
+    /// Returns the root over `domain` under a run's key.
+    pub(crate) fn root(domain: &Domain, key: Key) -> Self {
+        Self {
+            block: Block {
+                rect: domain.rect(),
+                key: key.derive(Stream::Split, 0),
+                depth: 0,
+            },
+            axis: Axis::X,
+        }
+    }
+
+    /// Returns how the node is cut, or `None` for a leaf.
+    pub(crate) fn cut(&self, leaf: i32) -> Option<Cut> {
+        let Block { rect, key, depth } = &self.block;
+        let axis = [self.axis, self.axis.other()]
+            .into_iter()
+            .find(|&a| extent(rect, a) / 2 >= leaf)?;
+        let planes = (extent(rect, axis) - 2 * leaf + 1) as u32;
+        let draw = below(key.draw(Stream::Plane, 0)[0], planes) as i32;
+        let plane = start(rect, axis) + leaf + draw;
+        let (lower, upper) = halves(rect, axis, plane);
+        let child = |rect, side| Self {
+            block: Block {
+                rect,
+                key: key.derive(Stream::Split, side),
+                depth: depth + 1,
+            },
+            axis: axis.other(),
+        };
+        Some(Cut {
+            axis,
+            plane,
+            lower: child(lower, 0),
+            upper: child(upper, 1),
+        })
+    }
 }
 
 const fn start(rect: &Rect, axis: Axis) -> i32 {

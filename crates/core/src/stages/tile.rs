@@ -44,7 +44,7 @@ pub(crate) fn tile(
             variants.len() as u32,
         );
         let variant = &variants[symmetry as usize];
-        let start = start(block, variant)?;
+        let start = clip_start(block, variant)?;
         let (width, height) = enlarged(&block.rect);
         clip.clear();
         variant.clip(start, width, height, |x, y, id| clip.push((y, x, id)));
@@ -94,7 +94,8 @@ const fn enlarged(rect: &Rect) -> (i32, i32) {
     (rect.width() + 2 * R, rect.height() + 2 * R)
 }
 
-fn start(block: &Block, variant: &Variant) -> Result<Point, PatternError> {
+/// Returns the pattern's place that comes to lie on the lowest corner of a block enlarged by r.
+pub(crate) fn clip_start(block: &Block, variant: &Variant) -> Result<Point, PatternError> {
     let (width, height) = enlarged(&block.rect);
     let radii = |units: i32| f64::from(units) / f64::from(R);
     let starts = variant

@@ -1,0 +1,192 @@
+//! Tiling and elimination of a region. Interiors of blocks are copied and never looked at; samples
+//! near a block's border claim their disks in the sequence of the order. See `stages::eliminate`
+//! for what is computed; here it is only arranged so that nearly nothing has to be sorted.
+
+use crate::lattice::{R, Rect};
+use crate::parameters::Order;
+use crate::stages::order::Ranking;
+
+use super::clip::{Clipper, Placed, Rect64};
+use super::region::{Loss, Region, flag};
+
+/// A sample that waits for its turn, compared by its place in the order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Contested {
+    rank: u32,
+    sequence: u32,
+    /// The sample's place in its block's clip: what a run's ids follow.
+    row: i64,
+    column: i64,
+    x: i32,
+    y: i32,
+    tag: u64,
+}
+
+/// How samples near the borders take their turns.
+pub(crate) enum Turns<'a> {
+    /// Block after block, own and margin samples alike.
+    Index,
+    /// All own samples block after block, then all margin samples block after block.
+    OwnFirst,
+    /// By rank, then block, then place.
+    Sorted(&'a Ranking),
+}
+
+impl<'a> Turns<'a> {
+    /// Returns the turns of `order`. Within a block the sequence does not matter, since the samples of one
+    /// clip are never in conflict: unless the block touches an image of itself.
+    pub(crate) fn new(order: Order, touches_itself: bool, ranking: &'a Ranking) -> Self {
+        match order {
+            Order::Index if !touches_itself => Self::Index,
+            Order::OwnBlockFirst if !touches_itself => Self::OwnFirst,
+            _ => Self::Sorted(ranking),
+        }
+    }
+}
+
+/// Returns the tag of a tiled sample.
+fn tag(block: &Placed, pattern: u32) -> u64 {
+    u64::from(block.index) << 32 | u64::from(pattern)
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Tiles the frame and decides the fates of all tiled samples, as far as they can be known.
+    #[inline(always)]
+    pub(crate) fn claim(&mut self, clipper: &Clipper, turns: &Turns<'_>) {
+        let blocks = std::mem::take(&mut self.blocks);
+        // Deeper samples are farther than r from the own samples of other blocks, or from all of them.
+        let depth = if matches!(turns, Turns::OwnFirst) { R } else { 2 * R };
+        let (depth, target) = (i64::from(depth), self.frame.tiled());
+        for block in &blocks {
+            let interior = block.rect.grown(-depth - 1, -depth);
+            clipper.clip(block, &interior, &target, |x, y, id| self.insert(x, y, tag(block, id)));
+        }
+        match turns {
+            Turns::Index => {
+                for block in &blocks {
+                    self.claim_own(clipper, block, depth, &target);
+                    self.claim_margin(clipper, block, &target);
+                }
+            }
+            Turns::OwnFirst => {
+                for block in &blocks {
+                    self.claim_own(clipper, block, depth, &target);
+                }
+                for block in &blocks {
+                    self.claim_margin(clipper, block, &target);
+                }
+            }
+            Turns::Sorted(ranking) => self.claim_sorted(clipper, ranking, &blocks, depth, &target),
+        }
+        self.blocks = blocks;
+    }
+
+    #[inline(always)]
+    fn claim_own(&mut self, clipper: &Clipper, block: &Placed, depth: i64, target: &Rect) {
+        for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
+            clipper.clip(block, &part, target, |x, y, id| {
+                self.claim_one(x, y, tag(block, id));
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn claim_margin(&mut self, clipper: &Clipper, block: &Placed, target: &Rect) {
+        let r = i64::from(R);
+        for part in frame_between(&block.rect.grown(r, r), &block.rect) {
+            clipper.clip(block, &part, target, |x, y, id| {
+                if self.frame.holds(x, y) {
+                    self.claim_one(x, y, tag(block, id));
+                } else {
+                    self.lose(x, y, Loss::Certain);
+                }
+            });
+        }
+    }
+
+    fn claim_sorted(
+        &mut self,
+        clipper: &Clipper,
+        ranking: &Ranking,
+        blocks: &[Placed],
+        depth: i64,
+        target: &Rect,
+    ) {
+        let r = i64::from(R);
+        let mut contested = std::mem::take(&mut self.contested);
+        for block in blocks {
+            let own = frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth));
+            let margin = frame_between(&block.rect.grown(r, r), &block.rect);
+            for (part, is_own) in own.map(|p| (p, true)).into_iter().chain(margin.map(|p| (p, false))) {
+                clipper.clip(block, &part, target, |x, y, id| {
+                    if !self.frame.holds(x, y) {
+                        self.lose(x, y, Loss::Certain);
+                        return;
+                    }
+                    contested.push(Contested {
+                        rank: ranking.rank(self.frame.point(x, y), is_own),
+                        sequence: block.sequence,
+                        row: i64::from(y) - block.rect.min[1],
+                        column: i64::from(x) - block.rect.min[0],
+                        x,
+                        y,
+                        tag: tag(block, id),
+                    });
+                });
+            }
+        }
+        contested.sort_unstable();
+        for sample in &contested {
+            self.claim_one(sample.x, sample.y, sample.tag);
+        }
+        self.contested = contested;
+    }
+
+    /// Takes one sample's turn: all samples before it in the order have had theirs.
+    #[inline(always)]
+    fn claim_one(&mut self, x: i32, y: i32, tag: u64) {
+        if self.covered(x, y) {
+            self.lose(x, y, Loss::Certain);
+            return;
+        }
+        let cell = self.frame.cell_at(x, y);
+        let flags = self.flags[cell];
+        if flags & (flag::EDGE | flag::NEAR_UNKNOWN) != 0 && self.is_unknown(x, y, cell) {
+            self.lose(x, y, Loss::Unknown);
+            self.make_unsure(cell);
+            self.flag_around(cell, flag::NEAR_UNKNOWN);
+            return;
+        }
+        self.insert(x, y, tag);
+    }
+
+    /// Returns whether a sample before (x, y) in the order that may cover it has no known fate.
+    #[cold]
+    fn is_unknown(&self, x: i32, y: i32, cell: usize) -> bool {
+        if self.flags[cell] & flag::EDGE != 0 {
+            return true;
+        }
+        let stride = self.frame.stride();
+        let rows = [cell - stride, cell, cell + stride];
+        rows.into_iter().flat_map(|row| row - 1..=row + 1).any(|cell| {
+            self.lost_in(cell).any(|lost| {
+                lost.loss == Loss::Unknown && crate::lattice::covers_offset(lost.x - x, lost.y - y)
+            })
+        })
+    }
+}
+
+/// Returns four rectangles that together are `outer` without `inner`.
+fn frame_between(outer: &Rect64, inner: &Rect64) -> [Rect64; 4] {
+    let rect = |left, bottom, right, top| Rect64 {
+        min: [left, bottom],
+        max: [right, top],
+    };
+    let ([left, bottom], [right, top]) = (outer.min, outer.max);
+    [
+        rect(left, bottom, right, inner.min[1]),
+        rect(left, inner.min[1], inner.min[0], inner.max[1]),
+        rect(inner.max[0], inner.min[1], right, inner.max[1]),
+        rect(left, inner.max[1], right, top),
+    ]
+}

@@ -1,0 +1,293 @@
+//! A region: everything that is known of the plane around a window, and the buffers to find it out
+//! in. Survivors lie in cells of side R, at most three to a cell, and nothing else holds them.
+//! What might depend on the plane beyond the frame is marked *unsure* and never guessed.
+
+use crate::lattice::{Point, R, R_SQUARED, Rect};
+
+use super::clip::Placed;
+use super::frame::{CELL_BITS, Frame, PAD};
+use super::gaps::GapBuffers;
+
+/// What is remembered of a cell.
+pub(crate) mod flag {
+    /// The plane beyond the frame begins next to it.
+    pub(crate) const EDGE: u8 = 1;
+    /// A tiled sample of unknown fate lies in it or in a neighbour.
+    pub(crate) const NEAR_UNKNOWN: u8 = 2;
+    /// It may hold samples that are not known, or lack samples that are.
+    pub(crate) const UNSURE: u8 = 4;
+    /// Candidates in it may depend on samples in unsure cells.
+    pub(crate) const REACHED: u8 = 8;
+    /// An unknown sample may yet be inserted in it or in a neighbour.
+    pub(crate) const HOT: u8 = 16;
+}
+
+/// A free slot, and the end of a list.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// What became of a tiled sample that is not among the survivors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Loss {
+    /// Eliminated by a survivor, or dropped outside a bounded domain.
+    Certain,
+    /// Its fate depends on what lies beyond the frame.
+    Unknown,
+}
+
+/// A tiled sample that is not among the survivors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lost {
+    pub x: i32,
+    pub y: i32,
+    pub loss: Loss,
+    next: u32,
+}
+
+/// Three samples at most, then the complement of their count: a value that reads as a place far away.
+pub(crate) type Slots = [u32; 4];
+
+const EMPTY_CELL: Slots = [NONE; 4];
+
+/// The buffers of a region, kept from one to the next. With `TAGS` each survivor carries where it
+/// came from.
+#[derive(Default)]
+pub(crate) struct Region<const TAGS: bool> {
+    pub frame: Frame,
+    pub slots: Vec<Slots>,
+    tags: Vec<[u64; 3]>,
+    pub flags: Vec<u8>,
+    /// Unsure cells of the frame; those from `spread` on have not yet reached their neighbours.
+    pub unsure: Vec<u32>,
+    pub spread: usize,
+    pub lost: Vec<Lost>,
+    lost_first: Vec<u32>,
+    pub blocks: Vec<Placed>,
+    pub contested: Vec<super::claim::Contested>,
+    pub gaps: GapBuffers,
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Empties the region and lays it over `frame`. `reach` is how many cells away an unsure sample may
+    /// matter to a candidate.
+    pub(crate) fn reset(&mut self, frame: Frame, reach: i32) {
+        let count = frame.cell_count();
+        refill(&mut self.slots, count, EMPTY_CELL);
+        if TAGS {
+            refill(&mut self.tags, count, [0; 3]);
+        }
+        refill(&mut self.flags, count, 0);
+        refill(&mut self.lost_first, count, NONE);
+        self.lost.clear();
+        self.unsure.clear();
+        self.spread = 0;
+        self.contested.clear();
+        self.frame = frame;
+        self.mark_rim(1, flag::EDGE);
+        self.mark_rim(reach, flag::REACHED);
+    }
+
+    /// Flags the `depth` outermost cells on the sides where the plane goes on.
+    fn mark_rim(&mut self, depth: i32, flag: u8) {
+        let [columns, rows] = self.frame.cells;
+        let [[left, right], [bottom, top]] = self.frame.goes_on;
+        for row in 0..rows {
+            let whole = bottom && row < depth || top && row >= rows - depth;
+            let start = self.frame.cell(0, row);
+            let cells = &mut self.flags[start..start + columns as usize];
+            if whole {
+                cells.iter_mut().for_each(|f| *f |= flag);
+                continue;
+            }
+            let depth = depth.min(columns) as usize;
+            if left {
+                cells[..depth].iter_mut().for_each(|f| *f |= flag);
+            }
+            if right {
+                let first = columns as usize - depth;
+                cells[first..].iter_mut().for_each(|f| *f |= flag);
+            }
+        }
+    }
+
+    /// Adds a survivor. A cell of a conflict-free set never holds more than three.
+    #[inline(always)]
+    pub(crate) fn insert(&mut self, x: i32, y: i32, tag: u64) {
+        let cell = self.frame.cell_at(x, y);
+        let slots = &mut self.slots[cell];
+        let count = !slots[3] as usize & 3;
+        debug_assert!(count < 3, "the survivors are conflict-free");
+        slots[count] = pack(x, y);
+        slots[3] = !(count as u32 + 1);
+        if TAGS {
+            self.tags[cell][count.min(2)] = tag;
+        }
+    }
+
+    /// Returns whether a survivor covers (x, y), which lies in the frame.
+    #[inline(always)]
+    pub(crate) fn covered(&self, x: i32, y: i32) -> bool {
+        let stride = self.frame.stride();
+        let own = self.frame.cell_at(x, y);
+        let (x, y) = (x & (R - 1), y & (R - 1));
+        row_covers(&self.slots, own - 1, x, y)
+            || row_covers(&self.slots, own - 1 - stride, x, y + R)
+            || row_covers(&self.slots, own - 1 + stride, x, y - R)
+    }
+
+    /// Remembers a tiled sample that is not among the survivors; it may lie in the padding.
+    #[inline(always)]
+    pub(crate) fn lose(&mut self, x: i32, y: i32, loss: Loss) {
+        let cell = self.frame.cell_at(x, y);
+        let next = self.lost_first[cell];
+        self.lost_first[cell] = self.lost.len() as u32;
+        self.lost.push(Lost { x, y, loss, next });
+    }
+
+    /// Returns the lost samples of a cell.
+    pub(crate) fn lost_in(&self, cell: usize) -> impl Iterator<Item = &Lost> {
+        let mut next = self.lost_first[cell];
+        std::iter::from_fn(move || {
+            let lost = self.lost.get(next as usize)?;
+            next = lost.next;
+            Some(lost)
+        })
+    }
+
+    /// Marks a cell of the frame as unsure.
+    pub(crate) fn make_unsure(&mut self, cell: usize) {
+        if self.flags[cell] & flag::UNSURE == 0 {
+            self.flags[cell] |= flag::UNSURE;
+            self.unsure.push(cell as u32);
+        }
+    }
+
+    /// Flags the 3 x 3 cells around one.
+    pub(crate) fn flag_around(&mut self, cell: usize, flag: u8) {
+        let stride = self.frame.stride();
+        for row in [cell - stride, cell, cell + stride] {
+            self.flags[row - 1..=row + 1].iter_mut().for_each(|f| *f |= flag);
+        }
+    }
+
+    /// Returns the cells of the window that are unsure, as the smallest rectangle of cells that holds
+    /// them all, or `None`.
+    pub(crate) fn unsure_in_window(&self) -> Option<Rect> {
+        let window = self.frame.window_cells();
+        let mut found: Option<Rect> = None;
+        for &cell in &self.unsure {
+            let (column, row) = self.frame.column_row(cell as usize);
+            if window.contains(Point::new(column, row)) {
+                let f = found.get_or_insert(Rect {
+                    min: Point::new(column, row),
+                    max: Point::new(column + 1, row + 1),
+                });
+                f.min = Point::new(f.min.x.min(column), f.min.y.min(row));
+                f.max = Point::new(f.max.x.max(column + 1), f.max.y.max(row + 1));
+            }
+        }
+        found
+    }
+
+    /// Replaces the cells `cells` (of this frame) by those of a region that knows them.
+    pub(crate) fn adopt(&mut self, other: &Self, cells: &Rect) {
+        let shift = |axis: usize| {
+            ((self.frame.origin[axis] - other.frame.origin[axis]) >> CELL_BITS) as i32
+        };
+        let (right, up) = (shift(0), shift(1));
+        for row in cells.min.y..cells.max.y {
+            for column in cells.min.x..cells.max.x {
+                let (to, from) = (
+                    self.frame.cell(column, row),
+                    other.frame.cell(column + right, row + up),
+                );
+                self.slots[to] = other.slots[from];
+                if TAGS {
+                    self.tags[to] = other.tags[from];
+                }
+            }
+        }
+    }
+
+    /// Appends the window's samples in canonical order to `out`, and after each row of cells the length of
+    /// `out` to `rows`.
+    #[inline(always)]
+    pub(crate) fn emit(&self, out: &mut Vec<Point>, tags: &mut Vec<u64>, rows: &mut Vec<u32>) {
+        let cells = self.frame.window_cells();
+        let width = (cells.max.x - cells.min.x) as usize;
+        let window = self.frame.window;
+        // A window that ends inside its cells needs every sample looked at.
+        let aligned = |v: i32| v & (R - 1) == 0;
+        let whole = [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
+        for row in cells.min.y..cells.max.y {
+            let start = self.frame.cell(cells.min.x, row);
+            out.reserve(3 * width);
+            for (k, slots) in self.slots[start..start + width].iter().enumerate() {
+                let column = cells.min.x + k as i32;
+                let count = !slots[3] as usize & 3;
+                let (mut a, mut b, mut c) = (slots[0], slots[1], slots[2]);
+                if TAGS {
+                    let mut tagged = [0, 1, 2].map(|s| (slots[s], self.tags[start + k][s]));
+                    tagged[..count].sort_unstable_by_key(|t| t.0);
+                    for (packed, tag) in &tagged[..count] {
+                        let p = unpack(*packed, column, row);
+                        if whole || window.contains(p) {
+                            tags.push(*tag);
+                        }
+                    }
+                }
+                // Free slots are the largest values.
+                (a, b) = (a.min(b), a.max(b));
+                (b, c) = (b.min(c), b.max(c));
+                (a, b) = (a.min(b), a.max(b));
+                for packed in [a, b, c].into_iter().take(count) {
+                    let p = unpack(packed, column, row);
+                    if whole || window.contains(p) {
+                        out.push(Point::new(
+                            (self.frame.origin[0] + i64::from(p.x)) as i32,
+                            (self.frame.origin[1] + i64::from(p.y)) as i32,
+                        ));
+                    }
+                }
+            }
+            rows.push(out.len() as u32);
+        }
+    }
+}
+
+fn refill<T: Copy>(buffer: &mut Vec<T>, count: usize, value: T) {
+    buffer.clear();
+    buffer.resize(count, value);
+}
+
+/// Returns a place in its cell as a slot holds it.
+#[inline(always)]
+pub(crate) const fn pack(x: i32, y: i32) -> u32 {
+    ((y & (R - 1)) << CELL_BITS | (x & (R - 1))) as u32
+}
+
+/// Returns the place of a slot of the cell (column, row).
+#[inline(always)]
+pub(crate) const fn unpack(packed: u32, column: i32, row: i32) -> Point {
+    let (x, y) = (packed as i32 & (R - 1), (packed >> CELL_BITS) as i32);
+    Point::new((column << CELL_BITS) | x, (row << CELL_BITS) | y)
+}
+
+/// Returns whether a sample of the three cells from `first` on covers the place at (x, y) from the
+/// corner of the middle one. Free slots read as places more than R away.
+#[inline(always)]
+fn row_covers(slots: &[Slots], first: usize, x: i32, y: i32) -> bool {
+    let cells: &[u32] = slots[first..first + 3].as_flattened();
+    let mut covers = false;
+    for (k, &packed) in cells.iter().enumerate() {
+        let right = (packed & (R as u32 - 1)) as i32 + (k as i32 / 4 - 1) * R;
+        let up = (packed >> CELL_BITS) as i32;
+        // Lengths beyond R + 1 are cut there: their squares stay above R^2 and in 32 bits.
+        let dx = (right - x).unsigned_abs().min(R as u32 + 1);
+        let dy = (up - y).unsigned_abs().min(R as u32 + 1);
+        covers |= dx * dx + dy * dy <= R_SQUARED as u32;
+    }
+    covers
+}
+
+/// The widest search of a cell's surroundings stays in the padding.
+pub(crate) const WIDEST: i32 = PAD;
