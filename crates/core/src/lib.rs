@@ -21,7 +21,7 @@ pub mod stages;
 pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, sample_count, search_radius};
 pub use engine::sequential::{Sequential, sample};
-pub use engine::parallel::{Plane, RETRIES};
+pub use engine::parallel::{Plane, RETRIES, laps};
 pub use error::SampleError;
 pub use grid::{Near, SampleGrid};
 pub use lattice::{

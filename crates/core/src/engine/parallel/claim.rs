@@ -61,6 +61,7 @@ impl<const TAGS: bool> Region<TAGS> {
             let interior = block.rect.grown(-depth - 1, -depth);
             clipper.clip(block, &interior, &target, |x, y, id| self.insert(x, y, tag(block, id)));
         }
+        super::lap(2);
         match turns {
             Turns::Index => {
                 for block in &blocks {
@@ -72,9 +73,11 @@ impl<const TAGS: bool> Region<TAGS> {
                 for block in &blocks {
                     self.claim_own(clipper, block, depth, &target);
                 }
+                super::lap(9);
                 for block in &blocks {
                     self.claim_margin(clipper, block, &target);
                 }
+                super::lap(10);
             }
             Turns::Sorted(ranking) => self.claim_sorted(clipper, ranking, &blocks, depth, &target),
         }
@@ -83,24 +86,30 @@ impl<const TAGS: bool> Region<TAGS> {
 
     #[inline(always)]
     fn claim_own(&mut self, clipper: &Clipper, block: &Placed, depth: i64, target: &Rect) {
+        self.waiting.clear();
         for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
-            clipper.clip(block, &part, target, |x, y, id| {
-                self.claim_one(x, y, tag(block, id));
-            });
+            clipper.clip(block, &part, target, |x, y, id| self.waiting.push((x, y, tag(block, id))));
+        }
+        for k in 0..self.waiting.len() {
+            let (x, y, tag) = self.waiting[k];
+            self.claim_one(x, y, tag);
         }
     }
 
     #[inline(always)]
     fn claim_margin(&mut self, clipper: &Clipper, block: &Placed, target: &Rect) {
         let r = i64::from(R);
+        self.waiting.clear();
         for part in frame_between(&block.rect.grown(r, r), &block.rect) {
-            clipper.clip(block, &part, target, |x, y, id| {
-                if self.frame.holds(x, y) {
-                    self.claim_one(x, y, tag(block, id));
-                } else {
-                    self.lose(x, y, Loss::Certain);
-                }
-            });
+            clipper.clip(block, &part, target, |x, y, id| self.waiting.push((x, y, tag(block, id))));
+        }
+        for k in 0..self.waiting.len() {
+            let (x, y, tag) = self.waiting[k];
+            if self.frame.holds(x, y) {
+                self.claim_one(x, y, tag);
+            } else {
+                self.lose(x, y, Loss::Certain);
+            }
         }
     }
 

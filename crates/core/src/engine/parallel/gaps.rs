@@ -10,12 +10,15 @@ use crate::random::{Key, Stream};
 use crate::stages::detect::{Border, DETECTOR_REACH, NEARER_SLACK, Reach};
 
 use super::frame::{CELL_BITS, PAD};
-use super::near::{HALF_DIAGONAL, Near, SITE_SLACK, Site};
+use super::near::{HALF_DIAGONAL, MOST_SITES, Near, SITE_SLACK, Site};
 use super::region::{Loss, Region, WIDEST, flag, pack};
 use super::stamp::{PIXEL_SIDE, PIXELS, Stamps};
 
 /// Cells searched around a cell unless that proves too few: all samples within 2r of its places.
 const USUAL: i32 = 2;
+
+/// The square of R, less far more than f32 rounds.
+const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 
 /// What a fill needs to know of the run.
 pub(crate) struct Rules {
@@ -37,13 +40,6 @@ struct Pixel {
     nearest: f32,
 }
 
-/// A cell with such pixels: those from `first` up to the next cell's.
-#[derive(Clone, Copy)]
-struct OpenCell {
-    cell: u32,
-    first: u32,
-}
-
 /// A candidate, compared by its turn.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
@@ -63,22 +59,46 @@ pub(crate) struct Inserted {
     pub iteration: u32,
 }
 
+/// Indices of samples gathered.
+type SiteList = [u8; MOST_SITES];
+
 /// The buffers of a fill.
-#[derive(Default)]
 pub(crate) struct GapBuffers {
     marked: Vec<u64>,
     open: Vec<u64>,
     open_index: Vec<u32>,
-    cells: Vec<OpenCell>,
+    masks: Vec<(u32, u64)>,
+    /// The first pixel of each open cell.
+    first_pixels: Vec<u32>,
     pixels: Vec<Pixel>,
     near: Near,
     wide: Near,
-    sites: Vec<[f64; 2]>,
+    sites: SiteList,
     candidates: Vec<Candidate>,
     todo: Vec<(u32, u8)>,
     pub inserted: Vec<Inserted>,
     /// Cell and slot of the samples inserted in the last iteration, sorted.
     detectors: Vec<u64>,
+}
+
+impl Default for GapBuffers {
+    fn default() -> Self {
+        Self {
+            marked: Vec::new(),
+            open: Vec::new(),
+            open_index: Vec::new(),
+            masks: Vec::new(),
+            first_pixels: Vec::new(),
+            pixels: Vec::new(),
+            near: Near::default(),
+            wide: Near::default(),
+            sites: [0; MOST_SITES],
+            candidates: Vec::new(),
+            todo: Vec::new(),
+            inserted: Vec::new(),
+            detectors: Vec::new(),
+        }
+    }
 }
 
 /// Which samples are detectors.
@@ -106,17 +126,20 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.inserted.clear();
         self.mark(&mut gaps, rules.lost_reach);
         self.spread(&mut gaps, false);
+        crate::engine::parallel::lap(3);
         self.first_detection(&mut gaps, rules);
         let mut iteration = 1;
         loop {
             let first = gaps.inserted.len();
             self.insert_candidates(&mut gaps, rules, iteration);
+            crate::engine::parallel::lap(6);
             if gaps.inserted.len() == first && self.spread == self.unsure.len() {
                 break;
             }
             iteration += 1;
             self.spread(&mut gaps, true);
             self.detect_again(&mut gaps, first, rules);
+            crate::engine::parallel::lap(7);
         }
         self.gaps = gaps;
     }
@@ -186,11 +209,8 @@ impl<const TAGS: bool> Region<TAGS> {
             (6, cell + stride - 1),
             (8, cell + stride + 1),
         ] {
-            let slots = &self.slots[at];
-            let count = !slots[3] as usize & 3;
-            for &packed in &slots[..count] {
-                covered |= stamps.stamp(from, packed);
-            }
+            let [a, b, c, _] = self.slots[at];
+            covered |= stamps.stamp(from, a) | stamps.stamp(from, b) | stamps.stamp(from, c);
             if covered == u64::MAX {
                 return 0;
             }
@@ -219,35 +239,44 @@ impl<const TAGS: bool> Region<TAGS> {
     fn first_detection(&mut self, gaps: &mut GapBuffers, rules: &Rules) {
         let stamps = Stamps::get();
         let words = self.words();
-        gaps.cells.clear();
+        gaps.first_pixels.clear();
         gaps.pixels.clear();
         gaps.candidates.clear();
         gaps.open_index.resize(self.frame.cell_count(), 0);
         let mut unsure = Vec::new();
         let marked = std::mem::take(&mut gaps.marked);
+        let mut masks = std::mem::take(&mut gaps.masks);
+        masks.clear();
         self.each_marked(&marked, |cell, column, row| {
             let open = self.open_pixels(stamps, cell, column, row);
-            if open == 0 {
-                return;
+            if open != 0 {
+                masks.push((cell as u32, open));
             }
+        });
+        gaps.marked = marked;
+        crate::engine::parallel::lap(4);
+        for &(cell, open) in &masks {
+            let cell = cell as usize;
             gaps.near.gather(&self.slots, self.frame.stride(), cell, USUAL);
             if self.flags[cell] & flag::REACHED != 0 {
                 if each_bit(open).any(|p| gaps.near.may_be_open(corner(p).0, corner(p).1)) {
                     unsure.push(cell);
                 }
-                return;
+                continue;
             }
+            let (column, row) = self.frame.column_row(cell);
             let column = (column + PAD) as usize;
             gaps.open[(row + PAD) as usize * words + column / 64] |= 1 << (column % 64);
-            gaps.open_index[cell] = gaps.cells.len() as u32;
-            let first = gaps.pixels.len() as u32;
-            gaps.cells.push(OpenCell { cell: cell as u32, first });
+            gaps.open_index[cell] = gaps.first_pixels.len() as u32;
+            gaps.first_pixels.push(gaps.pixels.len() as u32);
             for number in each_bit(open) {
-                let nearest = self.search_pixel(gaps, rules, cell, number, Detectors::First, &mut unsure);
-                gaps.pixels.push(Pixel { number, nearest });
+                if let Some(nearest) = self.search_pixel(gaps, rules, cell, number, Detectors::First, &mut unsure) {
+                    gaps.pixels.push(Pixel { number, nearest });
+                }
             }
-        });
-        gaps.marked = marked;
+        }
+        gaps.masks = masks;
+        crate::engine::parallel::lap(5);
         for cell in unsure {
             self.make_hot(cell);
         }
@@ -287,7 +316,7 @@ impl<const TAGS: bool> Region<TAGS> {
             return false;
         }
         gaps.near.gather(&self.slots, self.frame.stride(), cell, USUAL);
-        let (near, pixels) = (&gaps.near, pixels_of(&gaps.cells, &gaps.pixels, gaps.open_index[cell]));
+        let (near, pixels) = (&gaps.near, pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]));
         pixels.iter().any(|p| near.may_be_open(corner(p.number).0, corner(p.number).1))
     }
 
@@ -326,24 +355,27 @@ impl<const TAGS: bool> Region<TAGS> {
         let words = self.words();
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
         let reach = reach_cells(self.frame.periodic);
-        for row in (row - reach).max(0)..=(row + reach).min(self.frame.cells[1] - 1) {
-            for column in (column - reach).max(0)..=(column + reach).min(self.frame.cells[0] - 1) {
-                let at = (column + PAD) as usize;
-                if gaps.open[(row + PAD) as usize * words + at / 64] >> (at % 64) & 1 == 0 {
-                    continue;
-                }
+        // The padding is never open: a row of bits has 2 reach + 1 of interest, in one word or two.
+        let first = (column + PAD - reach) as usize;
+        let ones = (1_u64 << (2 * reach + 1)) - 1;
+        for row in row - reach..=row + reach {
+            let start = (row + PAD) as usize * words + first / 64;
+            let low = gaps.open[start] >> (first % 64);
+            let high = gaps.open.get(start + 1).map_or(0, |&next| next << 1 << (63 - first % 64));
+            for bit in each_bit((low | high) & ones) {
+                let column = column - reach + i32::from(bit);
                 let cell = self.frame.cell(column, row);
                 if self.flags[cell] & flag::REACHED != 0 {
                     continue;
                 }
                 let dx = (x - (column << CELL_BITS)) as f32;
                 let dy = (y - (row << CELL_BITS)) as f32;
-                for pixel in pixels_of(&gaps.cells, &gaps.pixels, gaps.open_index[cell]) {
+                for pixel in pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]) {
                     let (cx, cy) = centre(pixel.number);
-                    let distance = (dx - cx).hypot(dy - cy);
-                    let covers = distance + HALF_DIAGONAL < R as f32;
+                    let squared = (dx - cx) * (dx - cx) + (dy - cy) * (dy - cy);
+                    let covers = R as f32 - HALF_DIAGONAL;
                     let limit = pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
-                    if !covers && distance <= limit {
+                    if squared > covers * covers && squared <= limit * limit {
                         todo.push((cell as u32, pixel.number));
                     }
                 }
@@ -362,19 +394,24 @@ impl<const TAGS: bool> Region<TAGS> {
         number: u8,
         detectors: Detectors,
         unsure: &mut Vec<usize>,
-    ) -> f32 {
+    ) -> Option<f32> {
         let (x, y) = centre(number);
-        let nearest = gaps.near.nearest_squared(x, y).sqrt();
+        let measured = gaps.near.measure(x, y);
+        if measured.farthest_corner_squared <= SURELY_COVERED {
+            return None;
+        }
+        let nearest = measured.squared.sqrt();
         let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
         // Beyond 2r samples may lie outside the cells gathered.
         if limit >= (2 * R) as f32 {
-            return self.search_wide(gaps, rules, cell, number, detectors, unsure);
+            return Some(self.search_wide(gaps, rules, cell, number, detectors, unsure));
         }
-        gaps.near.sites(limit * limit, &mut gaps.sites);
-        if gaps.sites.len() >= 3 || !rules.domain.is_periodic() {
-            self.search_sites(gaps, rules, Spot { cell, number, detectors, wide: false }, unsure);
+        let count = gaps.near.sites(limit * limit, &mut gaps.sites);
+        if count >= 3 || !rules.domain.is_periodic() {
+            let spot = Spot { cell, number, detectors, wide: false, sites: count };
+            self.search_sites(gaps, rules, spot, unsure);
         }
-        nearest
+        Some(nearest)
     }
 
     #[cold]
@@ -389,21 +426,24 @@ impl<const TAGS: bool> Region<TAGS> {
     ) -> f32 {
         let (x, y) = centre(number);
         gaps.wide.gather(&self.slots, self.frame.stride(), cell, WIDEST);
-        let nearest = gaps.wide.nearest_squared(x, y).sqrt();
+        let nearest = gaps.wide.measure(x, y).squared.sqrt();
         let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
-        gaps.wide.sites(limit * limit, &mut gaps.sites);
-        self.search_sites(gaps, rules, Spot { cell, number, detectors, wide: true }, unsure);
+        let sites = gaps.wide.sites(limit * limit, &mut gaps.sites);
+        self.search_sites(gaps, rules, Spot { cell, number, detectors, wide: true, sites }, unsure);
         nearest
     }
 
     /// Tries all that the sites may make in the pixel.
     #[inline(always)]
     fn search_sites(&self, gaps: &mut GapBuffers, rules: &Rules, spot: Spot, unsure: &mut Vec<usize>) {
-        let n = gaps.sites.len();
+        let n = spot.sites;
+        let near = |gaps: &GapBuffers, k: usize| {
+            if spot.wide { gaps.wide.offset(gaps.sites[k]) } else { gaps.near.offset(gaps.sites[k]) }
+        };
         for i in 0..n {
             for m in i + 1..n {
                 for k in m + 1..n {
-                    let three = [gaps.sites[i], gaps.sites[m], gaps.sites[k]];
+                    let three = [near(gaps, i), near(gaps, m), near(gaps, k)];
                     if may_make(three, spot.number) {
                         let sites = three.map(exact);
                         let [a, b, c] = sites;
@@ -434,7 +474,8 @@ impl<const TAGS: bool> Region<TAGS> {
 
     #[cold]
     fn search_border(&self, gaps: &mut GapBuffers, rules: &Rules, spot: Spot, unsure: &mut Vec<usize>) {
-        let sites: Vec<Site> = gaps.sites.iter().map(|&s| exact(s)).collect();
+        let near = if spot.wide { &gaps.wide } else { &gaps.near };
+        let sites: Vec<Site> = gaps.sites[..spot.sites].iter().map(|&k| exact(near.offset(k))).collect();
         for (k, &a) in sites.iter().enumerate() {
             let border = Border::around(&rules.domain, self.site_point(spot.cell, a));
             for &m in &sites[k + 1..] {
@@ -607,6 +648,8 @@ struct Spot {
     detectors: Detectors,
     /// Whether the wide gathering serves it.
     wide: bool,
+    /// How many sites there are.
+    sites: usize,
 }
 
 /// Returns the tag of a sample inserted in `iteration`.
@@ -649,10 +692,9 @@ pub(crate) fn each_bit(mut bits: u64) -> impl Iterator<Item = u8> {
     })
 }
 
-fn pixels_of<'a>(cells: &[OpenCell], pixels: &'a [Pixel], index: u32) -> &'a [Pixel] {
-    let first = cells[index as usize].first as usize;
-    let end = cells.get(index as usize + 1).map_or(pixels.len(), |next| next.first as usize);
-    &pixels[first..end]
+fn pixels_of<'a>(first: &[u32], pixels: &'a [Pixel], index: u32) -> &'a [Pixel] {
+    let end = first.get(index as usize + 1).map_or(pixels.len(), |&next| next as usize);
+    &pixels[first[index as usize] as usize..end]
 }
 
 /// Returns whether the centre of three sites may, rounded, be an uncovered place of the pixel. The f64 products
@@ -662,13 +704,13 @@ fn may_make([a, b, c]: [[f64; 2]; 3], pixel: u8) -> bool {
     let (bx, by, cx, cy) = (b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]);
     let d = 2.0 * (bx * cy - by * cx);
     let (b2, c2) = (bx * bx + by * by, cx * cx + cy * cy);
-    let x = (b2 * cy - c2 * by) / d;
-    let y = (c2 * bx - b2 * cx) / d;
+    // The centre, seen from a, times d.
+    let (x, y) = (b2 * cy - c2 * by, c2 * bx - b2 * cx);
     let (mx, my) = centre(pixel);
-    let half = f64::from(PIXEL_SIDE / 2 + 2);
-    (x + a[0] - f64::from(mx)).abs() <= half
-        && (y + a[1] - f64::from(my)).abs() <= half
-        && x * x + y * y > (R_SQUARED - 8 * i64::from(R)) as f64
+    let (mx, my) = (f64::from(mx) - a[0], f64::from(my) - a[1]);
+    let half = f64::from(PIXEL_SIDE / 2 + 2) * d.abs();
+    let least = (R_SQUARED - 8 * i64::from(R)) as f64;
+    (x - mx * d).abs() <= half && (y - my * d).abs() <= half && x * x + y * y > least * d * d
 }
 
 fn exact(site: [f64; 2]) -> Site {

@@ -6,12 +6,14 @@
 mod claim;
 mod clip;
 mod frame;
-mod gaps;
+pub mod gaps;
 mod near;
 mod region;
 mod stamp;
 
 use std::sync::Arc;
+
+use fearless_simd::{Level, dispatch};
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Rect};
@@ -37,6 +39,7 @@ pub struct Plane {
     rules: Rules,
     touches_itself: bool,
     order: crate::parameters::Order,
+    level: Level,
 }
 
 impl Plane {
@@ -58,6 +61,7 @@ impl Plane {
             },
             touches_itself: domain.is_periodic() && short,
             order: parameters.order,
+            level: Level::new(),
         })
     }
 
@@ -66,7 +70,7 @@ impl Plane {
         let mut out = Vec::new();
         let mut region = Region::<false>::default();
         self.compute(&mut region, window, HALO)?;
-        region.emit(&mut out, &mut Vec::new(), &mut Vec::new());
+        dispatch!(self.level, _simd => region.emit(&mut out, &mut Vec::new(), &mut Vec::new()));
         Ok(out)
     }
 
@@ -81,7 +85,7 @@ impl Plane {
                 let window = Rect { min: Point::new(x, y), max: Point::new((x + (side << 15)).min(max.x), (y + (side << 15)).min(max.y)) };
                 self.compute(&mut region, &window, HALO)?;
                 let (mut o, mut rows) = (Vec::new(), Vec::new());
-                region.emit(&mut o, &mut Vec::new(), &mut rows);
+                lap(11);dispatch!(self.level, _simd => region.emit(&mut o, &mut Vec::new(), &mut rows));lap(8);
                 parts.push((o, rows));
             }
             let rows = parts[0].1.len();
@@ -97,14 +101,19 @@ impl Plane {
 
     fn compute<const TAGS: bool>(&self, region: &mut Region<TAGS>, window: &Rect, halo: i32) -> Result<(), SampleError> {
         let frame = Frame::new(&self.domain, window, halo);
+        lap(11);
         region.reset(frame, gaps::reach_cells(self.domain.is_periodic()));
+        lap(0);
         let mut blocks = std::mem::take(&mut region.blocks);
         let found = self.clipper.blocks(&region.frame, &mut blocks);
         region.blocks = blocks;
         found?;
+        lap(1);
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
-        region.claim(&self.clipper, &turns);
-        region.fill(&self.rules);
+        dispatch!(self.level, _simd => {
+            region.claim(&self.clipper, &turns);
+            region.fill(&self.rules);
+        });
         if let Some(unsure) = region.unsure_in_window() {
             let cells = Rect { min: unsure.min, max: unsure.max };
             let _ = cells;
@@ -116,3 +125,8 @@ impl Plane {
 }
 /// x
 pub static RETRIES: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
+
+use std::cell::Cell;
+thread_local!{ static LAST: Cell<Option<std::time::Instant>> = const { Cell::new(None) }; pub static LAPS: [Cell<u64>;16] = const { [const { Cell::new(0) };16] }; }
+pub fn lap(k: usize) { let now=std::time::Instant::now(); LAST.with(|l| { if let Some(t)=l.get() { LAPS.with(|a| a[k].set(a[k].get()+(now-t).as_nanos() as u64)); } l.set(Some(now)); }); }
+pub fn laps() { LAPS.with(|a| { for (k,name) in ["reset","blocks+","interior","mark","masks","pixels","insert","again","emit","own","margin","other"].iter().enumerate() { println!("   {name:10} {:.2} ms", a[k].get() as f64/1e6); a[k].set(0);} }); }

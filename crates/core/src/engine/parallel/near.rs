@@ -7,8 +7,14 @@ use super::frame::CELL_BITS;
 use super::region::Slots;
 use super::stamp::PIXEL_SIDE;
 
-/// Cells of the widest search, three samples in each, and room for writing three at once.
-const ROOM: usize = 81 * 3 + 5;
+/// Samples are handled in groups of this many.
+const LANES: usize = 8;
+
+/// Groups that hold the samples of the widest search: 81 cells, three in each.
+const GROUPS: usize = (81 * 3 + 2 * LANES) / LANES;
+
+/// Fills the last group up: farther away than anything asked about.
+const FAR: f32 = 1e9;
 
 /// Half a pixel's diagonal and a little: how far a place may be from its pixel's centre.
 pub(crate) const HALF_DIAGONAL: f32 = 2_897.5;
@@ -20,24 +26,37 @@ pub(crate) const SITE_SLACK: f32 = 12.5;
 /// Squares of this side are not divided further when a place is to be proven covered.
 const FINEST: i32 = 64;
 
+type Lanes = [f32; LANES];
+
 /// Samples around a cell.
 pub(crate) struct Near {
-    pub count: usize,
-    pub x: [f32; ROOM],
-    pub y: [f32; ROOM],
-    squared: [f32; ROOM],
+    count: usize,
+    x: [Lanes; GROUPS],
+    y: [Lanes; GROUPS],
+    squared: [Lanes; GROUPS],
+}
+
+/// What is known of a pixel's distance to the samples.
+pub(crate) struct Nearest {
+    /// From its centre to the nearest sample, squared.
+    pub squared: f32,
+    /// The smallest, over the samples, of the distance to the pixel's farthest corner, squared.
+    pub farthest_corner_squared: f32,
 }
 
 impl Default for Near {
     fn default() -> Self {
         Self {
             count: 0,
-            x: [0.0; ROOM],
-            y: [0.0; ROOM],
-            squared: [0.0; ROOM],
+            x: [[0.0; LANES]; GROUPS],
+            y: [[0.0; LANES]; GROUPS],
+            squared: [[0.0; LANES]; GROUPS],
         }
     }
 }
+
+/// More samples than are ever about as near to a pixel as the nearest: a disk of 3.6 r holds fewer than 64 that are r apart.
+pub(crate) const MOST_SITES: usize = 65;
 
 /// A sample's offset.
 pub(crate) type Site = (i64, i64);
@@ -47,51 +66,78 @@ impl Near {
     #[inline(always)]
     pub(crate) fn gather(&mut self, slots: &[Slots], stride: usize, cell: usize, reach: i32) {
         let mut count = 0;
+        let (xs, ys) = (self.x.as_flattened_mut(), self.y.as_flattened_mut());
         for row in -reach..=reach {
             let start = (cell as i64 + i64::from(row) * stride as i64 - i64::from(reach)) as usize;
             let cells = &slots[start..=start + 2 * reach as usize];
             for (slots, column) in cells.iter().zip(-reach..) {
-                let held = !slots[3] as usize & 3;
-                for k in 0..held {
-                    let (right, up) = (slots[k] as i32 & (R - 1), (slots[k] >> CELL_BITS) as i32);
-                    self.x[count] = (right + column * R) as f32;
-                    self.y[count] = (up + row * R) as f32;
-                    count += 1;
-                }
+                // Four are written, as many as there are stay.
+                let (left, bottom) = (column * R, row * R);
+                let right = slots.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
+                let up = slots.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
+                xs[count..count + 4].copy_from_slice(&right);
+                ys[count..count + 4].copy_from_slice(&up);
+                count += !slots[3] as usize & 3;
             }
         }
         self.count = count;
+        xs[count..count + LANES].fill(FAR);
+        ys[count..count + LANES].fill(FAR);
     }
 
-    /// Returns the squared distance from (x, y) to the nearest sample, and keeps all of them for
-    /// [`Self::sites`].
-    #[inline(always)]
-    pub(crate) fn nearest_squared(&mut self, x: f32, y: f32) -> f32 {
-        let mut nearest = f32::INFINITY;
-        let n = self.count;
-        for ((sx, sy), squared) in self.x[..n].iter().zip(&self.y[..n]).zip(&mut self.squared[..n]) {
-            let (dx, dy) = (sx - x, sy - y);
-            *squared = dx * dx + dy * dy;
-            nearest = nearest.min(*squared);
-        }
-        nearest
+    fn groups(&self) -> usize {
+        self.count.div_ceil(LANES)
     }
 
-    /// Fills `sites` with the samples at most `limit` (squared) from the last place asked about.
+    /// Measures the pixel whose centre is (x, y).
     #[inline(always)]
-    pub(crate) fn sites(&self, limit: f32, sites: &mut Vec<[f64; 2]>) {
-        sites.clear();
-        for k in 0..self.count {
-            if self.squared[k] <= limit {
-                sites.push([f64::from(self.x[k]), f64::from(self.y[k])]);
+    pub(crate) fn measure(&mut self, x: f32, y: f32) -> Nearest {
+        const HALF: f32 = (PIXEL_SIDE / 2) as f32;
+        let mut nearest = [FAR * FAR; LANES];
+        let mut corner = [FAR * FAR; LANES];
+        let groups = self.groups();
+        let places = self.x[..groups].iter().zip(&self.y[..groups]);
+        for ((xs, ys), squared) in places.zip(&mut self.squared[..groups]) {
+            for k in 0..LANES {
+                let (dx, dy) = ((xs[k] - x).abs(), (ys[k] - y).abs());
+                let square = dx * dx + dy * dy;
+                let far = square + (2.0 * HALF) * (dx + dy) + 2.0 * HALF * HALF;
+                squared[k] = square;
+                nearest[k] = if square < nearest[k] { square } else { nearest[k] };
+                corner[k] = if far < corner[k] { far } else { corner[k] };
             }
         }
+        Nearest {
+            squared: least(nearest),
+            farthest_corner_squared: least(corner),
+        }
+    }
+
+    /// Writes the samples at most `limit` (squared) from the pixel measured last to `sites` and returns how many
+    /// there are, at most as many as there is room for.
+    #[inline(always)]
+    pub(crate) fn sites(&self, limit: f32, sites: &mut [u8; MOST_SITES]) -> usize {
+        let mut count = 0;
+        for (k, &squared) in self.squared.as_flattened()[..self.count].iter().enumerate() {
+            sites[count] = k as u8;
+            count += usize::from(squared <= limit);
+            count = count.min(MOST_SITES - 1);
+        }
+        count
+    }
+
+    /// Returns a sample's offset.
+    #[inline(always)]
+    pub(crate) fn offset(&self, index: u8) -> [f64; 2] {
+        let (group, lane) = (index as usize / LANES, index as usize % LANES);
+        [self.x[group][lane].into(), self.y[group][lane].into()]
     }
 
     /// Returns all samples, exactly.
     pub(crate) fn exact(&self) -> impl Iterator<Item = Site> {
-        let x = self.x[..self.count].iter();
-        x.zip(&self.y[..self.count]).map(|(&x, &y)| (x as i64, y as i64))
+        let x = self.x.as_flattened()[..self.count].iter();
+        let y = &self.y.as_flattened()[..self.count];
+        x.zip(y).map(|(&x, &y)| (x as i64, y as i64))
     }
 
     /// Returns whether the pixel at (x, y) may hold a lattice point that no sample covers. `false` is
@@ -118,4 +164,9 @@ impl Near {
             .into_iter()
             .any(|(right, up)| self.square_may_be_open(x + right, y + up, half))
     }
+}
+
+#[inline(always)]
+fn least(lanes: Lanes) -> f32 {
+    lanes.into_iter().fold(f32::INFINITY, |least, v| if v < least { v } else { least })
 }

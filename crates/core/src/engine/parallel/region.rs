@@ -62,6 +62,8 @@ pub(crate) struct Region<const TAGS: bool> {
     pub lost: Vec<Lost>,
     lost_first: Vec<u32>,
     pub blocks: Vec<Placed>,
+    /// Samples of a block that are about to take their turns: place and tag.
+    pub waiting: Vec<(i32, i32, u64)>,
     pub contested: Vec<super::claim::Contested>,
     pub gaps: GapBuffers,
 }
@@ -218,39 +220,69 @@ impl<const TAGS: bool> Region<TAGS> {
         // A window that ends inside its cells needs every sample looked at.
         let aligned = |v: i32| v & (R - 1) == 0;
         let whole = [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
+        let mut line = vec![Point::default(); 3 * width + 3];
         for row in cells.min.y..cells.max.y {
             let start = self.frame.cell(cells.min.x, row);
-            out.reserve(3 * width);
-            for (k, slots) in self.slots[start..start + width].iter().enumerate() {
-                let column = cells.min.x + k as i32;
-                let count = !slots[3] as usize & 3;
-                let (mut a, mut b, mut c) = (slots[0], slots[1], slots[2]);
-                if TAGS {
-                    let mut tagged = [0, 1, 2].map(|s| (slots[s], self.tags[start + k][s]));
-                    tagged[..count].sort_unstable_by_key(|t| t.0);
-                    for (packed, tag) in &tagged[..count] {
-                        let p = unpack(*packed, column, row);
-                        if whole || window.contains(p) {
-                            tags.push(*tag);
-                        }
-                    }
-                }
-                // Free slots are the largest values.
-                (a, b) = (a.min(b), a.max(b));
-                (b, c) = (b.min(c), b.max(c));
-                (a, b) = (a.min(b), a.max(b));
-                for packed in [a, b, c].into_iter().take(count) {
-                    let p = unpack(packed, column, row);
-                    if whole || window.contains(p) {
-                        out.push(Point::new(
-                            (self.frame.origin[0] + i64::from(p.x)) as i32,
-                            (self.frame.origin[1] + i64::from(p.y)) as i32,
-                        ));
-                    }
-                }
+            let mut count = 0;
+            for (slots, k) in self.slots[start..start + width].iter().zip(0..) {
+                let (x, y) = (
+                    (self.frame.origin[0] as i32).wrapping_add((cells.min.x + k) << CELL_BITS),
+                    (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
+                );
+                // Free slots are the largest values; three are written, as many as there are stay.
+                let [a, b, c, free] = *slots;
+                let (a, b) = (a.min(b), a.max(b));
+                let (b, c) = (b.min(c), b.max(c));
+                let (a, b) = (a.min(b), a.max(b));
+                let place = |packed: u32| {
+                    Point::new(x | packed as i32 & (R - 1), y | (packed >> CELL_BITS) as i32)
+                };
+                line[count..count + 3].copy_from_slice(&[place(a), place(b), place(c)]);
+                count += !free as usize & 3;
+            }
+            if TAGS {
+                self.emit_tags(start, width, tags);
+            }
+            let line = &line[..count];
+            if whole {
+                out.extend_from_slice(line);
+            } else {
+                self.emit_inside(line, out, tags);
             }
             rows.push(out.len() as u32);
         }
+    }
+
+    /// Appends the tags of a row of cells.
+    fn emit_tags(&self, start: usize, width: usize, tags: &mut Vec<u64>) {
+        for (slots, held) in self.slots[start..start + width].iter().zip(&self.tags[start..]) {
+            let count = !slots[3] as usize & 3;
+            let mut tagged = [0, 1, 2].map(|s| (slots[s], held[s]));
+            tagged[..count].sort_unstable();
+            tags.extend(tagged[..count].iter().map(|t| t.1));
+        }
+    }
+
+    /// Appends the samples of a row of cells that lie inside the window, and keeps only their tags.
+    fn emit_inside(&self, line: &[Point], out: &mut Vec<Point>, tags: &mut Vec<u64>) {
+        let origin = self.frame.origin;
+        let inside = |p: &Point| {
+            self.frame.window.contains(Point::new(
+                (i64::from(p.x) - origin[0]) as i32,
+                (i64::from(p.y) - origin[1]) as i32,
+            ))
+        };
+        if TAGS {
+            let first = tags.len() - line.len();
+            let kept: Vec<u64> = line
+                .iter()
+                .zip(&tags[first..])
+                .filter_map(|(p, &tag)| inside(p).then_some(tag))
+                .collect();
+            tags.truncate(first);
+            tags.extend(kept);
+        }
+        out.extend(line.iter().filter(|p| inside(p)));
     }
 }
 

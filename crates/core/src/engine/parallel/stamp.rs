@@ -16,10 +16,13 @@ const BINS: usize = 1 << BIN_BITS;
 const BIN_BITS: u32 = 5;
 const BIN_SIDE: i32 = R / BINS as i32;
 
+/// Bins of a table: a free slot reads as a place far above its cell, whose stamp is empty.
+const ROOM: usize = 1 << (2 + 2 * BIN_BITS);
+
 /// One table for each of the nine cells that a sample may lie in, seen from the cell whose pixels
 /// are asked about: rows of cells first.
 pub(crate) struct Stamps {
-    tables: [Box<[u64; BINS * BINS]>; 9],
+    tables: Box<[[u64; ROOM]; 9]>,
 }
 
 impl Stamps {
@@ -29,27 +32,26 @@ impl Stamps {
         STAMPS.get_or_init(Self::new)
     }
 
-    /// Returns the pixels that a sample surely covers, as a bit for each: `packed` is the sample's place in
-    /// its cell, `from` (0 to 8) says which cell that is.
+    /// Returns the pixels that a slot's sample surely covers, as a bit for each; none for a free slot. `from`
+    /// (0 to 8) says in which cell the slot is.
     #[inline(always)]
     pub(crate) fn stamp(&self, from: usize, packed: u32) -> u64 {
         let x = (packed >> (15 - BIN_BITS)) as usize & (BINS - 1);
-        let y = (packed >> (30 - BIN_BITS)) as usize & (BINS - 1);
-        self.tables[from][y * BINS + x]
+        let y = (packed >> (30 - BIN_BITS)) as usize;
+        self.tables[from][(y * BINS + x) & (ROOM - 1)]
     }
 
     fn new() -> Self {
-        let tables = std::array::from_fn(|from| {
+        let mut tables = Box::new([[0; ROOM]; 9]);
+        for (from, table) in tables.iter_mut().enumerate() {
             let (column, row) = (from as i32 % 3 - 1, from as i32 / 3 - 1);
-            let mut table = Box::new([0; BINS * BINS]);
             for y in 0..BINS {
                 for x in 0..BINS {
                     let bin = [column * R + x as i32 * BIN_SIDE, row * R + y as i32 * BIN_SIDE];
                     table[y * BINS + x] = stamp_of_bin(bin);
                 }
             }
-            table
-        });
+        }
         Self { tables }
     }
 }
