@@ -32,7 +32,7 @@ const POISSON: [u32; 11] = [
 ];
 
 /// The last level, whose cells have sides of one unit; level 0 has sides of R.
-const LAST_LEVEL: u32 = R.ilog2();
+pub(crate) const LAST_LEVEL: u32 = R.ilog2();
 
 /// Throws at level 0, whose cells hardly any sample covers: as many darts to an area as one throw at the
 /// level below, in portions, so that most darts that come too late are found covered in the cheap
@@ -130,26 +130,12 @@ impl DartProcess {
 
     /// Returns the darts of this level that no sample of earlier levels covers, by rank.
     fn darts(&self, meter: &mut Meter<'_>) -> Result<Vec<Dart>, SampleError> {
-        let key = self
-            .key
-            .derive(Stream::Level, self.level)
-            .derive(Stream::Throw, self.throw);
+        let key = throw_key(self.key, self.level, self.throw);
         let side = self.side();
-        let shift = 16 - side.ilog2();
         let domain = self.disks.domain().rect();
         let mut darts = Vec::new();
         for &min in &self.active {
-            let cell = key.derive_at(min.x, min.y);
-            let count = if side == 1 {
-                1
-            } else {
-                poisson(cell.words()[0])
-            };
-            for index in 0..count {
-                let [place, rank] = cell.draw(Stream::Dart, index);
-                let right = ((place >> 16) >> shift) as i32;
-                let up = ((place & 0xffff) >> shift) as i32;
-                let point = Point::new(min.x + right, min.y + up);
+            for (rank, point) in cell_darts(key, Cell { min, side }) {
                 if domain.contains(point) && !self.disks.covers(point) {
                     darts.push(Dart { rank, point });
                 }
@@ -178,6 +164,30 @@ impl DartProcess {
         self.active = next;
         Ok(())
     }
+}
+
+/// Returns the key of a throw of a level.
+pub(crate) fn throw_key(key: Key, level: u32, throw: u32) -> Key {
+    key.derive(Stream::Level, level).derive(Stream::Throw, throw)
+}
+
+/// Returns the darts of a cell, each with its rank, some of them outside the domain: they are the
+/// same whoever asks. `key` is the throw's.
+pub(crate) fn cell_darts(key: Key, cell: Cell) -> impl Iterator<Item = (u32, Point)> {
+    let Cell { min, side } = cell;
+    let shift = 16 - side.ilog2();
+    let cell = key.derive_at(min.x, min.y);
+    let count = if side == 1 {
+        1
+    } else {
+        poisson(cell.words()[0])
+    };
+    (0..count).map(move |index| {
+        let [place, rank] = cell.draw(Stream::Dart, index);
+        let right = ((place >> 16) >> shift) as i32;
+        let up = ((place & 0xffff) >> shift) as i32;
+        (rank, Point::new(min.x + right, min.y + up))
+    })
 }
 
 /// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key.

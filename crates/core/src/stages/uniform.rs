@@ -9,7 +9,7 @@ use crate::stages::detect::DETECTOR_REACH;
 use crate::stages::disks::{Cell, DiskGrid};
 
 /// Units beyond r within which an eliminated sample's disk is taken to have covered a place.
-const SLACK: i32 = DETECTOR_REACH - 2 * R;
+pub(crate) const SLACK: i32 = DETECTOR_REACH - 2 * R;
 
 /// Returns the dart process that fills the gaps which eliminated and dropped samples left.
 ///
@@ -33,8 +33,13 @@ pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
         let side = GAP_SIDE;
         !disks.covers_cell(Cell { min, side }, 0)
     });
-    // The iterations' stream keeps these draws apart from the reference sampler's of equal seed.
-    DartProcess::in_gaps(key.derive(Stream::Iteration, 0), disks, cells)
+    DartProcess::in_gaps(gap_key(key), disks, cells)
+}
+
+/// Returns the key of uniform insertion under a run's key. The iterations' stream keeps its draws
+/// apart from the reference sampler's of equal seed.
+pub(crate) fn gap_key(key: Key) -> Key {
+    key.derive(Stream::Iteration, 0)
 }
 
 /// Appends the lowest points of the cells that the box around a sample's disk touches.

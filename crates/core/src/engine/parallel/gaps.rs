@@ -5,7 +5,7 @@
 
 use crate::circumcentre::circumcentre;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
-use crate::parameters::Search;
+use crate::parameters::{Insertion, Search};
 use crate::random::{Key, Stream};
 use crate::stages::detect::{Border, DETECTOR_REACH, NEARER_SLACK, Reach};
 
@@ -29,6 +29,23 @@ pub(crate) struct Rules {
     /// Cells around a lost sample in which an uncovered place may lie: 1, or more with a pattern
     /// that leaves lattice points uncovered.
     pub lost_reach: i32,
+    /// How gaps are filled.
+    pub insertion: Insertion,
+}
+
+impl Rules {
+    /// Returns whether every place that no sample covers was covered by a lost one.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.lost_reach == 1
+    }
+
+    /// Returns how many cells away an unsure sample may matter to a place.
+    pub(crate) fn reach(&self) -> i32 {
+        match self.insertion {
+            Insertion::Circumcentre => reach_cells(self.domain.is_periodic()),
+            Insertion::Uniform => self.lost_reach,
+        }
+    }
 }
 
 /// A pixel that no single sample is known to cover.
@@ -64,14 +81,14 @@ type SiteList = [u8; MOST_SITES];
 
 /// The buffers of a fill.
 pub(crate) struct GapBuffers {
-    marked: Vec<u64>,
+    pub marked: Vec<u64>,
     open: Vec<u64>,
     open_index: Vec<u32>,
     masks: Vec<(u32, u64)>,
     /// The first pixel of each open cell.
     first_pixels: Vec<u32>,
     pixels: Vec<Pixel>,
-    near: Near,
+    pub near: Near,
     wide: Near,
     sites: SiteList,
     candidates: Vec<Candidate>,
@@ -282,13 +299,14 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    fn make_hot(&mut self, cell: usize) {
+    pub(crate) fn make_hot(&mut self, cell: usize) {
         self.make_unsure(cell);
         self.flag_around(cell, flag::HOT);
     }
 
     /// Lets unsure cells reach their surroundings: what is open there may be filled by samples that
     /// are not known. With `again` the open cells newly reached are judged; else detection does it.
+    #[inline(always)]
     fn spread(&mut self, gaps: &mut GapBuffers, again: bool) {
         let reach = reach_cells(self.frame.periodic);
         let known = self.unsure.len();
@@ -310,6 +328,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.spread = known;
     }
 
+    #[inline(always)]
     fn is_still_open(&self, gaps: &mut GapBuffers, cell: usize, column: i32, row: i32) -> bool {
         let (column, row) = ((column + PAD) as usize, (row + PAD) as usize);
         if gaps.open[row * self.words() + column / 64] >> (column % 64) & 1 == 0 {
@@ -321,6 +340,7 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Finds the candidates that the samples inserted last have made: those from `first` on.
+    #[inline(always)]
     fn detect_again(&mut self, gaps: &mut GapBuffers, first: usize, rules: &Rules) {
         let mut todo = std::mem::take(&mut gaps.todo);
         let mut unsure = Vec::new();
@@ -351,6 +371,7 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Appends the open pixels for which the sample at (x, y) may be one of a candidate's.
+    #[inline(always)]
     fn concerned_pixels(&self, gaps: &GapBuffers, x: i32, y: i32, todo: &mut Vec<(u32, u8)>) {
         let words = self.words();
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);

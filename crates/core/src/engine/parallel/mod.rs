@@ -10,6 +10,7 @@ pub mod gaps;
 mod near;
 mod region;
 mod stamp;
+mod uniform;
 
 use std::sync::Arc;
 
@@ -58,6 +59,7 @@ impl Plane {
                 search: parameters.search,
                 key,
                 lost_reach: 1,
+                insertion: parameters.insertion,
             },
             touches_itself: domain.is_periodic() && short,
             order: parameters.order,
@@ -102,7 +104,7 @@ impl Plane {
     fn compute<const TAGS: bool>(&self, region: &mut Region<TAGS>, window: &Rect, halo: i32) -> Result<(), SampleError> {
         let frame = Frame::new(&self.domain, window, halo);
         lap(11);
-        region.reset(frame, gaps::reach_cells(self.domain.is_periodic()));
+        region.reset(frame, self.rules.reach());
         lap(0);
         let mut blocks = std::mem::take(&mut region.blocks);
         let found = self.clipper.blocks(&region.frame, &mut blocks);
@@ -112,7 +114,10 @@ impl Plane {
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
         dispatch!(self.level, _simd => {
             region.claim(&self.clipper, &turns);
-            region.fill(&self.rules);
+            match self.rules.insertion {
+                crate::Insertion::Circumcentre => region.fill(&self.rules),
+                crate::Insertion::Uniform => region.fill_uniformly(&self.rules),
+            }
         });
         if let Some(unsure) = region.unsure_in_window() {
             let cells = Rect { min: unsure.min, max: unsure.max };

@@ -13,7 +13,7 @@ pub(crate) const PIXEL_SIDE: i32 = R / PIXELS as i32;
 
 /// Bins along a cell's side: a sample's place is known to one of `BINS` x `BINS`.
 const BINS: usize = 1 << BIN_BITS;
-const BIN_BITS: u32 = 5;
+const BIN_BITS: u32 = 6;
 const BIN_SIDE: i32 = R / BINS as i32;
 
 /// Bins of a table: a free slot reads as a place far above its cell, whose stamp is empty.

@@ -1,0 +1,235 @@
+//! Uniform insertion in a region: the dart process of `stages::darts`, restricted to the gaps and to
+//! the frame. Its cells are those of the domain, drawn under the same keys; which of the covered ones
+//! are visited does not matter, since no dart in them is taken.
+
+use crate::lattice::{Point, R, R_SQUARED};
+use crate::stages::darts::{GAP_SIDE, LAST_LEVEL, cell_darts, throw_key};
+use crate::stages::disks::Cell;
+use crate::stages::uniform::{SLACK, gap_key};
+
+use super::frame::CELL_BITS;
+use super::gaps::{GapBuffers, Inserted, Rules, corner, each_bit, inserted_tag};
+use super::region::{Loss, Region, flag, unpack};
+use super::stamp::{PIXEL_SIDE, Stamps};
+
+/// An active cell of the dart process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Active {
+    /// Its lowest corner in the frame.
+    y: i32,
+    x: i32,
+    /// Its lowest corner in the domain.
+    domain_y: i32,
+    domain_x: i32,
+}
+
+/// A dart that no earlier sample covers, compared by its turn.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Dart {
+    rank: u32,
+    /// Its place in the domain, y first.
+    place: (i32, i32),
+    x: i32,
+    y: i32,
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Fills the gaps with keyed darts, as far as it can be known what happens.
+    pub(crate) fn fill_uniformly(&mut self, rules: &Rules) {
+        let mut gaps = std::mem::take(&mut self.gaps);
+        gaps.inserted.clear();
+        self.mark(&mut gaps, rules.lost_reach);
+        for k in 0..self.unsure.len() {
+            self.reach_around(self.unsure[k] as usize, rules.lost_reach);
+        }
+        let mut active = self.first_cells(&mut gaps, rules);
+        let key = gap_key(rules.key);
+        let mut level = 1;
+        while !active.is_empty() {
+            let side = R >> level;
+            self.throw(&mut gaps, rules, throw_key(key, level, 0), (&active, side, level));
+            if level == LAST_LEVEL {
+                break;
+            }
+            active = self.quarters(rules, &active, side);
+            level += 1;
+        }
+        self.gaps = gaps;
+    }
+
+    /// Flags as reached the cells at most `reach` away from one.
+    fn reach_around(&mut self, cell: usize, reach: i32) {
+        let (column, row) = self.frame.column_row(cell);
+        for row in row - reach..=row + reach {
+            for column in column - reach..=column + reach {
+                let cell = self.frame.cell(column, row);
+                self.flags[cell] |= flag::REACHED;
+            }
+        }
+    }
+
+    /// Returns the active cells of the first level, at least all that hold uncovered points.
+    fn first_cells(&mut self, gaps: &mut GapBuffers, rules: &Rules) -> Vec<Active> {
+        let stamps = Stamps::get();
+        let mut active = Vec::new();
+        let mut unsure = Vec::new();
+        let marked = std::mem::take(&mut gaps.marked);
+        self.each_marked(&marked, |cell, column, row| {
+            let open = self.open_pixels(stamps, cell, column, row);
+            if open == 0 {
+                return;
+            }
+            if self.flags[cell] & flag::REACHED != 0 {
+                gaps.near.gather(&self.slots, self.frame.stride(), cell, 2);
+                if each_bit(open).any(|p| gaps.near.may_be_open(corner(p).0, corner(p).1)) {
+                    unsure.push(cell);
+                }
+            } else if rules.is_exact() {
+                for (x, y) in each_bit(open).map(corner) {
+                    let low = [(column << CELL_BITS) + x, (row << CELL_BITS) + y];
+                    self.cells_in(low, low.map(|v| v + PIXEL_SIDE), &mut active);
+                }
+            }
+        });
+        gaps.marked = marked;
+        if !rules.is_exact() {
+            // What is filled then depends on the cells, not on the gaps alone.
+            for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
+                let low = [lost.x - R - SLACK, lost.y - R - SLACK];
+                self.cells_in(low, low.map(|v| v + 2 * (R + SLACK) + 1), &mut active);
+            }
+        }
+        for cell in unsure {
+            self.make_hot(cell);
+        }
+        active.sort_unstable();
+        active.dedup();
+        active.retain(|a| !self.is_covered(a, GAP_SIDE));
+        active
+    }
+
+    /// Appends the domain's cells of side [`GAP_SIDE`] that a rectangle of the frame touches.
+    fn cells_in(&self, low: [i32; 2], high: [i32; 2], out: &mut Vec<Active>) {
+        // Places of the domain's cells along an axis: in the frame and in the domain.
+        let starts = |axis: usize| {
+            let (side, frame) = (self.frame.sides[axis], &self.frame);
+            let extent = if frame.periodic { side } else { side + 1 };
+            let limit = high[axis].min(frame.end[axis]);
+            let mut at = low[axis].max(0);
+            std::iter::from_fn(move || {
+                (at < limit).then(|| {
+                    let plane = frame.origin[axis] + i64::from(at);
+                    let domain = if frame.periodic { plane.rem_euclid(side.into()) } else { plane } as i32;
+                    let first = domain / GAP_SIDE * GAP_SIDE;
+                    let start = (at - (domain - first), first);
+                    at = start.0 + GAP_SIDE.min(extent - first);
+                    start
+                })
+            })
+        };
+        for (y, domain_y) in starts(1) {
+            out.extend(starts(0).map(|(x, domain_x)| Active {
+                y,
+                x,
+                domain_y,
+                domain_x,
+            }));
+        }
+    }
+
+    /// Makes a level's throw.
+    fn throw(
+        &mut self,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        key: crate::random::Key,
+        (active, side, level): (&[Active], i32, u32),
+    ) {
+        let domain = rules.domain.rect();
+        let mut darts = Vec::new();
+        for cell in active {
+            let min = Point::new(cell.domain_x, cell.domain_y);
+            for (rank, p) in cell_darts(key, Cell { min, side }) {
+                let (x, y) = (cell.x + p.x - min.x, cell.y + p.y - min.y);
+                if domain.contains(p) && self.frame.holds(x, y) && !self.covered(x, y) {
+                    darts.push(Dart {
+                        rank,
+                        place: p.row_major(),
+                        x,
+                        y,
+                    });
+                }
+            }
+        }
+        darts.sort_unstable();
+        for Dart { x, y, .. } in darts {
+            let cell = self.frame.cell_at(x, y);
+            if self.flags[cell] & (flag::REACHED | flag::UNSURE) != 0 || self.covered(x, y) {
+                continue;
+            }
+            if self.flags[cell] & flag::HOT != 0 {
+                self.make_hot(cell);
+                continue;
+            }
+            self.insert(x, y, inserted_tag(level));
+            gaps.inserted.push(Inserted {
+                x,
+                y,
+                iteration: level,
+            });
+        }
+    }
+
+    /// Returns the quarters of the active cells that may hold uncovered points of which something can be known.
+    fn quarters(&self, rules: &Rules, active: &[Active], side: i32) -> Vec<Active> {
+        let half = side / 2;
+        let max = rules.domain.rect().max;
+        let mut next = Vec::with_capacity(active.len());
+        for cell in active {
+            for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                let quarter = Active {
+                    x: cell.x + right,
+                    y: cell.y + up,
+                    domain_x: cell.domain_x + right,
+                    domain_y: cell.domain_y + up,
+                };
+                let inside = quarter.domain_x < max.x && quarter.domain_y < max.y;
+                if inside && !self.is_covered(&quarter, half) && !self.is_unsure(&quarter, half) {
+                    next.push(quarter);
+                }
+            }
+        }
+        next
+    }
+
+    /// Returns whether nothing can be known of a cell's points.
+    fn is_unsure(&self, cell: &Active, side: i32) -> bool {
+        let last = side - 1;
+        [(0, 0), (last, 0), (0, last), (last, last)].into_iter().all(|(right, up)| {
+            let (x, y) = (cell.x + right, cell.y + up);
+            !self.frame.holds(x, y)
+                || self.flags[self.frame.cell_at(x, y)] & (flag::UNSURE | flag::REACHED) != 0
+        })
+    }
+
+    /// Returns whether one survivor covers every point of a cell that lies in the domain.
+    fn is_covered(&self, cell: &Active, side: i32) -> bool {
+        let [width, height] = self.frame.sides;
+        let closed = i32::from(!self.frame.periodic);
+        let right = side.min(width + closed - cell.domain_x) - 1;
+        let top = side.min(height + closed - cell.domain_y) - 1;
+        let columns = (cell.x - R) >> CELL_BITS..=(cell.x + right + R) >> CELL_BITS;
+        let rows = (cell.y - R) >> CELL_BITS..=(cell.y + top + R) >> CELL_BITS;
+        rows.into_iter().any(|row| {
+            columns.clone().any(|column| {
+                let slots = &self.slots[self.frame.cell(column, row)];
+                slots[..!slots[3] as usize & 3].iter().any(|&packed| {
+                    let p = unpack(packed, column, row);
+                    let across = i64::from((cell.x - p.x).abs().max((cell.x + right - p.x).abs()));
+                    let up = i64::from((cell.y - p.y).abs().max((cell.y + top - p.y).abs()));
+                    across * across + up * up <= R_SQUARED
+                })
+            })
+        })
+    }
+}
