@@ -169,7 +169,7 @@ fn unpack_samples(domain: &Domain, body: &[u8]) -> Result<Vec<Point>, PackedErro
     };
     let (columns, rows) = cells(domain);
     let inside = domain.rect();
-    let mut samples = Vec::with_capacity(body.len() * 8 / PLACE_BITS as usize);
+    let mut samples = Vec::with_capacity(body.len() / 4);
     for row in 0..rows {
         for column in 0..columns {
             let ended = PackedError::Ended {
