@@ -37,15 +37,16 @@ pub fn pattern(
         return Pattern::of_spec(spec, observer);
     };
     let path = folder.join(file_name(spec));
-    if let Some(pattern) = read(&path, spec) {
-        tell(&pattern, observer)?;
-        return Ok(Arc::new(pattern));
-    }
-    let pattern = Pattern::of_spec(spec, observer)?;
-    let written = write(&path, &pattern);
-    if written.is_some() {
-        prune(&folder, MAX_FOLDER_BYTES);
-    }
+    let pattern = if let Some(pattern) = read(&path, spec) {
+        Arc::new(pattern)
+    } else {
+        let pattern = Pattern::of_spec(spec, observer)?;
+        if write(&path, &pattern).is_some() {
+            prune(&folder, MAX_FOLDER_BYTES);
+        }
+        pattern
+    };
+    tell(&pattern, observer)?;
     Ok(pattern)
 }
 
@@ -85,15 +86,15 @@ fn read(path: &Path, spec: &PatternSpec) -> Option<Pattern> {
     pattern.is_of(spec).then_some(pattern)
 }
 
-/// The stage is told even when it takes no time: whoever observes may stop the run here.
+/// Says that the stage has ended, so that reading and writing count as its time, not the next one's;
+/// whoever observes may stop the run here.
 fn tell(pattern: &Pattern, observer: &mut dyn Observer) -> Result<(), SampleError> {
     let (stage, total) = (Stage::Pattern, pattern.samples().len() as u64);
-    for done in [0, total] {
-        if observer.observe(Progress { stage, done, total }) == ControlFlow::Break(()) {
-            return Err(SampleError::Cancelled { stage });
-        }
+    let done = total;
+    match observer.observe(Progress { stage, done, total }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(SampleError::Cancelled { stage }),
     }
-    Ok(())
 }
 
 fn write(path: &Path, pattern: &Pattern) -> Option<()> {
