@@ -2,11 +2,10 @@
 //! conflicts that elimination resolved. Immutable once built; it is built in the background.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use tilescope_core::{
-    Observer, Parameters, Pattern, PatternSpec, Progress, R, Run, SampleError, SampleGrid,
-    Sequential, Stage, Standing, Summary, Variant, covers_offset,
+    Observer, Parameters, Pattern, Progress, R, Run, SampleError, SampleGrid, Sequential, Stage,
+    Standing, Summary, Variant, covers_offset,
 };
 
 use crate::canvas::index::SampleIndex;
@@ -28,23 +27,16 @@ pub struct Session {
     pub generation: u64,
 }
 
-/// A ready-made pattern and what it was made from.
-pub type ReadyPattern = (PatternSpec, Arc<Pattern>);
-
 impl Session {
-    /// Samples with `parameters` and prepares the result; reuses the pattern `ready` if it fits.
+    /// Samples with `parameters` and prepares the result.
     pub fn sample(
         parameters: &Parameters,
-        ready: Option<ReadyPattern>,
         generation: u64,
         monitor: &Monitor,
     ) -> Result<Self, SampleError> {
         parameters.validate()?;
         let mut observer = Reporter { monitor };
-        let pattern = match ready {
-            Some((spec, pattern)) if spec == parameters.pattern => pattern,
-            _ => Arc::new(Pattern::generate(&parameters.pattern, &mut observer)?),
-        };
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
         let run = Sequential::new(parameters, pattern)?.finish(&mut observer)?;
         observer.report(Stage::Finish, 0.5).map_or_else(
             || Ok(Self::from_run(run, generation)),
@@ -90,13 +82,6 @@ impl Session {
         let size = self.size_radii();
         let axis = |k: usize| there[k] - ((there[k] - place[k]) / size[k]).round() * size[k];
         [axis(0), axis(1)]
-    }
-
-    /// Returns the pattern and what it was made from, for the next run.
-    #[must_use]
-    pub fn ready_pattern(&self) -> ReadyPattern {
-        let spec = self.run.parameters.pattern;
-        (spec, Arc::clone(&self.run.pattern))
     }
 
     /// Returns how many samples are valid (or, before elimination, tiled) after the stage at `place`.

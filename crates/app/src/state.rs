@@ -363,12 +363,11 @@ impl State {
             return;
         }
         let parameters = self.draft.parameters;
-        let ready = self.session.as_ref().map(|s| s.ready_pattern());
         self.generation += 1;
         let generation = self.generation;
         self.notice = None;
         self.sampling = Some(Job::start(&self.wake, move |monitor| {
-            Session::sample(&parameters, ready, generation, monitor)
+            Session::sample(&parameters, generation, monitor)
         }));
     }
 

@@ -10,6 +10,7 @@ mod interrupt;
 mod options;
 mod output;
 mod parameters;
+mod pattern_cache;
 mod progress;
 mod sample;
 mod verify;

@@ -11,6 +11,7 @@ use tilescope_core::{
 use tilescope_formats::Hint;
 
 use crate::options::{BoundaryArgument, UNIT_SQUARE};
+use crate::pattern_cache;
 
 /// Arguments that determine a run.
 #[derive(Debug, Args)]
@@ -41,7 +42,9 @@ pub struct RunArguments {
     /// Shortest edge of a building block, in radii: any number of at least 6
     #[arg(long, value_name = "LEAF", default_value_t = 30.0)]
     pub leaf: f64,
-    /// Side of the generated pattern, in radii
+    /// Side of the generated pattern, in radii; from 400 on it is kept between runs, in the user's cache
+    /// folder or in TILESCOPE_CACHE (empty: nowhere)
+    #[expect(clippy::doc_markdown, reason = "--help shows it as it stands")]
     #[arg(long, value_name = "SIDE", default_value_t = 100.0)]
     pub pattern_side: f64,
     /// How the generated pattern ends: a bounded one is the paper's, and blocks must fit it
@@ -146,15 +149,18 @@ impl RunArguments {
         }
     }
 
-    /// Returns the pattern, from its file or generated.
+    /// Returns the pattern: from its file, ready-made, kept or generated.
     pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>> {
-        let pattern = match &self.pattern {
+        match &self.pattern {
             Some(path) => self
                 .pattern_from_file(path)
-                .with_context(|| path.display().to_string())?,
-            None => Pattern::generate(&self.parameters().pattern, observer)?,
-        };
-        Ok(Arc::new(pattern))
+                .map(Arc::new)
+                .with_context(|| path.display().to_string()),
+            None => Ok(pattern_cache::pattern(
+                &self.parameters().pattern,
+                observer,
+            )?),
+        }
     }
 
     fn pattern_from_file(&self, path: &std::path::Path) -> Result<Pattern> {

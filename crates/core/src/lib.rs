@@ -33,7 +33,9 @@ pub use parameters::{
     MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII, Order, ParameterError, Parameters, PatternSpec, Search,
     Variant,
 };
-pub use pattern::{Pattern, PatternError, Symmetry, Variant as PatternVariant};
+pub use pattern::{
+    PackedError, Pattern, PatternError, READY_MADE, ReadyMade, Symmetry, Variant as PatternVariant,
+};
 pub use progress::{Observer, Progress, Stage, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
 pub use reference::reference_sample;

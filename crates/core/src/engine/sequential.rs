@@ -37,7 +37,7 @@ use crate::stages::uniform::gap_process;
 /// ```
 pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Run, SampleError> {
     parameters.validate()?;
-    let pattern = Arc::new(Pattern::generate(&parameters.pattern, observer)?);
+    let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
     Sequential::new(parameters, pattern)?.finish(observer)
 }
 

@@ -1,5 +1,13 @@
 //! The pattern: a small maximal set from which building blocks clip (paper, section 3.1.2).
-//! A pattern that exists is conflict-free and maximal on the lattice: nothing else can be built.
+//! A pattern that exists is conflict-free and maximal on the lattice: it was generated, checked, or
+//! unpacked from bytes that only this program writes (`packed`).
+
+mod cache;
+mod packed;
+mod ready;
+
+pub use packed::PackedError;
+pub use ready::{READY_MADE, ReadyMade};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -23,11 +31,20 @@ const GIVEN_SLACK: i64 = 7_800;
 /// lattice's. Half of it allows for what lies beyond a closed border.
 const LEAST_DENSITY: f64 = 0.5 * 0.384_9;
 
-/// A maximal set that blocks clip from.
-#[derive(Clone, Debug, PartialEq)]
+/// A maximal set that blocks clip from. Patterns are equal when blocks clip the same from them,
+/// wherever they came from.
+#[derive(Clone, Debug)]
 pub struct Pattern {
     domain: Domain,
     samples: Vec<Point>,
+    /// What it was generated from; a given set has no seed.
+    seed: Option<u64>,
+}
+
+impl PartialEq for Pattern {
+    fn eq(&self, other: &Self) -> bool {
+        self.domain == other.domain && self.samples == other.samples
+    }
 }
 
 /// One of the 8 symmetries of the square: mirrors of x (bit 0) and y (bit 1), then a swap of the
@@ -49,7 +66,8 @@ pub struct Variant {
 }
 
 impl Pattern {
-    /// Returns the pattern that `spec` describes, made by the reference sampler.
+    /// Returns the pattern that `spec` describes, made by the reference sampler. Runs need not wait
+    /// for that: [`Self::of_spec`] makes a pattern only when there is none yet.
     pub fn generate(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
         let side = spec.side_units()?;
         let domain = Domain::from_units(side, side, spec.boundary);
@@ -67,7 +85,11 @@ impl Pattern {
                 },
                 other => other,
             })?;
-        Ok(Self { domain, samples })
+        Ok(Self {
+            domain,
+            samples,
+            seed: Some(spec.seed),
+        })
     }
 
     /// Returns the pattern of given positions in user units: a set of radius `radius` on
@@ -110,7 +132,21 @@ impl Pattern {
         check(&domain, &samples)?;
         // Blocks see lattice units only; the user's unit ends here.
         let domain = Domain::from_units(domain.width(), domain.height(), boundary);
-        Ok(Self { domain, samples })
+        Ok(Self {
+            domain,
+            samples,
+            seed: None,
+        })
+    }
+
+    /// Returns whether this is the pattern that [`Self::generate`] makes of `spec`.
+    #[must_use]
+    pub fn is_of(&self, spec: &PatternSpec) -> bool {
+        let side = Ok(self.domain.width());
+        spec.side_units() == side
+            && self.domain.height() == self.domain.width()
+            && self.domain.boundary() == spec.boundary
+            && self.seed == Some(spec.seed)
     }
 
     /// Returns the pattern's domain; its user unit is one radius.

@@ -1,0 +1,228 @@
+//! Where a run's pattern comes from: ready-made, kept from before, or generated and kept.
+//! What is kept is bounded and changes no result: equal specs have equal patterns.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::{Pattern, READY_MADE};
+use crate::error::SampleError;
+use crate::lattice::Point;
+use crate::parameters::{Boundary, ParameterError, PatternSpec};
+use crate::progress::{Meter, Observer, Stage};
+
+/// The most patterns kept.
+const MAX_PATTERNS: usize = 8;
+
+/// The most bytes of samples kept: two of the largest patterns, of 22 MB each, and what is usual.
+const MAX_BYTES: usize = 64 << 20;
+
+static KEPT: Mutex<Kept> = Mutex::new(Kept::new(MAX_PATTERNS, MAX_BYTES));
+
+impl Pattern {
+    /// Returns the pattern that `spec` describes: the same as [`Self::generate`], but made only if it
+    /// is not among [`READY_MADE`] and not among the last few that were asked for.
+    ///
+    /// The observer is told of [`Stage::Pattern`] in any case and may stop it. Patterns are kept for the
+    /// whole process, at most 8 and 64 MB; the least recently used go first.
+    ///
+    /// ```
+    /// use tilescope_core::{Pattern, PatternSpec, Unobserved};
+    ///
+    /// let pattern = Pattern::of_spec(&PatternSpec::default(), &mut Unobserved)?;
+    /// assert_eq!(pattern.samples().len(), 6985);
+    /// # Ok::<(), tilescope_core::SampleError>(())
+    /// ```
+    pub fn of_spec(
+        spec: &PatternSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<Arc<Self>, SampleError> {
+        of_spec(&KEPT, spec, observer)
+    }
+}
+
+fn of_spec(
+    kept: &Mutex<Kept>,
+    spec: &PatternSpec,
+    observer: &mut dyn Observer,
+) -> Result<Arc<Pattern>, SampleError> {
+    let identity = Identity::of(spec)?;
+    let known = lock(kept).find(identity).or_else(|| ready_made(identity));
+    let pattern = if let Some(pattern) = known {
+        let total = pattern.samples().len() as u64;
+        Meter::begin(observer, Stage::Pattern, total)?.end()?;
+        pattern
+    } else {
+        // Not under the lock: who asks for another pattern need not wait for this one.
+        Arc::new(Pattern::generate(spec, observer)?)
+    };
+    lock(kept).keep(identity, Arc::clone(&pattern));
+    Ok(pattern)
+}
+
+/// A panic elsewhere leaves the list whole: each change is one call that does not fail.
+fn lock(kept: &Mutex<Kept>) -> MutexGuard<'_, Kept> {
+    kept.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Returns the ready-made pattern. A test unpacks them all: none fails.
+fn ready_made(identity: Identity) -> Option<Arc<Pattern>> {
+    let mut all = READY_MADE.iter();
+    let ready = all.find(|ready| Identity::of(&ready.spec) == Ok(identity))?;
+    Pattern::from_packed(ready.packed).ok().map(Arc::new)
+}
+
+/// What a pattern is made from, exactly: sides that differ by less than a lattice unit are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Identity {
+    side: i32,
+    boundary: Boundary,
+    seed: u64,
+}
+
+impl Identity {
+    fn of(spec: &PatternSpec) -> Result<Self, ParameterError> {
+        Ok(Self {
+            side: spec.side_units()?,
+            boundary: spec.boundary,
+            seed: spec.seed,
+        })
+    }
+}
+
+/// Patterns kept for later, the least recently used first.
+struct Kept {
+    patterns: Vec<(Identity, Arc<Pattern>)>,
+    max_patterns: usize,
+    max_bytes: usize,
+}
+
+impl Kept {
+    const fn new(max_patterns: usize, max_bytes: usize) -> Self {
+        Self {
+            patterns: Vec::new(),
+            max_patterns,
+            max_bytes,
+        }
+    }
+
+    fn find(&self, identity: Identity) -> Option<Arc<Pattern>> {
+        let mut all = self.patterns.iter();
+        let (_, pattern) = all.find(|(kept, _)| *kept == identity)?;
+        Some(Arc::clone(pattern))
+    }
+
+    /// Keeps a pattern as the most recently used one, and forgets what is too much.
+    fn keep(&mut self, identity: Identity, pattern: Arc<Pattern>) {
+        self.patterns.retain(|(kept, _)| *kept != identity);
+        self.patterns.push((identity, pattern));
+        while self.patterns.len() > self.max_patterns || self.bytes() > self.max_bytes {
+            self.patterns.remove(0);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let samples = self.patterns.iter().map(|(_, p)| p.samples().len());
+        samples.sum::<usize>() * size_of::<Point>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::{Progress, Unobserved};
+    use std::ops::ControlFlow;
+
+    fn spec(side: f64, seed: u64) -> PatternSpec {
+        PatternSpec {
+            side,
+            boundary: Boundary::Periodic,
+            seed,
+        }
+    }
+
+    fn ask(kept: &Mutex<Kept>, seed: u64) -> Arc<Pattern> {
+        of_spec(kept, &spec(10.5, seed), &mut Unobserved).unwrap()
+    }
+
+    fn seeds(kept: &Mutex<Kept>) -> Vec<u64> {
+        let kept = kept.lock().unwrap();
+        kept.patterns.iter().map(|(id, _)| id.seed).collect()
+    }
+
+    #[test]
+    fn a_pattern_is_made_once_and_is_the_generated_one() {
+        let kept = Mutex::new(Kept::new(2, MAX_BYTES));
+        let first = ask(&kept, 3);
+        let generated = Pattern::generate(&spec(10.5, 3), &mut Unobserved).unwrap();
+        assert_eq!(*first, generated);
+        assert!(Arc::ptr_eq(&first, &ask(&kept, 3)));
+        assert_ne!(*first, *ask(&kept, 4));
+    }
+
+    #[test]
+    fn the_least_recently_used_pattern_goes_first() {
+        let kept = Mutex::new(Kept::new(3, MAX_BYTES));
+        for seed in [1, 2, 3, 1, 4] {
+            let _ = ask(&kept, seed);
+        }
+        assert_eq!(seeds(&kept), [3, 1, 4]);
+    }
+
+    #[test]
+    fn bytes_are_bounded_too() {
+        // Each has about 77 samples of 8 bytes.
+        let kept = Mutex::new(Kept::new(100, 1400));
+        for seed in 1..6 {
+            let _ = ask(&kept, seed);
+        }
+        assert_eq!(seeds(&kept), [4, 5]);
+        let nothing = Mutex::new(Kept::new(100, 1));
+        let _ = ask(&nothing, 1);
+        assert_eq!(seeds(&nothing), []);
+    }
+
+    #[test]
+    fn ready_made_patterns_are_not_generated() {
+        for ready in &READY_MADE {
+            let pattern = ready_made(Identity::of(&ready.spec).unwrap()).expect(ready.name);
+            assert!(pattern.is_of(&ready.spec), "{}", ready.name);
+        }
+        assert!(ready_made(Identity::of(&spec(100.0, 8)).unwrap()).is_none());
+        assert!(ready_made(Identity::of(&spec(100.01, 0)).unwrap()).is_none());
+        let kept = Mutex::new(Kept::new(1, MAX_BYTES));
+        let mut told = Vec::new();
+        let mut observer = |progress| {
+            told.push(progress);
+            ControlFlow::Continue(())
+        };
+        let pattern = of_spec(&kept, &PatternSpec::default(), &mut observer).unwrap();
+        let total = pattern.samples().len() as u64;
+        let stage = Stage::Pattern;
+        let expected = [0, total].map(|done| Progress { stage, done, total });
+        assert_eq!(told, expected);
+    }
+
+    #[test]
+    fn whoever_observes_may_stop_it() {
+        let mut stop = |_| ControlFlow::Break(());
+        for side in [100.0, 10.5] {
+            let kept = Mutex::new(Kept::new(1, MAX_BYTES));
+            let stage = Stage::Pattern;
+            let outcome = of_spec(&kept, &spec(side, 0), &mut stop);
+            assert_eq!(outcome, Err(SampleError::Cancelled { stage }));
+            assert_eq!(seeds(&kept), []);
+        }
+    }
+
+    #[test]
+    fn an_impossible_side_is_refused_and_a_panic_elsewhere_is_survived() {
+        let kept = Mutex::new(Kept::new(2, MAX_BYTES));
+        let refused = of_spec(&kept, &spec(9.0, 0), &mut Unobserved);
+        assert!(matches!(refused, Err(SampleError::Parameters(_))));
+        let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            let _guard = kept.lock();
+            panic!("while it was locked");
+        }));
+        assert!(panicked.is_err() && kept.is_poisoned());
+        assert_eq!(*ask(&kept, 1), *ask(&kept, 1));
+    }
+}
