@@ -106,7 +106,7 @@ impl Draft {
                 })
             })
             .collect();
-        if let Err(error) = self.parameters.validate() {
+        if let Err(error) = self.parameters.validate_sequential() {
             let field = field_of(&error);
             if !refusals.iter().any(|refusal| refusal.field == field) {
                 let reason = sentence(&error.to_string());
@@ -119,7 +119,7 @@ impl Draft {
     /// Returns about how many samples a run would give.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
-        let domain = self.parameters.validate().ok()?;
+        let domain = self.parameters.validate_sequential().ok()?;
         Some(domain.area_radii() * MAXIMAL_DENSITY)
     }
 

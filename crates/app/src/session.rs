@@ -34,7 +34,7 @@ impl Session {
         generation: u64,
         monitor: &Monitor,
     ) -> Result<Self, SampleError> {
-        parameters.validate()?;
+        parameters.validate_sequential()?;
         let mut observer = Reporter { monitor };
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
         let run = Sequential::new(parameters, pattern)?.finish(&mut observer)?;

@@ -208,7 +208,7 @@ fn reference_set(
             radius,
             ..*parameters
         }
-        .validate()?;
+        .validate_sequential()?;
         let points = reference_sample(domain, parameters.seed, watch)?;
         Ok((points.len() as u64, (domain, points)))
     };

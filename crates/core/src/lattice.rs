@@ -96,6 +96,27 @@ impl Rect {
     }
 }
 
+/// How many sides away from the domain a window may begin.
+const MAX_WINDOW_SIDES: f64 = 1_000.0;
+
+/// A rectangle of lattice points of the plane, half open; in a periodic domain the plane repeats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// The lowest coordinates inside.
+    pub min: [i64; 2],
+    /// The first coordinates beyond.
+    pub max: [i64; 2],
+}
+
+impl From<Rect> for Window {
+    fn from(rect: Rect) -> Self {
+        Self {
+            min: [rect.min.x.into(), rect.min.y.into()],
+            max: [rect.max.x.into(), rect.max.y.into()],
+        }
+    }
+}
+
 /// The domain in lattice units, with its exact relation to user space.
 ///
 /// A periodic domain holds the points `0 <= x < width`; a bounded one is closed and also holds
@@ -264,6 +285,47 @@ impl Domain {
         ]
     }
 
+    /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, seen
+    /// from the plane: a periodic domain repeats without end, of a bounded one only what lies inside is
+    /// returned, its closed upper border with a window that ends there.
+    ///
+    /// Fails when a side is not finite, not above 0 or longer than the domain's.
+    pub fn window(&self, low: [f64; 2], high: [f64; 2]) -> Result<Window, ParameterError> {
+        let mut window = Window {
+            min: [0; 2],
+            max: [0; 2],
+        };
+        for (axis, name) in ["width", "height"].into_iter().enumerate() {
+            let (side, low, high) = (self.size[axis], low[axis], high[axis]);
+            let finite = low.is_finite() && high.is_finite();
+            let near = low.abs() <= MAX_WINDOW_SIDES * side;
+            if !finite || !near || low >= high || high - low > side {
+                return Err(ParameterError::Window {
+                    name,
+                    low,
+                    high,
+                    maximum: side,
+                });
+            }
+            let units = [self.width, self.height][axis];
+            window.min[axis] = first_unit(low, side, units);
+            window.max[axis] = first_unit(high, side, units);
+            if self.boundary == Boundary::Bounded {
+                let end = i64::from(units) + i64::from(high >= side);
+                window.min[axis] = window.min[axis].max(0);
+                window.max[axis] = if high >= side { end } else { window.max[axis] };
+            }
+            // Two bounds a hair less than a side apart may round to more than the domain's units.
+            window.max[axis] = window.max[axis].min(window.min[axis] + i64::from(self.rect_side(axis)));
+        }
+        Ok(window)
+    }
+
+    const fn rect_side(&self, axis: usize) -> i32 {
+        let max = self.rect().max;
+        if axis == 0 { max.x } else { max.y }
+    }
+
     /// Returns the lattice point nearest to a finite position in user units, wrapped or clamped into
     /// the domain; positions should lie in it, or at most a side outside. Positions made by [`Self::user_from_lattice`] return to their own lattice point.
     #[must_use]
@@ -315,6 +377,20 @@ pub(crate) fn check_side(name: &'static str, side: f64) -> Result<(), ParameterE
         });
     }
     Ok(())
+}
+
+/// Returns the first lattice coordinate whose position is not below `position`.
+fn first_unit(position: f64, side: f64, units: i32) -> i64 {
+    let unit = side / f64::from(units);
+    let mut first = (position / unit).floor() as i64;
+    // As positions are computed, whose rounding the quotient does not share.
+    while first as f64 * unit < position {
+        first += 1;
+    }
+    while (first - 1) as f64 * unit >= position {
+        first -= 1;
+    }
+    first
 }
 
 fn side_units(

@@ -21,12 +21,13 @@ pub mod stages;
 pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, sample_count, search_radius};
 pub use engine::sequential::{Sequential, sample};
-pub use engine::parallel::{Plane, RETRIES, laps};
+pub use engine::parallel::plane::Plane;
+pub use engine::parallel::sweep::{Sampled, Source, Sweep};
 pub use error::SampleError;
 pub use grid::{Near, SampleGrid};
 pub use lattice::{
     Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, R_SQUARED,
-    Rect, SIDE_LIMITS, covers_offset,
+    Rect, SIDE_LIMITS, Window, covers_offset,
 };
 pub use parameters::{
     Boundary, Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY,

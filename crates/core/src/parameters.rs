@@ -159,6 +159,13 @@ impl Parameters {
     pub fn validate(&self) -> Result<Domain, ParameterError> {
         let domain = Domain::from_size([self.width, self.height], self.radius, self.boundary)?;
         self.validate_but_radius()?;
+        Ok(domain)
+    }
+
+    /// Returns the domain as [`Self::validate`]; also refuses more samples than engines take that keep
+    /// every sample with its origin and fate, and the reference sampler.
+    pub fn validate_sequential(&self) -> Result<Domain, ParameterError> {
+        let domain = self.validate()?;
         let samples = domain.area_radii() * MAXIMAL_DENSITY;
         if samples > MAX_SEQUENTIAL_SAMPLES {
             return Err(ParameterError::TooManySamples {
@@ -280,6 +287,23 @@ pub enum ParameterError {
         "uniform insertion needs the staged variant; Algorithm 4 as printed inserts circumcentres"
     )]
     UniformAsPrinted,
+    /// Algorithm 4 as printed is one loop over all samples.
+    #[error(
+        "the parallel engine runs the staged variant; Algorithm 4 as printed needs the sequential engine"
+    )]
+    AsPrintedParallel,
+    /// A window has no inside, or is larger than the domain.
+    #[error("the window's {name} runs from {low} to {high}; it must be finite, above 0 and at most {maximum} long")]
+    Window {
+        /// Which side.
+        name: &'static str,
+        /// Where it begins.
+        low: f64,
+        /// Where it ends.
+        high: f64,
+        /// The domain's side.
+        maximum: f64,
+    },
     /// More samples than the engine can hold.
     #[error(
         "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"
@@ -328,7 +352,7 @@ mod tests {
     #[test]
     fn bad_parameters_are_refused_with_value_and_limit() {
         let base = Parameters::default();
-        let refused = |p: Parameters| p.validate().unwrap_err().to_string();
+        let refused = |p: Parameters| p.validate_sequential().unwrap_err().to_string();
         assert!(refused(Parameters { leaf: 5.9, ..base }).contains("5.9 r"));
         assert!(
             refused(Parameters {

@@ -19,6 +19,8 @@ pub enum Stage {
     Eliminate,
     /// An iteration of detection and insertion, counted from 1 (Algorithms 3 and 4).
     Iterate(u32),
+    /// All stages from the blocks to the end, region by region: the parallel engine's only stage.
+    Regions,
     /// The survivors are put into canonical order.
     Finish,
 }
@@ -31,6 +33,7 @@ impl std::fmt::Display for Stage {
             Self::Tile => f.write_str("tile"),
             Self::Eliminate => f.write_str("eliminate"),
             Self::Iterate(k) => write!(f, "iterate {k}"),
+            Self::Regions => f.write_str("regions"),
             Self::Finish => f.write_str("finish"),
         }
     }
@@ -100,6 +103,12 @@ impl<'a> Meter<'a> {
     /// Corrects the estimate of all pieces.
     pub(crate) fn set_total(&mut self, total: u64) {
         self.progress.total = total;
+    }
+
+    /// The first `done` pieces are done.
+    pub(crate) fn reach(&mut self, done: u64) -> Result<(), crate::SampleError> {
+        self.progress.done = done;
+        self.ask()
     }
 
     /// One piece is done.

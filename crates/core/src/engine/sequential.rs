@@ -36,7 +36,7 @@ use crate::stages::uniform::gap_process;
 /// # Ok::<(), tilescope_core::SampleError>(())
 /// ```
 pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Run, SampleError> {
-    parameters.validate()?;
+    parameters.validate_sequential()?;
     let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
     Sequential::new(parameters, pattern)?.finish(observer)
 }
@@ -65,7 +65,7 @@ impl Sequential {
     ///
     /// `pattern` need not be the one that the parameters describe: a set from a file serves too.
     pub fn new(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Self, SampleError> {
-        let domain = parameters.validate()?;
+        let domain = parameters.validate_sequential()?;
         let run = Run {
             parameters: *parameters,
             domain,
@@ -116,14 +116,14 @@ impl Sequential {
                     self.gather(observer)?;
                 }
             }
-            Stage::Finish => self.gather(observer)?,
+            Stage::Regions | Stage::Finish => self.gather(observer)?,
         }
         self.next = match stage {
             Stage::Pattern | Stage::Blocks => Some(Stage::Tile),
             Stage::Tile => Some(Stage::Eliminate),
             Stage::Eliminate => Some(Stage::Iterate(self.run.iterations.len() as u32 + 1)),
             Stage::Iterate(k) => Some(Stage::Iterate(k + 1)),
-            Stage::Finish => None,
+            Stage::Regions | Stage::Finish => None,
         };
         Ok(Some(stage))
     }

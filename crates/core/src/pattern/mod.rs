@@ -39,6 +39,8 @@ pub struct Pattern {
     samples: Vec<Point>,
     /// What it was generated from; a given set has no seed.
     seed: Option<u64>,
+    /// Whether every lattice point is known to be covered; a given set may miss some by a hair.
+    covers_lattice: bool,
 }
 
 impl PartialEq for Pattern {
@@ -89,6 +91,7 @@ impl Pattern {
             domain,
             samples,
             seed: Some(spec.seed),
+            covers_lattice: true,
         })
     }
 
@@ -129,13 +132,14 @@ impl Pattern {
             .map(|&p| domain.lattice_from_user(p))
             .collect();
         samples.sort_unstable_by_key(|p| p.canonical());
-        check(&domain, &samples)?;
+        let covers_lattice = check(&domain, &samples)?;
         // Blocks see lattice units only; the user's unit ends here.
         let domain = Domain::from_units(domain.width(), domain.height(), boundary);
         Ok(Self {
             domain,
             samples,
             seed: None,
+            covers_lattice,
         })
     }
 
@@ -147,6 +151,11 @@ impl Pattern {
             && self.domain.height() == self.domain.width()
             && self.domain.boundary() == spec.boundary
             && self.seed == Some(spec.seed)
+    }
+
+    /// Returns whether every lattice point is known to be covered by a sample within R.
+    pub(crate) const fn covers_lattice(&self) -> bool {
+        self.covers_lattice
     }
 
     /// Returns the pattern's domain; its user unit is one radius.
@@ -254,7 +263,8 @@ impl Variant {
     }
 }
 
-fn check(domain: &Domain, samples: &[Point]) -> Result<(), PatternError> {
+/// Checks a given set and returns whether it covers every lattice point.
+fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
     let conflict = |a: Point, b: Point| {
         let units = (domain.distance_squared(a, b) as f64).sqrt();
         PatternError::Conflict {
@@ -282,7 +292,7 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<(), PatternError> {
         debug_assert!(fits, "no conflict was found");
     }
     match disks.uncovered_point(GIVEN_SLACK) {
-        None => Ok(()),
+        None => Ok(disks.uncovered_point(0).is_none()),
         Some(p) => Err(PatternError::NotMaximal {
             witness: domain.user_from_lattice(p),
         }),

@@ -103,6 +103,8 @@ impl Pattern {
             domain,
             samples: unpack_samples(&domain, body)?,
             seed: seeded.then_some(seed),
+            // A given set's bytes do not tell.
+            covers_lattice: seeded,
         })
     }
 }

@@ -61,7 +61,6 @@ impl<const TAGS: bool> Region<TAGS> {
             let interior = block.rect.grown(-depth - 1, -depth);
             clipper.clip(block, &interior, &target, |x, y, id| self.insert(x, y, tag(block, id)));
         }
-        super::lap(2);
         match turns {
             Turns::Index => {
                 for block in &blocks {
@@ -73,11 +72,9 @@ impl<const TAGS: bool> Region<TAGS> {
                 for block in &blocks {
                     self.claim_own(clipper, block, depth, &target);
                 }
-                super::lap(9);
                 for block in &blocks {
                     self.claim_margin(clipper, block, &target);
                 }
-                super::lap(10);
             }
             Turns::Sorted(ranking) => self.claim_sorted(clipper, ranking, &blocks, depth, &target),
         }

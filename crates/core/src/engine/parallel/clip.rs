@@ -125,11 +125,6 @@ impl Rect64 {
         }
     }
 
-    pub(crate) fn meets(&self, other: &Rect) -> bool {
-        let (min, max) = ([other.min.x, other.min.y], [other.max.x, other.max.y]);
-        (0..2).all(|a| self.min[a] < i64::from(max[a]) && i64::from(min[a]) < self.max[a])
-    }
-
     fn within(&self, other: &Rect) -> Option<Rect> {
         let axis = |a: usize, low: i32, high: i32| {
             let low = self.min[a].max(i64::from(low));

@@ -143,20 +143,17 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.inserted.clear();
         self.mark(&mut gaps, rules.lost_reach);
         self.spread(&mut gaps, false);
-        crate::engine::parallel::lap(3);
         self.first_detection(&mut gaps, rules);
         let mut iteration = 1;
         loop {
             let first = gaps.inserted.len();
             self.insert_candidates(&mut gaps, rules, iteration);
-            crate::engine::parallel::lap(6);
             if gaps.inserted.len() == first && self.spread == self.unsure.len() {
                 break;
             }
             iteration += 1;
             self.spread(&mut gaps, true);
             self.detect_again(&mut gaps, first, rules);
-            crate::engine::parallel::lap(7);
         }
         self.gaps = gaps;
     }
@@ -271,7 +268,6 @@ impl<const TAGS: bool> Region<TAGS> {
             }
         });
         gaps.marked = marked;
-        crate::engine::parallel::lap(4);
         for &(cell, open) in &masks {
             let cell = cell as usize;
             gaps.near.gather(&self.slots, self.frame.stride(), cell, USUAL);
@@ -293,7 +289,6 @@ impl<const TAGS: bool> Region<TAGS> {
             }
         }
         gaps.masks = masks;
-        crate::engine::parallel::lap(5);
         for cell in unsure {
             self.make_hot(cell);
         }
@@ -676,6 +671,15 @@ struct Spot {
 /// Returns the tag of a sample inserted in `iteration`.
 pub(crate) fn inserted_tag(iteration: u32) -> u64 {
     u64::from(u32::MAX) << 32 | u64::from(iteration)
+}
+
+/// Returns the iteration that inserted the sample of a tag, or `None` for a tiled one.
+pub(crate) const fn inserted_in(tag: u64) -> Option<u32> {
+    if tag >> 32 == u32::MAX as u64 {
+        Some(tag as u32)
+    } else {
+        None
+    }
 }
 
 /// Returns how many cells away a sample may be from a candidate that it makes or unmakes: 2r and 16

@@ -171,21 +171,26 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns the cells of the window that are unsure, as the smallest rectangle of cells that holds
-    /// them all, or `None`.
-    pub(crate) fn unsure_in_window(&self) -> Option<Rect> {
+    /// Returns rectangles of cells that hold all unsure cells of the window and do not overlap; cells at most
+    /// `near` from a rectangle are joined to it.
+    pub(crate) fn unsure_in_window(&self, near: i32) -> Vec<Rect> {
         let window = self.frame.window_cells();
-        let mut found: Option<Rect> = None;
+        let mut found: Vec<Rect> = Vec::new();
         for &cell in &self.unsure {
             let (column, row) = self.frame.column_row(cell as usize);
-            if window.contains(Point::new(column, row)) {
-                let f = found.get_or_insert(Rect {
-                    min: Point::new(column, row),
-                    max: Point::new(column + 1, row + 1),
-                });
-                f.min = Point::new(f.min.x.min(column), f.min.y.min(row));
-                f.max = Point::new(f.max.x.max(column + 1), f.max.y.max(row + 1));
+            let place = Point::new(column, row);
+            if !window.contains(place) {
+                continue;
             }
+            let mut joined = Rect {
+                min: place,
+                max: Point::new(column + 1, row + 1),
+            };
+            // A rectangle that grew may have come near to others.
+            while let Some(k) = found.iter().position(|other| gap(&joined, other) <= near) {
+                joined = hull(&joined, &found.swap_remove(k));
+            }
+            found.push(joined);
         }
         found
     }
@@ -283,6 +288,20 @@ impl<const TAGS: bool> Region<TAGS> {
             tags.extend(kept);
         }
         out.extend(line.iter().filter(|p| inside(p)));
+    }
+}
+
+/// Returns how many cells lie between two rectangles, on the axis on which they are farther apart; below 0
+/// if they overlap.
+fn gap(a: &Rect, b: &Rect) -> i32 {
+    let across = (a.min.x - b.max.x).max(b.min.x - a.max.x);
+    across.max(a.min.y - b.max.y).max(b.min.y - a.max.y)
+}
+
+fn hull(a: &Rect, b: &Rect) -> Rect {
+    Rect {
+        min: Point::new(a.min.x.min(b.min.x), a.min.y.min(b.min.y)),
+        max: Point::new(a.max.x.max(b.max.x), a.max.y.max(b.max.y)),
     }
 }
 

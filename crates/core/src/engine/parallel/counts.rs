@@ -1,0 +1,86 @@
+//! What happened in a window, counted: the windows of a run add up to the run's summary.
+
+use crate::lattice::{Point, Rect};
+use crate::run::Summary;
+
+use super::frame::CELL_BITS;
+use super::region::{Loss, Region};
+
+/// Counts of a window or of several.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Counts {
+    /// Blocks whose lowest corner lies in the window.
+    pub blocks: u64,
+    /// Samples that were eliminated.
+    pub eliminated: u64,
+    /// Samples tiled outside a bounded domain, counted where the domain is nearest.
+    pub dropped: u64,
+    /// Samples inserted, by iteration.
+    pub inserted: Vec<u64>,
+}
+
+impl Counts {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.blocks += other.blocks;
+        self.eliminated += other.eliminated;
+        self.dropped += other.dropped;
+        for (k, n) in other.inserted.iter().enumerate() {
+            self.insert(k, *n);
+        }
+    }
+
+    fn insert(&mut self, index: usize, n: u64) {
+        if self.inserted.len() <= index {
+            self.inserted.resize(index + 1, 0);
+        }
+        self.inserted[index] += n;
+    }
+
+    /// Returns the summary of a run with `count` samples.
+    pub(super) fn summary(&self, count: u64) -> Summary {
+        let inserted: u64 = self.inserted.iter().sum();
+        Summary {
+            blocks: self.blocks as usize,
+            tiled: (count - inserted + self.eliminated) as usize,
+            dropped: self.dropped as usize,
+            eliminated: self.eliminated as usize,
+            inserted: self.inserted.iter().map(|&n| n as usize).collect(),
+            count: count as usize,
+        }
+    }
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Counts what happened in the window; what happened in the cells `but` is counted by those who
+    /// know them.
+    pub(super) fn count(&self, but: &[Rect]) -> Counts {
+        let window = self.frame.window;
+        let counted = |x: i32, y: i32| {
+            let cell = Point::new(x >> CELL_BITS, y >> CELL_BITS);
+            window.contains(Point::new(x, y)) && !but.iter().any(|cells| cells.contains(cell))
+        };
+        let mut counts = Counts::default();
+        for block in &self.blocks {
+            let [x, y] = block.rect.min;
+            let inside = |v: i64, low: i32, high: i32| (low.into()..high.into()).contains(&v);
+            counts.blocks += u64::from(
+                inside(x, window.min.x, window.max.x) && inside(y, window.min.y, window.max.y) && counted(x as i32, y as i32),
+            );
+        }
+        for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
+            if self.frame.holds(lost.x, lost.y) {
+                counts.eliminated += u64::from(counted(lost.x, lost.y));
+            } else {
+                let [width, height] = self.frame.end;
+                let nearest = [lost.x.clamp(0, width - 1), lost.y.clamp(0, height - 1)];
+                counts.dropped += u64::from(counted(nearest[0], nearest[1]));
+            }
+        }
+        for inserted in &self.gaps.inserted {
+            if counted(inserted.x, inserted.y) {
+                counts.insert(inserted.iteration as usize - 1, 1);
+            }
+        }
+        counts
+    }
+}

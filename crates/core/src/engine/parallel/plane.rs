@@ -1,0 +1,258 @@
+//! The plane of a run: knows its parameters, computes windows of it, keeps the buffers.
+//! A window that comes out unsure is repaired: what is unsure is computed again with a wider halo.
+
+use std::sync::{Mutex, PoisonError};
+
+use fearless_simd::{Level, dispatch};
+
+use crate::error::SampleError;
+use crate::lattice::{Domain, Point, Rect, Window};
+use crate::parameters::{Insertion, Order, ParameterError, Parameters, Variant};
+use crate::pattern::Pattern;
+use crate::random::Key;
+use crate::stages::order::Ranking;
+
+use super::claim::Turns;
+use super::clip::Clipper;
+use super::counts::Counts;
+use super::frame::{CELL_BITS, Frame};
+use super::gaps::Rules;
+use super::region::Region;
+
+/// Cells around a window that are computed with it at first. Wider halos cost more in every window than
+/// repairs do in a few.
+const HALO: i32 = 8;
+
+/// Unsure cells this near to each other are repaired together.
+const NEIGHBOURS: i32 = 8;
+
+/// The plane of a run, from which any window can be computed alone.
+///
+/// What is returned is exactly what the run over the whole domain has there, whatever window is asked
+/// for, on any number of threads and with any instruction set.
+///
+/// ```
+/// use tilescope_core::{Parameters, Pattern, Plane, Unobserved};
+///
+/// // A window of a run of two thousand million samples.
+/// let parameters = Parameters { radius: 2e-5, ..Parameters::default() };
+/// let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
+/// let plane = Plane::new(&parameters, &pattern)?;
+/// let window = plane.domain().window([0.5, 0.5], [0.501, 0.501])?;
+/// let samples = plane.window(&window)?;
+/// assert!((1_650..1_850).contains(&samples.len()));
+/// # Ok::<(), tilescope_core::SampleError>(())
+/// ```
+pub struct Plane {
+    domain: Domain,
+    order: Order,
+    touches_itself: bool,
+    clipper: Clipper,
+    ranking: Ranking,
+    rules: Rules,
+    level: Level,
+    plain: Pool<false>,
+    tagged: Pool<true>,
+}
+
+impl Plane {
+    /// Returns the plane of `parameters` with `pattern`, which need not be the one that the parameters
+    /// describe.
+    ///
+    /// Fails when the parameters cannot be sampled, or ask for Algorithm 4 as printed, which is one
+    /// loop over all samples.
+    pub fn new(parameters: &Parameters, pattern: &Pattern) -> Result<Self, SampleError> {
+        let domain = parameters.validate()?;
+        if parameters.variant == Variant::AsPrinted {
+            return Err(ParameterError::AsPrintedParallel.into());
+        }
+        let key = Key::from_seed(parameters.seed);
+        let leaf = parameters.leaf_units()?;
+        // A block that is as long as a periodic domain is its own neighbour.
+        let short = domain.width() / 2 < leaf || domain.height() / 2 < leaf;
+        let rules = Rules {
+            domain,
+            search: parameters.search,
+            key,
+            lost_reach: lost_reach(pattern, &domain, parameters.insertion),
+            insertion: parameters.insertion,
+        };
+        Ok(Self {
+            domain,
+            order: parameters.order,
+            touches_itself: domain.is_periodic() && short,
+            clipper: Clipper::new(domain, leaf, key, pattern, parameters.dihedral),
+            ranking: Ranking::new(parameters.order, &domain, key),
+            rules,
+            level: Level::new(),
+            plain: Pool::default(),
+            tagged: Pool::default(),
+        })
+    }
+
+    /// Returns the domain.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Returns the samples of the whole run that lie in `window`, in canonical order. A window beyond
+    /// the end of a periodic domain shows its repetition, with the positions of the domain.
+    ///
+    /// Computes nothing but the window and what its samples depend on. Fails when a bounded pattern is too
+    /// small for a block.
+    pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
+        let mut found = Vec::new();
+        let parts = self.parts(window);
+        for part in &parts {
+            let mut scratch = self.plain.take();
+            self.compute(&mut scratch, 0, part)?;
+            self.emit(&scratch, &mut found, &mut Vec::new(), &mut Vec::new());
+            self.plain.give(scratch);
+        }
+        if parts.len() > 1 {
+            found.sort_unstable_by_key(|p| p.canonical());
+        }
+        Ok(found)
+    }
+
+    /// Returns the parts of the domain that a window shows, none of them twice.
+    fn parts(&self, window: &Window) -> Vec<Rect> {
+        let max = self.domain.rect().max;
+        let ends = [i64::from(max.x), i64::from(max.y)];
+        let spans = [0, 1].map(|axis| {
+            let (low, high, end) = (window.min[axis], window.max[axis], ends[axis]);
+            if !self.domain.is_periodic() {
+                return vec![(low.max(0), high.min(end))];
+            }
+            let high = high.min(low + end);
+            let shift = low.div_euclid(end) * end;
+            let (low, high) = (low - shift, high - shift);
+            vec![(0, high - end), (low, high.min(end))]
+        });
+        let mut parts = Vec::new();
+        for &(bottom, top) in spans[1].iter().filter(|(low, high)| low < high) {
+            for &(left, right) in spans[0].iter().filter(|(low, high)| low < high) {
+                parts.push(Rect {
+                    min: Point::new(left as i32, bottom as i32),
+                    max: Point::new(right as i32, top as i32),
+                });
+            }
+        }
+        parts
+    }
+
+    /// Counts the blocks, so that tags name them.
+    pub(super) fn count_blocks(&mut self) {
+        self.clipper.count_blocks();
+    }
+
+    pub(super) const fn plain(&self) -> &Pool<false> {
+        &self.plain
+    }
+
+    pub(super) const fn tagged(&self) -> &Pool<true> {
+        &self.tagged
+    }
+
+    /// Appends the samples of a window just computed: see [`Region::emit`].
+    pub(super) fn emit<const TAGS: bool>(
+        &self,
+        scratch: &Scratch<TAGS>,
+        out: &mut Vec<Point>,
+        tags: &mut Vec<u64>,
+        rows: &mut Vec<u32>,
+    ) {
+        let region = &scratch.0[0];
+        dispatch!(self.level, _simd => region.emit(out, tags, rows));
+    }
+
+    /// Computes a window in the region number `depth` of `scratch`, and returns its counts. The
+    /// window is not empty and lies in the domain.
+    pub(super) fn compute<const TAGS: bool>(
+        &self,
+        scratch: &mut Scratch<TAGS>,
+        depth: usize,
+        window: &Rect,
+    ) -> Result<Counts, SampleError> {
+        if scratch.0.len() == depth {
+            scratch.0.push(Box::default());
+        }
+        let region = &mut *scratch.0[depth];
+        let frame = Frame::new(&self.domain, window, HALO << depth);
+        region.reset(frame, self.rules.reach());
+        self.clipper.blocks(&region.frame, &mut region.blocks)?;
+        let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
+        dispatch!(self.level, _simd => {
+            region.claim(&self.clipper, &turns);
+            match self.rules.insertion {
+                Insertion::Circumcentre => region.fill(&self.rules),
+                Insertion::Uniform => region.fill_uniformly(&self.rules),
+            }
+        });
+        let unsure = region.unsure_in_window(NEIGHBOURS);
+        let mut counts = region.count(&unsure);
+        for cells in &unsure {
+            let region = &scratch.0[depth];
+            let part = part_of(&region.frame, cells, window);
+            counts.add(&self.compute(scratch, depth + 1, &part)?);
+            let (known, wider) = scratch.0.split_at_mut(depth + 1);
+            known[depth].adopt(&wider[0], cells);
+        }
+        Ok(counts)
+    }
+}
+
+/// Returns how many cells away from a lost sample places may lie that no sample covers and that the
+/// sequential engine would find.
+fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i32 {
+    match insertion {
+        // What a lost sample covered.
+        _ if pattern.covers_lattice() => 1,
+        // A place may also be one that the pattern itself missed, near a detector near a lost sample:
+        // 4r, or 5.5r near closed borders, and a few units.
+        Insertion::Circumcentre if domain.is_periodic() => 5,
+        Insertion::Circumcentre => 6,
+        // Or in a cell of the dart process that a lost sample's surroundings touch.
+        Insertion::Uniform => 2,
+    }
+}
+
+/// Returns what `cells` of a frame and `window` have in common, in the domain.
+fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
+    let at = |cell: i32, axis: usize| {
+        (frame.origin[axis] + (i64::from(cell) << CELL_BITS)).clamp(0, i32::MAX.into()) as i32
+    };
+    Rect {
+        min: Point::new(
+            at(cells.min.x, 0).max(window.min.x),
+            at(cells.min.y, 1).max(window.min.y),
+        ),
+        max: Point::new(
+            at(cells.max.x, 0).min(window.max.x),
+            at(cells.max.y, 1).min(window.max.y),
+        ),
+    }
+}
+
+/// Regions for a window and for the repairs of repairs.
+#[derive(Default)]
+pub(super) struct Scratch<const TAGS: bool>(Vec<Box<Region<TAGS>>>);
+
+/// Buffers that are not in use.
+#[derive(Default)]
+pub(super) struct Pool<const TAGS: bool>(Mutex<Vec<Scratch<TAGS>>>);
+
+impl<const TAGS: bool> Pool<TAGS> {
+    /// Returns buffers to work in.
+    pub(super) fn take(&self) -> Scratch<TAGS> {
+        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.pop().unwrap_or_default()
+    }
+
+    /// Takes them back.
+    pub(super) fn give(&self, scratch: Scratch<TAGS>) {
+        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.push(scratch);
+    }
+}

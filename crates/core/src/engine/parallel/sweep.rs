@@ -1,0 +1,259 @@
+//! A whole run as windows: bands from bottom to top, each cut into windows side by side, which are
+//! computed on all threads and joined in canonical order.
+
+use rayon::prelude::*;
+
+use crate::error::SampleError;
+use crate::lattice::{Point, R, Rect};
+use crate::parameters::Parameters;
+use crate::pattern::Pattern;
+use crate::progress::{Meter, Observer, Stage};
+use crate::run::Summary;
+
+use super::counts::Counts;
+use super::gaps::inserted_in;
+use super::plane::{Plane, Pool};
+
+/// The longest side of a window, in cells: its buffers then fit the second-level cache, nearly.
+const LONGEST_SIDE: i32 = 256;
+
+/// The shortest, so that halos do not outweigh windows.
+const SHORTEST_SIDE: i32 = 64;
+
+/// Windows for each thread between two looks at the observer.
+const WINDOWS_A_THREAD: usize = 6;
+
+/// Where a sample comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Clipped from the pattern.
+    Tiled {
+        /// Index of the block.
+        block: u32,
+        /// Index of the pattern's sample.
+        pattern: u32,
+    },
+    /// Inserted into a gap.
+    Inserted {
+        /// The iteration, from 1.
+        iteration: u32,
+    },
+}
+
+/// Samples in canonical order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sampled {
+    /// Positions.
+    pub points: Vec<Point>,
+    /// Where each comes from, if that was asked for.
+    pub sources: Option<Vec<Source>>,
+}
+
+/// A run in progress, band by band.
+///
+/// The bands, one after the other, are the result of the run in canonical order: equal to
+/// [`crate::Sequential`]'s, bit for bit, for any number of threads. Memory is a few bands'.
+pub struct Sweep {
+    plane: Plane,
+    sources: bool,
+    side: i32,
+    /// Rows of cells in a band, and of all bands that have been computed.
+    done: i32,
+    rows: i32,
+    counts: Counts,
+    count: u64,
+}
+
+impl Sweep {
+    /// Returns a run at its beginning. With `sources` the samples say where they come from, which takes
+    /// a count of all blocks first.
+    ///
+    /// Fails as [`Plane::new`].
+    pub fn new(parameters: &Parameters, pattern: &Pattern, sources: bool) -> Result<Self, SampleError> {
+        let mut plane = Plane::new(parameters, pattern)?;
+        if sources {
+            plane.count_blocks();
+        }
+        let max = plane.domain().rect().max;
+        let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
+        // Enough windows for every thread where the domain is small.
+        let windows = 4.0 * rayon::current_num_threads() as f64;
+        let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
+        Ok(Self {
+            plane,
+            sources,
+            side: side.clamp(SHORTEST_SIDE, LONGEST_SIDE),
+            done: 0,
+            rows: cells[1],
+            counts: Counts::default(),
+            count: 0,
+        })
+    }
+
+    /// Returns the plane of the run.
+    #[must_use]
+    pub const fn plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    /// Returns how many rows of cells have been computed, of how many: where the run is, and where
+    /// [`Self::skip_to`] can take up again.
+    #[must_use]
+    pub const fn rows(&self) -> (u32, u32) {
+        (self.done as u32, self.rows as u32)
+    }
+
+    /// Goes on after the first `rows` rows of cells, as if the bands below had been computed. The
+    /// summary then tells only of what follows.
+    pub fn skip_to(&mut self, rows: u32) {
+        self.done = (rows as i32).clamp(0, self.rows);
+    }
+
+    /// Returns the counts of all bands so far.
+    #[must_use]
+    pub fn summary(&self) -> Summary {
+        self.counts.summary(self.count)
+    }
+
+    /// Computes the next bands, as many as keep all threads at work, and returns their samples, or
+    /// `None` at the end.
+    ///
+    /// Uses the current rayon pool. Fails when `observer`, asked before, stops the run, and when a
+    /// bounded pattern is too small for a block.
+    pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Sampled>, SampleError> {
+        let mut meter = Meter::begin(observer, Stage::Regions, self.rows as u64)?;
+        if self.done == self.rows {
+            return Ok(None);
+        }
+        meter.reach(self.done as u64)?;
+        let windows = self.next_windows();
+        let sampled = if self.sources {
+            self.compute(self.plane.tagged(), &windows)
+        } else {
+            self.compute(self.plane.plain(), &windows)
+        }?;
+        let (sampled, counts) = sampled;
+        self.counts.add(&counts);
+        self.count += sampled.points.len() as u64;
+        let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
+        self.done = ((last - 1) / R + 1).max(self.done + 1);
+        Ok(Some(sampled))
+    }
+
+    /// Runs to the end and returns all samples and the summary.
+    pub fn finish(mut self, observer: &mut dyn Observer) -> Result<(Sampled, Summary), SampleError> {
+        let expected = self.plane.domain().area_radii() * 0.72;
+        let mut all = Sampled {
+            points: Vec::with_capacity(expected as usize),
+            sources: self.sources.then(Vec::new),
+        };
+        while let Some(band) = self.step(observer)? {
+            all.points.extend_from_slice(&band.points);
+            if let (Some(all), Some(more)) = (&mut all.sources, &band.sources) {
+                all.extend_from_slice(more);
+            }
+        }
+        Ok((all, self.summary()))
+    }
+
+    /// Returns the windows of the next bands, band by band.
+    fn next_windows(&self) -> Vec<Vec<Rect>> {
+        let max = self.plane.domain().rect().max;
+        let side = i64::from(self.side) * i64::from(R);
+        let wanted = WINDOWS_A_THREAD * rayon::current_num_threads();
+        let (mut bands, mut count, mut bottom) = (Vec::new(), 0, i64::from(self.done) * i64::from(R));
+        while bottom < i64::from(max.y) && count < wanted {
+            let top = (bottom + side).min(max.y.into());
+            let lefts = (0..i64::from(max.x)).step_by(side as usize);
+            let band: Vec<Rect> = lefts
+                .map(|left| Rect {
+                    min: Point::new(left as i32, bottom as i32),
+                    max: Point::new((left + side).min(max.x.into()) as i32, top as i32),
+                })
+                .collect();
+            count += band.len();
+            bands.push(band);
+            bottom = top;
+        }
+        bands
+    }
+
+    fn compute<const TAGS: bool>(
+        &self,
+        pool: &Pool<TAGS>,
+        bands: &[Vec<Rect>],
+    ) -> Result<(Sampled, Counts), SampleError> {
+        let windows: Vec<&Rect> = bands.iter().flatten().collect();
+        let pieces: Vec<Piece> = windows
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|window| {
+                let mut scratch = pool.take();
+                let mut piece = Piece::default();
+                piece.counts = self.plane.compute(&mut scratch, 0, window)?;
+                self.plane
+                    .emit(&scratch, &mut piece.points, &mut piece.tags, &mut piece.rows);
+                pool.give(scratch);
+                Ok(piece)
+            })
+            .collect::<Result<_, SampleError>>()?;
+        let mut counts = Counts::default();
+        pieces.iter().for_each(|piece| counts.add(&piece.counts));
+        let mut pieces = pieces.as_slice();
+        let mut joined = Joined::default();
+        for band in bands {
+            let (now, later) = pieces.split_at(band.len());
+            joined.append(now);
+            pieces = later;
+        }
+        Ok((joined.sampled(TAGS), counts))
+    }
+}
+
+/// A window's samples, with the number of samples up to the end of each row of cells.
+#[derive(Default)]
+struct Piece {
+    points: Vec<Point>,
+    tags: Vec<u64>,
+    rows: Vec<u32>,
+    counts: Counts,
+}
+
+#[derive(Default)]
+struct Joined {
+    points: Vec<Point>,
+    tags: Vec<u64>,
+}
+
+impl Joined {
+    /// Appends windows that lie side by side.
+    fn append(&mut self, pieces: &[Piece]) {
+        let total: usize = pieces.iter().map(|piece| piece.points.len()).sum();
+        self.points.reserve(total);
+        let rows = pieces.first().map_or(0, |piece| piece.rows.len());
+        for row in 0..rows {
+            for piece in pieces {
+                let first = if row == 0 { 0 } else { piece.rows[row - 1] as usize };
+                let range = first..piece.rows[row] as usize;
+                self.points.extend_from_slice(&piece.points[range.clone()]);
+                if !piece.tags.is_empty() {
+                    self.tags.extend_from_slice(&piece.tags[range]);
+                }
+            }
+        }
+    }
+
+    fn sampled(self, with_sources: bool) -> Sampled {
+        let source = |tag: u64| match inserted_in(tag) {
+            Some(iteration) => Source::Inserted { iteration },
+            None => Source::Tiled {
+                block: (tag >> 32) as u32,
+                pattern: tag as u32,
+            },
+        };
+        Sampled {
+            points: self.points,
+            sources: with_sources.then(|| self.tags.into_iter().map(source).collect()),
+        }
+    }
+}
