@@ -143,6 +143,12 @@ pub enum VerifyError {
         /// The distance up to which all pairs are seen.
         limit: f64,
     },
+    /// Bytes are not the saved state of a verifier of this question.
+    #[error("the saved state of the verifier cannot be used: {reason}")]
+    BadState {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
     Cancelled,

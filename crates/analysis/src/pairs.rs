@@ -20,7 +20,7 @@ const CHUNK: usize = 4096;
 const LONG_RUN: usize = 32;
 
 /// What the pair search found, in the domain's unit.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     pub conflicts: u64,
     pub worst: Worst<Conflict>,

@@ -288,6 +288,49 @@ fn a_fault_stays() {
 }
 
 #[test]
+fn a_restored_verifier_goes_on_to_the_same_report() {
+    for boundary in BOTH {
+        let (mut points, region, radius) = tall(boundary, 14);
+        points.swap_remove(1000);
+        points.push([0.1, 0.5]);
+        in_rows(&mut points, radius);
+        let expected = stream(&points, region, radius, SMALL, 300).expect("a verdict");
+        let new = || StreamVerifier::new(region, radius, &options()).expect("fine");
+        let mut verifier = new().with_band(SMALL);
+        for piece in points.chunks(300) {
+            verifier.push(piece, &GO).expect("fine");
+            let state = verifier.save().expect("no fault");
+            let restored = StreamVerifier::restore(region, radius, &options(), &state);
+            verifier = restored.expect("own state").with_band(SMALL);
+        }
+        assert_eq!(verifier.finish(&GO), Ok(expected));
+    }
+}
+
+#[test]
+fn a_damaged_state_or_one_of_another_question_is_refused() {
+    let (mut points, region, radius) = tall(Boundary::Periodic, 15);
+    in_rows(&mut points, radius);
+    let mut verifier = StreamVerifier::new(region, radius, &options()).expect("fine");
+    verifier.push(&points, &GO).expect("fine");
+    let state = verifier.save().expect("no fault");
+    let restore = |radius: f64, state: &[u8]| {
+        let restored = StreamVerifier::restore(region, radius, &options(), state);
+        matches!(restored, Err(VerifyError::BadState { .. }))
+    };
+    assert!(!restore(radius, &state));
+    assert!(restore(2.0 * radius, &state));
+    assert!(restore(radius, &[]) && restore(radius, &state[..state.len() - 8]));
+    for at in (0..state.len()).step_by(state.len() / 50) {
+        let mut damaged = state.clone();
+        damaged[at] ^= 4;
+        assert!(restore(radius, &damaged), "{at}");
+    }
+    verifier.push(&[[0.0, 2.0]], &GO).expect_err("outside");
+    assert!(verifier.save().is_err());
+}
+
+#[test]
 fn a_band_too_large_and_a_set_too_sparse_are_refused() {
     let (mut points, region, radius) = tall(Boundary::Periodic, 13);
     in_rows(&mut points, radius);

@@ -69,8 +69,8 @@ use buried::Buried;
 pub(crate) use places::Places;
 use survey::Survey;
 pub(crate) use survey::on_a_line;
-pub(crate) use tiles::split;
-use tiles::{Tile, Window};
+use tiles::Window;
+pub(crate) use tiles::{Tile, split};
 
 /// What the search for empty circles found, in the domain's unit.
 pub(crate) struct Cover {

@@ -3,6 +3,7 @@
 //! It never drops a row that an open question wants, and never holds more than it was allowed.
 
 use std::mem;
+use std::ops::Range;
 
 use crate::cover::{self, Places, Task, Visit};
 use crate::domain::Domain;
@@ -30,7 +31,7 @@ const MOST_CELLS: usize = 1 << 24;
 const MOST_SHARED: usize = 1 << 20;
 
 /// The question and the grid on which it is answered.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Search {
     pub region: Region,
     pub radius: f64,
@@ -81,6 +82,16 @@ impl Search {
         cell_at(&self.domain, self.cells, [0.0, y])[1]
     }
 
+    /// The first row whose tiles need not wait for the end: those of a torus see the last rows.
+    fn first_tiles(&self) -> usize {
+        if self.domain.periodic { BELOW } else { 0 }
+    }
+
+    /// The first row whose pairs need not wait for the end: that of a torus may still get samples.
+    fn first_pairs(&self) -> usize {
+        usize::from(self.domain.periodic)
+    }
+
     fn task<'a>(&self, grid: &'a Grid) -> Task<'a> {
         let limit = (1.0 + self.options.covering_tolerance) * self.scaled_radius;
         let witnesses = self.options.witnesses;
@@ -89,24 +100,24 @@ impl Search {
 }
 
 /// What is held of the set, and what was found out.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Bands {
     /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
-    held: Vec<Entry>,
+    pub held: Vec<Entry>,
     /// Samples of the first rows of a torus, once they are below `keep`.
-    seam: Vec<Entry>,
+    pub seam: Vec<Entry>,
     /// Rows below it are no longer in `held`.
-    keep: usize,
+    pub keep: usize,
     /// Rows below it have scanned their pairs and had their tiles looked at.
-    closed: usize,
+    pub closed: usize,
     /// Samples held at which to look for a complete band.
-    next: usize,
+    pub next: usize,
     /// Tiles that want rows to come.
-    postponed: Vec<Visit>,
+    pub postponed: Vec<Visit>,
     /// Tiles that want rows across the seam of a torus.
-    last: Vec<Visit>,
-    pairs: Pairs,
-    places: Places,
+    pub last: Vec<Visit>,
+    pub pairs: Pairs,
+    pub places: Places,
     /// Work done, for the progress.
     pub work: u64,
 }
@@ -145,7 +156,7 @@ impl Bands {
             // No sample can follow in the rows below that of the lowest ordinate still allowed.
             let complete = search.row(highest - STREAM_LAG * search.scaled_radius);
             let end = complete.saturating_sub(ABOVE);
-            let begin = self.closed.max(self.first_tiles(search));
+            let begin = self.closed.max(search.first_tiles());
             let crowded =
                 samples > most || (complete - self.keep) * search.cells[0] > MOST_CELLS / 2;
             let least = if crowded { 1 } else { search.band.rows };
@@ -172,29 +183,19 @@ impl Bands {
         }
     }
 
-    /// The first row whose tiles need not wait for the end: those of a torus see the last rows.
-    fn first_tiles(&self, search: &Search) -> usize {
-        if search.domain.periodic { BELOW } else { 0 }
-    }
-
-    /// The first row whose pairs need not wait for the end: that of a torus may still get samples.
-    fn first_pairs(&self, search: &Search) -> usize {
-        usize::from(search.domain.periodic)
-    }
-
     fn judge(
         &mut self,
         search: &Search,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         complete: usize,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
-        let first = self.keep.max(self.first_pairs(search));
+        let first = self.keep.max(search.first_pairs());
         let count = complete - first;
         let parts = [&self.held[..], &[]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
         grid.check_duplicates()?;
-        let scanned = self.closed.max(self.first_pairs(search))..rows.end;
+        let scanned = self.closed.max(search.first_pairs())..rows.end;
         self.scan(search, &grid, scanned, monitor)?;
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
@@ -215,7 +216,7 @@ impl Bands {
         &mut self,
         search: &Search,
         grid: &Grid,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
         let witnesses = search.options.witnesses;
@@ -289,12 +290,12 @@ impl Bands {
         drop((held, seam));
         grid.check_duplicates()?;
         self.scan(search, &grid, self.closed..all, monitor)?;
-        self.scan(search, &grid, 0..self.first_pairs(search), monitor)?;
+        self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
         visits.append(&mut self.last);
         visits.extend(new_visits(&task, self.closed..all, search));
-        visits.extend(new_visits(&task, 0..self.first_tiles(search), search));
+        visits.extend(new_visits(&task, 0..search.first_tiles(), search));
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
             return Err(too_wide(search, visit));
         }
@@ -315,7 +316,7 @@ impl Bands {
     }
 }
 
-fn new_visits(task: &Task<'_>, rows: std::ops::Range<usize>, search: &Search) -> Vec<Visit> {
+fn new_visits(task: &Task<'_>, rows: Range<usize>, search: &Search) -> Vec<Visit> {
     if rows.is_empty() {
         return Vec::new();
     }

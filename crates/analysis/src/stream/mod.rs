@@ -18,6 +18,7 @@
 //! arrive last and lie at zero.
 
 mod bands;
+mod saved;
 
 use std::ops::ControlFlow;
 
@@ -78,7 +79,7 @@ impl Default for StreamBand {
 /// assert!(verifier.finish(&go_on)?.valid());
 /// # Ok::<(), tilescope_analysis::VerifyError>(())
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct StreamVerifier {
     search: Search,
     bands: Bands,
@@ -230,7 +231,7 @@ type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 const PIECE: usize = 4096;
 
 /// What is known of the samples as they come.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Intake {
     count: usize,
     /// The highest ordinate so far, in the domain's unit.
