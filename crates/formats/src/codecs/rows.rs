@@ -142,6 +142,14 @@ impl Rows {
         }
     }
 
+    /// How many of `bytes` are whole rows, or lines with their end.
+    pub fn whole(&self, bytes: &[u8]) -> usize {
+        match self.width() {
+            Some(width) => bytes.len() - bytes.len() % width,
+            None => (bytes.iter().rposition(|&b| b == b'\n')).map_or(0, |end| end + 1),
+        }
+    }
+
     /// The points of the next whole rows, or lines, in file coordinates.
     pub fn read(&mut self, bytes: &[u8]) -> Result<PointSet, FormatError> {
         match &mut self.kind {
