@@ -13,6 +13,7 @@ use tilescope_formats::{
     check_stream,
 };
 
+type Rows = Vec<Vec<[f64; 2]>>;
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
@@ -98,7 +99,7 @@ fn export(arguments: &[String]) -> Outcome<u64> {
 }
 
 /// The rows, one radius high, of a certified set, its region and radius.
-fn pattern(path: &Path) -> Outcome<(Vec<Vec<[f64; 2]>>, Region, f64)> {
+fn pattern(path: &Path) -> Outcome<(Rows, Region, f64)> {
     let mut reader = StreamReader::open(path, None)?;
     let stated = reader
         .certificate()

@@ -201,7 +201,10 @@ impl BinaryTable {
         }
         Ok(())
     }
+}
 
+#[cfg(not(target_arch = "wasm32"))]
+impl BinaryTable {
     /// Bytes of a row.
     pub(super) fn width(&self) -> usize {
         self.vertex.width
@@ -215,6 +218,7 @@ impl BinaryTable {
 
 /// The head of a binary file: its table, where the rows begin, how many there are, and whether anything
 /// follows them.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) struct BinaryHead {
     pub table: BinaryTable,
     pub precision: Precision,
@@ -224,6 +228,7 @@ pub(super) struct BinaryHead {
 }
 
 /// The head of a file that begins with `bytes`; none for an ASCII file.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) fn read_head(bytes: &[u8]) -> Result<Option<BinaryHead>, FormatError> {
     const FORMAT: Format = Format::PlyBinary;
     let header = parse(bytes, FORMAT)?;
