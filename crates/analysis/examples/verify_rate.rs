@@ -1,5 +1,6 @@
 //! Measures the verifier: samples per second on a given number of threads, and peak memory.
-//! Usage: `verify_rate [samples] [threads] [tile samples] [percent emptied] [empty margin percent]`.
+//! Usage: `verify_rate [samples] [threads] [tile samples] [percent emptied] [empty margin percent]
+//! [1 to stream]`.
 //! It never asserts a time; it prints what it saw.
 
 #[path = "../tests/support/mod.rs"]
@@ -8,7 +9,9 @@ mod support;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
+use tilescope_analysis::{
+    Boundary, Region, Report, StreamVerifier, VerifyError, VerifyOptions, verify,
+};
 
 /// Samples of the maximal periodic set that is repeated: large beside a neighbourhood.
 const PATTERN: f64 = 10_000.0;
@@ -35,6 +38,14 @@ fn main() {
     // A wide margin makes a cluster of the set.
     region.width *= 1.0 + argument(4, 0) as f64 / 100.0;
     region.height *= 1.0 + argument(4, 0) as f64 / 100.0;
+    if argument(5, 0) == 1 {
+        points.sort_by(|a, b| {
+            let row = |point: &[f64; 2]| (point[1] / radius).floor();
+            row(a)
+                .total_cmp(&row(b))
+                .then_with(|| a[0].total_cmp(&b[0]))
+        });
+    }
     println!("before: peak {}", peak_memory());
 
     let mut options = VerifyOptions::default();
@@ -45,11 +56,7 @@ fn main() {
         .expect("a thread pool");
     let start = Instant::now();
     let report = pool
-        .install(|| {
-            verify(&points, region, radius, &options, &|_| {
-                ControlFlow::Continue(())
-            })
-        })
+        .install(|| judge(&points, region, radius, &options, argument(5, 0) == 1))
         .expect("a verdict");
     let seconds = start.elapsed().as_secs_f64();
     let (rate, threads) = (points.len() as f64 / seconds, argument(1, 1));
@@ -67,6 +74,24 @@ fn main() {
         report.covering_radius / radius
     );
     println!("after: peak {}", peak_memory());
+}
+
+fn judge(
+    points: &[[f64; 2]],
+    region: Region,
+    radius: f64,
+    options: &VerifyOptions,
+    stream: bool,
+) -> Result<Report, VerifyError> {
+    let go_on = |_| ControlFlow::Continue(());
+    if !stream {
+        return verify(points, region, radius, options, &go_on);
+    }
+    let mut verifier = StreamVerifier::new(region, radius, options)?;
+    for piece in points.chunks(1 << 16) {
+        verifier.push(piece, &go_on)?;
+    }
+    verifier.finish(&go_on)
 }
 
 /// The peak of resident memory as Linux states it.

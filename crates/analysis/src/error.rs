@@ -4,7 +4,7 @@
 
 use crate::region::Region;
 
-/// Why [`verify`](crate::verify) gave no verdict.
+/// Why [`verify`](crate::verify) or a [`StreamVerifier`](crate::StreamVerifier) gave no verdict.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VerifyError {
     /// The set has no sample.
@@ -96,7 +96,74 @@ pub enum VerifyError {
         /// What the triangulation said.
         cause: String,
     },
+    /// A sample of a stream lies too far below one before it.
+    #[error(
+        "sample {index} has the ordinate {value}, below {limit}: the samples do not come in rows, so \
+         the set must be verified in memory"
+    )]
+    OutOfOrder {
+        /// Index of the first such sample.
+        index: usize,
+        /// Its ordinate.
+        value: f64,
+        /// The lowest ordinate that could still come.
+        limit: f64,
+    },
+    /// A stream has a hole so wide that rows which would show its rim are gone.
+    #[error(
+        "near ({}, {}) the set has a hole that a stream cannot judge: samples up to {reach} away \
+         matter; it must be verified in memory",
+        .corner[0], .corner[1]
+    )]
+    HoleTooWide {
+        /// Lower corner of the tile that sees it, in region coordinates.
+        corner: [f64; 2],
+        /// How far the tile wants to see.
+        reach: f64,
+    },
+    /// A stream would have to hold more than it is allowed.
+    #[error(
+        "the stream holds {samples} samples and cannot let go of any, where {limit} are allowed, or \
+         its rows have too many cells; the set must be verified in memory"
+    )]
+    BandTooLarge {
+        /// Samples held.
+        samples: usize,
+        /// Samples allowed.
+        limit: usize,
+    },
+    /// No two samples of a stream are near each other.
+    #[error(
+        "no two samples of the stream were seen closer than {min_distance}, and only pairs closer than \
+         {limit} are sure to be seen; the set must be verified in memory"
+    )]
+    TooSparse {
+        /// The smallest distance seen.
+        min_distance: f64,
+        /// The distance up to which all pairs are seen.
+        limit: f64,
+    },
+    /// Bytes are not the saved state of a verifier of this question.
+    #[error("the saved state of the verifier cannot be used: {reason}")]
+    BadState {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// The control function asked to stop.
     #[error("the verification was cancelled")]
     Cancelled,
+}
+
+impl VerifyError {
+    /// Whether only the stream is at fault: [`verify`](crate::verify) may judge the same set.
+    #[must_use]
+    pub fn needs_memory(&self) -> bool {
+        matches!(
+            self,
+            Self::OutOfOrder { .. }
+                | Self::HoleTooWide { .. }
+                | Self::BandTooLarge { .. }
+                | Self::TooSparse { .. }
+        )
+    }
 }

@@ -1,5 +1,5 @@
-//! A uniform grid over the region with the samples sorted by cell: the one index of the verifier.
-//! Cells of a row follow each other and each is sorted by x, so a row is sorted by x as a whole.
+//! A uniform grid over the region, or over some of its rows, with the samples sorted by cell: the one
+//! index of the verifier. Cells of a row follow each other and each is sorted by x, so a row is, too.
 //! It never copies a sample across the border; the searches that need copies make them.
 
 use std::ops::Range;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 
-/// A sample in the domain's unit with its index in the caller's slice.
+/// A sample in the domain's unit with its index in the caller's set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
     pub position: [f64; 2],
@@ -18,10 +18,30 @@ pub(crate) struct Entry {
 
 pub(crate) struct Grid {
     pub domain: Domain,
-    /// Cells along x and y.
+    /// Cells along x and y, of the whole region.
     pub cells: [usize; 2],
+    rows: Rows,
     starts: Vec<u32>,
     entries: Vec<Entry>,
+}
+
+/// The rows of cells that a grid holds: all, or a stretch that may go on across the upper seam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rows {
+    pub first: usize,
+    pub count: usize,
+}
+
+impl Rows {
+    /// The place of a row of the region in the stretch; none if it is not held.
+    fn index(self, row: usize, all: usize) -> Option<usize> {
+        let index = if row >= self.first {
+            row - self.first
+        } else {
+            row + all - self.first
+        };
+        (index < self.count).then_some(index)
+    }
 }
 
 impl Grid {
@@ -37,44 +57,75 @@ impl Grid {
         let cells = domain
             .extent
             .map(|extent| ((extent / side) as usize).clamp(1, points.len()));
-        let mut grid = Self {
-            domain,
-            cells,
-            starts: vec![0; cells[0] * cells[1] + 1],
-            entries: vec![
-                Entry {
-                    position: [0.0; 2],
-                    id: 0
-                };
-                points.len()
-            ],
+        let rows = Rows {
+            first: 0,
+            count: cells[1],
         };
-        grid.fill(points);
-        grid.sort_cells();
-        grid
+        let entry = |id: usize| Entry {
+            position: domain.scale_point(points[id]),
+            id: id as u32,
+        };
+        Self::filled(domain, cells, rows, points.len(), entry)
+    }
+
+    /// Sorts those samples of both parts that lie in `rows` of a region of `cells`; the others are
+    /// not held.
+    pub fn of_rows(
+        domain: Domain,
+        cells: [usize; 2],
+        rows: Rows,
+        [one, two]: [&[Entry]; 2],
+    ) -> Self {
+        let entry = |index: usize| match one.get(index) {
+            Some(entry) => *entry,
+            None => two[index - one.len()],
+        };
+        Self::filled(domain, cells, rows, one.len() + two.len(), entry)
     }
 
     /// Counting sort by cell.
-    fn fill(&mut self, points: &[[f64; 2]]) {
-        let cell_of = |point: &[f64; 2]| self.cell_of(self.domain.scale_point(*point));
-        let keys: Vec<u32> = points.par_iter().map(|p| cell_of(p) as u32).collect();
-        for &key in &keys {
-            self.starts[key as usize + 1] += 1;
+    fn filled(
+        domain: Domain,
+        cells: [usize; 2],
+        rows: Rows,
+        count: usize,
+        entry: impl Fn(usize) -> Entry + Sync,
+    ) -> Self {
+        const NOT_HELD: u32 = u32::MAX;
+        let key = |index: usize| {
+            let [column, row] = cell_at(&domain, cells, entry(index).position);
+            (rows.index(row, cells[1])).map_or(NOT_HELD, |row| (row * cells[0] + column) as u32)
+        };
+        let keys: Vec<u32> = (0..count).into_par_iter().map(key).collect();
+        let mut starts = vec![0; cells[0] * rows.count + 1];
+        for &key in keys.iter().filter(|&&key| key != NOT_HELD) {
+            starts[key as usize + 1] += 1;
         }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
         }
+        let nowhere = Entry {
+            position: [0.0; 2],
+            id: 0,
+        };
+        let mut entries = vec![nowhere; starts[starts.len() - 1] as usize];
         // `starts[c]` serves as the cursor of cell c and ends as the start of cell c + 1.
-        for (id, (point, &key)) in points.iter().zip(&keys).enumerate() {
-            let cursor = &mut self.starts[key as usize];
-            self.entries[*cursor as usize] = Entry {
-                position: self.domain.scale_point(*point),
-                id: id as u32,
-            };
+        for (index, &key) in keys.iter().enumerate().filter(|(_, key)| **key != NOT_HELD) {
+            let cursor = &mut starts[key as usize];
+            entries[*cursor as usize] = entry(index);
             *cursor += 1;
         }
-        self.starts.pop();
-        self.starts.insert(0, 0);
+        starts.pop();
+        starts.insert(0, 0);
+        let mut grid = Self {
+            domain,
+            cells,
+            rows,
+            starts,
+            entries,
+        };
+        grid.sort_cells();
+        grid
     }
 
     fn sort_cells(&mut self) {
@@ -93,16 +144,6 @@ impl Grid {
         }
     }
 
-    /// The cell of a scaled position. Rounding may move a sample at a cell's side into the next
-    /// cell, by at most [`Self::ROUNDING`] of a cell.
-    fn cell_of(&self, position: [f64; 2]) -> usize {
-        let [column, row] = [0, 1].map(|axis| {
-            let cell = position[axis] / self.domain.extent[axis] * self.cells[axis] as f64;
-            (cell as usize).min(self.cells[axis] - 1)
-        });
-        row * self.cells[0] + column
-    }
-
     /// Bound of the rounding of a cell coordinate: two roundings of relative size 2^-53 on at most
     /// 2^32 cells, with room to spare.
     pub const ROUNDING: f64 = 1e-6;
@@ -112,8 +153,19 @@ impl Grid {
         [0, 1].map(|axis| self.domain.extent[axis] / self.cells[axis] as f64)
     }
 
+    /// Number of cells held.
     pub fn cell_count(&self) -> usize {
         self.starts.len() - 1
+    }
+
+    /// Whether every row of the region is held.
+    pub fn is_whole(&self) -> bool {
+        self.rows.count == self.cells[1]
+    }
+
+    /// Whether a row of the region is held.
+    pub fn holds(&self, row: usize) -> bool {
+        self.rows.index(row, self.cells[1]).is_some()
     }
 
     /// The entries of the cells `columns` of one row.
@@ -122,8 +174,13 @@ impl Grid {
     }
 
     /// Where [`Self::run`] lies in [`Self::entries`].
+    ///
+    /// # Panics
+    ///
+    /// If the row is not held: what is not there must not pass for empty.
     pub fn run_range(&self, row: usize, columns: &Range<usize>) -> Range<usize> {
-        let first = row * self.cells[0];
+        let index = self.rows.index(row, self.cells[1]);
+        let first = index.expect("the row is held") * self.cells[0];
         let start = self.starts[first + columns.start] as usize;
         start..self.starts[first + columns.end] as usize
     }
@@ -140,21 +197,28 @@ impl Grid {
     }
 
     /// Refuses identical samples. In a sorted cell they are neighbours.
-    pub fn check_duplicates(&self, points: &[[f64; 2]]) -> Result<(), VerifyError> {
+    pub fn check_duplicates(&self) -> Result<(), VerifyError> {
         let same = |pair: &&[Entry]| pair[0].position == pair[1].position;
         let first = (self.entries.windows(2))
             .filter(same)
-            .map(|pair| (pair[0].id as usize, pair[1].id as usize))
-            .min();
-        first.map_or(Ok(()), |(first, second)| {
-            let point = points[first];
+            .min_by_key(|pair| (pair[0].id, pair[1].id));
+        first.map_or(Ok(()), |pair| {
             Err(VerifyError::Duplicate {
-                first,
-                second,
-                point,
+                first: pair[0].id as usize,
+                second: pair[1].id as usize,
+                point: pair[0].position.map(|value| value / self.domain.scale),
             })
         })
     }
+}
+
+/// Column and row of a scaled position; neither falls when its coordinate rises. Rounding may move a
+/// sample at a cell's side into the next cell, by at most [`Grid::ROUNDING`] of a cell.
+pub(crate) fn cell_at(domain: &Domain, cells: [usize; 2], position: [f64; 2]) -> [usize; 2] {
+    [0, 1].map(|axis| {
+        let cell = position[axis] / domain.extent[axis] * cells[axis] as f64;
+        (cell as usize).min(cells[axis] - 1)
+    })
 }
 
 #[cfg(test)]
@@ -219,10 +283,10 @@ mod tests {
             second: 90,
             point: points[12],
         };
-        assert_eq!(grid.check_duplicates(&points), Err(expected));
+        assert_eq!(grid.check_duplicates(), Err(expected));
         points[70] = [0.5, 0.123];
         points[90] = [0.123, 0.5];
         let grid = Grid::new(&points, domain(1.0, 1.0), 0.0);
-        assert_eq!(grid.check_duplicates(&points), Ok(()));
+        assert_eq!(grid.check_duplicates(), Ok(()));
     }
 }

@@ -3,7 +3,7 @@
 //! It never depends on the sampler, on a GPU, on files or on a clock.
 //!
 //! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
-//! witnesses; [`spectrum`] gives the radially averaged periodogram.
+//! witnesses; [`StreamVerifier`] gives the same in bounded memory; [`spectrum`] gives the radially averaged periodogram.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -34,6 +34,7 @@ mod pairs;
 mod region;
 mod report;
 pub mod spectrum;
+mod stream;
 mod verify;
 mod worst;
 
@@ -42,4 +43,5 @@ pub use monitor::Progress;
 pub use region::{Boundary, Region};
 pub use report::{Conflict, Gap, GapKind, Report};
 pub use spectrum::{RadialBin, radial_mean_power};
+pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};

@@ -24,6 +24,8 @@ pub(crate) struct Monitor<'a> {
     control: &'a Control<'a>,
     done: AtomicU64,
     total: u64,
+    /// Whether work adds to `done`.
+    counts: bool,
 }
 
 impl<'a> Monitor<'a> {
@@ -32,11 +34,36 @@ impl<'a> Monitor<'a> {
             control,
             done: AtomicU64::new(0),
             total,
+            counts: true,
         }
+    }
+
+    /// The same channel for work that is not part of the total.
+    pub fn uncounted(&self) -> Self {
+        Self {
+            control: self.control,
+            done: AtomicU64::new(self.done.load(Ordering::Relaxed)),
+            total: self.total,
+            counts: false,
+        }
+    }
+
+    /// A channel that goes on where `done` left off.
+    pub fn resumed(control: &'a Control<'a>, done: u64, total: u64) -> Self {
+        Self {
+            done: AtomicU64::new(done),
+            ..Self::new(control, total)
+        }
+    }
+
+    /// Work done so far.
+    pub fn done(&self) -> u64 {
+        self.done.load(Ordering::Relaxed)
     }
 
     /// Adds finished work and reports it; the error says that the caller wants to stop.
     pub fn advance(&self, work: u64) -> Result<(), VerifyError> {
+        let work = if self.counts { work } else { 0 };
         let done = self.done.fetch_add(work, Ordering::Relaxed) + work;
         let total = self.total;
         match (self.control)(Progress { done, total }) {

@@ -20,11 +20,28 @@ const CHUNK: usize = 4096;
 const LONG_RUN: usize = 32;
 
 /// What the pair search found, in the domain's unit.
+#[derive(Clone, Debug)]
 pub(crate) struct Pairs {
     pub conflicts: u64,
     pub worst: Worst<Conflict>,
     /// Infinite for a single sample in a bounded region.
     pub min_distance: f64,
+}
+
+impl Pairs {
+    pub fn new(witnesses: usize) -> Self {
+        Self {
+            conflicts: 0,
+            worst: Worst::new(witnesses),
+            min_distance: f64::INFINITY,
+        }
+    }
+
+    pub fn merge(&mut self, other: Self) {
+        self.conflicts += other.conflicts;
+        self.worst.merge(other.worst);
+        self.min_distance = self.min_distance.min(other.min_distance);
+    }
 }
 
 /// The cell side that [`search`] wants: at least the radius, and such that the closest pair
@@ -43,7 +60,7 @@ pub(crate) fn search(
     witnesses: usize,
     monitor: &Monitor<'_>,
 ) -> Result<Pairs, VerifyError> {
-    let mut pairs = scan_grid(grid, radius, witnesses, monitor, true)?;
+    let mut pairs = scan(grid, 0..grid.cells[1], radius, witnesses, monitor)?;
     widen(grid, points, &mut pairs, monitor)?;
     if grid.domain.periodic {
         add_own_copies(grid, radius, &mut pairs);
@@ -64,7 +81,7 @@ fn widen(
         side *= 2.0;
         let coarse = Grid::new(points, grid.domain, side);
         monitor.advance(0)?;
-        let found = scan_grid(&coarse, 0.0, 0, monitor, false)?;
+        let found = scan(&coarse, 0..coarse.cells[1], 0.0, 0, &monitor.uncounted())?;
         pairs.min_distance = pairs.min_distance.min(found.min_distance);
         side = certain_distance(&coarse);
     }
@@ -72,7 +89,7 @@ fn widen(
 }
 
 /// All pairs closer than this are in cells that touch, where the scan looks.
-fn certain_distance(grid: &Grid) -> f64 {
+pub(crate) fn certain_distance(grid: &Grid) -> f64 {
     let sides = grid.cell_sides();
     let all_touch = if grid.domain.periodic { 3 } else { 2 };
     [0, 1]
@@ -98,25 +115,27 @@ fn add_own_copies(grid: &Grid, radius: f64, pairs: &mut Pairs) {
     }
 }
 
-fn scan_grid(
+/// Looks at the pairs within the cells of `rows` and with the touching cells of higher index. All rows
+/// of a region, each once, see every pair of touching cells once. A row asks for the next to be held, the
+/// first row of a torus also for the last.
+pub(crate) fn scan(
     grid: &Grid,
+    rows: Range<usize>,
     radius: f64,
     witnesses: usize,
     monitor: &Monitor<'_>,
-    counted: bool,
 ) -> Result<Pairs, VerifyError> {
     let empty = || Scan::new(grid, radius, witnesses);
-    let chunks = grid.cell_count().div_ceil(CHUNK);
-    let scan = (0..chunks)
+    let (first, end) = (rows.start * grid.cells[0], rows.end * grid.cells[0]);
+    let scan = (0..(end - first).div_ceil(CHUNK))
         .into_par_iter()
         .map(|chunk| {
             let mut scan = empty();
-            let cells = chunk * CHUNK..((chunk + 1) * CHUNK).min(grid.cell_count());
-            let mut work = 0;
-            for cell in cells {
-                work += scan.cell(cell);
-            }
-            monitor.advance(if counted { work as u64 } else { 0 })?;
+            let start = first + chunk * CHUNK;
+            let work: usize = (start..end.min(start + CHUNK))
+                .map(|cell| scan.cell(cell))
+                .sum();
+            monitor.advance(work as u64)?;
             Ok(scan)
         })
         .try_reduce(empty, |left, right| Ok(left.merge(right)))?;
@@ -144,12 +163,7 @@ struct Scan<'a> {
 
 impl<'a> Scan<'a> {
     fn new(grid: &'a Grid, radius: f64, witnesses: usize) -> Self {
-        let worst = Worst::new(witnesses);
-        let pairs = Pairs {
-            conflicts: 0,
-            worst,
-            min_distance: f64::INFINITY,
-        };
+        let pairs = Pairs::new(witnesses);
         let (periods, threshold) = (grid.domain.periods(), f64::INFINITY);
         let sides = grid.cell_sides();
         Self {
@@ -163,9 +177,7 @@ impl<'a> Scan<'a> {
     }
 
     fn merge(mut self, other: Self) -> Self {
-        self.pairs.conflicts += other.pairs.conflicts;
-        self.pairs.worst.merge(other.pairs.worst);
-        self.pairs.min_distance = self.pairs.min_distance.min(other.pairs.min_distance);
+        self.pairs.merge(other.pairs);
         self
     }
 

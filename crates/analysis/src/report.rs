@@ -4,7 +4,16 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::cover::Cover;
+use crate::domain::Domain;
+use crate::pairs::Pairs;
 use crate::region::Region;
+
+/// What both searches found, in the domain's unit.
+pub(crate) struct Found {
+    pub pairs: Pairs,
+    pub cover: Cover,
+}
 
 /// What [`verify`](crate::verify) found out about a set. Lengths are in the unit of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +51,40 @@ pub struct Report {
 }
 
 impl Report {
+    /// The report on `count` samples judged against a region, a radius and a tolerance.
+    pub(crate) fn new(
+        (count, region, radius, covering_tolerance): (usize, Region, f64, f64),
+        domain: &Domain,
+        Found { pairs, cover }: Found,
+    ) -> Self {
+        let conflict = |found: Conflict| Conflict {
+            distance: found.distance / domain.scale,
+            ..found
+        };
+        let gap = |found: Gap| Gap {
+            center: found.center.map(|value| value / domain.scale),
+            distance: found.distance / domain.scale,
+            ..found
+        };
+        let (conflicts, gaps) = (pairs.worst.into_sorted(), cover.worst.into_sorted());
+        let min_distance = pairs.min_distance / domain.scale;
+        let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
+        Self {
+            count,
+            region,
+            radius,
+            covering_tolerance,
+            conflicts: pairs.conflicts,
+            worst_conflicts: conflicts.into_iter().map(conflict).collect(),
+            gaps: cover.gaps,
+            worst_gaps: gaps.into_iter().map(gap).collect(),
+            min_distance,
+            covering_radius: cover.covering_radius / domain.scale,
+            density: count as f64 * radius * radius / region.area(),
+            relative_radius: min_distance / r_max,
+        }
+    }
+
     /// Whether no pair is closer than the radius (equation 2 of the paper).
     #[must_use]
     pub fn conflict_free(&self) -> bool {

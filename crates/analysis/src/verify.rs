@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::monitor::{Monitor, Progress};
 use crate::pairs;
 use crate::region::{Boundary, Region};
-use crate::report::{Conflict, Gap, Report};
+use crate::report::{Found, Report};
 
 /// Default relative tolerance of maximality: a covering radius of `(1 + 2^-15) r` passes. That is
 /// one unit of the sampler's lattice, whose radius is 2^15 units.
@@ -73,7 +73,7 @@ pub fn verify(
     monitor.advance(0)?;
     let side = pairs::cell_side(&domain, points.len(), scaled_radius);
     let grid = Grid::new(points, domain, side);
-    grid.check_duplicates(points)?;
+    grid.check_duplicates()?;
     check_line(points, region, &domain)?;
 
     let pairs = pairs::search(&grid, points, scaled_radius, options.witnesses, &monitor)?;
@@ -81,40 +81,11 @@ pub fn verify(
     let task = Task::new(&grid, scaled_radius, limit, options.witnesses);
     let cover = cover::search(&task, options.tile_samples, &monitor)?;
 
-    let conflict = |found: Conflict| Conflict {
-        distance: found.distance / domain.scale,
-        ..found
-    };
-    let gap = |found: Gap| Gap {
-        center: found.center.map(|value| value / domain.scale),
-        distance: found.distance / domain.scale,
-        ..found
-    };
-    let count = points.len();
-    let min_distance = pairs.min_distance / domain.scale;
-    let r_max = (2.0 * region.area() / (3f64.sqrt() * count as f64)).sqrt();
-    Ok(Report {
-        count,
-        region,
-        radius,
-        covering_tolerance: options.covering_tolerance,
-        conflicts: pairs.conflicts,
-        worst_conflicts: pairs
-            .worst
-            .into_sorted()
-            .into_iter()
-            .map(conflict)
-            .collect(),
-        gaps: cover.gaps,
-        worst_gaps: cover.worst.into_sorted().into_iter().map(gap).collect(),
-        min_distance,
-        covering_radius: cover.covering_radius / domain.scale,
-        density: count as f64 * radius * radius / region.area(),
-        relative_radius: min_distance / r_max,
-    })
+    let asked = (points.len(), region, radius, options.covering_tolerance);
+    Ok(Report::new(asked, &domain, Found { pairs, cover }))
 }
 
-fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
+pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
     if tolerance.is_finite() && tolerance >= 0.0 {
         Ok(())
     } else {
@@ -124,21 +95,28 @@ fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {
 
 fn check_points(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
     check_count(points.len())?;
-    for (index, &point) in points.iter().enumerate() {
-        if region.contains(point) {
-            continue;
-        }
-        return Err(if point.iter().all(|value| value.is_finite()) {
-            VerifyError::OutOfRegion {
-                index,
-                point,
-                region,
-            }
-        } else {
-            VerifyError::NotFinite { index, point }
-        });
+    let mut each = points.iter().enumerate();
+    each.try_for_each(|(index, &point)| check_point(index, point, region))
+}
+
+/// Refuses a sample that is no place of the region.
+pub(crate) fn check_point(
+    index: usize,
+    point: [f64; 2],
+    region: Region,
+) -> Result<(), VerifyError> {
+    if region.contains(point) {
+        return Ok(());
     }
-    Ok(())
+    Err(if point.iter().all(|value| value.is_finite()) {
+        VerifyError::OutOfRegion {
+            index,
+            point,
+            region,
+        }
+    } else {
+        VerifyError::NotFinite { index, point }
+    })
 }
 
 fn check_count(count: usize) -> Result<(), VerifyError> {

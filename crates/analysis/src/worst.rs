@@ -54,6 +54,11 @@ impl<T: Witness> Worst<T> {
         self.prune();
     }
 
+    /// The kept witnesses, and perhaps some more, in no order.
+    pub fn kept(&self) -> &[T] {
+        &self.kept
+    }
+
     /// The kept witnesses, worst first.
     pub fn into_sorted(mut self) -> Vec<T> {
         self.prune();

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::{Boundary, Region};
-use tilescope_formats::{Format, Hint, Overrides};
+use tilescope_formats::{Format, Hint, Overrides, StreamReader};
 
 /// How the domain ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -91,7 +91,7 @@ impl SetArguments {
         let stated = if complete {
             None
         } else {
-            self.read(path)?.certificate.map(|c| c.region)
+            self.stated_region(path)?
         };
         let base = stated.unwrap_or(UNIT_SQUARE);
         Ok(Region {
@@ -99,6 +99,14 @@ impl SetArguments {
             height: self.height.unwrap_or(base.height),
             boundary: self.boundary.map_or(base.boundary, Into::into),
         })
+    }
+
+    /// Returns the region of the certificate of `path`, without its points where that is possible.
+    fn stated_region(&self, path: &Path) -> Result<Option<Region>> {
+        if let Ok(reader) = StreamReader::open(path, self.format) {
+            return Ok(reader.certificate().map(|stated| stated.region));
+        }
+        Ok(self.read(path)?.certificate.map(|stated| stated.region))
     }
 
     /// Reads the file with the given format.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::json;
-use tilescope_formats::{Check, CheckError};
+use tilescope_formats::{CheckError, StreamCheck, check_stream};
 
 use crate::options::SetArguments;
 use crate::output;
@@ -47,12 +47,12 @@ pub fn run(arguments: &VerifyArguments) -> Result<u8> {
 }
 
 /// Reads and verifies a file.
-pub fn checked(file: &std::path::Path, set: &SetArguments) -> Result<Check> {
+pub fn checked(file: &std::path::Path, set: &SetArguments) -> Result<StreamCheck> {
     let mut overrides = set.overrides(file)?;
-    let outcome = match verifying(|control| tilescope_formats::check(file, &overrides, control)) {
+    let outcome = match verifying(|control| check_stream(file, &overrides, control)) {
         Err(CheckError::NoRegion(_)) => {
             overrides.region = Some(crate::options::UNIT_SQUARE);
-            verifying(|control| tilescope_formats::check(file, &overrides, control))
+            verifying(|control| check_stream(file, &overrides, control))
         }
         outcome => outcome,
     };
@@ -65,7 +65,7 @@ pub fn checked(file: &std::path::Path, set: &SetArguments) -> Result<Check> {
     }
 }
 
-fn to_json(check: &Check) -> serde_json::Value {
+fn to_json(check: &StreamCheck) -> serde_json::Value {
     let differences: Vec<_> = check
         .differences
         .iter()
@@ -86,7 +86,7 @@ fn to_json(check: &Check) -> serde_json::Value {
     object
 }
 
-fn to_text(check: &Check) -> String {
+fn to_text(check: &StreamCheck) -> String {
     let report = &check.report;
     let mut out = format!(
         "{}: {}, r = {}\n\n{}",

@@ -112,9 +112,10 @@ pub(crate) fn finite(value: f64, format: Format, index: u64) -> Result<f64, Form
     })
 }
 
-/// Points of row-major pairs.
+/// Points of row-major pairs, of which the first is point `first` of the file.
 pub(crate) fn pairs(
     data: &[u8],
+    first: u64,
     precision: Precision,
     endian: Endian,
     format: Format,
@@ -122,7 +123,7 @@ pub(crate) fn pairs(
     let size = precision.bytes();
     let read = |at: &[u8], index| finite(coordinate(at, precision, endian), format, index);
     data.chunks_exact(2 * size)
-        .zip(0..)
+        .zip(first..)
         .map(|(row, index)| Ok([read(&row[..size], index)?, read(&row[size..], index)?]))
         .collect()
 }
@@ -133,6 +134,26 @@ pub(crate) fn push(out: &mut Vec<u8>, values: &[f64], precision: Precision) {
         match precision {
             Precision::Single => out.extend_from_slice(&(value as f32).to_le_bytes()),
             Precision::Double => out.extend_from_slice(&value.to_le_bytes()),
+        }
+    }
+}
+
+/// Appends points as row-major pairs, little-endian.
+pub(crate) fn push_pairs(out: &mut Vec<u8>, points: &[[f64; 2]], precision: Precision) {
+    let (start, size) = (out.len(), precision.bytes());
+    out.resize(start + points.len() * 2 * size, 0);
+    let rows = out[start..].chunks_exact_mut(2 * size);
+    for (row, [x, y]) in rows.zip(points) {
+        let (left, right) = row.split_at_mut(size);
+        match precision {
+            Precision::Single => {
+                left.copy_from_slice(&(*x as f32).to_le_bytes());
+                right.copy_from_slice(&(*y as f32).to_le_bytes());
+            }
+            Precision::Double => {
+                left.copy_from_slice(&x.to_le_bytes());
+                right.copy_from_slice(&y.to_le_bytes());
+            }
         }
     }
 }
@@ -174,7 +195,7 @@ mod tests {
     fn surplus_and_nan_are_refused() {
         assert!(Cursor::new(&[0; 3], 1, Format::Npy).finish().is_err());
         let nan = [f64::NAN.to_le_bytes(), 0.5_f64.to_le_bytes()].concat();
-        let error = pairs(&nan, Precision::Double, Endian::Little, Format::Npy);
+        let error = pairs(&nan, 0, Precision::Double, Endian::Little, Format::Npy);
         assert!(matches!(
             error,
             Err(FormatError::NotFinite {

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use tilescope_analysis::{Boundary, Progress, Region, Report, VerifyError, VerifyOptions, verify};
 
 use crate::certificate::{Certificate, finite};
-use crate::codecs::{Decoded, Hint, decode};
+use crate::codecs::{Hint, decode};
 use crate::detect::Detection;
 use crate::digest::{bytes_digest, positions_digest};
 use crate::error::FormatError;
@@ -97,6 +97,18 @@ pub enum CheckError {
     /// There is no certificate, the format implies no region, and the caller gave none.
     #[error("there is no certificate and {0} implies no region, so the region must be given")]
     NoRegion(Format),
+    /// The file must be verified in memory and has too many points for that.
+    #[error(
+        "the set of {count} points is too large to be verified in memory ({limit} points), and: {source}"
+    )]
+    TooLarge {
+        /// Points in the file, or for text a bound of them.
+        count: u64,
+        /// Points that are read into memory.
+        limit: u64,
+        /// Why memory is needed.
+        source: VerifyError,
+    },
     /// The verifier gave no verdict (also when it was cancelled).
     #[error("the set has no verdict: {0}")]
     Verify(#[from] VerifyError),
@@ -131,7 +143,8 @@ pub fn check_bytes(
         }
         None => decoded.certificate.clone(),
     };
-    let judged = Judged::new(&decoded, certificate.as_ref(), overrides)?;
+    let (format, precision) = (decoded.detection.format, decoded.precision);
+    let judged = Judged::new(format, precision, certificate.as_ref(), overrides)?;
     let points = &decoded.set.points;
     let points: Vec<_> = points
         .iter()
@@ -144,9 +157,15 @@ pub fn check_bytes(
         &judged.options,
         control,
     )?;
-    let differences = certificate
-        .as_ref()
-        .map(|c| differences(c, &judged, &decoded, &report, data));
+    let differences = certificate.as_ref().map(|stated| {
+        let found = Found {
+            format,
+            precision,
+            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
+            positions_digest: positions_digest(&decoded.set.points),
+        };
+        differences(stated, &judged, &found, &report)
+    });
     Ok(Check {
         set: PointSet {
             points,
@@ -161,20 +180,20 @@ pub fn check_bytes(
 }
 
 /// What the file is judged against.
-struct Judged {
-    region: Region,
-    radius: f64,
-    options: VerifyOptions,
-    mapping: Mapping,
+pub(crate) struct Judged {
+    pub region: Region,
+    pub radius: f64,
+    pub options: VerifyOptions,
+    pub mapping: Mapping,
 }
 
 impl Judged {
-    fn new(
-        decoded: &Decoded,
+    pub fn new(
+        format: Format,
+        precision: Precision,
         certificate: Option<&Certificate>,
         overrides: &Overrides,
     ) -> Result<Self, CheckError> {
-        let format = decoded.detection.format;
         let unit_torus = Region {
             width: 1.0,
             height: 1.0,
@@ -197,7 +216,7 @@ impl Judged {
             region,
             radius: radius.ok_or(CheckError::NoRadius)?,
             options,
-            mapping: Mapping::new(format, Some(region), decoded.precision),
+            mapping: Mapping::new(format, Some(region), precision),
         })
     }
 }
@@ -236,25 +255,29 @@ impl Differences {
     }
 }
 
-fn differences(
+/// What a file turned out to hold, besides its report.
+pub(crate) struct Found {
+    pub format: Format,
+    pub precision: Precision,
+    /// Of the file; wanted only where the certificate states one.
+    pub digest: Option<String>,
+    pub positions_digest: String,
+}
+
+pub(crate) fn differences(
     stated: &Certificate,
     judged: &Judged,
-    decoded: &Decoded,
+    found: &Found,
     report: &Report,
-    data: &[u8],
 ) -> Vec<Difference> {
     let mut list = Differences::default();
-    if let Some(digest) = &stated.digest {
-        list.exact("digest", digest, &bytes_digest(data));
+    if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
+        list.exact("digest", stated, digest);
     }
-    let positions = positions_digest(&decoded.set.points);
-    list.exact("positions_digest", &stated.positions_digest, &positions);
-    list.exact(
-        "file_format",
-        &stated.file_format,
-        &decoded.detection.format,
-    );
-    list.exact("precision", &stated.precision, &decoded.precision);
+    let positions = &found.positions_digest;
+    list.exact("positions_digest", &stated.positions_digest, positions);
+    list.exact("file_format", &stated.file_format, &found.format);
+    list.exact("precision", &stated.precision, &found.precision);
     list.exact("count", &stated.count, &(report.count as u64));
     let region = judged.region;
     list.exact("region", &stated.region.to_string(), &region.to_string());

@@ -3,10 +3,18 @@
 //! A file's digest finds any changed byte; a positions digest finds a changed position whatever the
 //! file format, so a JSON document can certify itself. Never used for secrecy.
 
+use crate::binary;
+use crate::format::Precision;
+
 /// The BLAKE3 digest of `bytes`, as `blake3:` and 64 hexadecimal digits.
 #[must_use]
 pub fn bytes_digest(bytes: &[u8]) -> String {
     format!("blake3:{}", blake3::hash(bytes).to_hex())
+}
+
+/// A finished hash as it is written.
+pub(crate) fn digest_text(hasher: &blake3::Hasher) -> String {
+    format!("blake3:{}", hasher.finalize().to_hex())
 }
 
 /// The BLAKE3 digest of positions: the little-endian bytes of x and y of each point in order.
@@ -15,16 +23,18 @@ pub fn bytes_digest(bytes: &[u8]) -> String {
 #[must_use]
 pub fn positions_digest(points: &[[f64; 2]]) -> String {
     let mut hasher = blake3::Hasher::new();
-    let mut buffer = Vec::with_capacity(CHUNK * 16);
+    add_positions(&mut hasher, points);
+    digest_text(&hasher)
+}
+
+/// Adds to what [`positions_digest`] hashes.
+pub(crate) fn add_positions(hasher: &mut blake3::Hasher, points: &[[f64; 2]]) {
+    let mut buffer = Vec::with_capacity(CHUNK.min(points.len()) * 16);
     for chunk in points.chunks(CHUNK) {
         buffer.clear();
-        for [x, y] in chunk {
-            buffer.extend_from_slice(&x.to_le_bytes());
-            buffer.extend_from_slice(&y.to_le_bytes());
-        }
+        binary::push_pairs(&mut buffer, chunk, Precision::Double);
         hasher.update(&buffer);
     }
-    format!("blake3:{}", hasher.finalize().to_hex())
 }
 
 /// Points hashed at a time: 64 KiB, enough that BLAKE3 works on whole subtrees.

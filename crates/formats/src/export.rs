@@ -135,6 +135,34 @@ pub enum ExportError {
         /// What the verifier said.
         source: VerifyError,
     },
+    /// The format cannot be written while the points pass by.
+    #[error(
+        "{format} cannot be written as a stream; csv, psa-rps, utk-binary, npy and ply-binary can"
+    )]
+    NotStreamed {
+        /// The format.
+        format: Format,
+    },
+    /// A shuffled order was asked of a stream, which never has all points.
+    #[error("points that are written as they come cannot be shuffled (seed {seed})")]
+    ShuffledStream {
+        /// The seed asked for.
+        seed: u64,
+    },
+    /// An earlier failure left the export without a usable state.
+    #[error("{path}: the export failed before and cannot go on")]
+    Failed {
+        /// The file that was to be written.
+        path: String,
+    },
+    /// An interrupted export cannot go on.
+    #[error("{path}: cannot be resumed: {reason}")]
+    Resume {
+        /// The file at fault.
+        path: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// What was read back is not what was written.
     #[error("reading back gave {found} where {written} was written; the storage is not reliable")]
     ReadBack {
@@ -223,14 +251,14 @@ pub(crate) fn export_through(
     certificate.digest = Some(bytes_digest(&data));
     Ok(ExportedBytes {
         certificate_bytes: certificate.to_bytes()?,
-        warnings: warnings(&set, target.format, &certificate),
+        warnings: warnings(set.provenance.is_some(), target.format, &certificate),
         data,
         certificate,
         report,
     })
 }
 
-fn target(name: &str, context: &ExportContext) -> Result<Target, FormatError> {
+pub(crate) fn target(name: &str, context: &ExportContext) -> Result<Target, FormatError> {
     let format = context
         .format
         .or_else(|| Format::from_path(Path::new(name)));
@@ -313,6 +341,21 @@ fn rounding(
         made_conflicts = before.conflict_free() && !report.conflict_free();
         made_gaps = before.maximal() && !report.maximal();
     }
+    Ok(Some(statement(
+        target,
+        largest_shift,
+        made_conflicts,
+        made_gaps,
+    )))
+}
+
+/// What a certificate says of positions that storing moved.
+pub(crate) fn statement(
+    target: &Target,
+    largest_shift: f64,
+    made_conflicts: bool,
+    made_gaps: bool,
+) -> Rounding {
     let precision = target.format.precision(target.precision);
     let effect = match (made_conflicts, made_gaps) {
         (false, false) => "the verdict is unchanged",
@@ -320,7 +363,7 @@ fn rounding(
         (false, true) => "this made gaps",
         (true, true) => "this made conflicts and gaps",
     };
-    Ok(Some(Rounding {
+    Rounding {
         largest_shift,
         made_conflicts,
         made_gaps,
@@ -328,10 +371,10 @@ fn rounding(
             "positions were rounded to {precision} in the file's unit, which moved coordinates by up to \
              {largest_shift:e}; {effect}; every value here is of the rounded positions"
         ),
-    }))
+    }
 }
 
-fn certificate(
+pub(crate) fn certificate(
     name: &str,
     target: &Target,
     context: &ExportContext,
@@ -369,7 +412,11 @@ fn certificate(
     certificate
 }
 
-fn warnings(set: &PointSet, format: Format, certificate: &Certificate) -> Vec<Warning> {
+pub(crate) fn warnings(
+    has_provenance: bool,
+    format: Format,
+    certificate: &Certificate,
+) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let rounding = certificate.rounding.as_ref();
     if certificate.conflicts > 0 {
@@ -384,7 +431,7 @@ fn warnings(set: &PointSet, format: Format, certificate: &Certificate) -> Vec<Wa
             by_rounding: rounding.is_some_and(|r| r.made_gaps),
         });
     }
-    if set.provenance.is_some() && !format.carries_provenance() {
+    if has_provenance && !format.carries_provenance() {
         warnings.push(Warning::ProvenanceLeftOut { format });
     }
     warnings

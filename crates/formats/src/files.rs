@@ -145,7 +145,7 @@ pub fn export(
     let certificate = Temporary::beside(&certificate_path);
     let wrote = certificate.write(&exported.certificate_bytes);
     wrote.map_err(|e| io_error(&certificate_path, e))?;
-    publish(&data, path, &certificate, &certificate_path)?;
+    publish(&data.path, path, &certificate, &certificate_path)?;
     Ok(Exported {
         path: path.to_owned(),
         certificate_path,
@@ -167,8 +167,8 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
 }
 
 /// Renames both files into place, or neither.
-fn publish(
-    data: &Temporary,
+pub(crate) fn publish(
+    data: &Path,
     path: &Path,
     certificate: &Temporary,
     certificate_path: &Path,
@@ -178,7 +178,7 @@ fn publish(
     let old = Temporary::beside(path);
     let kept = fs::hard_link(path, &old.path).is_ok();
     let existed = path.exists();
-    fs::rename(&data.path, path).map_err(|e| io_error(path, e))?;
+    fs::rename(data, path).map_err(|e| io_error(path, e))?;
     let placed = fs::rename(&certificate.path, certificate_path);
     placed.map_err(|source| {
         if kept {
@@ -192,13 +192,13 @@ fn publish(
 }
 
 /// A temporary file, removed when dropped if it still has its name.
-struct Temporary {
-    path: PathBuf,
+pub(crate) struct Temporary {
+    pub path: PathBuf,
 }
 
 impl Temporary {
     /// An unused name in the folder of `path`: renaming never crosses file systems.
-    fn beside(path: &Path) -> Self {
+    pub fn beside(path: &Path) -> Self {
         static COUNTER: AtomicU32 = AtomicU32::new(0);
         let serial = COUNTER.fetch_add(1, Ordering::Relaxed);
         let process = std::process::id();
@@ -211,7 +211,7 @@ impl Temporary {
     }
 
     /// Writes `bytes` through to the device.
-    fn write(&self, bytes: &[u8]) -> io::Result<()> {
+    pub fn write(&self, bytes: &[u8]) -> io::Result<()> {
         let mut options = OpenOptions::new();
         let mut file = options
             .write(true)
@@ -230,19 +230,19 @@ impl Drop for Temporary {
     }
 }
 
-fn io_error(path: &Path, source: io::Error) -> FormatError {
+pub(crate) fn io_error(path: &Path, source: io::Error) -> FormatError {
     FormatError::Io {
         path: path.display().to_string(),
         source,
     }
 }
 
-fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
     fs::read(path).map_err(|e| io_error(path, e))
 }
 
 /// The bytes of the certificate of `path`, or `None` if it has none.
-fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatError> {
+pub(crate) fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatError> {
     let path = certificate_path(path);
     match fs::read(&path) {
         Ok(bytes) => Ok(Some(bytes)),
@@ -251,7 +251,7 @@ fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatError> {
     }
 }
 
-fn file_name(path: &Path) -> Result<String, FormatError> {
+pub(crate) fn file_name(path: &Path) -> Result<String, FormatError> {
     let name = path.file_name().ok_or_else(|| {
         let source = io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
         io_error(path, source)

@@ -122,6 +122,16 @@ impl Format {
         matches!(self, Self::PlyAscii | Self::PlyBinary | Self::Json)
     }
 
+    /// Whether a file is a head and then a row for each point, so that it can be written and read while the
+    /// points pass by.
+    #[must_use]
+    pub fn streams(self) -> bool {
+        matches!(
+            self,
+            Self::Csv | Self::PsaRps | Self::UtkBinary | Self::Npy | Self::PlyBinary
+        )
+    }
+
     /// What is written when `wished` is asked for: text is always f64 (shortest round-trip decimals),
     /// psa's `.rps` always f32, the other binary formats as wished.
     #[must_use]

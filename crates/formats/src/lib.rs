@@ -27,6 +27,8 @@ mod files;
 mod format;
 mod mapping;
 mod point_set;
+#[cfg(not(target_arch = "wasm32"))]
+mod stream;
 mod text;
 
 pub use certificate::{
@@ -43,3 +45,8 @@ pub use files::{Exported, ReadSet, certificate_path, check, export, read, write_
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
+#[cfg(not(target_arch = "wasm32"))]
+pub use stream::{
+    MOST_IN_MEMORY, StreamCheck, StreamExport, StreamOptions, StreamReader, Streamed,
+    WHOLE_FILE_BYTES, check_stream, checkpoint_token, partial_path, resume_path,
+};

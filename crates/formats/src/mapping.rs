@@ -57,6 +57,10 @@ impl Mapping {
     /// lifted to the period becomes 0, the same place; in a bounded region it is rounded down.
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
+        if self.scale.to_bits() == 1.0_f64.to_bits() && self.precision == Precision::Double {
+            // What follows would give just that, with eight divisions.
+            return point;
+        }
         let stored = point.map(|value| self.round(value / self.scale));
         let Some(region) = self.region else {
             return stored;

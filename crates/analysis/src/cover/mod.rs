@@ -54,20 +54,23 @@ mod places;
 mod survey;
 mod tiles;
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
+use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::monitor::Monitor;
 use crate::report::Gap;
 use crate::worst::Worst;
 use buried::Buried;
-use places::Places;
+pub(crate) use places::Places;
 use survey::Survey;
 pub(crate) use survey::on_a_line;
-use tiles::{Tile, Window};
+use tiles::Window;
+pub(crate) use tiles::{Tile, split};
 
 /// What the search for empty circles found, in the domain's unit.
 pub(crate) struct Cover {
@@ -90,14 +93,22 @@ pub(crate) struct Task<'a> {
     buried: OnceLock<Buried>,
 }
 
+/// Distance below which two places are the same, where samples are about `length` apart.
+pub(crate) fn same_place(domain: &Domain, length: f64) -> f64 {
+    // A place is known to about 2^-50 of the extent, and Voronoi vertices of a random set
+    // are hardly ever closer than 2^-30 r.
+    let longer = domain.extent[0].max(domain.extent[1]);
+    (length * 2f64.powi(-30)).max(longer * 2f64.powi(-46))
+}
+
 impl<'a> Task<'a> {
     pub fn new(grid: &'a Grid, radius: f64, limit: f64, witnesses: usize) -> Self {
-        let domain = &grid.domain;
-        let length = radius.min(domain.spacing(grid.entries().len()));
-        // A place is known to about 2^-50 of the extent, and Voronoi vertices of a random set
-        // are hardly ever closer than 2^-30 r.
-        let longer = domain.extent[0].max(domain.extent[1]);
-        let same = (length * 2f64.powi(-30)).max(longer * 2f64.powi(-46));
+        let length = radius.min(grid.domain.spacing(grid.entries().len()));
+        let same = same_place(&grid.domain, length);
+        Self::with_same(grid, radius, limit, witnesses, same)
+    }
+
+    pub fn with_same(grid: &'a Grid, radius: f64, limit: f64, witnesses: usize, same: f64) -> Self {
         Self {
             grid,
             radius,
@@ -106,6 +117,10 @@ impl<'a> Task<'a> {
             witnesses,
             buried: OnceLock::new(),
         }
+    }
+
+    fn domain(&self) -> &Domain {
+        &self.grid.domain
     }
 
     pub fn buried(&self) -> &Buried {
@@ -119,30 +134,71 @@ pub(crate) fn search(
     tile_samples: usize,
     monitor: &Monitor<'_>,
 ) -> Result<Cover, VerifyError> {
-    let tiles = tiles::split(task.grid, tile_samples);
-    let sum = tiles
-        .par_iter()
-        .map(|tile| {
-            let places = inspect(task, tile, monitor)?;
-            monitor.advance(tile.count as u64)?;
-            Ok(places)
+    let tiles = split(task.grid, 0..task.grid.cells[1], tile_samples);
+    let visits = tiles.into_iter().map(|tile| Visit::first(task, tile));
+    let (places, postponed) = visit(task, visits.collect(), monitor)?;
+    debug_assert!(postponed.is_empty(), "a whole grid shows every window");
+    Ok(places.finish(task.domain(), task.same))
+}
+
+/// A tile to be looked at.
+#[derive(Clone, Debug)]
+pub(crate) struct Visit {
+    pub tile: Tile,
+    /// The halo to begin with.
+    pub halo: f64,
+    /// Rows that the window of that halo wants, counted on across the seams; empty where not asked yet.
+    pub wants: Range<i64>,
+}
+
+impl Visit {
+    pub fn first(task: &Task<'_>, tile: Tile) -> Self {
+        let halo = tile.first_halo(task);
+        let wants = 0..0;
+        Self { tile, halo, wants }
+    }
+}
+
+/// Looks at tiles. Returns those, too, whose windows want rows that the grid does not hold.
+pub(crate) fn visit(
+    task: &Task<'_>,
+    visits: Vec<Visit>,
+    monitor: &Monitor<'_>,
+) -> Result<(Places, Vec<Visit>), VerifyError> {
+    let nothing = || (Places::new(task.witnesses), Vec::new());
+    visits
+        .into_par_iter()
+        .map(|visit| {
+            let count = visit.tile.count as u64;
+            let seen = match inspect(task, visit, monitor)? {
+                Ok(places) => (places, Vec::new()),
+                Err(postponed) => return Ok((Places::new(task.witnesses), vec![postponed])),
+            };
+            monitor.advance(count)?;
+            Ok(seen)
         })
-        .try_reduce(
-            || Places::new(task.witnesses),
-            |left, right| Ok(left.merge(right)),
-        )?;
-    Ok(sum.finish(task))
+        .try_reduce(nothing, |(left, mut postponed), (right, more)| {
+            postponed.extend(more);
+            Ok((left.merge(right), postponed))
+        })
 }
 
 /// Widens the window of a tile until its sides prove it sufficient, then looks inside.
-fn inspect(task: &Task<'_>, tile: &Tile, monitor: &Monitor<'_>) -> Result<Places, VerifyError> {
-    let mut halo = tile.first_halo(task);
+fn inspect(
+    task: &Task<'_>,
+    Visit { tile, halo, .. }: Visit,
+    monitor: &Monitor<'_>,
+) -> Result<Result<Places, Visit>, VerifyError> {
+    let mut halo = halo;
     loop {
-        let window = Window::gather(task, tile, halo);
-        let mut survey = Survey::of_sides(task, tile, &window);
+        let window = match Window::gather(task, &tile, halo) {
+            Ok(window) => window,
+            Err(wants) => return Ok(Err(Visit { tile, halo, wants })),
+        };
+        let mut survey = Survey::of_sides(task, &tile, &window);
         if survey.side_reach <= window.halo {
-            survey.add_vertices(task, tile, window.points)?;
-            return Ok(Places::of_tile(task, tile, survey));
+            survey.add_vertices(task, &tile, window.points)?;
+            return Ok(Ok(Places::of_tile(task, &tile, survey)));
         }
         monitor.advance(0)?;
         // The reach is infinite while a side sees no sample at all.

@@ -5,10 +5,12 @@
 use super::survey::Survey;
 use super::tiles::Tile;
 use super::{Cover, Task};
+use crate::domain::Domain;
 use crate::report::Gap;
 use crate::worst::{Witness, Worst};
 
 /// The gaps of some tiles.
+#[derive(Clone, Debug)]
 pub(crate) struct Places {
     covering_radius: f64,
     /// Places that no other tile can have claimed.
@@ -58,16 +60,43 @@ impl Places {
         self
     }
 
+    /// Number of places that are not settled yet.
+    pub fn shared(&self) -> usize {
+        self.shared.len()
+    }
+
+    /// The covering radius so far and the number of settled places.
+    pub fn settled(&self) -> (f64, u64) {
+        (self.covering_radius, self.count)
+    }
+
+    /// The worst of the settled places, and those not settled yet.
+    pub fn lists(&self) -> [&[Gap]; 2] {
+        [self.worst.kept(), &self.shared]
+    }
+
+    /// Takes over, into an empty one, what [`Self::settled`] and [`Self::lists`] gave.
+    pub fn restore(
+        &mut self,
+        (covering_radius, count): (f64, u64),
+        [worst, shared]: [Vec<Gap>; 2],
+    ) {
+        for gap in worst {
+            self.worst.push(gap);
+        }
+        (self.covering_radius, self.count) = (covering_radius, count);
+        self.shared = shared;
+    }
+
     /// Settles the shared places.
-    pub fn finish(mut self, task: &Task<'_>) -> Cover {
-        let domain = &task.grid.domain;
+    pub fn finish(mut self, domain: &Domain, same: f64) -> Cover {
         let mut shared = std::mem::take(&mut self.shared);
         if domain.periodic {
             for gap in &mut shared {
-                gap.center = wrapped(gap.center, domain.extent, task.same);
+                gap.center = wrapped(gap.center, domain.extent, same);
             }
         }
-        merge_same(&mut shared, task.same);
+        merge_same(&mut shared, same);
         for mut gap in shared {
             if domain.periodic {
                 gap.center = gap.center.map(|value| value.max(0.0));

@@ -67,9 +67,9 @@ impl Tile {
     }
 }
 
-/// Splits the region until no tile has more than `tile_samples`, or is a single cell.
-pub(crate) fn split(grid: &Grid, tile_samples: usize) -> Vec<Tile> {
-    let mut open = vec![Tile::new(grid, 0..grid.cells[0], 0..grid.cells[1])];
+/// Splits `rows` of the region until no tile has more than `tile_samples`, or is a single cell.
+pub(crate) fn split(grid: &Grid, rows: Range<usize>, tile_samples: usize) -> Vec<Tile> {
+    let mut open = vec![Tile::new(grid, 0..grid.cells[0], rows)];
     let mut done = Vec::new();
     while let Some(tile) = open.pop() {
         let halves = (tile.count > tile_samples)
@@ -96,22 +96,29 @@ pub(crate) struct Window {
 }
 
 impl Window {
-    pub fn gather(task: &Task<'_>, tile: &Tile, halo: f64) -> Self {
+    /// The window of a tile, or the rows it wants of which the grid lacks some, counted on across
+    /// the seams.
+    pub fn gather(task: &Task<'_>, tile: &Tile, halo: f64) -> Result<Self, Range<i64>> {
         let grid = task.grid;
         // A little more than the halo pays for rounding and for places claimed beyond the tile.
         let wide = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
         let [columns, rows] = [0, 1].map(|axis| Span::new(grid, tile, axis, wide));
+        let lacks = |row: i64| !grid.holds(wrap(grid, 1, row).0);
+        if !grid.is_whole() && rows.cells.clone().any(lacks) {
+            return Err(rows.cells);
+        }
         let complete = columns.complete && rows.complete;
         let most = tile.columns.len().max(tile.rows.len()) as i64 + 2 * WIDE;
         let span = |span: &Span| span.cells.end - span.cells.start;
-        let is_wide = span(&columns) > most || span(&rows) > most;
+        // What is buried shows only to who sees the whole set.
+        let is_wide = grid.is_whole() && (span(&columns) > most || span(&rows) > most);
         let points = if is_wide {
             rim(task, tile, [&columns.cells, &rows.cells])
         } else {
             everything(grid, tile.count, [&columns.cells, &rows.cells])
         };
         let halo = if complete { f64::INFINITY } else { halo };
-        Self { points, halo }
+        Ok(Self { points, halo })
     }
 }
 
@@ -222,7 +229,7 @@ mod tests {
     fn tiles_share_out_the_samples() {
         let grid = grid(1000, Boundary::Bounded);
         for target in [1, 10, 300, 5000] {
-            let tiles = split(&grid, target);
+            let tiles = split(&grid, 0..grid.cells[1], target);
             assert_eq!(tiles.iter().map(|tile| tile.count).sum::<usize>(), 1000);
             let single = |tile: &Tile| tile.columns.len() * tile.rows.len() == 1;
             assert!(
@@ -240,8 +247,8 @@ mod tests {
             for boundary in [Boundary::Periodic, Boundary::Bounded] {
                 let grid = grid(count, boundary);
                 let task = Task::new(&grid, 0.1, 0.1, 0);
-                for tile in split(&grid, 20) {
-                    let window = Window::gather(&task, &tile, halo);
+                for tile in split(&grid, 0..grid.cells[1], 20) {
+                    let window = Window::gather(&task, &tile, halo).expect("whole");
                     check(&grid, &tile, &window, halo);
                 }
             }
@@ -278,9 +285,10 @@ mod tests {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             let grid = grid(100, boundary);
             let task = Task::new(&grid, 0.1, 0.1, 0);
-            for tile in split(&grid, 10) {
-                assert_eq!(Window::gather(&task, &tile, 2.0).halo, f64::INFINITY);
-                assert_eq!(Window::gather(&task, &tile, 0.01).halo, 0.01);
+            for tile in split(&grid, 0..grid.cells[1], 10) {
+                let halo = |halo| Window::gather(&task, &tile, halo).expect("whole").halo;
+                assert_eq!(halo(2.0), f64::INFINITY);
+                assert_eq!(halo(0.01), 0.01);
             }
         }
     }

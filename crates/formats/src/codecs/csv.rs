@@ -9,21 +9,36 @@ use crate::format::{Format, Precision};
 use crate::text::{data_lines, number, push_line};
 
 const FORMAT: Format = Format::Csv;
+/// The first line.
+pub(super) const HEAD: &[u8] = b"x,y\n";
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
-    let mut rows = data_lines(bytes).peekable();
-    let mut columns = [0, 1];
-    if let Some(&(line, first)) = rows.peek()
-        && is_header(first)
-    {
-        columns = named_columns(first, line)?;
-        rows.next();
-    }
-    let mut points = Vec::new();
-    for (line, row) in rows {
-        points.push(point(row, line, columns)?);
+    let (mut table, mut points) = (Table::default(), Vec::new());
+    for (line, row) in data_lines(bytes) {
+        table.take(row, line, &mut points)?;
     }
     Ok(Raw::new(points, Precision::Double))
+}
+
+/// Which columns are x and y, once the first line has told.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Table(Option<[usize; 2]>);
+
+impl Table {
+    /// Takes a line that is neither blank nor a comment: a header, if it is the first, or a point.
+    pub(super) fn take(
+        &mut self,
+        row: &[u8],
+        line: u64,
+        points: &mut Vec<[f64; 2]>,
+    ) -> Result<(), FormatError> {
+        if self.0.is_none() && is_header(row) {
+            self.0 = Some(named_columns(row, line)?);
+            return Ok(());
+        }
+        points.push(point(row, line, *self.0.get_or_insert([0, 1]))?);
+        Ok(())
+    }
 }
 
 /// A header is a first line that does not begin with a number.
@@ -73,11 +88,15 @@ fn point(row: &[u8], line: u64, [x, y]: [usize; 2]) -> Result<[f64; 2], FormatEr
 }
 
 pub(super) fn write(points: &[[f64; 2]]) -> Vec<u8> {
-    let mut out = b"x,y\n".to_vec();
-    for point in points {
-        push_line(&mut out, point, ",");
-    }
+    let mut out = HEAD.to_vec();
+    push_rows(&mut out, points);
     out
+}
+
+pub(super) fn push_rows(out: &mut Vec<u8>, points: &[[f64; 2]]) {
+    for point in points {
+        push_line(out, point, ",");
+    }
 }
 
 #[cfg(test)]

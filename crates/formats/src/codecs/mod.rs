@@ -9,6 +9,8 @@ mod npy;
 mod ply;
 mod ply_header;
 mod psa;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) mod rows;
 mod svg;
 mod utk;
 mod xyz;
@@ -216,7 +218,7 @@ fn check_provenance(set: &PointSet) -> Result<(), FormatError> {
     }
 }
 
-fn check_target(target: &Target) -> Result<(), FormatError> {
+pub(crate) fn check_target(target: &Target) -> Result<(), FormatError> {
     let region = target.region;
     let parameters = [
         ("the region's width", region.map(|r| r.width)),

@@ -15,14 +15,30 @@ const FORMAT: Format = Format::Npy;
 const ALIGNMENT: usize = 64;
 
 /// What the header's dictionary says.
-struct Header {
-    precision: Precision,
-    endian: Endian,
-    fortran: bool,
-    count: u64,
+pub(super) struct Header {
+    pub precision: Precision,
+    pub endian: Endian,
+    /// Whether all x come first, then all y.
+    pub fortran: bool,
+    pub count: u64,
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
+    let (header, offset) = read_head(bytes)?;
+    let size = header.precision.bytes();
+    let mut cursor = Cursor::new(bytes, offset as usize, FORMAT);
+    let data = cursor.records(header.count, 2 * size as u64)?;
+    cursor.finish()?;
+    let points = if header.fortran {
+        columns(data, &header)?
+    } else {
+        binary::pairs(data, 0, header.precision, header.endian, FORMAT)?
+    };
+    Ok(Raw::new(points, header.precision))
+}
+
+/// The header of a file that begins with `bytes`, and where its data begin.
+pub(super) fn read_head(bytes: &[u8]) -> Result<(Header, u64), FormatError> {
     if !bytes.starts_with(NPY_MAGIC) {
         return Err(FormatError::Magic {
             format: FORMAT,
@@ -44,15 +60,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     };
     let at = Place::Offset(cursor.offset());
     let header = header(cursor.take(length)?, at)?;
-    let size = header.precision.bytes();
-    let data = cursor.records(header.count, 2 * size as u64)?;
-    cursor.finish()?;
-    let points = if header.fortran {
-        columns(data, &header)?
-    } else {
-        binary::pairs(data, header.precision, header.endian, FORMAT)?
-    };
-    Ok(Raw::new(points, header.precision))
+    Ok((header, cursor.offset()))
 }
 
 /// Points of data that hold all x, then all y.
@@ -141,25 +149,28 @@ fn rows(shape: &str) -> Option<u64> {
 }
 
 pub(super) fn write(points: &[[f64; 2]], precision: Precision) -> Vec<u8> {
+    let mut out = head(points.len() as u64, precision);
+    binary::push_pairs(&mut out, points, precision);
+    out
+}
+
+/// The head of a file of `count` points. The alignment makes it 128 bytes, whatever the count.
+pub(super) fn head(count: u64, precision: Precision) -> Vec<u8> {
     let kind = match precision {
         Precision::Single => "<f4",
         Precision::Double => "<f8",
     };
-    let count = points.len();
     let mut dictionary =
         format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({count}, 2), }}");
     let prefix = NPY_MAGIC.len() + 4;
     while !(prefix + dictionary.len() + 1).is_multiple_of(ALIGNMENT) {
         dictionary.push(' ');
     }
-    let mut out = Vec::with_capacity(2 * ALIGNMENT + count * 2 * precision.bytes());
+    let mut out = Vec::with_capacity(2 * ALIGNMENT);
     out.extend_from_slice(NPY_MAGIC);
     out.extend_from_slice(&[1, 0]);
     out.extend_from_slice(&(dictionary.len() as u16 + 1).to_le_bytes());
     push(&mut out, format_args!("{dictionary}\n"));
-    for point in points {
-        binary::push(&mut out, point, precision);
-    }
     out
 }
 

@@ -6,7 +6,7 @@
 use super::Raw;
 use super::ply_header::{Element, Encoding, Header, Scalar, parse};
 use super::xyz::planar;
-use crate::binary::{self, Cursor, Endian, array};
+use crate::binary::{self, Cursor, Endian};
 use crate::error::{FormatError, Place};
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
@@ -16,6 +16,7 @@ use crate::text::{lines, number, push, words};
 const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
 
 /// Which columns of the vertex table are what.
+#[derive(Clone, Copy, Debug)]
 struct Columns {
     position: [usize; 2],
     z: Option<usize>,
@@ -70,6 +71,16 @@ impl Columns {
         Ok(())
     }
 
+    /// That of positions in a binary file.
+    fn precision(&self, vertex: &Element) -> Precision {
+        let [x, y] = self.position.map(|c| vertex.properties[c].scalar);
+        if x.bytes() <= 4 && y.bytes() <= 4 {
+            Precision::Single
+        } else {
+            Precision::Double
+        }
+    }
+
     fn new_set(&self) -> PointSet {
         PointSet {
             points: Vec::new(),
@@ -84,13 +95,7 @@ pub(super) fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
     let (set, precision) = match header.encoding {
         Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
         Encoding::Binary(endian) => {
-            let [x, y] = columns.position.map(|c| header.vertex.properties[c].scalar);
-            let single = x.bytes() <= 4 && y.bytes() <= 4;
-            let precision = if single {
-                Precision::Single
-            } else {
-                Precision::Double
-            };
+            let precision = columns.precision(&header.vertex);
             (read_binary(bytes, &header, &columns, endian)?, precision)
         }
     };
@@ -160,23 +165,101 @@ fn read_binary(
         cursor.finish()?;
     }
     let mut set = columns.new_set();
-    for (row, index) in data.chunks_exact(vertex.width).zip(0..) {
-        let value = |column: usize| {
-            let property = &vertex.properties[column];
-            let value = property.scalar.value(&row[property.offset..], endian);
-            binary::finite(value, FORMAT, index)
-        };
-        columns.take(&mut set, FORMAT, Place::Point(index), value)?;
-    }
+    let table = BinaryTable {
+        columns: *columns,
+        vertex: vertex.clone(),
+        endian,
+    };
+    table.take(data, 0, &mut set)?;
     Ok(set)
 }
 
-fn header(encoding: &str, count: usize, coordinate: &str, provenance: bool) -> Vec<u8> {
+/// Binary rows of vertices.
+#[derive(Clone, Debug)]
+pub(super) struct BinaryTable {
+    columns: Columns,
+    vertex: Element,
+    endian: Endian,
+}
+
+impl BinaryTable {
+    /// Takes whole rows, of which the first is vertex `first`.
+    pub(super) fn take(
+        &self,
+        data: &[u8],
+        first: u64,
+        set: &mut PointSet,
+    ) -> Result<(), FormatError> {
+        const FORMAT: Format = Format::PlyBinary;
+        for (row, index) in data.chunks_exact(self.vertex.width).zip(first..) {
+            let value = |column: usize| {
+                let property = &self.vertex.properties[column];
+                let value = property.scalar.value(&row[property.offset..], self.endian);
+                binary::finite(value, FORMAT, index)
+            };
+            (self.columns).take(set, FORMAT, Place::Point(index), value)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl BinaryTable {
+    /// Bytes of a row.
+    pub(super) fn width(&self) -> usize {
+        self.vertex.width
+    }
+
+    /// An empty set with room for what the rows hold.
+    pub(super) fn new_set(&self) -> PointSet {
+        self.columns.new_set()
+    }
+}
+
+/// The head of a binary file: its table, where the rows begin, how many there are, and whether anything
+/// follows them.
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) struct BinaryHead {
+    pub table: BinaryTable,
+    pub precision: Precision,
+    pub offset: u64,
+    pub count: u64,
+    pub followed: bool,
+}
+
+/// The head of a file that begins with `bytes`; none for an ASCII file.
+#[cfg(not(target_arch = "wasm32"))]
+pub(super) fn read_head(bytes: &[u8]) -> Result<Option<BinaryHead>, FormatError> {
+    const FORMAT: Format = Format::PlyBinary;
+    let header = parse(bytes, FORMAT)?;
+    let columns = Columns::find(&header.vertex, FORMAT, header.data_line - 1)?;
+    let Encoding::Binary(endian) = header.encoding else {
+        return Ok(None);
+    };
+    let skipped = (header.before.iter()).fold(0, |sum: u64, element| {
+        sum.saturating_add(element.count.saturating_mul(element.width as u64))
+    });
+    Ok(Some(BinaryHead {
+        precision: columns.precision(&header.vertex),
+        offset: skipped.saturating_add(header.data_offset as u64),
+        count: header.vertex.count,
+        followed: header.followed,
+        table: BinaryTable {
+            columns,
+            vertex: header.vertex,
+            endian,
+        },
+    }))
+}
+
+/// A header whose length does not depend on `count`: dots in a comment stand for missing digits.
+fn header(encoding: &str, count: u64, coordinate: &str, provenance: bool) -> Vec<u8> {
     let mut out = Vec::new();
+    let dots = ".".repeat(20 - count.to_string().len());
     push(
         &mut out,
         format_args!(
-            "ply\nformat {encoding} 1.0\ncomment written by Tilescope\nelement vertex {count}\n"
+            "ply\nformat {encoding} 1.0\ncomment written by Tilescope {dots}\nelement vertex {count}\n"
         ),
     );
     for axis in ["x", "y", "z"] {
@@ -190,7 +273,8 @@ fn header(encoding: &str, count: usize, coordinate: &str, provenance: bool) -> V
 }
 
 pub(super) fn write_ascii(points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Vec<u8> {
-    let mut out = header("ascii", points.len(), "double", provenance.is_some());
+    let count = points.len() as u64;
+    let mut out = header("ascii", count, "double", provenance.is_some());
     for (index, [x, y]) in points.iter().enumerate() {
         push(&mut out, format_args!("{x} {y} 0"));
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
@@ -214,26 +298,35 @@ pub(super) fn write_binary(
     provenance: Option<&[Provenance]>,
     precision: Precision,
 ) -> Vec<u8> {
+    let mut out = binary_head(points.len() as u64, precision, provenance.is_some());
+    push_rows(&mut out, points, provenance, precision);
+    out
+}
+
+/// The head of a binary file of `count` points; its length does not depend on the count.
+pub(super) fn binary_head(count: u64, precision: Precision, provenance: bool) -> Vec<u8> {
     let coordinate = match precision {
         Precision::Single => "float",
         Precision::Double => "double",
     };
-    let mut out = header(
-        "binary_little_endian",
-        points.len(),
-        coordinate,
-        provenance.is_some(),
-    );
+    header("binary_little_endian", count, coordinate, provenance)
+}
+
+pub(super) fn push_rows(
+    out: &mut Vec<u8>,
+    points: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    precision: Precision,
+) {
     out.reserve(points.len() * (3 * precision.bytes() + 12));
     for (index, &[x, y]) in points.iter().enumerate() {
-        binary::push(&mut out, &[x, y, 0.0], precision);
+        binary::push(out, &[x, y, 0.0], precision);
         if let Some(from) = provenance.and_then(|all| all.get(index)) {
             for word in [from.block, from.pattern_index, from.iteration] {
-                out.extend_from_slice(&array::<4>(&word.to_le_bytes()));
+                out.extend_from_slice(&word.to_le_bytes());
             }
         }
     }
-    out
 }
 
 #[cfg(test)]

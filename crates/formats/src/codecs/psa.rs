@@ -68,15 +68,13 @@ pub(super) fn read_rps(bytes: &[u8]) -> Result<Raw, FormatError> {
     let mut cursor = Cursor::new(bytes, 0, FORMAT);
     let data = cursor.records(bytes.len() as u64 / 8, 8)?;
     cursor.finish()?;
-    let points = binary::pairs(data, Precision::Single, Endian::Little, FORMAT)?;
+    let points = binary::pairs(data, 0, Precision::Single, Endian::Little, FORMAT)?;
     Ok(Raw::new(points, Precision::Single))
 }
 
 pub(super) fn write_rps(points: &[[f64; 2]]) -> Vec<u8> {
-    let mut out = Vec::with_capacity(points.len() * 8);
-    for point in points {
-        binary::push(&mut out, point, Precision::Single);
-    }
+    let mut out = Vec::new();
+    binary::push_pairs(&mut out, points, Precision::Single);
     out
 }
 

@@ -14,7 +14,7 @@ use crate::text::{lines, numbers, push_line, words};
 const TYPE_FLOAT: u8 = 4;
 const TYPE_DOUBLE: u8 = 5;
 /// Magic, metadata, number of sets, number of points, dimension.
-const HEADER_BYTES: u64 = 20;
+pub(super) const HEADER_BYTES: u64 = 20;
 
 pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::UtkText;
@@ -59,7 +59,16 @@ pub(super) fn write_text(points: &[[f64; 2]]) -> Vec<u8> {
     out
 }
 
-pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
+/// The head of a binary file.
+pub(super) struct BinaryHead {
+    pub precision: Precision,
+    pub sets: u32,
+    /// Points of each set.
+    pub count: u32,
+}
+
+/// The head of a file that begins with `bytes`; data begin at [`HEADER_BYTES`].
+pub(super) fn read_head(bytes: &[u8]) -> Result<BinaryHead, FormatError> {
     const FORMAT: Format = Format::UtkBinary;
     if !bytes.starts_with(UTK_MAGIC) {
         return Err(FormatError::Magic {
@@ -80,13 +89,28 @@ pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Fo
     if sets == 0 || count == 0 {
         return Err(FormatError::Empty { format: FORMAT });
     }
+    Ok(BinaryHead {
+        precision,
+        sets,
+        count,
+    })
+}
+
+pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
+    const FORMAT: Format = Format::UtkBinary;
+    let BinaryHead {
+        precision,
+        sets,
+        count,
+    } = read_head(bytes)?;
+    let mut cursor = Cursor::new(bytes, HEADER_BYTES as usize, FORMAT);
     let row = 2 * precision.bytes() as u64;
     let data = cursor.records(u64::from(sets) * u64::from(count), row)?;
     cursor.finish()?;
     let index = choose(sets as usize, chosen, FORMAT)?;
     let set_bytes = data.len() / sets as usize;
     let data = &data[index * set_bytes..][..set_bytes];
-    let points = binary::pairs(data, precision, Endian::Little, FORMAT)?;
+    let points = binary::pairs(data, 0, precision, Endian::Little, FORMAT)?;
     let mut raw = Raw::new(points, precision);
     raw.sets = sets as usize;
     Ok(raw)
@@ -113,23 +137,27 @@ pub(super) fn write_binary(
     points: &[[f64; 2]],
     precision: Precision,
 ) -> Result<Vec<u8>, FormatError> {
-    let count = u32::try_from(points.len()).map_err(|_| FormatError::TooMany {
+    let mut out = head(points.len() as u64, precision)?;
+    binary::push_pairs(&mut out, points, precision);
+    Ok(out)
+}
+
+/// The head of a file of one set of `count` points.
+pub(super) fn head(count: u64, precision: Precision) -> Result<Vec<u8>, FormatError> {
+    let count = u32::try_from(count).map_err(|_| FormatError::TooMany {
         format: Format::UtkBinary,
-        points: points.len(),
+        points: count as usize,
         limit: u64::from(u32::MAX),
     })?;
     let code = match precision {
         Precision::Single => TYPE_FLOAT,
         Precision::Double => TYPE_DOUBLE,
     };
-    let mut out = Vec::with_capacity(HEADER_BYTES as usize + points.len() * 2 * precision.bytes());
+    let mut out = Vec::with_capacity(HEADER_BYTES as usize);
     out.extend_from_slice(UTK_MAGIC);
     out.extend_from_slice(&[code, 0, 0, 0]);
     for word in [1, count, 2] {
         out.extend_from_slice(&word.to_le_bytes());
-    }
-    for point in points {
-        binary::push(&mut out, point, precision);
     }
     Ok(out)
 }

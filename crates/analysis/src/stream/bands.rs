@@ -1,0 +1,334 @@
+//! Bands of rows: what is held, when it is judged and what is kept of it.
+//! All rows below `closed` are judged but for the first ones of a torus and postponed tiles.
+//! It never drops a row that an open question wants, and never holds more than it was allowed.
+
+use std::mem;
+use std::ops::Range;
+
+use crate::cover::{self, Places, Task, Visit};
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::{Entry, Grid, Rows, cell_at};
+use crate::monitor::Monitor;
+use crate::pairs::{self, Pairs};
+use crate::region::Region;
+use crate::report::Found;
+use crate::verify::VerifyOptions;
+
+use super::{STREAM_LAG, StreamBand};
+
+/// Sides of a cell in radii: as many samples per cell as the verifier in memory has in a maximal set.
+const CELL: f64 = 1.3125;
+/// Rows kept below a band. They show windows of up to ten radii, where two do for a maximal set.
+const BELOW: usize = 8;
+/// Rows above a band that must be complete before it is judged: what the first windows want.
+const ABOVE: usize = 4;
+/// Rows kept from the start of a torus: those judged at the end and those their windows show.
+const SEAM: usize = 2 * BELOW;
+/// Most cells held, four bytes each.
+const MOST_CELLS: usize = 1 << 24;
+/// Most gaps on sides of tiles, 40 bytes each. They are few but in made-up sets full of gaps.
+const MOST_SHARED: usize = 1 << 20;
+
+/// The question and the grid on which it is answered.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    pub region: Region,
+    pub radius: f64,
+    pub options: VerifyOptions,
+    pub domain: Domain,
+    pub scaled_radius: f64,
+    pub band: StreamBand,
+    /// Columns and rows of the whole region.
+    cells: [usize; 2],
+    /// Distance below which two places are the same.
+    same: f64,
+}
+
+impl Search {
+    pub fn new(
+        region: Region,
+        radius: f64,
+        options: VerifyOptions,
+        domain: Domain,
+        scaled_radius: f64,
+    ) -> Self {
+        let cells = domain.extent.map(|extent| {
+            // The largest counts are not used: no set of that many cells is streamed.
+            (extent / (CELL * scaled_radius)).clamp(1.0, 1e12) as usize
+        });
+        Self {
+            region,
+            radius,
+            options,
+            domain,
+            scaled_radius,
+            band: StreamBand::default(),
+            cells,
+            same: cover::same_place(&domain, scaled_radius),
+        }
+    }
+
+    /// Whether bands are possible; a region few cells wide or high, and one of too many cells
+    /// in a row, is held as a whole.
+    fn streams(&self) -> bool {
+        let [columns, rows] = self.cells;
+        let held = (self.band.rows + SEAM).saturating_mul(columns);
+        columns >= 8 && rows >= 4 * SEAM && held <= MOST_CELLS
+    }
+
+    /// The row of an ordinate in the domain's unit; it does not fall when that rises.
+    pub fn row(&self, y: f64) -> usize {
+        cell_at(&self.domain, self.cells, [0.0, y])[1]
+    }
+
+    /// The first row whose tiles need not wait for the end: those of a torus see the last rows.
+    fn first_tiles(&self) -> usize {
+        if self.domain.periodic { BELOW } else { 0 }
+    }
+
+    /// The first row whose pairs need not wait for the end: that of a torus may still get samples.
+    fn first_pairs(&self) -> usize {
+        usize::from(self.domain.periodic)
+    }
+
+    fn task<'a>(&self, grid: &'a Grid) -> Task<'a> {
+        let limit = (1.0 + self.options.covering_tolerance) * self.scaled_radius;
+        let witnesses = self.options.witnesses;
+        Task::with_same(grid, self.scaled_radius, limit, witnesses, self.same)
+    }
+}
+
+/// What is held of the set, and what was found out.
+#[derive(Clone, Debug)]
+pub(super) struct Bands {
+    /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
+    pub held: Vec<Entry>,
+    /// Samples of the first rows of a torus, once they are below `keep`.
+    pub seam: Vec<Entry>,
+    /// Rows below it are no longer in `held`.
+    pub keep: usize,
+    /// Rows below it have scanned their pairs and had their tiles looked at.
+    pub closed: usize,
+    /// Samples held at which to look for a complete band.
+    pub next: usize,
+    /// Tiles that want rows to come.
+    pub postponed: Vec<Visit>,
+    /// Tiles that want rows across the seam of a torus.
+    pub last: Vec<Visit>,
+    pub pairs: Pairs,
+    pub places: Places,
+    /// Work done, for the progress.
+    pub work: u64,
+}
+
+impl Bands {
+    pub fn new(search: &Search) -> Self {
+        let witnesses = search.options.witnesses;
+        Self {
+            held: Vec::new(),
+            seam: Vec::new(),
+            keep: 0,
+            closed: 0,
+            next: 0,
+            postponed: Vec::new(),
+            last: Vec::new(),
+            pairs: Pairs::new(witnesses),
+            places: Places::new(witnesses),
+            work: 0,
+        }
+    }
+
+    pub fn add(&mut self, entry: Entry) {
+        self.held.push(entry);
+    }
+
+    /// Judges the rows that are complete now that ordinates have reached `highest`, if they make a band.
+    pub fn judge_complete(
+        &mut self,
+        search: &Search,
+        highest: f64,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), VerifyError> {
+        let most = search.band.most_samples;
+        let samples = self.held.len() + self.seam.len();
+        if search.streams() {
+            // No sample can follow in the rows below that of the lowest ordinate still allowed.
+            let complete = search.row(highest - STREAM_LAG * search.scaled_radius);
+            let end = complete.saturating_sub(ABOVE);
+            let begin = self.closed.max(search.first_tiles());
+            let crowded =
+                samples > most || (complete - self.keep) * search.cells[0] > MOST_CELLS / 2;
+            let least = if crowded { 1 } else { search.band.rows };
+            let enough = self.held.len() >= self.next.max(search.band.samples) || crowded;
+            if enough && end >= begin + least.max(1) {
+                self.judge(search, begin..end, complete, monitor)?;
+                self.next = self.held.len() + search.band.samples;
+            }
+            let cells = (complete - self.keep).saturating_mul(search.cells[0]);
+            if cells > MOST_CELLS {
+                return Err(self.too_large(search));
+            }
+        }
+        if self.held.len() + self.seam.len() > most {
+            return Err(self.too_large(search));
+        }
+        Ok(())
+    }
+
+    fn too_large(&self, search: &Search) -> VerifyError {
+        VerifyError::BandTooLarge {
+            samples: self.held.len() + self.seam.len(),
+            limit: search.band.most_samples,
+        }
+    }
+
+    fn judge(
+        &mut self,
+        search: &Search,
+        rows: Range<usize>,
+        complete: usize,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), VerifyError> {
+        let first = self.keep.max(search.first_pairs());
+        let count = complete - first;
+        let parts = [&self.held[..], &[]];
+        let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
+        grid.check_duplicates()?;
+        let scanned = self.closed.max(search.first_pairs())..rows.end;
+        self.scan(search, &grid, scanned, monitor)?;
+        let task = search.task(&grid);
+        let mut visits = mem::take(&mut self.postponed);
+        visits.extend(new_visits(&task, rows.clone(), search));
+        for visit in self.visit(&task, visits, monitor)? {
+            self.postpone(search, first, visit)?;
+        }
+        if self.places.shared() > MOST_SHARED {
+            return Err(self.too_large(search));
+        }
+        self.closed = rows.end;
+        self.work = monitor.done();
+        self.forget(search);
+        Ok(())
+    }
+
+    fn scan(
+        &mut self,
+        search: &Search,
+        grid: &Grid,
+        rows: Range<usize>,
+        monitor: &Monitor<'_>,
+    ) -> Result<(), VerifyError> {
+        let witnesses = search.options.witnesses;
+        let found = pairs::scan(grid, rows, search.scaled_radius, witnesses, monitor)?;
+        self.pairs.merge(found);
+        Ok(())
+    }
+
+    fn visit(
+        &mut self,
+        task: &Task<'_>,
+        visits: Vec<Visit>,
+        monitor: &Monitor<'_>,
+    ) -> Result<Vec<Visit>, VerifyError> {
+        let (found, postponed) = cover::visit(task, visits, monitor)?;
+        let places = mem::replace(&mut self.places, Places::new(task.witnesses));
+        self.places = places.merge(found);
+        Ok(postponed)
+    }
+
+    /// Puts a tile off until the rows that it wants are there; refuses it if some are gone.
+    fn postpone(&mut self, search: &Search, first: usize, visit: Visit) -> Result<(), VerifyError> {
+        if search.domain.periodic && visit.wants.end <= SEAM as i64 {
+            self.last.push(visit);
+        } else if visit.wants.start >= first as i64 {
+            self.postponed.push(visit);
+        } else {
+            return Err(too_wide(search, &visit));
+        }
+        Ok(())
+    }
+
+    /// Drops the rows that nothing wants any more.
+    fn forget(&mut self, search: &Search) {
+        let wanted = (self.postponed.iter())
+            .map(|visit| visit.wants.start.max(0) as usize)
+            .fold(self.closed.saturating_sub(BELOW), usize::min);
+        self.keep = self.keep.max(wanted);
+        let (keep, seam) = (self.keep, &mut self.seam);
+        self.held.retain(|entry| {
+            let row = search.row(entry.position[1]);
+            if row < keep && row < SEAM && search.domain.periodic {
+                seam.push(*entry);
+            }
+            row >= keep
+        });
+    }
+
+    /// All samples in the caller's unit, if no band was judged.
+    pub fn take_unjudged(&mut self, search: &Search) -> Option<Vec<[f64; 2]>> {
+        (self.closed == 0).then(|| {
+            let scale = search.domain.scale;
+            let held = mem::take(&mut self.held);
+            let unscaled = |entry: Entry| entry.position.map(|value| value / scale);
+            held.into_iter().map(unscaled).collect()
+        })
+    }
+
+    /// Judges what is left, the seam of a torus included.
+    pub fn finish(&mut self, search: &Search, monitor: &Monitor<'_>) -> Result<Found, VerifyError> {
+        let all = search.cells[1];
+        let periodic = search.domain.periodic;
+        let count = all - self.keep + if periodic { SEAM } else { 0 };
+        let (first, count) = (self.keep, count.min(all));
+        if count.saturating_mul(search.cells[0]) > MOST_CELLS {
+            return Err(self.too_large(search));
+        }
+        let (held, seam) = (mem::take(&mut self.held), mem::take(&mut self.seam));
+        let parts = [&held[..], &seam[..]];
+        let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
+        drop((held, seam));
+        grid.check_duplicates()?;
+        self.scan(search, &grid, self.closed..all, monitor)?;
+        self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
+        let task = search.task(&grid);
+        let mut visits = mem::take(&mut self.postponed);
+        visits.append(&mut self.last);
+        visits.extend(new_visits(&task, self.closed..all, search));
+        visits.extend(new_visits(&task, 0..search.first_tiles(), search));
+        if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
+            return Err(too_wide(search, visit));
+        }
+        self.work = monitor.done();
+        let limit = pairs::certain_distance(&grid);
+        if self.pairs.min_distance > limit {
+            let scale = search.domain.scale;
+            let (min_distance, limit) = (self.pairs.min_distance / scale, limit / scale);
+            return Err(VerifyError::TooSparse {
+                min_distance,
+                limit,
+            });
+        }
+        let places = mem::replace(&mut self.places, Places::new(0));
+        let pairs = mem::replace(&mut self.pairs, Pairs::new(0));
+        let cover = places.finish(&search.domain, search.same);
+        Ok(Found { pairs, cover })
+    }
+}
+
+fn new_visits(task: &Task<'_>, rows: Range<usize>, search: &Search) -> Vec<Visit> {
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    let tiles = cover::split(task.grid, rows, search.options.tile_samples);
+    let visits = tiles.into_iter().map(|tile| Visit::first(task, tile));
+    visits.collect()
+}
+
+fn too_wide(search: &Search, visit: &Visit) -> VerifyError {
+    let scale = search.domain.scale;
+    VerifyError::HoleTooWide {
+        corner: visit.tile.low.map(|value| value / scale),
+        reach: visit.halo / scale,
+    }
+}

@@ -1,0 +1,294 @@
+//! The judge of sets too large for memory: the same verdict, while the samples pass by once.
+//! It takes positions in nearly row order, judges a band of rows as soon as it is complete and keeps
+//! only what later bands need. It never guesses: what it cannot judge exactly it refuses.
+//!
+//! # Why it says what [`verify`](crate::verify) says
+//!
+//! The grid of the whole region is fixed beforehand by the radius, and a band holds some of its rows
+//! under their places in the whole ([`Grid::of_rows`](crate::grid::Grid::of_rows)). Both searches work on
+//! it with the coordinates, and so with the bits, that they see in the whole set. Each row scans its
+//! pairs once, with the row above. A tile is looked at through a window that is proven wide
+//! enough; one that wants rows not there yet is postponed until they are. Gaps on the sides of tiles are
+//! settled at the end, all together, as for a set in memory.
+//!
+//! # The seams of a torus
+//!
+//! The first rows are kept to the end and judged with the last ones. The very first row stays open
+//! all the time: a file that rounds to 32 bits moves samples of the last row across the seam, so that they
+//! arrive last and lie at zero.
+
+mod bands;
+mod saved;
+
+use std::ops::ControlFlow;
+
+use crate::cover::on_a_line;
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::{Entry, Grid};
+use crate::monitor::{Monitor, Progress};
+use crate::region::{Boundary, Region};
+use crate::report::Report;
+use crate::verify::{VerifyOptions, check_point, check_tolerance, verify};
+use bands::{Bands, Search};
+
+/// How far, in radii, an ordinate may lie below the highest one before it. Our samplers' order is by
+/// rows of cells of one radius, up to one unit of their lattice in 2^15; the rest is room for rounding.
+pub const STREAM_LAG: f64 = 1.0 + 1.0 / 16.0;
+
+/// How much of a stream is held at a time. It decides memory and speed, never the verdict.
+#[derive(Clone, Copy, Debug)]
+pub struct StreamBand {
+    /// Samples after which a band is judged. It takes about 60 bytes for each.
+    pub samples: usize,
+    /// Least rows of a band; a row is 1.3 radii high. Fewer than 30 make the overlaps costly.
+    pub rows: usize,
+    /// Most samples held. A set that wants more is refused with [`VerifyError::BandTooLarge`].
+    pub most_samples: usize,
+}
+
+impl Default for StreamBand {
+    fn default() -> Self {
+        Self {
+            samples: 1 << 20,
+            rows: 32,
+            most_samples: 1 << 22,
+        }
+    }
+}
+
+/// Verifies a set that arrives in pieces, in nearly row order, in bounded memory.
+///
+/// The report is that of [`verify`] on the whole sequence: counts, extremes and witnesses, up to the rounding
+/// of circles on the very side of a tile. Exactly cocircular samples count as there.
+///
+/// The contract: after a sample of ordinate `y` none may follow below `y` less [`STREAM_LAG`]
+/// radii, but for the lowest radius of a torus, where samples may come at any time. It is checked.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use tilescope_analysis::{Boundary, Region, StreamVerifier, VerifyOptions};
+///
+/// let region = Region { width: 8.0, height: 8.0, boundary: Boundary::Periodic };
+/// let go_on = |_| ControlFlow::Continue(());
+/// let mut verifier = StreamVerifier::new(region, 1.0, &VerifyOptions::default())?;
+/// for row in 0..8 {
+///     let row: Vec<_> = (0..8).map(|column| [f64::from(column), f64::from(row)]).collect();
+///     verifier.push(&row, &go_on)?;
+/// }
+/// assert!(verifier.finish(&go_on)?.valid());
+/// # Ok::<(), tilescope_analysis::VerifyError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct StreamVerifier {
+    search: Search,
+    bands: Bands,
+    intake: Intake,
+    /// Samples that the caller expects, for the progress alone.
+    expected: u64,
+    /// What was wrong; there is no verdict after it.
+    fault: Option<VerifyError>,
+}
+
+impl StreamVerifier {
+    /// A verifier of a set of which nothing has arrived.
+    ///
+    /// # Errors
+    ///
+    /// [`VerifyError::BadRegion`], [`VerifyError::BadRadius`] and [`VerifyError::BadTolerance`], as [`verify`].
+    pub fn new(region: Region, radius: f64, options: &VerifyOptions) -> Result<Self, VerifyError> {
+        let domain = Domain::new(region)?;
+        let scaled_radius = domain.scale_radius(radius)?;
+        check_tolerance(options.covering_tolerance)?;
+        let search = Search::new(region, radius, options.clone(), domain, scaled_radius);
+        let bands = Bands::new(&search);
+        Ok(Self {
+            search,
+            bands,
+            intake: Intake::default(),
+            expected: 0,
+            fault: None,
+        })
+    }
+
+    /// The same with bands of another size.
+    #[must_use]
+    pub fn with_band(mut self, band: StreamBand) -> Self {
+        self.search.band = band;
+        self
+    }
+
+    /// The same with the number of samples that will come, which the progress then reports as the total.
+    #[must_use]
+    pub fn expecting(mut self, count: u64) -> Self {
+        self.expected = count;
+        self
+    }
+
+    /// How far an ordinate may lie below the highest one before it, in the unit of the samples.
+    #[must_use]
+    pub fn lag(&self) -> f64 {
+        STREAM_LAG * self.search.radius
+    }
+
+    /// Samples taken so far.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.intake.count as u64
+    }
+
+    /// Takes the next samples, and judges a band when enough rows are complete.
+    ///
+    /// `control` is called at least once, from any thread of the current rayon pool; `Break` cancels.
+    ///
+    /// # Errors
+    ///
+    /// As [`verify`], with the index in the whole sequence, and what only a stream can suffer:
+    /// [`VerifyError::OutOfOrder`], [`VerifyError::HoleTooWide`], [`VerifyError::BandTooLarge`]; for these
+    /// [`VerifyError::needs_memory`] is true. The verifier then repeats its error and gives no verdict.
+    pub fn push(
+        &mut self,
+        points: &[[f64; 2]],
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<(), VerifyError> {
+        self.guarded(|this| this.take(points, control))
+    }
+
+    /// The verdict on all that came.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::push`], [`VerifyError::Empty`], [`VerifyError::Collinear`], and [`VerifyError::TooSparse`] for
+    /// a set without any two samples near each other.
+    pub fn finish(
+        mut self,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Report, VerifyError> {
+        self.guarded(|this| this.report(control))
+    }
+
+    /// Does some work unless something was wrong before, and remembers what goes wrong.
+    fn guarded<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<T, VerifyError>,
+    ) -> Result<T, VerifyError> {
+        if let Some(fault) = &self.fault {
+            return Err(fault.clone());
+        }
+        let outcome = work(self);
+        if let Err(fault) = &outcome {
+            self.fault = Some(fault.clone());
+        }
+        outcome
+    }
+
+    fn take(&mut self, points: &[[f64; 2]], control: Control<'_>) -> Result<(), VerifyError> {
+        let monitor = self.monitor(control);
+        monitor.advance(0)?;
+        for piece in points.chunks(PIECE) {
+            for &point in piece {
+                let entry = self.intake.entry(point, &self.search)?;
+                self.bands.add(entry);
+            }
+            self.bands
+                .judge_complete(&self.search, self.intake.highest, &monitor)?;
+        }
+        Ok(())
+    }
+
+    fn report(&mut self, control: Control<'_>) -> Result<Report, VerifyError> {
+        let (region, radius) = (self.search.region, self.search.radius);
+        if let Some(all) = self.bands.take_unjudged(&self.search) {
+            return verify(&all, region, radius, &self.search.options, control);
+        }
+        self.intake.check_line(&self.search)?;
+        let monitor = self.monitor(control);
+        let found = self.bands.finish(&self.search, &monitor)?;
+        let search = &self.search;
+        let (domain, options) = (&search.domain, &search.options);
+        Ok(Report::new(
+            (
+                self.intake.count,
+                region,
+                radius,
+                options.covering_tolerance,
+            ),
+            domain,
+            found,
+        ))
+    }
+
+    fn monitor<'a>(&self, control: Control<'a>) -> Monitor<'a> {
+        let total = self.expected.max(self.count());
+        // Both searches go over all samples.
+        Monitor::resumed(control, self.bands.work, 2 * total)
+    }
+}
+
+type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
+
+/// Samples taken between two looks at whether a band is complete.
+const PIECE: usize = 4096;
+
+/// What is known of the samples as they come.
+#[derive(Clone, Debug, Default)]
+struct Intake {
+    count: usize,
+    /// The highest ordinate so far, in the domain's unit.
+    highest: f64,
+    /// The first two samples.
+    first: Vec<[f64; 2]>,
+    /// Whether a sample was off the line through them.
+    plane: bool,
+}
+
+impl Intake {
+    /// Checks a sample and gives it its index.
+    fn entry(&mut self, point: [f64; 2], search: &Search) -> Result<Entry, VerifyError> {
+        let index = self.count;
+        check_point(index, point, search.region)?;
+        if index >= Grid::MAX_SAMPLES {
+            let (count, limit) = (index.saturating_add(1), Grid::MAX_SAMPLES);
+            return Err(VerifyError::TooMany { count, limit });
+        }
+        let position = search.domain.scale_point(point);
+        let limit = self.highest - STREAM_LAG * search.scaled_radius;
+        if position[1] < limit && !(search.domain.periodic && search.row(position[1]) == 0) {
+            return Err(VerifyError::OutOfOrder {
+                index,
+                value: point[1],
+                limit: limit / search.domain.scale,
+            });
+        }
+        self.highest = self.highest.max(position[1]);
+        if !self.plane {
+            self.look_for_a_plane(position);
+        }
+        self.count += 1;
+        let id = index as u32;
+        Ok(Entry { position, id })
+    }
+
+    fn look_for_a_plane(&mut self, position: [f64; 2]) {
+        match self.first[..] {
+            [first, second] => self.plane = !on_a_line([first, second, position]),
+            _ => self.first.push(position),
+        }
+    }
+
+    /// Refuses what [`verify`] refuses as a misread file.
+    fn check_line(&self, search: &Search) -> Result<(), VerifyError> {
+        let [first, second] = self.first[..] else {
+            return Ok(());
+        };
+        if search.region.boundary == Boundary::Periodic || self.plane || self.count < 3 {
+            return Ok(());
+        }
+        let unscaled = |position: [f64; 2]| position.map(|value| value / search.domain.scale);
+        Err(VerifyError::Collinear {
+            count: self.count,
+            first: unscaled(first),
+            second: unscaled(second),
+        })
+    }
+}

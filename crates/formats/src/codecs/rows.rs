@@ -1,0 +1,182 @@
+//! Files that are a head and then a row for each point, some rows at a time.
+//!
+//! The same layouts, functions and refusals as for whole files. Never sees more of a file than it is handed and
+//! keeps nothing of it but the state of its reading.
+
+use super::{csv, npy, ply, utk};
+use crate::binary::{self, Endian};
+use crate::error::FormatError;
+use crate::format::{Format, Precision};
+use crate::point_set::{PointSet, Provenance};
+use crate::text::without_bom;
+
+/// The head of a file of `count` points in a format that [streams](Format::streams), empty where it has none.
+/// Its length does not depend on the count.
+pub(crate) fn head(
+    format: Format,
+    precision: Precision,
+    count: u64,
+    provenance: bool,
+) -> Result<Vec<u8>, FormatError> {
+    Ok(match format {
+        Format::Csv => csv::HEAD.to_vec(),
+        Format::UtkBinary => utk::head(count, precision)?,
+        Format::Npy => npy::head(count, precision),
+        Format::PlyBinary => ply::binary_head(count, precision, provenance),
+        _ => Vec::new(),
+    })
+}
+
+/// Appends the rows of points given in file coordinates.
+pub(crate) fn push_rows(
+    out: &mut Vec<u8>,
+    points: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    format: Format,
+    precision: Precision,
+) {
+    match format {
+        Format::Csv => csv::push_rows(out, points),
+        Format::PlyBinary => ply::push_rows(out, points, provenance, precision),
+        _ => binary::push_pairs(out, points, precision),
+    }
+}
+
+/// How the rows of a file lie in it.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    pub rows: Rows,
+    pub precision: Precision,
+    /// Where the rows begin.
+    pub offset: u64,
+    /// How many there are, where the file says so.
+    pub count: Option<u64>,
+    /// Whether something else may follow the rows.
+    pub followed: bool,
+}
+
+impl Layout {
+    /// The layout of a file of `format` that begins with `start`; none where rows of one set do not follow
+    /// each other.
+    pub fn of(start: &[u8], format: Format) -> Result<Option<Self>, FormatError> {
+        let pairs = |precision, endian, offset, count| {
+            let kind = Kind::Pairs(precision, endian);
+            Self::new(format, kind, precision, offset, count)
+        };
+        Ok(match format {
+            Format::Csv => {
+                let kind = Kind::Csv(csv::Table::default());
+                Some(Self::new(format, kind, Precision::Double, 0, None))
+            }
+            Format::PsaRps => Some(pairs(Precision::Single, Endian::Little, 0, None)),
+            Format::UtkBinary => {
+                let head = utk::read_head(start)?;
+                let count = Some(u64::from(head.count));
+                let layout = pairs(head.precision, Endian::Little, utk::HEADER_BYTES, count);
+                (head.sets == 1).then_some(layout)
+            }
+            Format::Npy => {
+                let (head, offset) = npy::read_head(start)?;
+                let layout = pairs(head.precision, head.endian, offset, Some(head.count));
+                (!head.fortran).then_some(layout)
+            }
+            Format::PlyBinary => ply::read_head(start)?.map(|head| Self {
+                followed: head.followed,
+                ..Self::new(
+                    format,
+                    Kind::Ply(head.table),
+                    head.precision,
+                    head.offset,
+                    Some(head.count),
+                )
+            }),
+            _ => None,
+        })
+    }
+
+    fn new(
+        format: Format,
+        kind: Kind,
+        precision: Precision,
+        offset: u64,
+        count: Option<u64>,
+    ) -> Self {
+        let rows = Rows {
+            format,
+            kind,
+            next: 0,
+        };
+        Self {
+            rows,
+            precision,
+            offset,
+            count,
+            followed: false,
+        }
+    }
+}
+
+/// Reads rows, one piece of a file after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows {
+    format: Format,
+    kind: Kind,
+    /// Rows, or lines, read so far.
+    next: u64,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Pairs(Precision, Endian),
+    Ply(ply::BinaryTable),
+    Csv(csv::Table),
+}
+
+impl Rows {
+    /// Bytes of a row; none for lines of text.
+    pub fn width(&self) -> Option<usize> {
+        match &self.kind {
+            Kind::Pairs(precision, _) => Some(2 * precision.bytes()),
+            Kind::Ply(table) => Some(table.width()),
+            Kind::Csv(_) => None,
+        }
+    }
+
+    /// How many of `bytes` are whole rows, or lines with their end.
+    pub fn whole(&self, bytes: &[u8]) -> usize {
+        match self.width() {
+            Some(width) => bytes.len() - bytes.len() % width,
+            None => (bytes.iter().rposition(|&b| b == b'\n')).map_or(0, |end| end + 1),
+        }
+    }
+
+    /// The points of the next whole rows, or lines, in file coordinates.
+    pub fn read(&mut self, bytes: &[u8]) -> Result<PointSet, FormatError> {
+        match &mut self.kind {
+            Kind::Pairs(precision, endian) => {
+                let points = binary::pairs(bytes, self.next, *precision, *endian, self.format)?;
+                self.next += points.len() as u64;
+                Ok(PointSet::from_points(points))
+            }
+            Kind::Ply(table) => {
+                let mut set = table.new_set();
+                table.take(bytes, self.next, &mut set)?;
+                self.next += set.len() as u64;
+                Ok(set)
+            }
+            Kind::Csv(table) => {
+                let mut points = Vec::new();
+                let first = self.next == 0;
+                let bytes = if first { without_bom(bytes) } else { bytes };
+                for line in bytes.split_inclusive(|&b| b == b'\n') {
+                    self.next += 1;
+                    let row = line.trim_ascii();
+                    if !row.is_empty() && row[0] != b'#' {
+                        table.take(row, self.next, &mut points)?;
+                    }
+                }
+                Ok(PointSet::from_points(points))
+            }
+        }
+    }
+}

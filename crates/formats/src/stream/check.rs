@@ -1,0 +1,155 @@
+//! Re-verification in bounded memory, with the whole file in memory where that is the better way.
+//!
+//! A small file is read whole, and so is one that a stream cannot judge (points in no order of rows, a wide hole),
+//! up to a limit. Never gives another answer than [`check`](crate::check).
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use tilescope_analysis::{Progress, Report, StreamVerifier};
+
+use super::read::StreamReader;
+use crate::certificate::Certificate;
+use crate::check::{Check, CheckError, Difference, Found, Judged, Overrides, differences};
+use crate::detect::Detection;
+use crate::digest::{add_positions, digest_text};
+use crate::files::{check, io_error};
+use crate::format::Precision;
+
+/// Files up to this many bytes, 32 MiB, are read whole: that takes about 150 MB for two million points.
+pub const WHOLE_FILE_BYTES: u64 = 32 << 20;
+
+/// Most points of a file that is checked in memory because a stream cannot judge it, 2^28: it takes about
+/// 76 bytes for each, in all 20 GB.
+pub const MOST_IN_MEMORY: u64 = 1 << 28;
+
+/// The outcome of a check, without the points.
+#[derive(Clone, Debug)]
+pub struct StreamCheck {
+    /// The format and how it was recognised.
+    pub detection: Detection,
+    /// Number type of the file's coordinates.
+    pub precision: Precision,
+    /// The certificate beside or inside the file, if there is one.
+    pub certificate: Option<Certificate>,
+    /// The verdict on the file as it is.
+    pub report: Report,
+    /// Where the certificate is wrong; empty without one.
+    pub differences: Vec<Difference>,
+}
+
+impl StreamCheck {
+    /// Whether the set is valid and, if there is a certificate, every statement of it true.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.report.valid() && self.differences.is_empty()
+    }
+}
+
+impl From<Check> for StreamCheck {
+    fn from(check: Check) -> Self {
+        Self {
+            detection: check.detection,
+            precision: check.precision,
+            certificate: check.certificate,
+            report: check.report,
+            differences: check.differences,
+        }
+    }
+}
+
+/// Re-verifies the file `path` against the certificate beside or inside it, as [`check`](crate::check) does, without
+/// holding its points if it is large and in row order.
+///
+/// # Errors
+///
+/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file of more than [`MOST_IN_MEMORY`] points that
+/// a stream cannot judge.
+pub fn check_stream(
+    path: &Path,
+    overrides: &Overrides,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<StreamCheck, CheckError> {
+    check_from(path, overrides, WHOLE_FILE_BYTES, control)
+}
+
+/// The same with files up to `whole` bytes read whole.
+pub(super) fn check_from(
+    path: &Path,
+    overrides: &Overrides,
+    whole: u64,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<StreamCheck, CheckError> {
+    let in_memory = || check(path, overrides, control).map(StreamCheck::from);
+    let length = fs::metadata(path).map_err(|e| io_error(path, e))?.len();
+    if length <= whole || overrides.set.is_some() {
+        return in_memory();
+    }
+    let Ok(reader) = StreamReader::try_open(path, overrides.format, true)? else {
+        return in_memory();
+    };
+    let shuffled = (reader.certificate()).is_some_and(|stated| stated.shuffle_seed.is_some());
+    if shuffled && reader.count().is_none_or(|count| count <= MOST_IN_MEMORY) {
+        return in_memory();
+    }
+    // No point of a text file takes less than four bytes.
+    let count = reader.count().unwrap_or(length / 4);
+    match in_pieces(reader, overrides, control) {
+        Err(CheckError::Verify(source)) if source.needs_memory() => {
+            let limit = MOST_IN_MEMORY;
+            if count > limit {
+                return Err(CheckError::TooLarge {
+                    count,
+                    limit,
+                    source,
+                });
+            }
+            in_memory()
+        }
+        outcome => outcome,
+    }
+}
+
+fn in_pieces(
+    mut reader: StreamReader,
+    overrides: &Overrides,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<StreamCheck, CheckError> {
+    let (detection, precision) = (reader.detection(), reader.precision());
+    let certificate = reader.certificate().cloned();
+    let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
+    let verifier = StreamVerifier::new(judged.region, judged.radius, &judged.options)?;
+    let mut verifier = verifier.expecting(reader.count().unwrap_or(0));
+    let mut positions = certificate.as_ref().map(|_| blake3::Hasher::new());
+    while let Some(mut points) = reader.next_stored()? {
+        if let Some(hasher) = &mut positions {
+            add_positions(hasher, &points);
+        }
+        for point in &mut points {
+            *point = judged.mapping.domain_from_file(*point);
+        }
+        verifier.push(&points, control)?;
+    }
+    let report = verifier.finish(control)?;
+    let digest = match &certificate {
+        Some(stated) if stated.digest.is_some() => reader.finish_digest()?,
+        _ => None,
+    };
+    let found = Found {
+        format: detection.format,
+        precision,
+        digest,
+        positions_digest: positions.as_ref().map_or_else(String::new, digest_text),
+    };
+    let differences = (certificate.as_ref())
+        .map(|stated| differences(stated, &judged, &found, &report))
+        .unwrap_or_default();
+    Ok(StreamCheck {
+        detection,
+        precision,
+        certificate,
+        report,
+        differences,
+    })
+}

@@ -1,0 +1,518 @@
+//! Validated export while the points pass by.
+//!
+//! What is judged was decoded from the encoded bytes, and before the file gets its name it is read back and compared
+//! with them. Never holds the set, and never replaces a file before the new one is proven.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use tilescope_analysis::{Progress, StreamBand};
+
+use super::judge::{Judges, unjudged};
+use super::partial::Partial;
+use super::resume::{self, Checkpoint, StateFile};
+use crate::certificate::Certificate;
+use crate::codecs::rows::{Layout, Rows, head, push_rows};
+use crate::codecs::{Target, check_target};
+use crate::error::FormatError;
+use crate::export::{Control, ExportContext, ExportError, Warning, certificate, target, warnings};
+use crate::files::{Exported, Temporary, certificate_path, file_name, io_error, publish};
+use crate::point_set::Provenance;
+use crate::{binary, digest};
+
+/// Points encoded, decoded and judged at a time.
+const PIECE: usize = 1 << 14;
+
+/// How to write a stream.
+#[derive(Clone, Copy, Debug)]
+pub struct StreamOptions {
+    /// Whether to judge the points as they are stored. Without it there is no certificate, for a
+    /// certificate says what was verified, and one that lies beside an older file of the name is removed.
+    pub verify: bool,
+    /// Whether [`StreamExport::checkpoint`] may be called. What is left of an interrupted export
+    /// then stays, once there is a checkpoint.
+    pub resumable: bool,
+}
+
+impl Default for StreamOptions {
+    fn default() -> Self {
+        Self {
+            verify: true,
+            resumable: false,
+        }
+    }
+}
+
+/// A finished stream.
+#[derive(Clone, Debug)]
+pub struct Streamed {
+    /// The data file.
+    pub path: PathBuf,
+    /// Points written.
+    pub count: u64,
+    /// Bytes of the data file.
+    pub bytes: u64,
+    /// What [`export`](crate::export) would have returned; none if the stream was not verified.
+    pub verified: Option<Exported>,
+    /// What to tell the user.
+    pub warnings: Vec<Warning>,
+}
+
+/// Writes a set to a file while its points pass by, and a certificate beside it.
+///
+/// The finished bytes and the certificate are those of [`export`](crate::export) of the whole set. Points are in
+/// domain units and come in nearly row order, see [`StreamVerifier`](tilescope_analysis::StreamVerifier);
+/// unverified ones come in any order. Until [`Self::finish`] the file is called [`partial_path`](crate::partial_path) and a
+/// file of the final name is as it was. Dropped unfinished, the export leaves nothing behind, unless it can be
+/// resumed from a checkpoint. Two exports of one name at a time spoil each other.
+#[derive(Debug)]
+pub struct StreamExport {
+    path: PathBuf,
+    name: String,
+    context: ExportContext,
+    target: Target,
+    options: StreamOptions,
+    partial: Partial,
+    judges: Option<Judges>,
+    /// Reads the own rows; none before the first point.
+    rows: Option<Rows>,
+    count: u64,
+    /// Whether points come with their provenance.
+    provenance: bool,
+    /// The state that the last checkpoint refers to.
+    state: Option<StateFile>,
+    /// Whether what is there can be resumed.
+    kept: bool,
+    failed: bool,
+}
+
+impl StreamExport {
+    /// An export of no point yet. An interrupted export of the same name is given up.
+    ///
+    /// # Errors
+    ///
+    /// [`ExportError::NotStreamed`], [`ExportError::ShuffledStream`], [`ExportError::Format`] for an
+    /// unknown format or a file that cannot be made, [`ExportError::Verify`] for a region or radius that cannot be judged.
+    pub fn create(
+        path: &Path,
+        context: &ExportContext,
+        options: StreamOptions,
+    ) -> Result<Self, ExportError> {
+        let target = stream_target(path, context)?;
+        let judges = options
+            .verify
+            .then(|| Judges::new(target, context))
+            .transpose()?;
+        resume::remove(path);
+        let partial = Partial::create(path)?;
+        let mut export = Self::new(path, context, target, options, partial)?;
+        export.judges = judges;
+        Ok(export)
+    }
+
+    fn new(
+        path: &Path,
+        context: &ExportContext,
+        target: Target,
+        options: StreamOptions,
+        partial: Partial,
+    ) -> Result<Self, ExportError> {
+        Ok(Self {
+            path: path.to_owned(),
+            name: file_name(path)?,
+            context: context.clone(),
+            target,
+            options,
+            partial,
+            judges: None,
+            rows: None,
+            count: 0,
+            provenance: false,
+            state: None,
+            kept: false,
+            failed: false,
+        })
+    }
+
+    /// The same with the number of points that will come, for the progress alone.
+    #[must_use]
+    pub fn expecting(mut self, count: u64) -> Self {
+        self.judges = self.judges.take().map(|judges| judges.expecting(count));
+        self
+    }
+
+    /// The same with bands of another size for the verifier.
+    #[must_use]
+    pub fn with_band(mut self, band: StreamBand) -> Self {
+        self.judges = self.judges.take().map(|judges| judges.with_band(band));
+        self
+    }
+
+    /// Points taken so far.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Encodes, judges and writes the next points, with their provenance or always without.
+    ///
+    /// # Errors
+    ///
+    /// [`ExportError`]; the export is then of no more use than to be dropped.
+    pub fn push(
+        &mut self,
+        points: &[[f64; 2]],
+        provenance: Option<&[Provenance]>,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<(), ExportError> {
+        self.guarded(|this| this.take(points, provenance, control))
+    }
+
+    /// Makes what was taken so far durable, with `token` for the caller's own state. After an interruption
+    /// [`Self::resume`] goes on from here.
+    ///
+    /// It waits for the device and writes about 24 bytes for each sample that the verifier holds.
+    ///
+    /// # Errors
+    ///
+    /// [`ExportError::Resume`] for an export that was not asked to be resumable, and as [`Self::push`].
+    pub fn checkpoint(&mut self, token: &Value) -> Result<(), ExportError> {
+        if !self.options.resumable {
+            return Err(ExportError::Resume {
+                path: self.path.display().to_string(),
+                reason: "the export was not begun as one that can be".to_owned(),
+            });
+        }
+        self.guarded(|this| this.save(token))
+    }
+
+    /// The interrupted export of `path`, ready for the points after its last checkpoint, and the token
+    /// of that. `context` must be that of the interrupted export.
+    ///
+    /// # Errors
+    ///
+    /// [`ExportError::Resume`] with what is missing, too short, damaged or of another context; all is left as it is.
+    pub fn resume(path: &Path, context: &ExportContext) -> Result<(Self, Value), ExportError> {
+        let target = stream_target(path, context)?;
+        let checkpoint = Checkpoint::read(path)?;
+        checkpoint.suits(path, &target, context)?;
+        let mut judges = (checkpoint.verify)
+            .then(|| Judges::new(target, context))
+            .transpose()?;
+        if let (Some(judges), Some(state)) = (&mut judges, &checkpoint.state) {
+            state.restore(path, judges, context)?;
+            judges.largest_shift = checkpoint.largest_shift;
+        }
+        let options = StreamOptions {
+            verify: checkpoint.verify,
+            resumable: true,
+        };
+        let partial = resume::reopen(path, &checkpoint)?;
+        let mut export = Self::new(path, context, target, options, partial)?;
+        // Whatever goes wrong from here on, the files are as useful as before.
+        (export.kept, export.judges) = (true, judges);
+        (export.count, export.state) = (checkpoint.count, checkpoint.state.clone());
+        export.take_over(&checkpoint)?;
+        Ok((export, checkpoint.token))
+    }
+
+    /// Reads the rows of the checkpoint again, for the digests.
+    fn take_over(&mut self, checkpoint: &Checkpoint) -> Result<(), ExportError> {
+        let head = match checkpoint.provenance {
+            Some(provenance) => self.begin(provenance)?,
+            None => Vec::new(),
+        };
+        let (path, rows, judges) = (&self.path, &mut self.rows, &mut self.judges);
+        let taken = self.partial.take_over(head, checkpoint.bytes, |bytes| {
+            resume::read_rows(bytes, path, rows.as_mut(), judges.as_mut())
+        });
+        taken?;
+        checkpoint.matches(&self.path, &self.partial.rows_digest())?;
+        Ok(self.partial.truncate(checkpoint.bytes)?)
+    }
+
+    /// Settles the head and how rows are read.
+    fn begin(&mut self, provenance: bool) -> Result<Vec<u8>, ExportError> {
+        let (format, precision) = (self.target.format, self.target.precision);
+        self.provenance = provenance;
+        let carried = provenance && format.carries_provenance();
+        let start = head(format, precision, 1, carried)?;
+        let layout = Layout::of(&start, format)?.ok_or(ExportError::NotStreamed { format })?;
+        let mut rows = layout.rows;
+        if layout.offset == 0 {
+            rows.read(&start)?;
+        }
+        self.rows = Some(rows);
+        Ok(start)
+    }
+
+    fn take(
+        &mut self,
+        points: &[[f64; 2]],
+        provenance: Option<&[Provenance]>,
+        control: Control<'_>,
+    ) -> Result<(), ExportError> {
+        if points.is_empty() {
+            return Ok(());
+        }
+        if self.rows.is_none() {
+            let head = self.begin(provenance.is_some())?;
+            self.partial.begin(head)?;
+        }
+        let found = provenance.map_or(0, <[_]>::len);
+        let expected = if self.provenance { points.len() } else { 0 };
+        if found != expected {
+            let points = points.len();
+            return Err(FormatError::Provenance { found, points }.into());
+        }
+        // The head says whether so many can be counted.
+        self.head(self.count + points.len() as u64)?;
+        for (index, piece) in points.chunks(PIECE).enumerate() {
+            let first = index * PIECE;
+            let provenance = provenance.map(|all| &all[first..first + piece.len()]);
+            self.take_piece(piece, provenance, control)?;
+        }
+        Ok(())
+    }
+
+    fn head(&self, count: u64) -> Result<Vec<u8>, FormatError> {
+        let format = self.target.format;
+        let carried = self.provenance && format.carries_provenance();
+        head(format, self.target.precision, count, carried)
+    }
+
+    fn take_piece(
+        &mut self,
+        points: &[[f64; 2]],
+        provenance: Option<&[Provenance]>,
+        control: Control<'_>,
+    ) -> Result<(), ExportError> {
+        let (mapping, format) = (self.target.mapping(), self.target.format);
+        let mut stored = Vec::with_capacity(points.len());
+        for (&point, index) in points.iter().zip(self.count..) {
+            let place = mapping.file_from_domain(point);
+            for value in place {
+                binary::finite(value, format, index)?;
+            }
+            stored.push(place);
+        }
+        let start = self.partial.rows.len();
+        let carried = provenance.filter(|_| format.carries_provenance());
+        let precision = self.target.precision;
+        push_rows(&mut self.partial.rows, &stored, carried, format, precision);
+        if let (Some(judges), Some(rows)) = (&mut self.judges, &mut self.rows) {
+            let decoded = rows.read(&self.partial.rows[start..])?;
+            compare(
+                &stored,
+                carried,
+                &decoded.points,
+                decoded.provenance.as_deref(),
+            )?;
+            judges.take(points, &decoded.points, control)?;
+        }
+        self.count += points.len() as u64;
+        Ok(self.partial.flush(false)?)
+    }
+
+    fn save(&mut self, token: &Value) -> Result<(), ExportError> {
+        self.partial.sync()?;
+        let old = self.state.take();
+        if let Some(judges) = &self.judges {
+            self.state = Some(StateFile::write(
+                &self.path,
+                old.as_ref(),
+                judges,
+                &self.target,
+            )?);
+        }
+        let checkpoint = Checkpoint {
+            version: resume::VERSION,
+            token: token.clone(),
+            count: self.count,
+            bytes: self.partial.bytes(),
+            rows_digest: self.partial.rows_digest(),
+            provenance: self.rows.is_some().then_some(self.provenance),
+            format: self.target.format,
+            precision: self.target.precision,
+            region: self.context.region,
+            radius: self.context.radius,
+            verify: self.options.verify,
+            largest_shift: self.judges.as_ref().map_or(0.0, |j| j.largest_shift),
+            state: self.state.clone(),
+        };
+        checkpoint.write(&self.path)?;
+        self.kept = true;
+        if let Some(old) = old {
+            old.remove(&self.path);
+        }
+        Ok(())
+    }
+
+    /// Proves the file, gives it its name and writes the certificate.
+    ///
+    /// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+    ///
+    /// # Errors
+    ///
+    /// [`ExportError`]; a file that was there is as it was, and what can be resumed still can.
+    pub fn finish(
+        mut self,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Streamed, ExportError> {
+        let streamed = self.guarded(|this| this.complete(control))?;
+        resume::remove(&self.path);
+        Ok(streamed)
+    }
+
+    /// Removes all that was written, the checkpoint, too.
+    pub fn discard(mut self) {
+        self.kept = false;
+    }
+
+    fn complete(&mut self, control: Control<'_>) -> Result<Streamed, ExportError> {
+        let (format, count) = (self.target.format, self.count);
+        if count == 0 {
+            return Err(FormatError::Empty { format }.into());
+        }
+        let head = self.head(count)?;
+        self.partial.complete(head)?;
+        let certificate = self.certify(control)?;
+        let digest = self.read_back(certificate.is_some(), control)?;
+        let bytes = self.partial.bytes();
+        let (path, mut verified) = (self.path.clone(), None);
+        match certificate {
+            Some((mut certificate, report)) => {
+                certificate.digest = digest;
+                self.publish(&certificate)?;
+                verified = Some(Exported {
+                    certificate_path: certificate_path(&path),
+                    path: path.clone(),
+                    warnings: warnings(self.provenance, format, &certificate),
+                    certificate,
+                    report,
+                });
+            }
+            None => self.publish_uncertified()?,
+        }
+        let left_out = self.provenance && !format.carries_provenance();
+        let warnings = match &verified {
+            Some(exported) => exported.warnings.clone(),
+            None if left_out => vec![Warning::ProvenanceLeftOut { format }],
+            None => Vec::new(),
+        };
+        Ok(Streamed {
+            path,
+            count,
+            bytes,
+            verified,
+            warnings,
+        })
+    }
+
+    fn certify(
+        &mut self,
+        control: Control<'_>,
+    ) -> Result<Option<(Certificate, tilescope_analysis::Report)>, ExportError> {
+        let Some(judges) = self.judges.take() else {
+            return Ok(None);
+        };
+        let rows = self.partial.rows_digest();
+        let (report, rounding, digest) = judges.finish(rows, control)?;
+        let (name, context) = (&self.name, &self.context);
+        let certificate = certificate(name, &self.target, context, &report, rounding, digest);
+        Ok(Some((certificate, report)))
+    }
+
+    fn read_back(&self, whole: bool, control: Control<'_>) -> Result<Option<String>, ExportError> {
+        let total = 2 * self.count;
+        let at_the_end = Progress { done: total, total };
+        self.partial
+            .read_back(whole, &|| match control(at_the_end) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => {
+                    let cancelled = tilescope_analysis::VerifyError::Cancelled;
+                    Err(unjudged(&self.target, cancelled))
+                }
+            })
+    }
+
+    fn publish(&self, certificate: &Certificate) -> Result<(), ExportError> {
+        let path = certificate_path(&self.path);
+        let temporary = Temporary::beside(&path);
+        let wrote = temporary.write(&certificate.to_bytes()?);
+        wrote.map_err(|e| io_error(&path, e))?;
+        Ok(publish(&self.partial.path, &self.path, &temporary, &path)?)
+    }
+
+    /// Renames the data file. An older certificate goes first: it would be a false one.
+    fn publish_uncertified(&self) -> Result<(), FormatError> {
+        let certificate = certificate_path(&self.path);
+        match fs::remove_file(&certificate) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(io_error(&certificate, error));
+            }
+            _ => {}
+        }
+        let renamed = fs::rename(&self.partial.path, &self.path);
+        renamed.map_err(|e| io_error(&self.path, e))
+    }
+
+    /// Does some work unless an earlier one failed.
+    fn guarded<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<T, ExportError>,
+    ) -> Result<T, ExportError> {
+        if self.failed {
+            let path = self.path.display().to_string();
+            return Err(ExportError::Failed { path });
+        }
+        let outcome = work(self);
+        self.failed = outcome.is_err();
+        outcome
+    }
+}
+
+impl Drop for StreamExport {
+    fn drop(&mut self) {
+        if !self.kept {
+            self.partial.remove();
+            resume::remove(&self.path);
+        }
+    }
+}
+
+fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
+    let mut target = target(&file_name(path)?, context)?;
+    let format = target.format;
+    if !format.streams() {
+        return Err(ExportError::NotStreamed { format });
+    }
+    if let Some(seed) = context.shuffle_seed {
+        return Err(ExportError::ShuffledStream { seed });
+    }
+    check_target(&target)?;
+    target.precision = format.precision(target.precision);
+    Ok(target)
+}
+
+/// Refuses decoded points or provenance that are not, to the bit, what was encoded.
+fn compare(
+    written: &[[f64; 2]],
+    provenance: Option<&[Provenance]>,
+    found: &[[f64; 2]],
+    found_provenance: Option<&[Provenance]>,
+) -> Result<(), ExportError> {
+    let bits = |point: &[f64; 2]| point.map(f64::to_bits);
+    let same = written.len() == found.len()
+        && written.iter().map(bits).eq(found.iter().map(bits))
+        && provenance == found_provenance;
+    if same {
+        return Ok(());
+    }
+    Err(ExportError::ReadBack {
+        written: digest::positions_digest(written),
+        found: digest::positions_digest(found),
+    })
+}

@@ -1,0 +1,40 @@
+//! Sets too large for memory: validated export while the points pass by, reading and checking in pieces.
+//!
+//! The same bytes, certificates and verdicts as for whole sets, for the formats that
+//! [stream](crate::Format::streams). Never holds more of a set than a band of rows, and never lets an unfinished file
+//! bear the final name.
+
+mod check;
+mod export;
+mod judge;
+mod partial;
+mod read;
+mod resume;
+#[cfg(test)]
+mod tests;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+pub use check::{MOST_IN_MEMORY, StreamCheck, WHOLE_FILE_BYTES, check_stream};
+pub use export::{StreamExport, StreamOptions, Streamed};
+pub use read::StreamReader;
+pub use resume::checkpoint_token;
+
+/// The name of the file `path` while it is being written as a stream.
+#[must_use]
+pub fn partial_path(path: &Path) -> PathBuf {
+    with_suffix(path, ".partial")
+}
+
+/// The name of the checkpoint from which the export of `path` can go on.
+#[must_use]
+pub fn resume_path(path: &Path) -> PathBuf {
+    with_suffix(path, ".resume.json")
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(suffix);
+    name.into()
+}

@@ -1,0 +1,214 @@
+//! The file under its temporary name: head, rows as they come, and what was written as a digest.
+//!
+//! Never touches the final name; whoever owns it renames it when all is proven.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use super::partial_path;
+use crate::digest::digest_text;
+use crate::error::FormatError;
+use crate::export::ExportError;
+use crate::files::io_error;
+
+/// Bytes gathered before they are written, and read at a time.
+pub(super) const BLOCK: usize = 4 << 20;
+
+/// A file that is being written.
+#[derive(Debug)]
+pub(super) struct Partial {
+    pub path: PathBuf,
+    file: File,
+    /// The head as it is in the file, if it was written.
+    head: Vec<u8>,
+    /// Rows not yet written.
+    pub rows: Vec<u8>,
+    /// Bytes of rows in the file.
+    written: u64,
+    /// Of the rows in the file.
+    digest: blake3::Hasher,
+}
+
+impl Partial {
+    /// An empty file beside `path`; an older one is lost.
+    pub fn create(path: &Path) -> Result<Self, FormatError> {
+        let path = partial_path(path);
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true).truncate(true);
+        let file = options.open(&path).map_err(|e| io_error(&path, e))?;
+        Ok(Self::new(path, file))
+    }
+
+    /// The file beside `path` that was left behind; nothing of it is read yet.
+    pub fn reopen(path: &Path) -> Result<Self, FormatError> {
+        let path = partial_path(path);
+        let mut options = OpenOptions::new();
+        let file = (options.read(true).write(true).open(&path)).map_err(|e| io_error(&path, e))?;
+        Ok(Self::new(path, file))
+    }
+
+    fn new(path: PathBuf, file: File) -> Self {
+        Self {
+            path,
+            file,
+            head: Vec::new(),
+            rows: Vec::new(),
+            written: 0,
+            digest: blake3::Hasher::new(),
+        }
+    }
+
+    /// Writes the head. A later one of the same length replaces it at the end.
+    pub fn begin(&mut self, head: Vec<u8>) -> Result<(), FormatError> {
+        self.checked(|this| this.file.write_all(&head))?;
+        self.head = head;
+        Ok(())
+    }
+
+    /// Takes the bytes from the start up to byte `length` as what was written, handing rows to
+    /// `each` as they are read, and drops what follows. `rows_of` splits off whole rows.
+    pub fn take_over(
+        &mut self,
+        head: Vec<u8>,
+        length: u64,
+        mut each: impl FnMut(&[u8]) -> Result<usize, ExportError>,
+    ) -> Result<(), ExportError> {
+        let rows = length.saturating_sub(head.len() as u64);
+        let start = self.checked(|this| this.file.seek(SeekFrom::Start(head.len() as u64)))?;
+        let (mut left, mut pending) = (length.saturating_sub(start), Vec::new());
+        while left > 0 {
+            let before = pending.len();
+            pending.resize(before + left.min(BLOCK as u64) as usize, 0);
+            self.checked(|this| this.file.read_exact(&mut pending[before..]))?;
+            left -= (pending.len() - before) as u64;
+            self.digest.update(&pending[before..]);
+            let used = each(&pending)?;
+            pending.drain(..used);
+        }
+        (self.head, self.written) = (head, rows);
+        Ok(())
+    }
+
+    /// Drops what follows byte `length` and goes on there.
+    pub fn truncate(&mut self, length: u64) -> Result<(), FormatError> {
+        self.checked(|this| {
+            this.file.set_len(length)?;
+            this.file.seek(SeekFrom::Start(length)).map(drop)
+        })
+    }
+
+    /// Bytes that the system says are in the file.
+    pub fn length(&mut self) -> Result<u64, FormatError> {
+        self.checked(|this| this.file.metadata().map(|data| data.len()))
+    }
+
+    /// Bytes of the file, counting those not yet written.
+    pub fn bytes(&self) -> u64 {
+        self.head.len() as u64 + self.written + self.rows.len() as u64
+    }
+
+    /// Writes the rows gathered so far, if they are a block or `all` are wanted.
+    pub fn flush(&mut self, all: bool) -> Result<(), FormatError> {
+        if self.rows.len() < BLOCK && !all {
+            return Ok(());
+        }
+        self.checked(|this| this.file.write_all(&this.rows))?;
+        self.digest.update(&self.rows);
+        self.written += self.rows.len() as u64;
+        self.rows.clear();
+        Ok(())
+    }
+
+    /// Writes all through to the device.
+    pub fn sync(&mut self) -> Result<(), FormatError> {
+        self.flush(true)?;
+        self.checked(|this| this.file.sync_data())
+    }
+
+    /// The digest of the rows written.
+    pub fn rows_digest(&self) -> String {
+        digest_text(&self.digest)
+    }
+
+    /// Puts the final head in place of the first.
+    pub fn complete(&mut self, head: Vec<u8>) -> Result<(), FormatError> {
+        debug_assert_eq!(head.len(), self.head.len(), "heads are of fixed length");
+        self.flush(true)?;
+        self.checked(|this| {
+            this.file.seek(SeekFrom::Start(0))?;
+            this.file.write_all(&head)?;
+            this.file.sync_all()
+        })?;
+        self.head = head;
+        Ok(())
+    }
+
+    /// Reads the whole file back and compares it with what was written. Returns the digest of the file,
+    /// if it is wanted. `go_on` is asked for each block.
+    pub fn read_back(
+        &self,
+        whole: bool,
+        go_on: &dyn Fn() -> Result<(), ExportError>,
+    ) -> Result<Option<String>, ExportError> {
+        let failed = |e| io_error(&self.path, e);
+        let mut file = File::open(&self.path).map_err(failed)?;
+        let mut head = Vec::new();
+        let mut start = (&mut file).take(self.head.len() as u64);
+        start.read_to_end(&mut head).map_err(failed)?;
+        let differs = |what: &str, written: String, found: String| ExportError::ReadBack {
+            written: format!("{what} {written}"),
+            found,
+        };
+        if head != self.head {
+            let found = "another head".to_owned();
+            return Err(differs("a head of", format!("{} bytes", head.len()), found));
+        }
+        let (mut all, mut rows) = (blake3::Hasher::new(), blake3::Hasher::new());
+        all.update(&head);
+        let mut block = vec![0; BLOCK];
+        loop {
+            let count = read_some(&mut file, &mut block).map_err(failed)?;
+            if count == 0 {
+                break;
+            }
+            rows.update(&block[..count]);
+            if whole {
+                all.update(&block[..count]);
+            }
+            go_on()?;
+        }
+        let (written, found) = (self.rows_digest(), digest_text(&rows));
+        if written != found {
+            return Err(differs("rows of", written, found));
+        }
+        Ok(whole.then(|| digest_text(&all)))
+    }
+
+    /// Removes the file, which has no other use.
+    pub fn remove(&self) {
+        // Gone already after a rename; nothing else can be done about a failure here.
+        let _ = fs::remove_file(&self.path);
+    }
+
+    fn checked<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> io::Result<T>,
+    ) -> Result<T, FormatError> {
+        work(self).map_err(|error| io_error(&self.path, error))
+    }
+}
+
+/// Fills `block` as far as the file goes.
+pub(super) fn read_some(file: &mut impl Read, block: &mut [u8]) -> io::Result<usize> {
+    let mut count = 0;
+    while count < block.len() {
+        match file.read(&mut block[count..]) {
+            Ok(0) => break,
+            Ok(more) => count += more,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(count)
+}

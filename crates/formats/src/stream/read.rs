@@ -1,0 +1,317 @@
+//! Reading a file piece by piece, in bounded memory.
+//!
+//! The same detection, layouts and refusals as for whole files; what a head states is compared with the file's
+//! length before a row is read. Never keeps more than a block of the file.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tilescope_analysis::Region;
+
+use super::partial::read_some;
+use crate::certificate::Certificate;
+use crate::codecs::rows::{Layout, Rows};
+use crate::detect::{Detection, Evidence, detect};
+use crate::digest::digest_text;
+use crate::error::FormatError;
+use crate::files::{certificate_path, io_error, read_certificate};
+use crate::format::{Format, Precision};
+use crate::mapping::Mapping;
+
+/// Bytes read at a time, and the most that a head may take.
+const BLOCK: usize = 1 << 20;
+
+/// The points of a file, one piece after the other.
+///
+/// ```no_run
+/// # fn sum() -> Result<f64, tilescope_formats::FormatError> {
+/// use tilescope_formats::StreamReader;
+///
+/// let mut reader = StreamReader::open("set.npy".as_ref(), None)?;
+/// let mut sum = 0.0;
+/// while let Some(points) = reader.next_points()? {
+///     sum += points.iter().map(|point| point[0]).sum::<f64>();
+/// }
+/// # Ok(sum)
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct StreamReader {
+    path: PathBuf,
+    file: File,
+    detection: Detection,
+    precision: Precision,
+    certificate: Option<Certificate>,
+    mapping: Mapping,
+    rows: Rows,
+    count: Option<u64>,
+    /// Points read so far.
+    read: u64,
+    /// Bytes of rows still to be read; none where the file's end ends them.
+    left: Option<u64>,
+    /// Bytes read of which no row was made yet.
+    pending: Vec<u8>,
+    points: Vec<[f64; 2]>,
+    /// Of all bytes read, if somebody wants to know.
+    digest: Option<blake3::Hasher>,
+}
+
+impl StreamReader {
+    /// The file `path`, of the given format or the one it is recognised as.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](crate::read) for what the head and the length show, and [`FormatError::Unsupported`] for a file
+    /// that cannot be read in pieces: of a format that does not [stream](Format::streams), with several sets or with
+    /// all x before all y.
+    pub fn open(path: &Path, format: Option<Format>) -> Result<Self, FormatError> {
+        Self::try_open(path, format, false)?.map_err(|format| FormatError::Unsupported {
+            format,
+            what: "this file in pieces".to_owned(),
+            supported: "one set, point after point, as csv, psa-rps, utk-binary, npy or ply-binary can",
+        })
+    }
+
+    /// The inner error is the format of a file that cannot be read in pieces.
+    pub(super) fn try_open(
+        path: &Path,
+        format: Option<Format>,
+        digested: bool,
+    ) -> Result<Result<Self, Format>, FormatError> {
+        let failed = |e| io_error(path, e);
+        let mut file = File::open(path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        let mut start = vec![0; BLOCK];
+        let count = read_some(&mut file, &mut start).map_err(failed)?;
+        start.truncate(count);
+        let detection = match format {
+            Some(format) => Detection {
+                format,
+                evidence: Evidence::Told,
+            },
+            None => detect(&start, path)?,
+        };
+        let format = detection.format;
+        let Some(layout) = Layout::of(&start, format)? else {
+            return Ok(Err(format));
+        };
+        let count = checked_count(&layout, length, format)?;
+        let width = layout.rows.width().map(|width| width as u64);
+        let mut reader = Self {
+            certificate: certificate(path)?,
+            path: path.to_owned(),
+            file,
+            detection,
+            precision: layout.precision,
+            mapping: Mapping::new(format, None, layout.precision),
+            rows: layout.rows,
+            count,
+            read: 0,
+            left: count.zip(width).map(|(count, width)| count * width),
+            pending: Vec::new(),
+            points: Vec::new(),
+            digest: digested.then(blake3::Hasher::new),
+        };
+        reader.skip(start, layout.offset)?;
+        if let Some(region) = reader.certificate.as_ref().map(|c| c.region) {
+            reader = reader.with_region(region);
+        }
+        Ok(Ok(reader))
+    }
+
+    /// The same with points in the unit of `region`; without it, that of the certificate is taken,
+    /// and without a certificate points are as the file has them.
+    #[must_use]
+    pub fn with_region(mut self, region: Region) -> Self {
+        self.mapping = Mapping::new(self.detection.format, Some(region), self.precision);
+        self
+    }
+
+    /// The format and how it was recognised.
+    #[must_use]
+    pub fn detection(&self) -> Detection {
+        self.detection
+    }
+
+    /// Number type of the file's coordinates.
+    #[must_use]
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// Points in the file; not known beforehand for text.
+    #[must_use]
+    pub fn count(&self) -> Option<u64> {
+        self.count
+    }
+
+    /// The certificate beside the file. [`check_stream`](crate::check_stream) says whether it is true.
+    #[must_use]
+    pub fn certificate(&self) -> Option<&Certificate> {
+        self.certificate.as_ref()
+    }
+
+    /// The next points, in domain units; none at the end.
+    ///
+    /// # Errors
+    ///
+    /// As [`decode`](crate::decode), naming the place in the whole file; [`FormatError::Empty`] for a file without
+    /// points.
+    pub fn next_points(&mut self) -> Result<Option<&[[f64; 2]]>, FormatError> {
+        let Some(mut points) = self.next_stored()? else {
+            return Ok(None);
+        };
+        for point in &mut points {
+            *point = self.mapping.domain_from_file(*point);
+        }
+        self.points = points;
+        Ok(Some(&self.points))
+    }
+
+    /// The next points, in file coordinates.
+    pub(super) fn next_stored(&mut self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
+        loop {
+            let ended = self.fill()?;
+            let text = self.rows.width().is_none();
+            // The last line may lack its end.
+            let used = if ended && text {
+                self.pending.len()
+            } else {
+                self.rows.whole(&self.pending)
+            };
+            if used == 0 && !ended {
+                self.check_line()?;
+                continue;
+            }
+            let set = self.rows.read(&self.pending[..used])?;
+            self.pending.drain(..used);
+            self.read += set.len() as u64;
+            if !set.is_empty() {
+                return Ok(Some(set.points));
+            }
+            if ended {
+                return self.end();
+            }
+        }
+    }
+
+    fn end(&self) -> Result<Option<Vec<[f64; 2]>>, FormatError> {
+        let format = self.detection.format;
+        if self.read == 0 {
+            return Err(FormatError::Empty { format });
+        }
+        match self.count {
+            // The file was made shorter while it was read.
+            Some(stated) if stated != self.read => Err(FormatError::Count {
+                format,
+                stated,
+                found: self.read,
+            }),
+            _ => Ok(None),
+        }
+    }
+
+    /// The digest of the whole file; what follows the rows is read for it.
+    pub(super) fn finish_digest(mut self) -> Result<Option<String>, FormatError> {
+        self.left = None;
+        while self.digest.is_some() && !self.fill()? {
+            self.pending.clear();
+        }
+        Ok(self.digest.as_ref().map(digest_text))
+    }
+
+    /// Reads a block; true at the end of the rows.
+    fn fill(&mut self) -> Result<bool, FormatError> {
+        let want = self
+            .left
+            .map_or(BLOCK as u64, |left| left.min(BLOCK as u64)) as usize;
+        let before = self.pending.len();
+        self.pending.resize(before + want, 0);
+        let read = read_some(&mut self.file, &mut self.pending[before..]);
+        let count = read.map_err(|e| io_error(&self.path, e))?;
+        self.pending.truncate(before + count);
+        if let Some(digest) = &mut self.digest {
+            digest.update(&self.pending[before..]);
+        }
+        self.left = self.left.map(|left| left - count as u64);
+        Ok(count < want || self.left == Some(0))
+    }
+
+    /// Refuses a line without an end: whatever it is, it is no point.
+    fn check_line(&self) -> Result<(), FormatError> {
+        if self.pending.len() <= BLOCK {
+            return Ok(());
+        }
+        Err(FormatError::Unsupported {
+            format: self.detection.format,
+            what: format!("a line of more than {BLOCK} bytes"),
+            supported: "shorter ones can",
+        })
+    }
+
+    /// Passes over the file's first `offset` bytes, of which `start` may have more or fewer.
+    fn skip(&mut self, start: Vec<u8>, offset: u64) -> Result<(), FormatError> {
+        if let Some(digest) = &mut self.digest {
+            digest.update(&start);
+        }
+        let mut here = start.len() as u64;
+        self.pending = start;
+        let left = self.left.take();
+        while here < offset {
+            self.pending.clear();
+            let ended = self.fill()?;
+            here += self.pending.len() as u64;
+            if ended && here < offset {
+                let source = io::Error::from(io::ErrorKind::UnexpectedEof);
+                return Err(io_error(&self.path, source));
+            }
+        }
+        let beyond = (here - offset) as usize;
+        self.pending.drain(..self.pending.len() - beyond);
+        // Rows may end within what is there already.
+        self.left = left;
+        if let Some(left) = &mut self.left {
+            self.pending.truncate((*left).min(beyond as u64) as usize);
+            *left -= self.pending.len() as u64;
+        }
+        Ok(())
+    }
+}
+
+fn certificate(path: &Path) -> Result<Option<Certificate>, FormatError> {
+    let name = certificate_path(path).to_string_lossy().into_owned();
+    let bytes = read_certificate(path)?;
+    bytes
+        .map(|bytes| Certificate::from_bytes(&bytes, &name))
+        .transpose()
+}
+
+/// The number of rows, after comparing it with the file's length; none for lines of text.
+fn checked_count(layout: &Layout, length: u64, format: Format) -> Result<Option<u64>, FormatError> {
+    let Some(width) = layout.rows.width().map(|width| width as u64) else {
+        return Ok(None);
+    };
+    let (offset, available) = (layout.offset, length.saturating_sub(layout.offset));
+    let count = layout.count.unwrap_or(available / width);
+    let needed = count.saturating_mul(width);
+    if needed > available {
+        return Err(FormatError::Truncated {
+            format,
+            offset,
+            needed,
+            available,
+        });
+    }
+    if needed < available && !layout.followed {
+        return Err(FormatError::Trailing {
+            format,
+            offset: offset + needed,
+            extra: available - needed,
+        });
+    }
+    if count == 0 {
+        return Err(FormatError::Empty { format });
+    }
+    Ok(Some(count))
+}

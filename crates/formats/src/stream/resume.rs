@@ -1,0 +1,256 @@
+//! The checkpoint beside an unfinished file: a small JSON document and the verifier's state.
+//!
+//! Both are written to temporary names and renamed, the state before the document that names it. Never trusts
+//! what it finds: lengths, digests and the question asked are compared before anything is used.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use tilescope_analysis::{Region, StreamVerifier};
+
+use super::judge::{Judges, unjudged};
+use super::partial::Partial;
+use super::{partial_path, resume_path, with_suffix};
+use crate::codecs::Target;
+use crate::codecs::rows::Rows;
+use crate::digest::bytes_digest;
+use crate::error::FormatError;
+use crate::export::{ExportContext, ExportError};
+use crate::files::{read_file, write_whole};
+use crate::format::{Format, Precision};
+
+/// The version of the checkpoint's layout.
+pub(super) const VERSION: u32 = 1;
+
+/// From where an export can go on.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Checkpoint {
+    pub version: u32,
+    /// The caller's own.
+    pub token: Value,
+    /// Points in the file.
+    pub count: u64,
+    /// Bytes of the file.
+    pub bytes: u64,
+    /// Of the rows, without the head.
+    pub rows_digest: String,
+    /// Whether points come with provenance; none before the first point.
+    pub provenance: Option<bool>,
+    pub format: Format,
+    pub precision: Precision,
+    pub region: Region,
+    pub radius: f64,
+    pub verify: bool,
+    pub largest_shift: f64,
+    pub state: Option<StateFile>,
+}
+
+/// The file with the state of one verifier or two.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct StateFile {
+    serial: u64,
+    digest: String,
+    /// Bytes of the state of the verifier of stored positions; the rest is of the other one.
+    stored: u64,
+}
+
+fn fault(path: &Path, reason: impl Into<String>) -> ExportError {
+    ExportError::Resume {
+        path: path.display().to_string(),
+        reason: reason.into(),
+    }
+}
+
+impl Checkpoint {
+    pub fn read(path: &Path) -> Result<Self, ExportError> {
+        let path = resume_path(path);
+        if !path.exists() {
+            return Err(fault(&path, "there is no checkpoint"));
+        }
+        let bytes = read_file(&path)?;
+        let found: Self =
+            serde_json::from_slice(&bytes).map_err(|error| fault(&path, error.to_string()))?;
+        if found.version == VERSION {
+            return Ok(found);
+        }
+        let version = found.version;
+        let reason = format!("its version is {version}; this program reads {VERSION}");
+        Err(fault(&path, reason))
+    }
+
+    pub fn write(&self, path: &Path) -> Result<(), FormatError> {
+        let json = |source| FormatError::Json {
+            format: Format::Json,
+            source,
+        };
+        let bytes = serde_json::to_vec_pretty(self).map_err(json)?;
+        write_whole(&resume_path(path), &bytes)
+    }
+
+    /// Refuses the checkpoint of another export.
+    pub fn suits(
+        &self,
+        path: &Path,
+        target: &Target,
+        context: &ExportContext,
+    ) -> Result<(), ExportError> {
+        let path = resume_path(path);
+        let differs = |what: &str, stated: String, found: String| {
+            fault(&path, format!("its {what} is {stated}, asked was {found}"))
+        };
+        let (format, precision) = (self.format, self.precision);
+        if format != target.format {
+            let found = target.format.to_string();
+            return Err(differs("format", format.to_string(), found));
+        }
+        if precision != target.precision {
+            let found = target.precision.to_string();
+            return Err(differs("precision", precision.to_string(), found));
+        }
+        if self.region != context.region {
+            let found = context.region.to_string();
+            return Err(differs("region", self.region.to_string(), found));
+        }
+        if self.radius.to_bits() != context.radius.to_bits() {
+            let found = context.radius.to_string();
+            return Err(differs("radius", self.radius.to_string(), found));
+        }
+        Ok(())
+    }
+
+    /// Refuses rows of another digest.
+    pub fn matches(&self, path: &Path, found: &str) -> Result<(), ExportError> {
+        if self.rows_digest == found {
+            return Ok(());
+        }
+        let stated = &self.rows_digest;
+        let reason = format!("the digest of its rows is {found}, and the checkpoint's is {stated}");
+        Err(fault(&partial_path(path), reason))
+    }
+}
+
+/// The token of the last checkpoint of `path`, if there is one: what the caller needs to know before it can say
+/// with which context to resume.
+///
+/// # Errors
+///
+/// [`ExportError::Resume`] for a checkpoint that does not parse.
+pub fn checkpoint_token(path: &Path) -> Result<Option<Value>, ExportError> {
+    if !resume_path(path).exists() {
+        return Ok(None);
+    }
+    Checkpoint::read(path).map(|found| Some(found.token))
+}
+
+/// The unfinished file, if it is as long as the checkpoint says.
+pub(super) fn reopen(path: &Path, checkpoint: &Checkpoint) -> Result<Partial, ExportError> {
+    let name = partial_path(path);
+    if !name.exists() {
+        return Err(fault(&name, "it is not there"));
+    }
+    let mut partial = Partial::reopen(path)?;
+    let (length, stated) = (partial.length()?, checkpoint.bytes);
+    if length < stated {
+        let reason = format!("it has {length} bytes, and the checkpoint is of {stated}");
+        return Err(fault(&name, reason));
+    }
+    Ok(partial)
+}
+
+/// Hands the whole rows among `bytes` to the judges, if there are any. Returns how many bytes that were.
+pub(super) fn read_rows(
+    bytes: &[u8],
+    path: &Path,
+    rows: Option<&mut Rows>,
+    judges: Option<&mut Judges>,
+) -> Result<usize, ExportError> {
+    let judges = judges.filter(|judges| judges.remembers());
+    let (Some(rows), Some(judges)) = (rows, judges) else {
+        return Ok(bytes.len());
+    };
+    let used = rows.whole(bytes);
+    let set = (rows.read(&bytes[..used]))
+        .map_err(|error| fault(&partial_path(path), error.to_string()))?;
+    judges.remember(&set.points);
+    Ok(used)
+}
+
+impl StateFile {
+    fn path(&self, path: &Path) -> PathBuf {
+        with_suffix(path, &format!(".resume.{}.state", self.serial))
+    }
+
+    /// Writes the state under a name that no older checkpoint knows.
+    pub fn write(
+        path: &Path,
+        old: Option<&Self>,
+        judges: &Judges,
+        target: &Target,
+    ) -> Result<Self, ExportError> {
+        let failed = |source| unjudged(target, source);
+        let mut bytes = judges.stored.save().map_err(failed)?;
+        let stored = bytes.len() as u64;
+        if let Some(original) = &judges.original {
+            // A fault that its positions had is told only if it matters; to go on, they must have none.
+            bytes.extend(original.save().map_err(failed)?);
+        }
+        let state = Self {
+            serial: old.map_or(0, |old| old.serial + 1),
+            digest: bytes_digest(&bytes),
+            stored,
+        };
+        write_whole(&state.path(path), &bytes)?;
+        Ok(state)
+    }
+
+    pub fn restore(
+        &self,
+        path: &Path,
+        judges: &mut Judges,
+        context: &ExportContext,
+    ) -> Result<(), ExportError> {
+        let name = self.path(path);
+        if !name.exists() {
+            return Err(fault(&name, "it is not there"));
+        }
+        let bytes = read_file(&name)?;
+        if bytes_digest(&bytes) != self.digest || self.stored > bytes.len() as u64 {
+            return Err(fault(&name, "it is not what the checkpoint names"));
+        }
+        let (stored, original) = bytes.split_at(self.stored as usize);
+        let restored = |state: &[u8]| {
+            let (region, radius) = (context.region, context.radius);
+            StreamVerifier::restore(region, radius, &context.verify, state)
+                .map_err(|error| fault(&name, error.to_string()))
+        };
+        judges.stored = restored(stored)?;
+        if !original.is_empty() {
+            judges.original = Some(restored(original)?);
+        }
+        Ok(())
+    }
+
+    pub fn remove(&self, path: &Path) {
+        // It is of no use any more, and nothing else can be done about a failure.
+        let _ = fs::remove_file(self.path(path));
+        // An interruption may have left the one before.
+        if let Some(serial) = self.serial.checked_sub(1) {
+            let older = Self {
+                serial,
+                ..self.clone()
+            };
+            let _ = fs::remove_file(older.path(path));
+        }
+    }
+}
+
+/// Removes the checkpoint of `path`, if there is one, the document first.
+pub(super) fn remove(path: &Path) {
+    let state = Checkpoint::read(path).ok().and_then(|found| found.state);
+    let _ = fs::remove_file(resume_path(path));
+    if let Some(state) = state {
+        state.remove(path);
+    }
+}

@@ -1,0 +1,182 @@
+//! Interruptions: what goes on gives the same bytes, and what cannot go on says why.
+
+use serde_json::{Value, json};
+
+use super::*;
+use crate::export::ExportError;
+
+const RESUMABLE: StreamOptions = StreamOptions {
+    verify: true,
+    resumable: true,
+};
+
+fn begun(path: &Path, context: &ExportContext) -> StreamExport {
+    let export = StreamExport::create(path, context, RESUMABLE).expect("begun");
+    export.with_band(SMALL)
+}
+
+/// Interrupted as by a power cut: what was pushed after the checkpoint is in the file in part.
+fn interrupted(path: &Path, context: &ExportContext, set: &PointSet, stops: [usize; 2]) {
+    let mut export = begun(path, context);
+    let [kept, lost] = stops;
+    push(&mut export, set, 0..kept / 2, 50);
+    export
+        .checkpoint(&json!({ "next": kept / 2 }))
+        .expect("saved");
+    push(&mut export, set, kept / 2..kept, 50);
+    export
+        .checkpoint(&json!({ "next": kept, "seed": u64::MAX }))
+        .expect("saved");
+    let before = names(path.parent().expect("a folder"));
+    push(&mut export, set, kept..lost, 50);
+    drop(export);
+    let mut bytes = fs::read(partial_path(path)).expect("kept");
+    bytes.extend_from_slice(&[0xA5; 1001]);
+    fs::write(partial_path(path), bytes).expect("writable");
+    assert_eq!(names(path.parent().expect("a folder")), before);
+}
+
+#[test]
+fn a_resumed_export_has_the_same_bytes_and_certificate() {
+    for (format, precision) in cases() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let (set, context) = (rows(boundary, 0.2), context(boundary, precision));
+            let (_folder, _, expected) = whole(&set, &context, format);
+            for kept in [0, 3, 400, 1000, set.len()] {
+                let folder = tempfile::tempdir().expect("a folder");
+                let path = folder.path().join(name(format));
+                interrupted(&path, &context, &set, [kept, set.len()]);
+                let token = checkpoint_token(&path).expect("readable");
+                let (export, found) = StreamExport::resume(&path, &context).expect("resumable");
+                assert_eq!(token.as_ref(), Some(&found));
+                assert_eq!(found, json!({ "next": kept, "seed": u64::MAX }));
+                let mut export = export.with_band(SMALL);
+                assert_eq!(export.count(), kept as u64);
+                push(&mut export, &set, kept..set.len(), 77);
+                export.checkpoint(&Value::Null).expect("saved");
+                export.finish(&GO).expect("proven");
+                assert_eq!(bytes_of(&path), expected, "{format} {precision} {kept}");
+                assert_eq!(names(folder.path()).len(), 2, "{:?}", names(folder.path()));
+            }
+        }
+    }
+}
+
+#[test]
+fn an_unverified_export_resumes_too() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    let (_folder, _, expected) = whole(&set, &context, Format::Csv);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.csv");
+    let options = StreamOptions {
+        verify: false,
+        resumable: true,
+    };
+    let mut export = StreamExport::create(&path, &context, options).expect("begun");
+    push(&mut export, &set, 0..500, 500);
+    export.checkpoint(&json!(500)).expect("saved");
+    drop(export);
+    let (mut export, token) = StreamExport::resume(&path, &context).expect("resumable");
+    assert_eq!(token, json!(500));
+    push(&mut export, &set, 500..set.len(), 500);
+    assert!(export.finish(&GO).expect("proven").verified.is_none());
+    assert_eq!(fs::read(&path).expect("there"), expected[0]);
+    assert_eq!(names(folder.path()).len(), 1);
+}
+
+fn refused(path: &Path, context: &ExportContext) -> String {
+    let before = names(path.parent().expect("a folder"));
+    let error = StreamExport::resume(path, context).expect_err("refused");
+    assert!(matches!(error, ExportError::Resume { .. }), "{error}");
+    assert_eq!(
+        names(path.parent().expect("a folder")),
+        before,
+        "left as it is"
+    );
+    error.to_string()
+}
+
+#[test]
+fn what_is_missing_or_damaged_is_named() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    for (format, _) in cases() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name(format));
+        assert!(refused(&path, &context).contains("there is no checkpoint"));
+        assert_eq!(checkpoint_token(&path).expect("none"), None);
+        interrupted(&path, &context, &set, [900, 1000]);
+        let partial = partial_path(&path);
+        let good = fs::read(&partial).expect("there");
+        let with = |bytes: &[u8]| {
+            fs::write(&partial, bytes).expect("writable");
+            refused(&path, &context)
+        };
+        assert!(with(&good[..good.len() / 2]).contains("bytes, and the checkpoint is of"));
+        let mut flipped = good.clone();
+        flipped[good.len() / 2] ^= 0x10;
+        let message = with(&flipped);
+        // In some formats the damage shows before the digest does.
+        assert!(message.contains("set."), "{message}");
+        fs::remove_file(&partial).expect("there");
+        assert!(refused(&path, &context).contains("it is not there"));
+        fs::write(&partial, &good).expect("writable");
+        StreamExport::resume(&path, &context)
+            .expect("whole again")
+            .0
+            .discard();
+        assert!(
+            names(folder.path()).is_empty(),
+            "{:?}",
+            names(folder.path())
+        );
+    }
+}
+
+#[test]
+fn a_damaged_checkpoint_or_another_context_is_refused() {
+    let asked = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.npy");
+    interrupted(&path, &asked, &set, [900, 1000]);
+    let mut other = asked.clone();
+    other.radius = 0.7;
+    assert!(refused(&path, &other).contains("radius is 0.8, asked was 0.7"));
+    let other = context(Boundary::Bounded, Precision::Double);
+    assert!(refused(&path, &other).contains("its region is periodic"));
+    let other = context(Boundary::Periodic, Precision::Single);
+    assert!(refused(&path, &other).contains("precision is f64, asked was f32"));
+    let document = resume_path(&path);
+    let good = fs::read_to_string(&document).expect("there");
+    fs::write(&document, &good[..good.len() / 2]).expect("writable");
+    assert!(refused(&path, &asked).contains("EOF"));
+    fs::write(&document, good.replace("\"version\": 1", "\"version\": 2")).expect("writable");
+    assert!(refused(&path, &asked).contains("its version is 2"));
+    fs::write(&document, &good).expect("writable");
+    let state = names(folder.path())
+        .into_iter()
+        .find(|n| n.contains(".state"));
+    let state = folder.path().join(state.expect("there"));
+    let mut bytes = fs::read(&state).expect("there");
+    bytes[100] ^= 1;
+    fs::write(&state, &bytes).expect("writable");
+    assert!(refused(&path, &asked).contains("not what the checkpoint names"));
+}
+
+#[test]
+fn only_a_resumable_export_has_checkpoints_and_a_new_one_forgets_the_old() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.npy");
+    let plain = StreamExport::create(&path, &context, StreamOptions::default());
+    let error = plain.expect("begun").checkpoint(&Value::Null);
+    assert!(matches!(error, Err(ExportError::Resume { .. })));
+    interrupted(&path, &context, &set, [900, 1000]);
+    let new = begun(&path, &context);
+    assert!(refused(&path, &context).contains("there is no checkpoint"));
+    drop(new);
+    assert!(names(folder.path()).is_empty());
+}
