@@ -33,6 +33,7 @@ pub fn stage_name(stage: Stage) -> String {
         Stage::Tile => "Tile".to_owned(),
         Stage::Eliminate => "Eliminate".to_owned(),
         Stage::Iterate(k) => format!("Iterate {k}"),
+        Stage::Regions => "Regions".to_owned(),
         Stage::Finish => "Finish".to_owned(),
     }
 }
@@ -91,7 +92,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
             )
         }
         Stage::Iterate(k) => iteration_sentence(session, k),
-        Stage::Finish => format!(
+        Stage::Regions | Stage::Finish => format!(
             "Finish: {} in canonical order: {} tiled, {} eliminated, {} inserted.",
             samples(summary.count),
             grouped(summary.tiled),

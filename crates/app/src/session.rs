@@ -94,10 +94,10 @@ impl Session {
             Stage::Tile => summary.tiled,
             Stage::Eliminate => summary.tiled - summary.eliminated + self.inserted_at_once(),
             Stage::Iterate(k) => {
-                let inserted: usize = summary.inserted[..k as usize].iter().sum();
+                let inserted: usize = summary.inserted.iter().take(k as usize).sum();
                 summary.tiled - summary.eliminated + inserted
             }
-            Stage::Finish => summary.count,
+            Stage::Regions | Stage::Finish => summary.count,
         }
     }
 
@@ -160,6 +160,7 @@ impl Reporter<'_> {
             Stage::Eliminate => (0.25, 0.3),
             Stage::Iterate(1) => (0.55, 0.3),
             Stage::Iterate(_) => (0.85, 0.05),
+            Stage::Regions => (0.05, 0.85),
             Stage::Finish => (0.9, 0.1),
         };
         self.monitor.set_activity(&stage.to_string());

@@ -12,7 +12,7 @@ use tilescope_formats::write_whole;
 
 use crate::output::{self, Outcome};
 use crate::progress::{Stopwatch, verifying};
-use crate::sample::{context, described, from_run};
+use crate::make::{Facts, from_run};
 use crate::{interrupt, verdict_code};
 
 /// Arguments of `tilescope headless`.
@@ -69,14 +69,18 @@ fn session(folder: &Path) -> Result<u8> {
     let run = sample(&parameters, &mut watch)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let made = from_run(&run, described(&parameters)?, watch.take());
+    let mut facts = Facts::of_run(&parameters, &run.domain, None)?;
+    facts.seconds = watch.take();
+    let made = from_run(&run, facts);
     let path = folder.join("set.csv");
+    let context = made.facts.context();
     let exported =
-        verifying(|control| tilescope_formats::export(&path, &made.set, &context(&made), control))
+        verifying(|control| tilescope_formats::export(&path, &made.set, &context, control))
             .with_context(|| path.display().to_string())?;
     let outcome = Outcome {
-        made: &made,
-        report: &exported.report,
+        facts: &made.facts,
+        count: made.set.len() as u64,
+        report: Some(&exported.report),
         saved: Some(&exported.certificate_path),
         warnings: Vec::new(),
     };

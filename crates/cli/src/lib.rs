@@ -5,15 +5,20 @@ mod bench;
 mod completions;
 mod convert;
 mod draw;
+mod engine;
 mod headless;
 mod interrupt;
+mod make;
 mod options;
 mod output;
 mod parameters;
 mod pattern_cache;
 mod progress;
 mod sample;
+mod soak;
+mod stream;
 mod verify;
+mod window;
 
 use std::process::ExitCode;
 
@@ -52,6 +57,8 @@ pub enum Command {
     Draw(draw::DrawArguments),
     /// Measure KDRT against the reference sampler
     Bench(bench::BenchArguments),
+    /// Sample at random parameters, with both engines, and verify everything
+    Soak(soak::SoakArguments),
     /// Run the default session without a window and save pictures of its stages
     Headless(headless::HeadlessArguments),
     /// Print a shell's completion script
@@ -79,6 +86,7 @@ pub fn run(command: &Command) -> ExitCode {
         Command::Convert(arguments) => convert::run(arguments),
         Command::Draw(arguments) => draw::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
+        Command::Soak(arguments) => soak::run(arguments),
         Command::Headless(arguments) => headless::run(arguments),
         Command::Completions(arguments) => {
             completions::run(arguments, &mut Arguments::command());
@@ -94,7 +102,11 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(error) if is_broken_pipe(&error) => ExitCode::from(EXIT_FINE),
         Err(error) if interrupt::requested() && describe(&error).contains("cancelled") => {
-            eprintln!("interrupted; no file was left half written");
+            let unfinished = describe(&error).contains("--resume");
+            eprintln!(
+                "interrupted; no file was left half written{}",
+                if unfinished { "; the same command with --resume goes on" } else { "" }
+            );
             ExitCode::from(EXIT_INTERRUPTED)
         }
         Err(error) => {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, Report};
 use tilescope_core::{Stage, Summary};
 
-use crate::sample::Made;
+use crate::make::Facts;
 
 /// Prints text; a closed pipe is an error that ends the command quietly.
 pub fn emit(text: &str) -> anyhow::Result<()> {
@@ -19,8 +19,10 @@ pub fn emit(text: &str) -> anyhow::Result<()> {
 
 /// A made set with its verdict.
 pub struct Outcome<'a> {
-    pub made: &'a Made,
-    pub report: &'a Report,
+    pub facts: &'a Facts,
+    pub count: u64,
+    /// None if it was not verified.
+    pub report: Option<&'a Report>,
     /// The certificate, when the set was saved.
     pub saved: Option<&'a Path>,
     pub warnings: Vec<String>,
@@ -29,27 +31,31 @@ pub struct Outcome<'a> {
 /// Returns the JSON object of a made set.
 pub fn json(outcome: &Outcome<'_>) -> Value {
     let Outcome {
-        made,
+        facts,
+        count,
         report,
         saved,
         warnings,
     } = outcome;
-    let seconds: Vec<Value> = made
+    let seconds: Vec<Value> = facts
         .seconds
         .iter()
         .map(|(stage, seconds)| json!({ "stage": stage.to_string(), "seconds": seconds }))
         .collect();
     let mut object = json!({
-        "method": made.method,
-        "parameters": made.parameters,
-        "radius": made.radius,
+        "method": facts.method,
+        "parameters": facts.parameters,
+        "radius": facts.radius,
         "seconds": seconds,
         "certificate": saved.map(|path| path.display().to_string()),
         "warnings": warnings,
     });
     if let Value::Object(map) = &mut object {
-        map.extend(verdict_json(report));
-        if let Some(s) = &made.summary {
+        match report {
+            Some(report) => map.extend(verdict_json(report)),
+            None => map.extend([("count".to_owned(), json!(count)), ("verified".to_owned(), json!(false))]),
+        }
+        if let Some(s) = &facts.summary {
             map.insert("blocks".into(), json!(s.blocks));
             map.insert("tiled".into(), json!(s.tiled));
             map.insert("dropped".into(), json!(s.dropped));
@@ -88,7 +94,8 @@ fn finite(value: f64) -> Option<f64> {
 /// Returns the text for a made set: stages, verdict, file.
 pub fn text(outcome: &Outcome<'_>) -> String {
     let Outcome {
-        made,
+        facts,
+        count,
         report,
         saved,
         warnings,
@@ -97,14 +104,19 @@ pub fn text(outcome: &Outcome<'_>) -> String {
     let _ = writeln!(
         out,
         "{} on {}, r = {}",
-        made.method,
-        region_text(&made.region),
-        made.radius
+        facts.method,
+        region_text(&facts.region),
+        facts.radius
     );
     out.push('\n');
-    out.push_str(&stage_table(made.summary.as_ref(), &made.seconds));
+    out.push_str(&stage_table(facts.summary.as_ref(), &facts.seconds));
     out.push('\n');
-    out.push_str(&verdict_text(report));
+    match report {
+        Some(report) => out.push_str(&verdict_text(report)),
+        None => {
+            let _ = writeln!(out, "samples        {count}\nverdict        none: not verified");
+        }
+    }
     for warning in warnings {
         out.push_str(&warning_line(warning));
     }
@@ -178,6 +190,14 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
             Some(n) => format!("{n} inserted"),
             None => "no gap is left".to_owned(),
         },
+        Stage::Regions => format!(
+            "{} building blocks, {} samples tiled{}, {} eliminated, {} inserted",
+            s.blocks,
+            s.tiled,
+            if s.dropped > 0 { format!(" and {} dropped outside", s.dropped) } else { String::new() },
+            s.eliminated,
+            s.inserted.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+        ),
         Stage::Finish => format!("{} samples in canonical order", s.count),
     }
 }
@@ -228,7 +248,7 @@ pub fn verdict_text(report: &Report) -> String {
     out
 }
 
-fn answer(yes: bool, count: u64) -> String {
+pub fn answer(yes: bool, count: u64) -> String {
     if yes {
         "yes".to_owned()
     } else {

@@ -148,7 +148,7 @@ pub struct Summary {
     pub dropped: usize,
     /// Samples eliminated.
     pub eliminated: usize,
-    /// Samples inserted, by iteration.
+    /// Samples inserted, by iteration, up to the last one that inserted any.
     pub inserted: Vec<usize>,
     /// Samples in the result.
     pub count: usize,
@@ -230,7 +230,10 @@ impl Run {
     #[must_use]
     pub fn summary(&self) -> Summary {
         let count = |test: fn(&Fate) -> bool| self.samples.fates.iter().filter(|f| test(f)).count();
-        let inserted: Vec<usize> = self.iterations.iter().map(|i| i.inserted.len()).collect();
+        let mut inserted: Vec<usize> = self.iterations.iter().map(|i| i.inserted.len()).collect();
+        while inserted.last() == Some(&0) {
+            inserted.pop();
+        }
         let dropped = count(|f| *f == Fate::Dropped);
         Summary {
             blocks: self.blocks.leaves.len(),

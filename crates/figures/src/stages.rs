@@ -145,7 +145,9 @@ pub fn caption(run: &Run, stage: Stage) -> String {
             let n = s.inserted.get(k as usize - 1).copied().unwrap_or(0);
             format!("Iteration {k} inserts {n} samples into the gaps")
         }
-        Stage::Finish => format!("The result: {} samples, maximal and conflict-free", s.count),
+        Stage::Regions | Stage::Finish => {
+            format!("The result: {} samples, maximal and conflict-free", s.count)
+        }
     }
 }
 

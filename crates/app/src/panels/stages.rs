@@ -47,8 +47,8 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
-        Stage::Iterate(k) => format!("+{}", grouped(summary.inserted[k as usize - 1])),
-        Stage::Pattern | Stage::Finish => String::new(),
+        Stage::Iterate(k) => format!("+{}", grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0))),
+        Stage::Pattern | Stage::Regions | Stage::Finish => String::new(),
     }
 }
 

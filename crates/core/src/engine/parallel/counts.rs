@@ -1,5 +1,7 @@
 //! What happened in a window, counted: the windows of a run add up to the run's summary.
 
+use serde::{Deserialize, Serialize};
+
 use crate::lattice::{Point, Rect};
 use crate::run::Summary;
 
@@ -7,7 +9,7 @@ use super::frame::CELL_BITS;
 use super::region::{Loss, Region};
 
 /// Counts of a window or of several.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Counts {
     /// Blocks whose lowest corner lies in the window.
     pub blocks: u64,

@@ -2,6 +2,7 @@
 //! computed on all threads and joined in canonical order.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::error::SampleError;
 use crate::lattice::{Point, R, Rect};
@@ -47,6 +48,16 @@ pub struct Sampled {
     pub points: Vec<Point>,
     /// Where each comes from, if that was asked for.
     pub sources: Option<Vec<Source>>,
+}
+
+/// Where a [`Sweep`] is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SweepState {
+    /// Rows of cells that have been computed.
+    pub rows: u32,
+    /// Samples in them.
+    pub count: u64,
+    counts: Counts,
 }
 
 /// A run in progress, band by band.
@@ -96,17 +107,28 @@ impl Sweep {
         &self.plane
     }
 
-    /// Returns how many rows of cells have been computed, of how many: where the run is, and where
-    /// [`Self::skip_to`] can take up again.
+    /// Returns how many rows of cells have been computed, of how many.
     #[must_use]
     pub const fn rows(&self) -> (u32, u32) {
         (self.done as u32, self.rows as u32)
     }
 
-    /// Goes on after the first `rows` rows of cells, as if the bands below had been computed. The
-    /// summary then tells only of what follows.
-    pub fn skip_to(&mut self, rows: u32) {
-        self.done = (rows as i32).clamp(0, self.rows);
+    /// Returns where the run is, to go on from there in another process.
+    #[must_use]
+    pub fn state(&self) -> SweepState {
+        SweepState {
+            rows: self.done as u32,
+            count: self.count,
+            counts: self.counts.clone(),
+        }
+    }
+
+    /// Goes on from a state of a run of the same parameters and pattern, as if the bands below had
+    /// been computed. A state beyond the run's end is its end.
+    pub fn restore(&mut self, state: &SweepState) {
+        self.done = state.rows.min(self.rows as u32) as i32;
+        self.count = state.count;
+        self.counts = state.counts.clone();
     }
 
     /// Returns the counts of all bands so far.

@@ -1,0 +1,232 @@
+//! Sets made in memory, by either method and either engine, as the output and the exports want them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use tilescope_analysis::{Region, Report, VerifyOptions};
+use tilescope_core::{
+    Domain, Origin, Parameters, Pattern, Point, Run, SampleError, Sampled, Sequential, Source,
+    Stage, Summary, Sweep, reference_sample, sample_count, search_radius,
+};
+use tilescope_formats::{ExportContext, PointSet, Provenance, bytes_digest};
+
+use crate::options::region;
+use crate::parameters::RunArguments;
+use crate::progress::{Stopwatch, verifying};
+
+/// What is to be told of a set, apart from its points.
+pub struct Facts {
+    pub method: &'static str,
+    pub parameters: BTreeMap<String, Value>,
+    pub region: Region,
+    pub radius: f64,
+    pub summary: Option<Summary>,
+    pub seconds: Vec<(Stage, f64)>,
+}
+
+/// A set that was made.
+pub struct Made {
+    pub facts: Facts,
+    pub set: PointSet,
+}
+
+impl Facts {
+    /// Returns what is to be told of a run by randomized tiling.
+    pub fn of_run(
+        parameters: &Parameters,
+        domain: &Domain,
+        arguments: Option<&RunArguments>,
+    ) -> Result<Self> {
+        let mut stated = described(parameters)?;
+        if let Some(path) = arguments.and_then(|arguments| arguments.pattern.as_ref()) {
+            stated.insert("pattern".into(), pattern_of_file(path)?);
+        }
+        Ok(Self {
+            method: "kdrt",
+            parameters: stated,
+            region: region(domain),
+            radius: domain.radius(),
+            summary: None,
+            seconds: Vec::new(),
+        })
+    }
+
+    /// Returns what an export of the set states.
+    pub fn context(&self) -> ExportContext {
+        let mut context = ExportContext::new(self.region, self.radius);
+        "tilescope".clone_into(&mut context.program);
+        env!("CARGO_PKG_VERSION").clone_into(&mut context.program_version);
+        self.method.clone_into(&mut context.method);
+        context.parameters.clone_from(&self.parameters);
+        context
+    }
+}
+
+/// Makes a set with the sequential engine.
+pub fn sequential(arguments: &RunArguments) -> Result<Made> {
+    let mut watch = Stopwatch::start();
+    let parameters = arguments.parameters();
+    if arguments.count.is_none() {
+        parameters.validate_sequential()?;
+    }
+    let pattern = arguments.pattern(&mut watch)?;
+    let run = match arguments.count {
+        Some(count) => sample_count(&parameters, count, &pattern, &mut watch)?,
+        None => Sequential::new(&parameters, Arc::clone(&pattern))?.finish(&mut watch)?,
+    };
+    let mut facts = Facts::of_run(&run.parameters, &run.domain, Some(arguments))?;
+    facts.seconds = watch.take();
+    Ok(from_run(&run, facts))
+}
+
+/// Returns a finished run as a set with its provenance.
+pub fn from_run(run: &Run, facts: Facts) -> Made {
+    let provenance = run
+        .result
+        .iter()
+        .map(|&id| match run.samples.origins[id as usize] {
+            Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
+            Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
+        });
+    Made {
+        set: PointSet {
+            points: run.positions(),
+            provenance: Some(provenance.collect()),
+        },
+        facts: Facts {
+            summary: Some(run.summary()),
+            ..facts
+        },
+    }
+}
+
+/// Makes a set with the parallel engine.
+pub fn parallel(arguments: &RunArguments) -> Result<Made> {
+    let mut watch = Stopwatch::start();
+    let pattern = arguments.pattern(&mut watch)?;
+    let parameters = with_radius(arguments, &pattern, &mut watch)?;
+    let domain = parameters.validate_sequential()?;
+    let (sampled, summary) = Sweep::new(&parameters, &pattern, true)?.finish(&mut watch)?;
+    let mut facts = Facts::of_run(&parameters, &domain, Some(arguments))?;
+    facts.seconds = watch.take();
+    facts.summary = Some(summary);
+    Ok(Made {
+        set: PointSet {
+            points: positions(&domain, &sampled.points),
+            provenance: provenance(&sampled),
+        },
+        facts,
+    })
+}
+
+/// Returns the provenance of samples, if it is known.
+pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
+    let sources = sampled.sources.as_ref()?;
+    let of = |source: &Source| match *source {
+        Source::Tiled { block, pattern } => Provenance::tiled(block, pattern),
+        Source::Inserted { iteration } => Provenance::inserted(iteration),
+    };
+    Some(sources.iter().map(of).collect())
+}
+
+/// Returns the parameters with their radius: with `--count` the same that the sequential engine finds.
+pub fn with_radius(
+    arguments: &RunArguments,
+    pattern: &Pattern,
+    watch: &mut Stopwatch,
+) -> Result<Parameters> {
+    let parameters = arguments.parameters();
+    let Some(count) = arguments.count else {
+        parameters.validate()?;
+        return Ok(parameters);
+    };
+    let radius = search_radius(&parameters, count, |radius| -> Result<_, SampleError> {
+        let parameters = Parameters {
+            radius,
+            ..parameters
+        };
+        let mut sweep = Sweep::new(&parameters, pattern, false)?;
+        while sweep.step(watch)?.is_some() {}
+        Ok((sweep.summary().count as u64, radius))
+    })?;
+    Ok(Parameters {
+        radius,
+        ..parameters
+    })
+}
+
+/// Makes a set with the reference sampler.
+pub fn reference(arguments: &RunArguments) -> Result<Made> {
+    let mut watch = Stopwatch::start();
+    let parameters = arguments.parameters();
+    let (domain, points) = reference_set(&parameters, arguments.count, &mut watch)?;
+    let stated = BTreeMap::from([
+        ("width".to_owned(), json!(parameters.width)),
+        ("height".to_owned(), json!(parameters.height)),
+        ("radius".to_owned(), json!(domain.radius())),
+        ("boundary".to_owned(), json!(parameters.boundary)),
+        ("seed".to_owned(), json!(parameters.seed)),
+    ]);
+    Ok(Made {
+        facts: Facts {
+            method: "reference",
+            parameters: stated,
+            region: region(&domain),
+            radius: domain.radius(),
+            summary: None,
+            seconds: watch.take(),
+        },
+        set: PointSet::from_points(positions(&domain, &points)),
+    })
+}
+
+/// Makes a reference set; with a count, of the radius that gives it.
+fn reference_set(
+    parameters: &Parameters,
+    count: Option<u64>,
+    watch: &mut Stopwatch,
+) -> Result<(Domain, Vec<Point>), SampleError> {
+    let mut attempt = |radius| {
+        let domain = Parameters {
+            radius,
+            ..*parameters
+        }
+        .validate_sequential()?;
+        let points = reference_sample(domain, parameters.seed, watch)?;
+        Ok((points.len() as u64, (domain, points)))
+    };
+    match count {
+        Some(count) => search_radius(parameters, count, attempt),
+        None => attempt(parameters.radius).map(|(_, made)| made),
+    }
+}
+
+/// Returns samples in user units.
+pub fn positions(domain: &Domain, points: &[Point]) -> Vec<[f64; 2]> {
+    points
+        .iter()
+        .map(|&p| domain.user_from_lattice(p))
+        .collect()
+}
+
+/// Returns every parameter by name.
+pub fn described(parameters: &Parameters) -> Result<BTreeMap<String, Value>> {
+    Ok(serde_json::from_value(serde_json::to_value(parameters)?)?)
+}
+
+/// A pattern from a file is named by its content.
+fn pattern_of_file(path: &Path) -> Result<Value> {
+    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok(json!({ "file": name, "digest": bytes_digest(&bytes) }))
+}
+
+/// Returns the verifier's report on positions.
+pub fn judge(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Report> {
+    let options = VerifyOptions::default();
+    verifying(|control| tilescope_analysis::verify(points, region, radius, &options, control))
+        .context("the verifier gives no verdict")
+}

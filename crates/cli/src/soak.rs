@@ -1,0 +1,290 @@
+//! `tilescope soak`: random parameters, both engines, windows, and the verifier, for as many samples as
+//! wanted. Whatever is not as promised is printed as the command that shows it.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::json;
+use tilescope_analysis::VerifyOptions;
+use tilescope_core::{
+    Boundary, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Plane, Point, SampleError,
+    Search, Sequential, Stream, Sweep, Unobserved, Window, below,
+};
+
+use crate::engine::EngineArguments;
+use crate::options::region;
+use crate::progress::Bar;
+use crate::{interrupt, make, output, verdict_code};
+
+/// Arguments of `tilescope soak`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct SoakArguments {
+    /// Go on until so many samples were made and verified
+    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    samples: u64,
+    /// Seed of the parameters
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    engine: EngineArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with the
+sequential and with the parallel engine, compares the two point by point, compares four windows with
+the set, and verifies the set. Exit code 1 if anything is not as promised.
+
+Example:
+  tilescope soak --samples 1000000000";
+
+/// The fewest and the most samples of a round, about.
+const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
+
+/// Rounds between two looks at the total.
+const ROUNDS_AT_ONCE: u64 = 16;
+
+/// Windows compared in a round.
+const WINDOWS: u32 = 4;
+
+/// What rounds found.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    rounds: u64,
+    samples: u64,
+    conflicts: u64,
+    gaps: u64,
+    /// Rounds whose engines or windows differ.
+    unequal: u64,
+    /// The largest covering radius of a round with the complete search, in radii.
+    covering: f64,
+    /// The commands that show what is wrong.
+    commands: Vec<String>,
+}
+
+impl Found {
+    fn add(&mut self, other: Self) {
+        self.rounds += other.rounds;
+        self.samples += other.samples;
+        self.conflicts += other.conflicts;
+        self.gaps += other.gaps;
+        self.unequal += other.unequal;
+        self.covering = self.covering.max(other.covering);
+        self.commands.extend(other.commands);
+    }
+
+    const fn is_fine(&self) -> bool {
+        self.conflicts == 0 && self.gaps == 0 && self.unequal == 0
+    }
+}
+
+pub fn run(arguments: &SoakArguments) -> Result<u8> {
+    interrupt::listen();
+    arguments.engine.set_threads()?;
+    let bar = Bar::new("soak");
+    let mut found = Found::default();
+    while found.samples < arguments.samples && !interrupt::requested() {
+        let rounds: Vec<u64> = (found.rounds..found.rounds + ROUNDS_AT_ONCE).collect();
+        let outcomes: Vec<Found> = rounds
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|k| round(arguments.seed, k))
+            .collect::<Result<_>>()?;
+        outcomes.into_iter().for_each(|outcome| found.add(outcome));
+        bar.set(found.samples, arguments.samples);
+    }
+    bar.clear();
+    if arguments.json {
+        let object = json!({
+            "rounds": found.rounds,
+            "samples": found.samples,
+            "conflicts": found.conflicts,
+            "gaps": found.gaps,
+            "unequal": found.unequal,
+            "covering_radius_r": found.covering,
+            "commands": found.commands,
+        });
+        output::emit(&format!("{object}\n"))?;
+    } else {
+        output::emit(&text(&found))?;
+    }
+    if interrupt::requested() {
+        return Ok(crate::EXIT_INTERRUPTED);
+    }
+    Ok(verdict_code(found.is_fine()))
+}
+
+fn text(found: &Found) -> String {
+    let mut out = String::new();
+    let _ = writeln!(out, "rounds             {}", found.rounds);
+    let _ = writeln!(out, "samples            {}", found.samples);
+    let _ = writeln!(out, "conflicts          {}", found.conflicts);
+    let _ = writeln!(out, "gaps               {}", found.gaps);
+    let _ = writeln!(out, "covering radius    {:.9} r at most", found.covering);
+    let _ = writeln!(out, "unequal engines    {}", found.unequal);
+    for command in &found.commands {
+        let _ = writeln!(out, "  {command}");
+    }
+    let verdict = if found.is_fine() { "as promised" } else { "NOT AS PROMISED" };
+    let _ = writeln!(out, "verdict            {verdict}");
+    out
+}
+
+/// Draws of a round.
+struct Dice(Key);
+
+impl Dice {
+    fn share(&self, index: u32) -> f64 {
+        f64::from(self.0.draw(Stream::Dart, index)[0]) / f64::from(u32::MAX)
+    }
+
+    fn pick<T: Copy>(&self, index: u32, choices: &[T]) -> T {
+        choices[below(self.0.draw(Stream::Order, index)[0], choices.len() as u32) as usize]
+    }
+
+    /// Returns a number between `low` and `high`, the same chance for each factor.
+    fn scale(&self, index: u32, [low, high]: [f64; 2]) -> f64 {
+        low * (high / low).powf(self.share(index))
+    }
+}
+
+fn parameters(dice: &Dice, seed: u64) -> Parameters {
+    let area = dice.scale(0, ROUND_SAMPLES) / 0.7;
+    let aspect = dice.scale(1, [0.05, 20.0]);
+    // Both sides at least as long as periodic domains must be.
+    let width = (area * aspect).sqrt().clamp(10.5, area.max(111.0) / 10.5);
+    let leaf = dice.scale(2, [6.0, 120.0]);
+    let boundary = dice.pick(3, &[Boundary::Periodic, Boundary::Bounded]);
+    let pattern = if dice.share(4) < 0.15 {
+        // A bounded pattern must hold every enlarged block.
+        PatternSpec {
+            side: (2.0 * leaf + 3.0) * (1.0 + dice.share(5)),
+            boundary: Boundary::Bounded,
+            seed,
+        }
+    } else {
+        PatternSpec {
+            side: dice.scale(5, [10.0, 160.0]),
+            boundary: Boundary::Periodic,
+            seed: seed & 7,
+        }
+    };
+    Parameters {
+        width,
+        height: (area / width).max(10.5),
+        radius: 1.0,
+        boundary,
+        seed,
+        leaf,
+        pattern,
+        dihedral: dice.pick(6, &[false, true]),
+        order: dice.pick(
+            7,
+            &[Order::Index, Order::Random, Order::OwnBlockFirst, Order::PhaseGroup],
+        ),
+        insertion: dice.pick(8, &[Insertion::Circumcentre, Insertion::Uniform]),
+        search: if dice.share(9) < 0.1 { Search::TwoRadii } else { Search::Complete },
+        ..Parameters::default()
+    }
+}
+
+fn round(seed: u64, index: u64) -> Result<Found> {
+    let key = Key::from_seed(seed).derive(Stream::Pattern, index as u32);
+    let [low, high] = key.words();
+    let dice = Dice(key);
+    let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
+    if interrupt::requested() {
+        return Ok(Found::default());
+    }
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
+    let run = Sequential::new(&parameters, std::sync::Arc::clone(&pattern))?;
+    let run = run.finish(&mut Unobserved)?;
+    let points = run.points();
+    let (swept, summary) = Sweep::new(&parameters, &pattern, false)?.finish(&mut Unobserved)?;
+    let equal = swept.points == points
+        && summary == run.summary()
+        && windows_agree(&Plane::new(&parameters, &pattern)?, &points, &dice)?;
+    drop(run);
+    let positions = make::positions(&parameters.validate()?, &points);
+    let domain = parameters.validate()?;
+    let report = tilescope_analysis::verify(
+        &positions,
+        region(&domain),
+        domain.radius(),
+        &VerifyOptions::default(),
+        &|_| interrupt::flow(),
+    )?;
+    let complete = parameters.search == Search::Complete;
+    let mut found = Found {
+        rounds: 1,
+        samples: report.count as u64,
+        conflicts: report.conflicts,
+        gaps: if complete { report.gaps } else { 0 },
+        unequal: u64::from(!equal),
+        covering: if complete { report.covering_radius } else { 0.0 },
+        commands: Vec::new(),
+    };
+    if !found.is_fine() {
+        found.commands.push(command(&parameters));
+    }
+    Ok(found)
+}
+
+/// Compares windows of random sizes with what the whole set has there.
+fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, SampleError> {
+    let domain = plane.domain();
+    let sides = domain.size();
+    for k in 0..WINDOWS {
+        let share = |index: u32| dice.share(100 + 10 * k + index);
+        let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
+        let low = [low[0] * sides[0], low[1] * sides[1]];
+        let size = [share(2) * share(3) * sides[0], share(4) * share(5) * sides[1]];
+        let Ok(window) = domain.window(low, [low[0] + size[0], low[1] + size[1]]) else {
+            continue;
+        };
+        let inside = points.iter().filter(|p| shows(&window, plane, **p));
+        if !plane.window(&window)?.iter().eq(inside) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Returns whether a window shows a sample.
+fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
+    let domain = plane.domain();
+    let axis = |v: i32, axis: usize| {
+        let offset = i64::from(v) - window.min[axis];
+        let side = i64::from([domain.width(), domain.height()][axis]);
+        let offset = if domain.is_periodic() { offset.rem_euclid(side) } else { offset };
+        (0..window.max[axis] - window.min[axis]).contains(&offset)
+    };
+    axis(p.x, 0) && axis(p.y, 1)
+}
+
+/// Returns the command that makes the set of a round.
+fn command(p: &Parameters) -> String {
+    let name = |value: serde_json::Result<String>| value.unwrap_or_default().replace('"', "");
+    format!(
+        "tilescope sample --radius {} --width {} --height {} --boundary {} --seed {} --leaf {} \
+         --pattern-side {} --pattern-boundary {} --pattern-seed {} --order {} --insertion {} --search {}{}",
+        p.radius,
+        p.width,
+        p.height,
+        name(serde_json::to_string(&p.boundary)),
+        p.seed,
+        p.leaf,
+        p.pattern.side,
+        name(serde_json::to_string(&p.pattern.boundary)),
+        p.pattern.seed,
+        name(serde_json::to_string(&p.order)),
+        name(serde_json::to_string(&p.insertion)),
+        if p.search == Search::TwoRadii { 2 } else { 4 },
+        if p.dihedral { " --dihedral" } else { "" },
+    )
+}

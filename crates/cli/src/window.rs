@@ -1,0 +1,208 @@
+//! `tilescope sample --window`: a part of a set that is never made as a whole.
+
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::json;
+use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
+use tilescope_core::{Domain, Parameters, Plane, Point, R, Window};
+use tilescope_formats::{Format, PointSet, Precision, Target, encode, write_whole};
+
+use crate::make::{positions, with_radius};
+use crate::output;
+use crate::progress::{Stopwatch, verifying};
+use crate::sample::{Method, PrecisionArgument, SampleArguments};
+use crate::{interrupt, verdict_code};
+
+/// Units around a window that are computed to judge it: 4r, where 2r would do.
+const MARGIN: i64 = 4 * R as i64;
+
+/// More gaps than the cut borders of a judged window have.
+const MOST_GAPS: usize = 1 << 20;
+
+/// What was found about a window.
+pub struct Verdict {
+    /// Pairs in conflict in the window and around it.
+    pub conflicts: u64,
+    /// Uncovered places in the window.
+    pub gaps: usize,
+    /// The smallest distance around, in radii.
+    pub min_distance: f64,
+}
+
+pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
+    let &[left, bottom, right, top] = window else {
+        anyhow::bail!("--window takes four numbers");
+    };
+    let mut watch = Stopwatch::start();
+    let parameters = arguments.run.parameters();
+    ensure!(
+        arguments.method == Method::Kdrt && arguments.engine.is_parallel(&parameters),
+        "--window needs the parallel engine: the others make whole sets"
+    );
+    let pattern = arguments.run.pattern(&mut watch)?;
+    let parameters = match arguments.run.count {
+        Some(count) => Parameters {
+            radius: radius_of(&parameters, count, || {
+                with_radius(&arguments.run, &pattern, &mut watch)
+            })?,
+            ..parameters
+        },
+        None => parameters,
+    };
+    let plane = Plane::new(&parameters, &pattern)?;
+    let domain = plane.domain();
+    let window = domain.window([left, bottom], [right, top])?;
+    let began = Instant::now();
+    let points = plane.window(&window)?;
+    let seconds = began.elapsed().as_secs_f64();
+    watch.take();
+    let found = positions(domain, &points);
+    if let Some(path) = &arguments.out {
+        let format = arguments.format.or_else(|| Format::from_path(path));
+        let precision = match arguments.precision {
+            PrecisionArgument::F32 => Precision::Single,
+            PrecisionArgument::F64 => Precision::Double,
+        };
+        let mut target = Target::new(format.context("the extension names no format")?);
+        target.precision = precision;
+        target.region = Some(crate::options::region(domain));
+        let set = PointSet::from_points(found);
+        let bytes = encode(&set, &target).with_context(|| path.display().to_string())?;
+        write_whole(path, &bytes)?;
+    }
+    let verdict = judge(&plane, &window)?;
+    let is_valid = verdict.conflicts == 0 && verdict.gaps == 0;
+    let path = arguments.out.as_ref().map(|path| path.display().to_string());
+    if arguments.json {
+        let object = json!({
+            "radius": parameters.radius,
+            "window": [left, bottom, right, top],
+            "count": points.len(),
+            "seconds": seconds,
+            "conflicts": verdict.conflicts,
+            "gaps": verdict.gaps,
+            "min_distance_r": verdict.min_distance,
+            "valid": is_valid,
+            "file": path,
+        });
+        output::emit(&format!("{object}\n"))?;
+    } else {
+        output::emit(&format!(
+            "window         [{left}, {right}) x [{bottom}, {top}) of {}, r = {}\n\
+             samples        {} in {:.2} ms\n\
+             conflict-free  {}   min distance {:.9} r\n\
+             maximal        {}\n\
+             verdict        {}\n",
+            output::region_text(&crate::options::region(domain)),
+            parameters.radius,
+            points.len(),
+            seconds * 1e3,
+            output::answer(verdict.conflicts == 0, verdict.conflicts),
+            verdict.min_distance,
+            output::answer(verdict.gaps == 0, verdict.gaps as u64),
+            if is_valid { "valid" } else { "NOT VALID" },
+        ))?;
+        if let Some(path) = path {
+            output::emit(&format!(
+                "file           {path} (a part of a set has no certificate)\n"
+            ))?;
+        }
+    }
+    Ok(verdict_code(is_valid))
+}
+
+/// Returns the radius for a count: the estimate, where making the sets that a search tries would be
+/// against the purpose of a window.
+fn radius_of(
+    parameters: &Parameters,
+    count: u64,
+    search: impl FnOnce() -> Result<Parameters>,
+) -> Result<f64> {
+    const SEARCHED: u64 = 1_000_000;
+    if count <= SEARCHED {
+        return Ok(search()?.radius);
+    }
+    Ok(tilescope_core::radius_estimate(parameters, count)?)
+}
+
+/// Judges a window of a plane, with a margin around it as far as there is plane.
+pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
+    let domain = plane.domain();
+    let wide = widened(domain, window);
+    let low = wide.min;
+    let periodic = domain.is_periodic();
+    let unit = [0, 1].map(|axis| domain.size()[axis] / f64::from([domain.width(), domain.height()][axis]));
+    // A wide window may be longer than a periodic domain and show some samples twice.
+    let images = |v: i32, axis: usize| {
+        let side = i64::from([domain.width(), domain.height()][axis]);
+        let first = i64::from(v) - low[axis];
+        let (first, step) = if periodic {
+            (first.rem_euclid(side), side)
+        } else {
+            (first, i64::MAX / 2)
+        };
+        let length = wide.max[axis] - low[axis];
+        (0..2)
+            .map(move |k| first + k * step)
+            .filter(move |&offset| offset < length)
+            .map(move |offset| offset as f64 * unit[axis])
+    };
+    let shown = |p: &Point| {
+        let xs = images(p.x, 0);
+        images(p.y, 1).flat_map(move |y| xs.clone().map(move |x| [x, y])).collect::<Vec<_>>()
+    };
+    let points: Vec<[f64; 2]> = plane.window(&wide)?.iter().flat_map(shown).collect();
+    let last = i64::from(!periodic);
+    let region = Region {
+        width: (wide.max[0] - wide.min[0] - last) as f64 * unit[0],
+        height: (wide.max[1] - wide.min[1] - last) as f64 * unit[1],
+        boundary: Boundary::Bounded,
+    };
+    let options = VerifyOptions {
+        witnesses: MOST_GAPS,
+        ..VerifyOptions::default()
+    };
+    let report = verifying(|control| {
+        tilescope_analysis::verify(&points, region, domain.radius(), &options, control)
+    })
+    .context("the verifier gives no verdict")?;
+    Ok(verdict(&report, window, &wide, unit))
+}
+
+fn widened(domain: &Domain, window: &Window) -> Window {
+    let mut wide = *window;
+    for axis in 0..2 {
+        wide.min[axis] -= MARGIN;
+        wide.max[axis] += MARGIN;
+        if !domain.is_periodic() {
+            let max = [domain.rect().max.x, domain.rect().max.y][axis];
+            wide.min[axis] = wide.min[axis].max(0);
+            wide.max[axis] = wide.max[axis].min(max.into());
+        }
+    }
+    wide
+}
+
+/// Counts the gaps inside the window: those around it are made by the cut.
+fn verdict(report: &Report, window: &Window, wide: &Window, unit: [f64; 2]) -> Verdict {
+    let inside = |center: [f64; 2]| {
+        (0..2).all(|axis| {
+            let at = |v: i64| (v - wide.min[axis]) as f64 * unit[axis];
+            (at(window.min[axis])..=at(window.max[axis])).contains(&center[axis])
+        })
+    };
+    let gaps = report.worst_gaps.iter().filter(|gap| inside(gap.center));
+    Verdict {
+        conflicts: report.conflicts,
+        gaps: gaps.count(),
+        min_distance: report.min_distance / report.radius,
+    }
+}
+
+/// Judges and says whether all is well, for callers that measure.
+pub fn is_valid(plane: &Plane, window: &Window) -> Result<bool> {
+    ensure!(!interrupt::requested(), "cancelled before the verdict");
+    let verdict = judge(plane, window)?;
+    Ok(verdict.conflicts == 0 && verdict.gaps == 0)
+}
