@@ -74,6 +74,14 @@ fn main() {
         "two-radii-witness",
         vec![Command::FlyToWitness(Witness::Verdict)],
     );
+    let large = vec![
+        Command::Choose(Choice::Search(Search::Complete)),
+        Command::Type(Field::Leaf, "40".to_owned()),
+        Command::Type(Field::Radius, "0.0007".to_owned()),
+        Command::Run,
+    ];
+    shoot("large", large);
+    shoot("large-zoom", vec![near()]);
     let bad = vec![
         Command::Type(Field::Radius, "0".to_owned()),
         Command::Type(Field::Leaf, "2".to_owned()),

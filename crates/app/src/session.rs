@@ -4,12 +4,22 @@
 use std::ops::ControlFlow;
 
 use tilescope_core::{
-    Observer, Parameters, Pattern, Progress, R, Run, SampleError, SampleGrid, Sequential, Stage,
-    Standing, Summary, Variant, covers_offset,
+    MAXIMAL_DENSITY, Observer, Parameters, Pattern, Progress, R, Run, SampleError, SampleGrid,
+    Sequential, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
 
 use crate::canvas::index::SampleIndex;
 use crate::jobs::Monitor;
+
+/// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
+/// 105 bytes for each sample and ten times as long.
+pub const MOST_STAGED: f64 = 500_000.0;
+
+/// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
+fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
+    let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
+    Ok(expected <= MOST_STAGED || parameters.variant == Variant::AsPrinted)
+}
 
 /// A run and what the window needs to show it.
 pub struct Session {
@@ -37,18 +47,31 @@ impl Session {
         parameters.validate_sequential()?;
         let mut observer = Reporter { monitor };
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
-        let run = Sequential::new(parameters, pattern)?.finish(&mut observer)?;
+        let run = if keeps_everything(parameters)? {
+            Sequential::new(parameters, pattern)?.finish(&mut observer)?
+        } else {
+            Sweep::new(parameters, &pattern, true)?.run(&pattern, &mut observer)?
+        };
         observer.report(Stage::Finish, 0.5).map_or_else(
             || Ok(Self::from_run(run, generation)),
             |stage| Err(SampleError::Cancelled { stage }),
         )
     }
 
+    /// Returns whether every sample's fate was kept, so that every stage can be visited.
+    #[must_use]
+    pub const fn has_stages(&self) -> bool {
+        self.run.counted.is_none()
+    }
+
     /// Prepares a finished run.
     #[must_use]
     pub fn from_run(run: Run, generation: u64) -> Self {
         let index = SampleIndex::new(&run.domain, &run.samples.points);
-        let conflicts = tiled_conflicts(&run);
+        let conflicts = match run.counted {
+            Some(_) => Vec::new(),
+            None => tiled_conflicts(&run),
+        };
         Self {
             stages: run.stages(),
             summary: run.summary(),

@@ -1,5 +1,5 @@
-//! `tilescope bench`: KDRT against the reference sampler and itself, interleaved in one run, every
-//! timed result verified.
+//! `tilescope bench`: the engines against the reference sampler and each other, interleaved in one
+//! run, every timed result verified.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -7,13 +7,17 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use serde_json::json;
-use tilescope_analysis::{Report, VerifyOptions};
-use tilescope_core::{Domain, Parameters, Pattern, Sequential, reference_sample};
+use rayon::ThreadPool;
+use serde_json::{Value, json};
+use tilescope_analysis::Report;
+use tilescope_core::{
+    Domain, Key, Parameters, Pattern, Plane, Point, SampleError, Sequential, Stream, Sweep, Window,
+    radius_estimate, reference_sample,
+};
 
 use crate::options::region;
-use crate::progress::{Bar, verifying};
-use crate::{interrupt, output, verdict_code};
+use crate::progress::Bar;
+use crate::{interrupt, make, output, verdict_code, window};
 
 /// Arguments of `tilescope bench`.
 #[derive(Debug, Args)]
@@ -25,31 +29,63 @@ pub struct BenchArguments {
     /// Leaf sizes of KDRT, in radii
     #[arg(long, value_name = "LEAF", num_args = 1.., default_values_t = [20.0, 40.0, 80.0])]
     leaf: Vec<f64>,
+    /// Numbers of threads of the parallel engine; one and as many as there are cores, if not given
+    #[arg(long, value_name = "N", num_args = 1..)]
+    threads: Vec<usize>,
+    /// Measure the sequential engine, too
+    #[arg(long)]
+    sequential: bool,
     /// Rounds; in each, every method runs once, and the median round is shown
     #[arg(long, value_name = "K", default_value_t = 5)]
     rounds: usize,
     /// Seed of the first round; each round has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// Samples of the plane of which windows of 10,000 samples are taken
+    #[arg(long, value_name = "N", default_value_t = 1_000_000_000)]
+    plane: u64,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-KDRT starts with its pattern ready-made; the time to make one is told below the table. The ratio is to
-the reference sampler in the same round, and the median over the rounds.
+A rate is that of making the whole set in memory, on the lattice and in canonical order, with the
+pattern ready-made. The ratio is to the reference sampler in the same round, and the median over the
+rounds; so is the ratio of threads, to one thread.
 
-Example:
-  tilescope bench --samples 1000000 --leaf 20 40 80";
+Examples:
+  tilescope bench --samples 1000000 --leaf 20 40 80
+  tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential";
+
+/// Samples of a window.
+const WINDOW_SAMPLES: f64 = 10_000.0;
+
+/// Who makes a set.
+#[derive(Clone, Copy, PartialEq)]
+enum Method {
+    Reference,
+    Sequential { leaf: f64 },
+    /// With the place of its pool.
+    Parallel { leaf: f64, pool: usize },
+}
 
 /// A method and its rounds.
 struct Row {
     name: String,
-    leaf: Option<f64>,
+    method: Method,
+    threads: usize,
     seconds: Vec<f64>,
     verify_seconds: Vec<f64>,
     reports: Vec<Report>,
+}
+
+/// What is measured of windows.
+struct Windows {
+    plane_seconds: f64,
+    seconds: Vec<f64>,
+    counts: Vec<usize>,
+    valid: bool,
 }
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
@@ -59,32 +95,80 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         "--rounds is {}; it must be between 1 and 1000",
         arguments.rounds
     );
-    let base = parameters(arguments)?;
-    let domain = base.validate()?;
+    let base = parameters(arguments, arguments.samples)?;
+    let domain = base.validate_sequential()?;
     for &leaf in &arguments.leaf {
         Parameters { leaf, ..base }.validate()?;
     }
-    // It comes with the program; what making it costs is told for comparison.
+    let of_plane = parameters(arguments, arguments.plane)?;
+    let pools = pools(&arguments.threads)?;
     let began = Instant::now();
+    // What making a pattern costs is told, too, so neither a ready-made nor a kept one will do.
     let pattern = Arc::new(Pattern::generate(&base.pattern, &mut stop_on_interrupt)?);
     let pattern_seconds = began.elapsed().as_secs_f64();
-    let rows = measure(arguments, &base, &domain, &pattern)?;
-    let valid = rows.iter().flat_map(|row| &row.reports).all(Report::valid);
+    let rows = measure(arguments, &base, &domain, &pattern, &pools)?;
+    let windows = measure_windows(arguments, &of_plane, &pattern)?;
+    let valid = rows.iter().flat_map(|row| &row.reports).all(Report::valid) && windows.valid;
     if arguments.json {
-        output::emit(&format!("{}\n", to_json(&rows, pattern_seconds)))?;
+        let object = to_json(&rows, &windows, pattern_seconds);
+        output::emit(&format!("{object}\n"))?;
     } else {
-        output::emit(&to_text(&rows, pattern_seconds, arguments))?;
+        output::emit(&to_text(&rows, &windows, pattern_seconds, arguments))?;
     }
     Ok(verdict_code(valid))
 }
 
-fn parameters(arguments: &BenchArguments) -> Result<Parameters> {
+fn parameters(arguments: &BenchArguments, samples: u64) -> Result<Parameters> {
     let base = Parameters {
         leaf: 40.0,
+        seed: arguments.seed,
         ..Parameters::default()
     };
-    let radius = tilescope_core::radius_estimate(&base, arguments.samples)?;
+    let radius = radius_estimate(&base, samples)?;
     Ok(Parameters { radius, ..base })
+}
+
+/// Returns a pool of threads for each number asked for.
+fn pools(threads: &[usize]) -> Result<Vec<ThreadPool>> {
+    let cores = rayon::current_num_threads();
+    let mut wanted = threads.to_vec();
+    if wanted.is_empty() {
+        wanted = vec![1, cores];
+        wanted.dedup();
+    }
+    let pool = |&threads: &usize| {
+        ensure!(
+            (1..=1024).contains(&threads),
+            "--threads is {threads}; it must be between 1 and 1024"
+        );
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        builder.build().context("cannot start the threads")
+    };
+    wanted.iter().map(pool).collect()
+}
+
+fn rows(arguments: &BenchArguments, pools: &[ThreadPool]) -> Vec<Row> {
+    let row = |name: String, method, threads| Row {
+        name,
+        method,
+        threads,
+        seconds: Vec::new(),
+        verify_seconds: Vec::new(),
+        reports: Vec::new(),
+    };
+    let mut rows = vec![row("reference".to_owned(), Method::Reference, 1)];
+    for &leaf in &arguments.leaf {
+        if arguments.sequential {
+            let method = Method::Sequential { leaf };
+            rows.push(row(format!("sequential, leaf {leaf} r"), method, 1));
+        }
+        for (pool, threads) in pools.iter().map(ThreadPool::current_num_threads).enumerate() {
+            let plural = if threads == 1 { "" } else { "s" };
+            let name = format!("parallel, leaf {leaf} r, {threads} thread{plural}");
+            rows.push(row(name, Method::Parallel { leaf, pool }, threads));
+        }
+    }
+    rows
 }
 
 fn measure(
@@ -92,21 +176,9 @@ fn measure(
     base: &Parameters,
     domain: &Domain,
     pattern: &Arc<Pattern>,
+    pools: &[ThreadPool],
 ) -> Result<Vec<Row>> {
-    let row = |name: String, leaf| Row {
-        name,
-        leaf,
-        seconds: Vec::new(),
-        verify_seconds: Vec::new(),
-        reports: Vec::new(),
-    };
-    let mut rows = vec![row("reference".to_owned(), None)];
-    rows.extend(
-        arguments
-            .leaf
-            .iter()
-            .map(|&leaf| row(format!("KDRT, leaf {leaf} r"), Some(leaf))),
-    );
+    let mut rows = rows(arguments, pools);
     let bar = Bar::new("bench");
     let total = (arguments.rounds * rows.len()) as u64;
     let mut done = 0;
@@ -114,21 +186,22 @@ fn measure(
         let seed = arguments.seed.wrapping_add(round);
         for row in &mut rows {
             bar.set(done, total);
-            let (positions, seconds) = match row.leaf {
-                None => timed(|| Ok(reference(domain, seed)?))?,
-                Some(leaf) => {
-                    let parameters = Parameters {
-                        leaf,
-                        seed,
-                        ..*base
-                    };
-                    timed(|| Ok(kdrt(&parameters, pattern)?))?
+            let with = |leaf| Parameters { leaf, seed, ..*base };
+            let began = Instant::now();
+            let points = match row.method {
+                Method::Reference => reference_sample(*domain, seed, &mut stop_on_interrupt)?,
+                Method::Sequential { leaf } => sequential(&with(leaf), pattern)?,
+                Method::Parallel { leaf, pool } => {
+                    pools[pool].install(|| parallel(&with(leaf), pattern))?
                 }
             };
-            row.seconds.push(seconds);
+            row.seconds.push(began.elapsed().as_secs_f64());
+            let positions = make::positions(domain, &points);
+            drop(points);
             let began = Instant::now();
-            row.reports.push(judge(&positions, domain)?);
+            let report = make::judge(&positions, region(domain), domain.radius())?;
             row.verify_seconds.push(began.elapsed().as_secs_f64());
+            row.reports.push(report);
             done += 1;
         }
     }
@@ -136,44 +209,48 @@ fn measure(
     Ok(rows)
 }
 
-fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
-    let began = Instant::now();
-    let result = work()?;
-    Ok((result, began.elapsed().as_secs_f64()))
-}
-
 fn stop_on_interrupt(_: tilescope_core::Progress) -> std::ops::ControlFlow<()> {
     interrupt::flow()
 }
 
-fn reference(domain: &Domain, seed: u64) -> Result<Vec<[f64; 2]>, tilescope_core::SampleError> {
-    let points = reference_sample(*domain, seed, &mut stop_on_interrupt)?;
-    Ok(points
-        .iter()
-        .map(|&p| domain.user_from_lattice(p))
-        .collect())
-}
-
-fn kdrt(
-    parameters: &Parameters,
-    pattern: &Arc<Pattern>,
-) -> Result<Vec<[f64; 2]>, tilescope_core::SampleError> {
+fn sequential(parameters: &Parameters, pattern: &Arc<Pattern>) -> Result<Vec<Point>, SampleError> {
     let engine = Sequential::new(parameters, Arc::clone(pattern))?;
-    Ok(engine.finish(&mut stop_on_interrupt)?.positions())
+    Ok(engine.finish(&mut stop_on_interrupt)?.points())
 }
 
-fn judge(positions: &[[f64; 2]], domain: &Domain) -> Result<Report> {
-    let options = VerifyOptions::default();
-    verifying(|control| {
-        tilescope_analysis::verify(
-            positions,
-            region(domain),
-            domain.radius(),
-            &options,
-            control,
-        )
-    })
-    .context("the verifier gives no verdict")
+fn parallel(parameters: &Parameters, pattern: &Pattern) -> Result<Vec<Point>, SampleError> {
+    let sweep = Sweep::new(parameters, pattern, false)?;
+    Ok(sweep.finish(&mut stop_on_interrupt)?.0.points)
+}
+
+/// Takes windows at random places of a large plane, one a round.
+fn measure_windows(
+    arguments: &BenchArguments,
+    parameters: &Parameters,
+    pattern: &Pattern,
+) -> Result<Windows> {
+    let began = Instant::now();
+    let plane = Plane::new(parameters, pattern)?;
+    let plane_seconds = began.elapsed().as_secs_f64();
+    let side = (WINDOW_SAMPLES / 0.7).sqrt() * parameters.radius;
+    let key = Key::from_seed(arguments.seed);
+    let mut windows = Windows {
+        plane_seconds,
+        seconds: Vec::new(),
+        counts: Vec::new(),
+        valid: true,
+    };
+    for round in 0..arguments.rounds as u32 {
+        let [x, y] = key.draw(Stream::Dart, round).map(f64::from);
+        let low = [x, y].map(|v| v / f64::from(u32::MAX));
+        let window: Window = plane.domain().window(low, low.map(|v| v + side))?;
+        let began = Instant::now();
+        let points = plane.window(&window)?;
+        windows.seconds.push(began.elapsed().as_secs_f64());
+        windows.counts.push(points.len());
+        windows.valid &= window::is_valid(&plane, &window)?;
+    }
+    Ok(windows)
 }
 
 fn median(values: impl IntoIterator<Item = f64>) -> f64 {
@@ -220,13 +297,30 @@ impl Row {
     }
 }
 
-fn to_text(rows: &[Row], pattern_seconds: f64, arguments: &BenchArguments) -> String {
+/// Returns the row that shows what a row's threads gained: the same with one thread.
+fn alone<'a>(row: &Row, rows: &'a [Row]) -> Option<&'a Row> {
+    let Method::Parallel { leaf, .. } = row.method else {
+        return None;
+    };
+    let is_alone = |other: &&Row| {
+        other.threads == 1 && matches!(other.method, Method::Parallel { leaf: l, .. } if l == leaf)
+    };
+    rows.iter().find(is_alone).filter(|_| row.threads > 1)
+}
+
+fn to_text(
+    rows: &[Row],
+    windows: &Windows,
+    pattern_seconds: f64,
+    arguments: &BenchArguments,
+) -> String {
     let mut out = format!(
-        "{:<18} {:>9} {:>10} {:>7} {:>9} {:>11} {:>11} {:>14} {:>6}\n",
+        "{:<32} {:>9} {:>10} {:>8} {:>8} {:>9} {:>11} {:>11} {:>13} {:>6}\n",
         "method",
         "samples",
         "Msamples/s",
         "ratio",
+        "threads",
         "N r2/area",
         "min dist/r",
         "covering/r",
@@ -234,43 +328,63 @@ fn to_text(rows: &[Row], pattern_seconds: f64, arguments: &BenchArguments) -> St
         "valid"
     );
     for row in rows {
+        let gain = alone(row, rows).map(|one| format!("{:.2}x", row.ratio(one)));
         let _ = writeln!(
             out,
-            "{:<18} {:>9} {:>10.3} {:>6.2}x {:>9.4} {:>11.7} {:>11.7} {:>14.3} {:>6}",
+            "{:<32} {:>9} {:>10.3} {:>7.2}x {:>8} {:>9.4} {:>11.7} {:>11.7} {:>13.3} {:>6}",
             row.name,
             median(row.reports.iter().map(|report| report.count as f64)),
             row.rate() / 1e6,
             row.ratio(&rows[0]),
+            gain.unwrap_or_default(),
             median(row.reports.iter().map(|report| report.density)),
             row.smallest(|report| report.min_distance / report.radius),
             row.largest(|report| report.covering_radius / report.radius),
             row.verify_rate() / 1e6,
-            if row.reports.iter().all(Report::valid) {
-                "yes"
-            } else {
-                "NO"
-            }
+            yes(row.reports.iter().all(Report::valid)),
         );
     }
     let _ = writeln!(
         out,
-        "\nmedian of {} rounds; sampling on one thread, verifying on all; pattern made in {:.1} ms",
+        "\nwindow of {} samples in a plane of {}: {:.2} ms (plane set up once in {:.2} ms), valid: {}",
+        median(windows.counts.iter().map(|&n| n as f64)),
+        arguments.plane,
+        median(windows.seconds.iter().copied()) * 1e3,
+        windows.plane_seconds * 1e3,
+        yes(windows.valid),
+    );
+    let _ = writeln!(
+        out,
+        "median of {} rounds; verifying on {} threads; pattern made in {:.1} ms",
         arguments.rounds,
+        rayon::current_num_threads(),
         pattern_seconds * 1e3
     );
     out
 }
 
-fn to_json(rows: &[Row], pattern_seconds: f64) -> serde_json::Value {
-    let rows_json: Vec<_> = rows
+const fn yes(is: bool) -> &'static str {
+    if is { "yes" } else { "NO" }
+}
+
+fn to_json(rows: &[Row], windows: &Windows, pattern_seconds: f64) -> Value {
+    let rows_json: Vec<Value> = rows
         .iter()
         .map(|row| {
+            let (engine, leaf) = match row.method {
+                Method::Reference => ("reference", None),
+                Method::Sequential { leaf } => ("sequential", Some(leaf)),
+                Method::Parallel { leaf, .. } => ("parallel", Some(leaf)),
+            };
             json!({
                 "method": row.name,
-                "leaf": row.leaf,
+                "engine": engine,
+                "leaf": leaf,
+                "threads": row.threads,
                 "seconds": row.seconds,
                 "samples_per_second": row.rate(),
                 "ratio_to_reference": row.ratio(&rows[0]),
+                "ratio_to_one_thread": alone(row, rows).map(|one| row.ratio(one)),
                 "density": median(row.reports.iter().map(|report| report.density)),
                 "min_distance_r": row.smallest(|report| report.min_distance / report.radius),
                 "covering_radius_r": row.largest(|report| report.covering_radius / report.radius),
@@ -279,5 +393,14 @@ fn to_json(rows: &[Row], pattern_seconds: f64) -> serde_json::Value {
             })
         })
         .collect();
-    json!({ "pattern_seconds": pattern_seconds, "rows": rows_json })
+    json!({
+        "pattern_seconds": pattern_seconds,
+        "rows": rows_json,
+        "windows": {
+            "plane_seconds": windows.plane_seconds,
+            "seconds": windows.seconds,
+            "counts": windows.counts,
+            "valid": windows.valid,
+        },
+    })
 }

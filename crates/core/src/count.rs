@@ -6,9 +6,7 @@ use std::sync::Arc;
 use crate::engine::sequential::Sequential;
 use crate::error::SampleError;
 use crate::lattice::{MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC};
-use crate::parameters::{
-    Boundary, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, ParameterError, Parameters,
-};
+use crate::parameters::{Boundary, MAXIMAL_DENSITY, ParameterError, Parameters};
 use crate::pattern::Pattern;
 use crate::progress::Observer;
 use crate::run::Run;
@@ -35,7 +33,7 @@ pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, Param
     parameters.validate_but_radius()?;
     let [shortest, longest] = radius_limits(parameters);
     let minimum = (expected(parameters, longest) * 1.1).ceil() as u64;
-    let maximum = (expected(parameters, shortest).min(MAX_SEQUENTIAL_SAMPLES) * 0.98) as u64;
+    let maximum = (expected(parameters, shortest) * 0.98) as u64;
     if !(minimum..=maximum).contains(&count) {
         return Err(ParameterError::Count {
             count,

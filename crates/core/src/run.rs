@@ -135,6 +135,8 @@ pub struct Run {
     pub iterations: Vec<Iteration>,
     /// Ids of the result in canonical order; empty before [`Stage::Finish`].
     pub result: Vec<u32>,
+    /// The counts of a run that kept nothing but its result ([`crate::Sweep::run`]).
+    pub counted: Option<Summary>,
 }
 
 /// The counts of a run.
@@ -229,6 +231,9 @@ impl Run {
     /// Returns the counts so far.
     #[must_use]
     pub fn summary(&self) -> Summary {
+        if let Some(counted) = &self.counted {
+            return counted.clone();
+        }
         let count = |test: fn(&Fate) -> bool| self.samples.fates.iter().filter(|f| test(f)).count();
         let mut inserted: Vec<usize> = self.iterations.iter().map(|i| i.inserted.len()).collect();
         while inserted.last() == Some(&0) {

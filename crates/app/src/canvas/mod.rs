@@ -108,8 +108,13 @@ impl Canvas {
             }
             scene.block_borders();
             let most = crate::sentence::grouped(MAX_SYMBOLS);
+            let others = if session.has_stages() {
+                ", eliminated samples among them"
+            } else {
+                ""
+            };
             return Some(format!(
-                "More than {most} symbols in view, eliminated samples among them: drawn as points. Zoom in."
+                "More than {most} symbols in view{others}: drawn as points. Zoom in."
             ));
         }
         scene.symbols(&mut self.sprites, fine);

@@ -430,7 +430,7 @@ fn causes(session: &Session, stage: Stage, id: u32) -> Vec<u32> {
             Sites::Three(ids) => ids.to_vec(),
             Sites::Border(ids) => ids.to_vec(),
             Sites::Corner(site) => vec![site],
-            Sites::Dart => Vec::new(),
+            Sites::Dart | Sites::Unrecorded => Vec::new(),
         },
         Origin::Tiled { .. } => Vec::new(),
     }

@@ -77,6 +77,7 @@ fn sample(
                 Sites::Border(ids) => others(ui, "On the border between", &ids, palette, commands),
                 Sites::Corner(id) => others(ui, "In the corner near", &[id], palette, commands),
                 Sites::Dart => row(ui, "By", "a dart", palette),
+                Sites::Unrecorded => row(ui, "Sites", "not kept in a large run", palette),
             }
         }
     }

@@ -5,7 +5,7 @@ use tilescope_core::Stage;
 
 use crate::command::Command;
 use crate::sentence::{grouped, stage_name};
-use crate::session::Session;
+use crate::session::{MOST_STAGED, Session};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::heading;
@@ -33,6 +33,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         if row(ui, texts, place == state.stage, palette, true) {
             commands.push(Command::ShowStage(place));
         }
+    }
+    if !session.has_stages() {
+        let most = grouped(MOST_STAGED as usize);
+        let text = format!("Above {most} samples only the result is kept: the stages between are not.");
+        ui.add_space(4.0);
+        ui.label(egui::RichText::new(text).color(palette.muted).small());
     }
 }
 

@@ -173,3 +173,33 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
     state.apply(Command::StepForward);
     assert_eq!(state.camera, camera);
 }
+
+#[test]
+fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
+    let mut state = settled();
+    type_in(&mut state, Field::Radius, "0.0011");
+    state.apply(Command::Run);
+    state.settle();
+    let session = state.session.as_ref().unwrap();
+    assert!(!session.has_stages());
+    assert_eq!(
+        session.stages,
+        [Stage::Pattern, Stage::Blocks, Stage::Finish]
+    );
+    assert!(state.verdict().unwrap().report.valid());
+    let pattern = std::sync::Arc::clone(&session.run.pattern);
+    let engine = tilescope_core::Sequential::new(&session.run.parameters, pattern).unwrap();
+    let whole = engine.finish(&mut tilescope_core::Unobserved).unwrap();
+    assert_eq!(session.run.points(), whole.points());
+    assert_eq!(session.summary, whole.summary());
+    // What is known of a sample is what the other engine says of it.
+    for (&mine, &theirs) in session.run.result.iter().zip(&whole.result).step_by(97) {
+        use tilescope_core::Origin::{Inserted, Tiled};
+        let (a, b) = (&session.run.samples.origins, &whole.samples.origins);
+        match (a[mine as usize], b[theirs as usize]) {
+            (Inserted { iteration: a, .. }, Inserted { iteration: b, .. }) => assert_eq!(a, b),
+            (a @ Tiled { .. }, b) => assert_eq!(a, b),
+            (a, b) => panic!("{a:?} and {b:?}"),
+        }
+    }
+}

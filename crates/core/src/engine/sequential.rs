@@ -75,6 +75,7 @@ impl Sequential {
             samples: Samples::default(),
             iterations: Vec::new(),
             result: Vec::new(),
+            counted: None,
         };
         let key = Key::from_seed(parameters.seed);
         Ok(Self {

@@ -47,6 +47,8 @@ pub enum Sites {
     Corner(u32),
     /// A dart: no samples are concerned.
     Dart,
+    /// The engine did not keep them.
+    Unrecorded,
 }
 
 /// An uncovered place where a sample may be inserted.

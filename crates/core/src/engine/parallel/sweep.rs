@@ -1,6 +1,8 @@
 //! A whole run as windows: bands from bottom to top, each cut into windows side by side, which are
 //! computed on all threads and joined in canonical order.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +11,10 @@ use crate::lattice::{Point, R, Rect};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::progress::{Meter, Observer, Stage};
-use crate::run::Summary;
+use crate::random::Key;
+use crate::run::{Fate, Origin, Run, Samples, Summary};
+use crate::stages::blocks::split;
+use crate::stages::detect::Sites;
 
 use super::counts::Counts;
 use super::gaps::inserted_in;
@@ -65,6 +70,7 @@ pub struct SweepState {
 /// The bands, one after the other, are the result of the run in canonical order: equal to
 /// [`crate::Sequential`]'s, bit for bit, for any number of threads. Memory is a few bands'.
 pub struct Sweep {
+    parameters: Parameters,
     plane: Plane,
     sources: bool,
     side: i32,
@@ -91,6 +97,7 @@ impl Sweep {
         let windows = 4.0 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
         Ok(Self {
+            parameters: *parameters,
             plane,
             sources,
             side: side.clamp(SHORTEST_SIDE, LONGEST_SIDE),
@@ -176,6 +183,45 @@ impl Sweep {
             }
         }
         Ok((all, self.summary()))
+    }
+
+    /// Runs to the end and returns a run that knows its blocks, its result and its counts: no sample
+    /// that was eliminated, no iteration, no sites. Ids follow the canonical order.
+    ///
+    /// `self` must have been made with sources.
+    pub fn run(self, pattern: &Arc<Pattern>, observer: &mut dyn Observer) -> Result<Run, SampleError> {
+        let (parameters, domain) = (self.parameters, *self.plane.domain());
+        let blocks = split(&domain, parameters.leaf_units()?, Key::from_seed(parameters.seed));
+        let (sampled, summary) = self.finish(observer)?;
+        let sources = sampled.sources.unwrap_or_default();
+        let origin = |(point, source): (&Point, &Source)| match *source {
+            Source::Tiled { block, pattern } => Origin::Tiled {
+                block,
+                pattern,
+                own: blocks.leaves[block as usize].rect.contains(*point),
+            },
+            Source::Inserted { iteration } => Origin::Inserted {
+                iteration,
+                sites: Sites::Unrecorded,
+            },
+        };
+        let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
+        let count = origins.len();
+        Ok(Run {
+            parameters,
+            domain,
+            pattern: Arc::clone(pattern),
+            blocks,
+            tiles: Vec::new(),
+            samples: Samples {
+                points: sampled.points,
+                origins,
+                fates: vec![Fate::Kept; count],
+            },
+            iterations: Vec::new(),
+            result: (0..count as u32).collect(),
+            counted: Some(summary),
+        })
     }
 
     /// Returns the windows of the next bands, band by band.
