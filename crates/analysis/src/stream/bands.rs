@@ -15,7 +15,7 @@ use crate::region::Region;
 use crate::report::Found;
 use crate::verify::VerifyOptions;
 
-use super::{STREAM_LAG, StreamBand};
+use super::{PIECE, STREAM_LAG, StreamBand};
 
 /// Sides of a cell in radii: as many samples per cell as the verifier in memory has in a maximal set.
 const CELL: f64 = 1.3125;
@@ -140,6 +140,10 @@ impl Bands {
     }
 
     pub fn add(&mut self, entry: Entry) {
+        if self.held.len() == self.held.capacity() {
+            // Doubling would hold much more than is wanted.
+            self.held.reserve_exact(PIECE + self.held.len() / 4);
+        }
         self.held.push(entry);
     }
 

@@ -132,14 +132,10 @@ fn in_pieces(
         verifier.push(&points, control)?;
     }
     let report = verifier.finish(control)?;
-    let digest = match &certificate {
-        Some(stated) if stated.digest.is_some() => reader.finish_digest()?,
-        _ => None,
-    };
     let found = Found {
         format: detection.format,
         precision,
-        digest,
+        digest: reader.finish_digest()?,
         positions_digest: positions.as_ref().map_or_else(String::new, digest_text),
     };
     let differences = (certificate.as_ref())

@@ -12,10 +12,10 @@ use tilescope_analysis::Region;
 use super::partial::read_some;
 use crate::certificate::Certificate;
 use crate::codecs::rows::{Layout, Rows};
-use crate::detect::{Detection, Evidence, detect};
+use crate::detect::Detection;
 use crate::digest::digest_text;
 use crate::error::FormatError;
-use crate::files::{certificate_path, io_error, read_certificate};
+use crate::files::{certificate_path, file_name, io_error, read_certificate};
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
 
@@ -85,13 +85,7 @@ impl StreamReader {
         let mut start = vec![0; BLOCK];
         let count = read_some(&mut file, &mut start).map_err(failed)?;
         start.truncate(count);
-        let detection = match format {
-            Some(format) => Detection {
-                format,
-                evidence: Evidence::Told,
-            },
-            None => detect(&start, path)?,
-        };
+        let detection = Detection::of(&start, file_name(path)?.as_ref(), format)?;
         let format = detection.format;
         let Some(layout) = Layout::of(&start, format)? else {
             return Ok(Err(format));
