@@ -22,6 +22,9 @@ use crate::mapping::Mapping;
 /// Bytes read at a time, and the most that a head may take.
 const BLOCK: usize = 1 << 20;
 
+/// Bytes of a line with two numbers of 16 or 17 digits.
+const USUAL_LINE: u64 = 38;
+
 /// The points of a file, one piece after the other.
 ///
 /// ```no_run
@@ -40,6 +43,8 @@ const BLOCK: usize = 1 << 20;
 pub struct StreamReader {
     path: PathBuf,
     file: File,
+    /// Bytes of the file.
+    length: u64,
     detection: Detection,
     precision: Precision,
     certificate: Option<Certificate>,
@@ -96,6 +101,7 @@ impl StreamReader {
             certificate: certificate(path)?,
             path: path.to_owned(),
             file,
+            length,
             detection,
             precision: layout.precision,
             mapping: Mapping::new(format, None, layout.precision),
@@ -138,6 +144,11 @@ impl StreamReader {
     #[must_use]
     pub fn count(&self) -> Option<u64> {
         self.count
+    }
+
+    /// About how many points there are, for a progress bar.
+    pub(super) fn expected(&self) -> u64 {
+        self.count.unwrap_or(self.length / USUAL_LINE)
     }
 
     /// The certificate beside the file. [`check_stream`](crate::check_stream) says whether it is true.
