@@ -154,9 +154,9 @@ impl Grid {
         self.starts.len() - 1
     }
 
-    /// Whether every row of the region is held.
+    /// Whether every row of the region is held, from the first on: cells held are then those of the region.
     pub fn is_whole(&self) -> bool {
-        self.rows.count == self.cells[1]
+        self.rows.first == 0 && self.rows.count == self.cells[1]
     }
 
     /// Whether a row of the region is held.

@@ -284,7 +284,11 @@ impl Bands {
         let all = search.cells[1];
         let periodic = search.domain.periodic;
         let count = all - self.keep + if periodic { SEAM } else { 0 };
-        let (first, count) = (self.keep, count.min(all));
+        let (first, count) = if count < all {
+            (self.keep, count)
+        } else {
+            (0, all)
+        };
         if count.saturating_mul(search.cells[0]) > MOST_CELLS {
             return Err(self.too_large(search));
         }
