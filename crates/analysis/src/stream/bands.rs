@@ -114,8 +114,6 @@ pub(super) struct Bands {
     pub next: usize,
     /// Tiles that want rows to come.
     pub postponed: Vec<Visit>,
-    /// Tiles that want rows across the seam of a torus.
-    pub last: Vec<Visit>,
     pub pairs: Pairs,
     pub places: Places,
     /// Work done, for the progress.
@@ -132,7 +130,6 @@ impl Bands {
             closed: 0,
             next: 0,
             postponed: Vec::new(),
-            last: Vec::new(),
             pairs: Pairs::new(witnesses),
             places: Places::new(witnesses),
             work: 0,
@@ -243,13 +240,10 @@ impl Bands {
 
     /// Puts a tile off until the rows that it wants are there; refuses it if some are gone.
     fn postpone(&mut self, search: &Search, first: usize, visit: Visit) -> Result<(), VerifyError> {
-        if search.domain.periodic && visit.wants.end <= SEAM as i64 {
-            self.last.push(visit);
-        } else if visit.wants.start >= first as i64 {
-            self.postponed.push(visit);
-        } else {
+        if visit.wants.start < first as i64 {
             return Err(too_wide(search, &visit));
         }
+        self.postponed.push(visit);
         Ok(())
     }
 
@@ -301,7 +295,6 @@ impl Bands {
         self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
-        visits.append(&mut self.last);
         visits.extend(new_visits(&task, self.closed..all, search));
         visits.extend(new_visits(&task, 0..search.first_tiles(), search));
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {
