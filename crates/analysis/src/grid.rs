@@ -10,7 +10,7 @@ use crate::domain::Domain;
 use crate::error::VerifyError;
 
 /// A sample in the domain's unit with its index in the caller's set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Entry {
     pub position: [f64; 2],
     pub id: u32,
@@ -104,11 +104,7 @@ impl Grid {
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
         }
-        let nowhere = Entry {
-            position: [0.0; 2],
-            id: 0,
-        };
-        let mut entries = vec![nowhere; starts[starts.len() - 1] as usize];
+        let mut entries = vec![Entry::default(); starts[starts.len() - 1] as usize];
         // `starts[c]` serves as the cursor of cell c and ends as the start of cell c + 1.
         for (index, &key) in keys.iter().enumerate().filter(|(_, key)| **key != NOT_HELD) {
             let cursor = &mut starts[key as usize];
@@ -158,9 +154,9 @@ impl Grid {
         self.starts.len() - 1
     }
 
-    /// Whether every row of the region is held.
+    /// Whether every row of the region is held, from the first on: cells held are then those of the region.
     pub fn is_whole(&self) -> bool {
-        self.rows.count == self.cells[1]
+        self.rows.first == 0 && self.rows.count == self.cells[1]
     }
 
     /// Whether a row of the region is held.

@@ -200,6 +200,30 @@ fn holes_are_judged_right_or_refused() {
     }
 }
 
+/// The last band then holds every row of a torus, though an earlier one was judged.
+#[test]
+fn a_set_that_ends_early_is_judged_with_its_wide_hole() {
+    for boundary in BOTH {
+        let mut judged = 0;
+        for (low, high) in [(0.3, 0.9), (0.25, 1.0), (0.4, 0.41)] {
+            let (mut points, region, radius) = tall(boundary, 16);
+            points.retain(|p| p[1] < low || p[1] > high);
+            in_rows(&mut points, radius);
+            for samples in [520, 560, 600, 640] {
+                let band = StreamBand { samples, ..SMALL };
+                match stream(&points, region, radius, band, 10) {
+                    Ok(report) => {
+                        judged += 1;
+                        same(&report, &whole(&points, region, radius));
+                    }
+                    Err(error) => assert!(error.needs_memory(), "{error}"),
+                }
+            }
+        }
+        assert!(judged > 3, "{boundary:?} {judged}");
+    }
+}
+
 #[test]
 fn a_sample_lifted_to_zero_may_come_last_on_a_torus() {
     let (mut points, region, radius) = tall(Boundary::Periodic, 9);

@@ -1,6 +1,7 @@
 //! Measures streams: points per second of export and check, and peak memory.
-//! Usage: `stream_rate export PATTERN TIMES FILE [verify 0 or 1] [f32 or f64] [checkpoints]`, where the certified
-//! periodic set PATTERN is repeated TIMES x TIMES, and `stream_rate check FILE` or `stream_rate whole FILE`.
+//! Usage: `stream_rate export PATTERN 3x2 FILE [verify 0 or 1] [f32 or f64] [checkpoints]`, where the certified
+//! periodic set PATTERN is repeated 3 times across and 2 times
+//! up, and `stream_rate check FILE` or `stream_rate whole FILE`.
 //! It never asserts a time; it prints what it saw.
 
 use std::ops::ControlFlow;
@@ -46,9 +47,10 @@ fn main() -> Outcome<()> {
 fn export(arguments: &[String]) -> Outcome<u64> {
     let argument = |index: usize| arguments.get(index).map_or("", String::as_str);
     let (rows, region, radius) = pattern(argument(1).as_ref())?;
-    let times: u32 = argument(2).parse()?;
+    let (across, up) = argument(2).split_once('x').ok_or("say 3x2")?;
+    let [across, times]: [u32; 2] = [across.parse()?, up.parse()?];
     let larger = Region {
-        width: region.width * f64::from(times),
+        width: region.width * f64::from(across),
         height: region.height * f64::from(times),
         ..region
     };
@@ -65,7 +67,7 @@ fn export(arguments: &[String]) -> Outcome<u64> {
     let (mut points, mut pushing, mut saving) = (Vec::new(), 0.0, 0.0);
     for up in 0..times {
         for row in &rows {
-            for right in 0..times {
+            for right in 0..across {
                 let shift = [
                     f64::from(right) * region.width,
                     f64::from(up) * region.height,

@@ -38,6 +38,17 @@ pub struct Detection {
     pub evidence: Evidence,
 }
 
+impl Detection {
+    /// The format that the caller insists on, or that [`detect`] finds.
+    pub(crate) fn of(bytes: &[u8], path: &Path, told: Option<Format>) -> Result<Self, FormatError> {
+        let evidence = Evidence::Told;
+        told.map_or_else(
+            || detect(bytes, path),
+            |format| Ok(Self { format, evidence }),
+        )
+    }
+}
+
 impl fmt::Display for Detection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let format = self.format;

@@ -6,7 +6,7 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 use super::Task;
 use super::border::{self, Site};
-use super::circle::circumcircle;
+use super::circle::{circumcircle, is_below};
 use super::tiles::{Tile, Window};
 use crate::error::VerifyError;
 use crate::report::{Gap, GapKind};
@@ -118,7 +118,12 @@ impl Survey {
         let limit = task.limit * task.limit * (1.0 - 1e-12);
         let mut largest = 0.0_f64;
         for face in triangulation.inner_faces() {
-            let circle = circumcircle(face.positions().map(|p| [p.x, p.y]));
+            let corners = face.positions().map(|p| [p.x, p.y]);
+            // Nearly all circles are neither gaps nor the largest so far.
+            if is_below(corners, largest.min(limit)) {
+                continue;
+            }
+            let circle = circumcircle(corners);
             if !inside(circle.center) {
                 continue;
             }

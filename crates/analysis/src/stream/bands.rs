@@ -15,7 +15,7 @@ use crate::region::Region;
 use crate::report::Found;
 use crate::verify::VerifyOptions;
 
-use super::{STREAM_LAG, StreamBand};
+use super::{PIECE, STREAM_LAG, StreamBand};
 
 /// Sides of a cell in radii: as many samples per cell as the verifier in memory has in a maximal set.
 const CELL: f64 = 1.3125;
@@ -114,8 +114,6 @@ pub(super) struct Bands {
     pub next: usize,
     /// Tiles that want rows to come.
     pub postponed: Vec<Visit>,
-    /// Tiles that want rows across the seam of a torus.
-    pub last: Vec<Visit>,
     pub pairs: Pairs,
     pub places: Places,
     /// Work done, for the progress.
@@ -132,7 +130,6 @@ impl Bands {
             closed: 0,
             next: 0,
             postponed: Vec::new(),
-            last: Vec::new(),
             pairs: Pairs::new(witnesses),
             places: Places::new(witnesses),
             work: 0,
@@ -140,6 +137,10 @@ impl Bands {
     }
 
     pub fn add(&mut self, entry: Entry) {
+        if self.held.len() == self.held.capacity() {
+            // Doubling would hold much more than is wanted.
+            self.held.reserve_exact(PIECE + self.held.len() / 4);
+        }
         self.held.push(entry);
     }
 
@@ -239,13 +240,10 @@ impl Bands {
 
     /// Puts a tile off until the rows that it wants are there; refuses it if some are gone.
     fn postpone(&mut self, search: &Search, first: usize, visit: Visit) -> Result<(), VerifyError> {
-        if search.domain.periodic && visit.wants.end <= SEAM as i64 {
-            self.last.push(visit);
-        } else if visit.wants.start >= first as i64 {
-            self.postponed.push(visit);
-        } else {
+        if visit.wants.start < first as i64 {
             return Err(too_wide(search, &visit));
         }
+        self.postponed.push(visit);
         Ok(())
     }
 
@@ -280,7 +278,11 @@ impl Bands {
         let all = search.cells[1];
         let periodic = search.domain.periodic;
         let count = all - self.keep + if periodic { SEAM } else { 0 };
-        let (first, count) = (self.keep, count.min(all));
+        let (first, count) = if count < all {
+            (self.keep, count)
+        } else {
+            (0, all)
+        };
         if count.saturating_mul(search.cells[0]) > MOST_CELLS {
             return Err(self.too_large(search));
         }
@@ -293,7 +295,6 @@ impl Bands {
         self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
         let task = search.task(&grid);
         let mut visits = mem::take(&mut self.postponed);
-        visits.append(&mut self.last);
         visits.extend(new_visits(&task, self.closed..all, search));
         visits.extend(new_visits(&task, 0..search.first_tiles(), search));
         if let Some(visit) = self.visit(&task, visits, monitor)?.first() {

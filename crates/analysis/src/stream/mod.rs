@@ -118,7 +118,8 @@ impl StreamVerifier {
         self
     }
 
-    /// The same with the number of samples that will come, which the progress then reports as the total.
+    /// The same with the number of samples that will come, for the progress: its total is twice that, or twice
+    /// what came where that is more.
     #[must_use]
     pub fn expecting(mut self, count: u64) -> Self {
         self.expected = count;

@@ -158,7 +158,6 @@ impl Writer {
         self.u64(bands.next as u64);
         self.u64(bands.work);
         self.visits(&bands.postponed);
-        self.visits(&bands.last);
         self.u64(bands.pairs.conflicts);
         self.f64(bands.pairs.min_distance);
         self.list(bands.pairs.worst.kept(), |out, pair| {
@@ -262,7 +261,6 @@ impl Reader<'_> {
         bands.next = self.usize()?;
         bands.work = self.u64()?;
         bands.postponed = self.visits()?;
-        bands.last = self.visits()?;
         self.pairs(&mut bands.pairs)?;
         let settled = (self.f64()?, self.u64()?);
         bands.places.restore(settled, [self.gaps()?, self.gaps()?]);

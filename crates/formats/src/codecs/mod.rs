@@ -19,7 +19,7 @@ use tilescope_analysis::Region;
 
 use crate::binary;
 use crate::certificate::Certificate;
-use crate::detect::{Detection, Evidence, detect};
+use crate::detect::Detection;
 use crate::error::FormatError;
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
@@ -124,13 +124,7 @@ impl Raw {
 /// A [`FormatError`] that names the place and the value found; a set without points is
 /// [`FormatError::Empty`].
 pub fn decode(bytes: &[u8], hint: &Hint<'_>) -> Result<Decoded, FormatError> {
-    let detection = match hint.format {
-        Some(format) => Detection {
-            format,
-            evidence: Evidence::Told,
-        },
-        None => detect(bytes, hint.name.as_ref())?,
-    };
+    let detection = Detection::of(bytes, hint.name.as_ref(), hint.format)?;
     let format = detection.format;
     let raw = match format {
         Format::Csv => csv::read(bytes),

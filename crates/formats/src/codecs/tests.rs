@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use tilescope_analysis::Boundary;
 
 use super::*;
+use crate::detect::Evidence;
 use crate::point_set::Provenance;
 
 fn told(format: Format) -> Hint<'static> {

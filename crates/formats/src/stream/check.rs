@@ -120,7 +120,7 @@ fn in_pieces(
     let certificate = reader.certificate().cloned();
     let judged = Judged::new(detection.format, precision, certificate.as_ref(), overrides)?;
     let verifier = StreamVerifier::new(judged.region, judged.radius, &judged.options)?;
-    let mut verifier = verifier.expecting(reader.count().unwrap_or(0));
+    let mut verifier = verifier.expecting(reader.expected());
     let mut positions = certificate.as_ref().map(|_| blake3::Hasher::new());
     while let Some(mut points) = reader.next_stored()? {
         if let Some(hasher) = &mut positions {
@@ -132,14 +132,10 @@ fn in_pieces(
         verifier.push(&points, control)?;
     }
     let report = verifier.finish(control)?;
-    let digest = match &certificate {
-        Some(stated) if stated.digest.is_some() => reader.finish_digest()?,
-        _ => None,
-    };
     let found = Found {
         format: detection.format,
         precision,
-        digest,
+        digest: reader.finish_digest()?,
         positions_digest: positions.as_ref().map_or_else(String::new, digest_text),
     };
     let differences = (certificate.as_ref())

@@ -1,24 +1,22 @@
-//! Validated export while the points pass by.
+//! Validated export while the points pass by: taking points and checkpoints; `finish` does the rest.
 //!
 //! What is judged was decoded from the encoded bytes, and before the file gets its name it is read back and compared
 //! with them. Never holds the set, and never replaces a file before the new one is proven.
 
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use tilescope_analysis::{Progress, StreamBand};
 
-use super::judge::{Judges, unjudged};
+use super::judge::Judges;
 use super::partial::Partial;
 use super::resume::{self, Checkpoint, StateFile};
-use crate::certificate::Certificate;
 use crate::codecs::rows::{Layout, Rows, head, push_rows};
 use crate::codecs::{Target, check_target};
 use crate::error::FormatError;
-use crate::export::{Control, ExportContext, ExportError, Warning, certificate, target, warnings};
-use crate::files::{Exported, Temporary, certificate_path, file_name, io_error, publish};
+use crate::export::{Control, ExportContext, ExportError, target};
+use crate::files::file_name;
 use crate::point_set::Provenance;
 use crate::{binary, digest};
 
@@ -45,21 +43,6 @@ impl Default for StreamOptions {
     }
 }
 
-/// A finished stream.
-#[derive(Clone, Debug)]
-pub struct Streamed {
-    /// The data file.
-    pub path: PathBuf,
-    /// Points written.
-    pub count: u64,
-    /// Bytes of the data file.
-    pub bytes: u64,
-    /// What [`export`](crate::export) would have returned; none if the stream was not verified.
-    pub verified: Option<Exported>,
-    /// What to tell the user.
-    pub warnings: Vec<Warning>,
-}
-
 /// Writes a set to a file while its points pass by, and a certificate beside it.
 ///
 /// The finished bytes and the certificate are those of [`export`](crate::export) of the whole set. Points are in
@@ -69,18 +52,18 @@ pub struct Streamed {
 /// resumed from a checkpoint. Two exports of one name at a time spoil each other.
 #[derive(Debug)]
 pub struct StreamExport {
-    path: PathBuf,
-    name: String,
-    context: ExportContext,
-    target: Target,
+    pub(super) path: PathBuf,
+    pub(super) name: String,
+    pub(super) context: ExportContext,
+    pub(super) target: Target,
     options: StreamOptions,
-    partial: Partial,
-    judges: Option<Judges>,
+    pub(super) partial: Partial,
+    pub(super) judges: Option<Judges>,
     /// Reads the own rows; none before the first point.
     rows: Option<Rows>,
-    count: u64,
+    pub(super) count: u64,
     /// Whether points come with their provenance.
-    provenance: bool,
+    pub(super) provenance: bool,
     /// The state that the last checkpoint refers to.
     state: Option<StateFile>,
     /// Whether what is there can be resumed.
@@ -277,7 +260,7 @@ impl StreamExport {
         Ok(())
     }
 
-    fn head(&self, count: u64) -> Result<Vec<u8>, FormatError> {
+    pub(super) fn head(&self, count: u64) -> Result<Vec<u8>, FormatError> {
         let format = self.target.format;
         let carried = self.provenance && format.carries_provenance();
         head(format, self.target.precision, count, carried)
@@ -350,117 +333,13 @@ impl StreamExport {
         Ok(())
     }
 
-    /// Proves the file, gives it its name and writes the certificate.
-    ///
-    /// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
-    ///
-    /// # Errors
-    ///
-    /// [`ExportError`]; a file that was there is as it was, and what can be resumed still can.
-    pub fn finish(
-        mut self,
-        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
-    ) -> Result<Streamed, ExportError> {
-        let streamed = self.guarded(|this| this.complete(control))?;
-        resume::remove(&self.path);
-        Ok(streamed)
-    }
-
     /// Removes all that was written, the checkpoint, too.
     pub fn discard(mut self) {
         self.kept = false;
     }
 
-    fn complete(&mut self, control: Control<'_>) -> Result<Streamed, ExportError> {
-        let (format, count) = (self.target.format, self.count);
-        if count == 0 {
-            return Err(FormatError::Empty { format }.into());
-        }
-        let head = self.head(count)?;
-        self.partial.complete(head)?;
-        let certificate = self.certify(control)?;
-        let digest = self.read_back(certificate.is_some(), control)?;
-        let bytes = self.partial.bytes();
-        let (path, mut verified) = (self.path.clone(), None);
-        match certificate {
-            Some((mut certificate, report)) => {
-                certificate.digest = digest;
-                self.publish(&certificate)?;
-                verified = Some(Exported {
-                    certificate_path: certificate_path(&path),
-                    path: path.clone(),
-                    warnings: warnings(self.provenance, format, &certificate),
-                    certificate,
-                    report,
-                });
-            }
-            None => self.publish_uncertified()?,
-        }
-        let left_out = self.provenance && !format.carries_provenance();
-        let warnings = match &verified {
-            Some(exported) => exported.warnings.clone(),
-            None if left_out => vec![Warning::ProvenanceLeftOut { format }],
-            None => Vec::new(),
-        };
-        Ok(Streamed {
-            path,
-            count,
-            bytes,
-            verified,
-            warnings,
-        })
-    }
-
-    fn certify(
-        &mut self,
-        control: Control<'_>,
-    ) -> Result<Option<(Certificate, tilescope_analysis::Report)>, ExportError> {
-        let Some(judges) = self.judges.take() else {
-            return Ok(None);
-        };
-        let rows = self.partial.rows_digest();
-        let (report, rounding, digest) = judges.finish(rows, control)?;
-        let (name, context) = (&self.name, &self.context);
-        let certificate = certificate(name, &self.target, context, &report, rounding, digest);
-        Ok(Some((certificate, report)))
-    }
-
-    fn read_back(&self, whole: bool, control: Control<'_>) -> Result<Option<String>, ExportError> {
-        let total = 2 * self.count;
-        let at_the_end = Progress { done: total, total };
-        self.partial
-            .read_back(whole, &|| match control(at_the_end) {
-                ControlFlow::Continue(()) => Ok(()),
-                ControlFlow::Break(()) => {
-                    let cancelled = tilescope_analysis::VerifyError::Cancelled;
-                    Err(unjudged(&self.target, cancelled))
-                }
-            })
-    }
-
-    fn publish(&self, certificate: &Certificate) -> Result<(), ExportError> {
-        let path = certificate_path(&self.path);
-        let temporary = Temporary::beside(&path);
-        let wrote = temporary.write(&certificate.to_bytes()?);
-        wrote.map_err(|e| io_error(&path, e))?;
-        Ok(publish(&self.partial.path, &self.path, &temporary, &path)?)
-    }
-
-    /// Renames the data file. An older certificate goes first: it would be a false one.
-    fn publish_uncertified(&self) -> Result<(), FormatError> {
-        let certificate = certificate_path(&self.path);
-        match fs::remove_file(&certificate) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(io_error(&certificate, error));
-            }
-            _ => {}
-        }
-        let renamed = fs::rename(&self.partial.path, &self.path);
-        renamed.map_err(|e| io_error(&self.path, e))
-    }
-
     /// Does some work unless an earlier one failed.
-    fn guarded<T>(
+    pub(super) fn guarded<T>(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<T, ExportError>,
     ) -> Result<T, ExportError> {

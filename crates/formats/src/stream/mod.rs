@@ -6,6 +6,7 @@
 
 mod check;
 mod export;
+mod finish;
 mod judge;
 mod partial;
 mod read;
@@ -17,7 +18,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 pub use check::{MOST_IN_MEMORY, StreamCheck, WHOLE_FILE_BYTES, check_stream};
-pub use export::{StreamExport, StreamOptions, Streamed};
+pub use export::{StreamExport, StreamOptions};
+pub use finish::Streamed;
 pub use read::StreamReader;
 pub use resume::checkpoint_token;
 

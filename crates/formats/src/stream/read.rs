@@ -12,15 +12,18 @@ use tilescope_analysis::Region;
 use super::partial::read_some;
 use crate::certificate::Certificate;
 use crate::codecs::rows::{Layout, Rows};
-use crate::detect::{Detection, Evidence, detect};
+use crate::detect::Detection;
 use crate::digest::digest_text;
 use crate::error::FormatError;
-use crate::files::{certificate_path, io_error, read_certificate};
+use crate::files::{certificate_path, file_name, io_error, read_certificate};
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
 
 /// Bytes read at a time, and the most that a head may take.
 const BLOCK: usize = 1 << 20;
+
+/// Bytes of a line with two numbers of 16 or 17 digits.
+const USUAL_LINE: u64 = 38;
 
 /// The points of a file, one piece after the other.
 ///
@@ -40,6 +43,8 @@ const BLOCK: usize = 1 << 20;
 pub struct StreamReader {
     path: PathBuf,
     file: File,
+    /// Bytes of the file.
+    length: u64,
     detection: Detection,
     precision: Precision,
     certificate: Option<Certificate>,
@@ -85,13 +90,7 @@ impl StreamReader {
         let mut start = vec![0; BLOCK];
         let count = read_some(&mut file, &mut start).map_err(failed)?;
         start.truncate(count);
-        let detection = match format {
-            Some(format) => Detection {
-                format,
-                evidence: Evidence::Told,
-            },
-            None => detect(&start, path)?,
-        };
+        let detection = Detection::of(&start, file_name(path)?.as_ref(), format)?;
         let format = detection.format;
         let Some(layout) = Layout::of(&start, format)? else {
             return Ok(Err(format));
@@ -102,6 +101,7 @@ impl StreamReader {
             certificate: certificate(path)?,
             path: path.to_owned(),
             file,
+            length,
             detection,
             precision: layout.precision,
             mapping: Mapping::new(format, None, layout.precision),
@@ -144,6 +144,11 @@ impl StreamReader {
     #[must_use]
     pub fn count(&self) -> Option<u64> {
         self.count
+    }
+
+    /// About how many points there are, for a progress bar.
+    pub(super) fn expected(&self) -> u64 {
+        self.count.unwrap_or(self.length / USUAL_LINE)
     }
 
     /// The certificate beside the file. [`check_stream`](crate::check_stream) says whether it is true.

@@ -1,9 +1,11 @@
 //! The checkpoint beside an unfinished file: a small JSON document and the verifier's state.
 //!
-//! Both are written to temporary names and renamed, the state before the document that names it. Never trusts
+//! The state is written under a name that no document knows yet, then the document to a temporary name, which is
+//! renamed. Temporary names are fixed, so that an interruption leaves nothing that is not found again. Never trusts
 //! what it finds: lengths, digests and the question asked are compared before anything is used.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -18,7 +20,7 @@ use crate::codecs::rows::Rows;
 use crate::digest::bytes_digest;
 use crate::error::FormatError;
 use crate::export::{ExportContext, ExportError};
-use crate::files::{read_file, write_whole};
+use crate::files::{io_error, read_file};
 use crate::format::{Format, Precision};
 
 /// The version of the checkpoint's layout.
@@ -86,7 +88,9 @@ impl Checkpoint {
             source,
         };
         let bytes = serde_json::to_vec_pretty(self).map_err(json)?;
-        write_whole(&resume_path(path), &bytes)
+        let (new, name) = (temporary(path), resume_path(path));
+        write_through(&new, &bytes)?;
+        fs::rename(&new, &name).map_err(|e| io_error(&name, e))
     }
 
     /// Refuses the checkpoint of another export.
@@ -179,7 +183,11 @@ pub(super) fn read_rows(
 
 impl StateFile {
     fn path(&self, path: &Path) -> PathBuf {
-        with_suffix(path, &format!(".resume.{}.state", self.serial))
+        Self::name(path, self.serial)
+    }
+
+    fn name(path: &Path, serial: u64) -> PathBuf {
+        with_suffix(path, &format!(".resume.{serial}.state"))
     }
 
     /// Writes the state under a name that no older checkpoint knows.
@@ -201,7 +209,7 @@ impl StateFile {
             digest: bytes_digest(&bytes),
             stored,
         };
-        write_whole(&state.path(path), &bytes)?;
+        write_through(&state.path(path), &bytes)?;
         Ok(state)
     }
 
@@ -235,22 +243,30 @@ impl StateFile {
     pub fn remove(&self, path: &Path) {
         // It is of no use any more, and nothing else can be done about a failure.
         let _ = fs::remove_file(self.path(path));
-        // An interruption may have left the one before.
-        if let Some(serial) = self.serial.checked_sub(1) {
-            let older = Self {
-                serial,
-                ..self.clone()
-            };
-            let _ = fs::remove_file(older.path(path));
-        }
     }
 }
 
-/// Removes the checkpoint of `path`, if there is one, the document first.
+/// Where the document is written before it gets its name.
+fn temporary(path: &Path) -> PathBuf {
+    with_suffix(path, ".resume.tmp")
+}
+
+/// Writes a file through to the device.
+fn write_through(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
+    let wrote = File::create(path).and_then(|mut file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    });
+    wrote.map_err(|e| io_error(path, e))
+}
+
+/// Removes the checkpoint of `path`, if there is one, the document first, and what an interruption left beside it.
 pub(super) fn remove(path: &Path) {
     let state = Checkpoint::read(path).ok().and_then(|found| found.state);
     let _ = fs::remove_file(resume_path(path));
-    if let Some(state) = state {
-        state.remove(path);
+    let _ = fs::remove_file(temporary(path));
+    let serial = state.map_or(0, |state| state.serial);
+    for serial in serial.saturating_sub(1)..=serial.saturating_add(1) {
+        let _ = fs::remove_file(StateFile::name(path, serial));
     }
 }

@@ -175,6 +175,14 @@ fn only_a_resumable_export_has_checkpoints_and_a_new_one_forgets_the_old() {
     let error = plain.expect("begun").checkpoint(&Value::Null);
     assert!(matches!(error, Err(ExportError::Resume { .. })));
     interrupted(&path, &context, &set, [900, 1000]);
+    // What interruptions leave at other moments.
+    for left in [
+        "set.npy.resume.0.state",
+        "set.npy.resume.2.state",
+        "set.npy.resume.tmp",
+    ] {
+        fs::write(folder.path().join(left), "left").expect("writable");
+    }
     let new = begun(&path, &context);
     assert!(refused(&path, &context).contains("there is no checkpoint"));
     drop(new);

@@ -1,0 +1,139 @@
+//! The end of a streamed export: head, verdict, reading back, certificate, names.
+//!
+//! Never renames a file that was not read back and found to be what was written.
+
+use std::fs;
+use std::io;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use tilescope_analysis::{Progress, Report, VerifyError};
+
+use super::export::StreamExport;
+use super::judge::unjudged;
+use super::resume;
+use crate::certificate::Certificate;
+use crate::error::FormatError;
+use crate::export::{Control, ExportError, Warning, certificate, warnings};
+use crate::files::{Exported, Temporary, certificate_path, io_error, publish};
+
+/// A finished stream.
+#[derive(Clone, Debug)]
+pub struct Streamed {
+    /// The data file.
+    pub path: PathBuf,
+    /// Points written.
+    pub count: u64,
+    /// Bytes of the data file.
+    pub bytes: u64,
+    /// What [`export`](crate::export) would have returned; none if the stream was not verified.
+    pub verified: Option<Exported>,
+    /// What to tell the user.
+    pub warnings: Vec<Warning>,
+}
+
+impl StreamExport {
+    /// Proves the file, gives it its name and writes the certificate.
+    ///
+    /// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
+    ///
+    /// # Errors
+    ///
+    /// [`ExportError`]; a file that was there is as it was, and what can be resumed still can.
+    pub fn finish(
+        mut self,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Streamed, ExportError> {
+        let streamed = self.guarded(|this| this.complete(control))?;
+        resume::remove(&self.path);
+        Ok(streamed)
+    }
+
+    fn complete(&mut self, control: Control<'_>) -> Result<Streamed, ExportError> {
+        let (format, count) = (self.target.format, self.count);
+        if count == 0 {
+            return Err(FormatError::Empty { format }.into());
+        }
+        let head = self.head(count)?;
+        self.partial.complete(head)?;
+        let certificate = self.certify(control)?;
+        let digest = self.read_back(certificate.is_some(), control)?;
+        let bytes = self.partial.bytes();
+        let (path, mut verified) = (self.path.clone(), None);
+        match certificate {
+            Some((mut certificate, report)) => {
+                certificate.digest = digest;
+                self.publish(&certificate)?;
+                verified = Some(Exported {
+                    certificate_path: certificate_path(&path),
+                    path: path.clone(),
+                    warnings: warnings(self.provenance, format, &certificate),
+                    certificate,
+                    report,
+                });
+            }
+            None => self.publish_uncertified()?,
+        }
+        let left_out = self.provenance && !format.carries_provenance();
+        let warnings = match &verified {
+            Some(exported) => exported.warnings.clone(),
+            None if left_out => vec![Warning::ProvenanceLeftOut { format }],
+            None => Vec::new(),
+        };
+        Ok(Streamed {
+            path,
+            count,
+            bytes,
+            verified,
+            warnings,
+        })
+    }
+
+    fn certify(
+        &mut self,
+        control: Control<'_>,
+    ) -> Result<Option<(Certificate, Report)>, ExportError> {
+        let Some(judges) = self.judges.take() else {
+            return Ok(None);
+        };
+        let rows = self.partial.rows_digest();
+        let (report, rounding, digest) = judges.finish(rows, control)?;
+        let (name, context) = (&self.name, &self.context);
+        let certificate = certificate(name, &self.target, context, &report, rounding, digest);
+        Ok(Some((certificate, report)))
+    }
+
+    fn read_back(&self, whole: bool, control: Control<'_>) -> Result<Option<String>, ExportError> {
+        let total = 2 * self.count;
+        let at_the_end = Progress { done: total, total };
+        self.partial
+            .read_back(whole, &|| match control(at_the_end) {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => {
+                    let cancelled = VerifyError::Cancelled;
+                    Err(unjudged(&self.target, cancelled))
+                }
+            })
+    }
+
+    fn publish(&self, certificate: &Certificate) -> Result<(), ExportError> {
+        let path = certificate_path(&self.path);
+        let temporary = Temporary::beside(&path);
+        let wrote = temporary.write(&certificate.to_bytes()?);
+        wrote.map_err(|e| io_error(&path, e))?;
+        Ok(publish(&self.partial.path, &self.path, &temporary, &path)?)
+    }
+
+    /// Renames the data file. An older certificate goes first: it would be a false one.
+    fn publish_uncertified(&self) -> Result<(), FormatError> {
+        let certificate = certificate_path(&self.path);
+        match fs::remove_file(&certificate) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(io_error(&certificate, error));
+            }
+            _ => {}
+        }
+        let renamed = fs::rename(&self.partial.path, &self.path);
+        renamed.map_err(|e| io_error(&self.path, e))
+    }
+}
