@@ -65,9 +65,14 @@ const WINDOW_SAMPLES: f64 = 10_000.0;
 #[derive(Clone, Copy, PartialEq)]
 enum Method {
     Reference,
-    Sequential { leaf: f64 },
+    Sequential {
+        leaf: f64,
+    },
     /// With the place of its pool.
-    Parallel { leaf: f64, pool: usize },
+    Parallel {
+        leaf: f64,
+        pool: usize,
+    },
 }
 
 /// A method and its rounds.
@@ -162,7 +167,11 @@ fn rows(arguments: &BenchArguments, pools: &[ThreadPool]) -> Vec<Row> {
             let method = Method::Sequential { leaf };
             rows.push(row(format!("sequential, leaf {leaf} r"), method, 1));
         }
-        for (pool, threads) in pools.iter().map(ThreadPool::current_num_threads).enumerate() {
+        for (pool, threads) in pools
+            .iter()
+            .map(ThreadPool::current_num_threads)
+            .enumerate()
+        {
             let plural = if threads == 1 { "" } else { "s" };
             let name = format!("parallel, leaf {leaf} r, {threads} thread{plural}");
             rows.push(row(name, Method::Parallel { leaf, pool }, threads));
@@ -186,7 +195,11 @@ fn measure(
         let seed = arguments.seed.wrapping_add(round);
         for row in &mut rows {
             bar.set(done, total);
-            let with = |leaf| Parameters { leaf, seed, ..*base };
+            let with = |leaf| Parameters {
+                leaf,
+                seed,
+                ..*base
+            };
             let began = Instant::now();
             let points = match row.method {
                 Method::Reference => reference_sample(*domain, seed, &mut stop_on_interrupt)?,

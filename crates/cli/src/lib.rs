@@ -105,7 +105,11 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
             let unfinished = describe(&error).contains("--resume");
             eprintln!(
                 "interrupted; no file was left half written{}",
-                if unfinished { "; the same command with --resume goes on" } else { "" }
+                if unfinished {
+                    "; the same command with --resume goes on"
+                } else {
+                    ""
+                }
             );
             ExitCode::from(EXIT_INTERRUPTED)
         }

@@ -53,7 +53,10 @@ pub fn json(outcome: &Outcome<'_>) -> Value {
     if let Value::Object(map) = &mut object {
         match report {
             Some(report) => map.extend(verdict_json(report)),
-            None => map.extend([("count".to_owned(), json!(count)), ("verified".to_owned(), json!(false))]),
+            None => map.extend([
+                ("count".to_owned(), json!(count)),
+                ("verified".to_owned(), json!(false)),
+            ]),
         }
         if let Some(s) = &facts.summary {
             map.insert("blocks".into(), json!(s.blocks));
@@ -114,7 +117,10 @@ pub fn text(outcome: &Outcome<'_>) -> String {
     match report {
         Some(report) => out.push_str(&verdict_text(report)),
         None => {
-            let _ = writeln!(out, "samples        {count}\nverdict        none: not verified");
+            let _ = writeln!(
+                out,
+                "samples        {count}\nverdict        none: not verified"
+            );
         }
     }
     for warning in warnings {
@@ -194,9 +200,17 @@ fn what_happened(stage: Stage, s: &Summary, at_once: bool) -> String {
             "{} building blocks, {} samples tiled{}, {} eliminated, {} inserted",
             s.blocks,
             s.tiled,
-            if s.dropped > 0 { format!(" and {} dropped outside", s.dropped) } else { String::new() },
+            if s.dropped > 0 {
+                format!(" and {} dropped outside", s.dropped)
+            } else {
+                String::new()
+            },
             s.eliminated,
-            s.inserted.iter().map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+            s.inserted
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join(" + ")
         ),
         Stage::Finish => format!("{} samples in canonical order", s.count),
     }

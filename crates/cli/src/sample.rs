@@ -1,6 +1,7 @@
 //! `tilescope sample`: parameters to a verified, saved set.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
@@ -42,6 +43,9 @@ pub struct SampleArguments {
     /// Go on with an interrupted --out from its last checkpoint; all other arguments must be the same
     #[arg(long, requires = "out")]
     resume: bool,
+    /// Seconds between checkpoints of a file written as it comes: what an interruption may cost
+    #[arg(long, value_name = "SECONDS", default_value_t = 10, requires = "out")]
+    checkpoint: u64,
     /// Do not verify; a file then has no certificate
     #[arg(long)]
     no_verify: bool,
@@ -134,6 +138,7 @@ fn stream(arguments: &SampleArguments) -> Result<u8> {
         complete: &|context| arguments.complete(context),
         verify: !arguments.no_verify,
         resume: arguments.resume,
+        checkpoint: Duration::from_secs(arguments.checkpoint),
     };
     let passed = stream::pass(&arguments.run, &target).map_err(|error| match &arguments.out {
         Some(path) if resume_path(path).exists() => error.context(format!(
@@ -148,7 +153,12 @@ fn stream(arguments: &SampleArguments) -> Result<u8> {
         count: passed.facts.summary.as_ref().map_or(0, |s| s.count as u64),
         report: passed.end.report(),
         saved: passed.end.certificate(),
-        warnings: passed.end.warnings().iter().map(ToString::to_string).collect(),
+        warnings: passed
+            .end
+            .warnings()
+            .iter()
+            .map(ToString::to_string)
+            .collect(),
     };
     tell(arguments, &outcome)
 }
@@ -184,7 +194,12 @@ impl SampleArguments {
             ensure!(
                 format,
                 "--resume and --no-verify need a format that is written as it comes ({}), and no --shuffle",
-                Format::ALL.into_iter().filter(|f| f.streams()).map(Format::extension).collect::<Vec<_>>().join(", ")
+                Format::ALL
+                    .into_iter()
+                    .filter(|f| f.streams())
+                    .map(Format::extension)
+                    .collect::<Vec<_>>()
+                    .join(", ")
             );
         }
         let expected = match self.run.count {

@@ -130,7 +130,11 @@ fn text(found: &Found) -> String {
     for command in &found.commands {
         let _ = writeln!(out, "  {command}");
     }
-    let verdict = if found.is_fine() { "as promised" } else { "NOT AS PROMISED" };
+    let verdict = if found.is_fine() {
+        "as promised"
+    } else {
+        "NOT AS PROMISED"
+    };
     let _ = writeln!(out, "verdict            {verdict}");
     out
 }
@@ -185,10 +189,19 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
         dihedral: dice.pick(6, &[false, true]),
         order: dice.pick(
             7,
-            &[Order::Index, Order::Random, Order::OwnBlockFirst, Order::PhaseGroup],
+            &[
+                Order::Index,
+                Order::Random,
+                Order::OwnBlockFirst,
+                Order::PhaseGroup,
+            ],
         ),
         insertion: dice.pick(8, &[Insertion::Circumcentre, Insertion::Uniform]),
-        search: if dice.share(9) < 0.1 { Search::TwoRadii } else { Search::Complete },
+        search: if dice.share(9) < 0.1 {
+            Search::TwoRadii
+        } else {
+            Search::Complete
+        },
         ..Parameters::default()
     }
 }
@@ -226,7 +239,11 @@ fn round(seed: u64, index: u64) -> Result<Found> {
         conflicts: report.conflicts,
         gaps: if complete { report.gaps } else { 0 },
         unequal: u64::from(!equal),
-        covering: if complete { report.covering_radius } else { 0.0 },
+        covering: if complete {
+            report.covering_radius
+        } else {
+            0.0
+        },
         commands: Vec::new(),
     };
     if !found.is_fine() {
@@ -243,7 +260,10 @@ fn windows_agree(plane: &Plane, points: &[Point], dice: &Dice) -> Result<bool, S
         let share = |index: u32| dice.share(100 + 10 * k + index);
         let low = [share(0), share(1)].map(|s| 1.4 * s - 0.2);
         let low = [low[0] * sides[0], low[1] * sides[1]];
-        let size = [share(2) * share(3) * sides[0], share(4) * share(5) * sides[1]];
+        let size = [
+            share(2) * share(3) * sides[0],
+            share(4) * share(5) * sides[1],
+        ];
         let Ok(window) = domain.window(low, [low[0] + size[0], low[1] + size[1]]) else {
             continue;
         };
@@ -261,7 +281,11 @@ fn shows(window: &Window, plane: &Plane, p: Point) -> bool {
     let axis = |v: i32, axis: usize| {
         let offset = i64::from(v) - window.min[axis];
         let side = i64::from([domain.width(), domain.height()][axis]);
-        let offset = if domain.is_periodic() { offset.rem_euclid(side) } else { offset };
+        let offset = if domain.is_periodic() {
+            offset.rem_euclid(side)
+        } else {
+            offset
+        };
         (0..window.max[axis] - window.min[axis]).contains(&offset)
     };
     axis(p.x, 0) && axis(p.y, 1)

@@ -5,21 +5,19 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, anyhow, bail};
-use serde_json::Value;
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use serde_json::{Value, json};
 use tilescope_analysis::{Report, StreamVerifier, VerifyOptions};
 use tilescope_core::{Domain, Sampled, Sweep, SweepState};
 use tilescope_formats::{
     ExportContext, Exported, Format, Provenance, StreamExport, StreamOptions, Streamed, Warning,
+    checkpoint_token, resume_path,
 };
 
 use crate::interrupt;
 use crate::make::{self, Facts};
 use crate::parameters::RunArguments;
 use crate::progress::Stopwatch;
-
-/// Seconds between checkpoints: what an interruption may cost.
-const CHECKPOINT_SECONDS: u64 = 10;
 
 /// Samples handed to the writer at a time.
 const PIECE: usize = 1 << 16;
@@ -34,6 +32,8 @@ pub struct Target<'a> {
     pub verify: bool,
     /// Whether to go on with an interrupted export.
     pub resume: bool,
+    /// How much time may pass between checkpoints.
+    pub checkpoint: Duration,
 }
 
 /// A set that passed by.
@@ -90,28 +90,55 @@ pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
     let mut facts = Facts::of_run(&parameters, &domain, Some(arguments))?;
     let mut context = facts.context();
     (target.complete)(&mut context);
-    let (mut sink, token) = Sink::open(target, &context)?;
+    let state = match (target.out, target.resume) {
+        (Some(path), true) => Some(state_of(path, &facts)?),
+        _ => None,
+    };
+    let mut sink = Sink::open(target, &context)?;
     let sources = target.out.is_some() && context.format.is_some_and(Format::carries_provenance);
     let mut sweep = Sweep::new(&parameters, &pattern, sources)?;
-    if let Some(token) = token {
-        sweep.restore(&serde_json::from_value(token).context("the checkpoint is not of a run")?);
+    if let Some(state) = &state {
+        sweep.restore(state);
     }
-    let end = sweep_into(&mut sweep, &mut sink, &domain, &mut watch)?;
+    let parameters = serde_json::to_value(&facts.parameters)?;
+    let token = |state: &SweepState| json!({ "parameters": parameters, "state": state });
+    let end = sweep_into(&mut sweep, &mut sink, (&domain, &token), &mut watch)?;
     facts.seconds = watch.take();
     facts.summary = Some(sweep.summary());
     Ok(Passed { facts, end })
 }
 
+/// Returns where the interrupted run of `path` was. Fails when there is none, or when it was made with
+/// other parameters, which are named.
+fn state_of(path: &Path, facts: &Facts) -> Result<SweepState> {
+    let token = checkpoint_token(path)?.with_context(|| {
+        let resume = resume_path(path);
+        format!("there is nothing to resume: no {}", resume.display())
+    })?;
+    for (name, asked) in &facts.parameters {
+        let begun = &token["parameters"][name];
+        ensure!(
+            begun == asked,
+            "the interrupted run had {name} {begun}, asked was {asked}; all arguments must be the same"
+        );
+    }
+    let state = token["state"].clone();
+    serde_json::from_value(state).context("the checkpoint is not of a run")
+}
+
+/// What a checkpoint must know of a run that was there.
+type Token<'a> = dyn Fn(&SweepState) -> Value + Sync + 'a;
+
 /// Computes on this thread (and the pool's) while another one writes and verifies.
 fn sweep_into(
     sweep: &mut Sweep,
     sink: &mut Sink,
-    domain: &Domain,
+    (domain, token): (&Domain, &Token<'_>),
     watch: &mut Stopwatch,
 ) -> Result<End> {
     let (sender, receiver) = sync_channel(1);
     std::thread::scope(|scope| {
-        let writer = scope.spawn(move || sink.take_all(domain, &receiver));
+        let writer = scope.spawn(move || sink.take_all(domain, token, &receiver));
         let computed = loop {
             let word = match sweep.step(watch) {
                 Ok(Some(sampled)) => Word::Band(sampled, sweep.state()),
@@ -140,33 +167,45 @@ enum Word {
 
 /// Where samples go.
 enum Sink {
-    File(Option<StreamExport>, Instant),
+    File {
+        /// None when it is finished.
+        export: Option<Box<StreamExport>>,
+        last_checkpoint: Instant,
+        checkpoint: Duration,
+    },
     Judge(Option<StreamVerifier>),
 }
 
 impl Sink {
-    /// Returns the sink and, when an export goes on, the token of its checkpoint.
-    fn open(target: &Target<'_>, context: &ExportContext) -> Result<(Self, Option<Value>)> {
+    fn open(target: &Target<'_>, context: &ExportContext) -> Result<Self> {
         let Some(path) = target.out else {
             let options = VerifyOptions::default();
             let verifier = StreamVerifier::new(context.region, context.radius, &options)?;
-            return Ok((Self::Judge(Some(verifier)), None));
+            return Ok(Self::Judge(Some(verifier)));
         };
-        let (export, token) = if target.resume {
-            let (export, token) = StreamExport::resume(path, context)?;
-            (export, Some(token))
+        let export = if target.resume {
+            StreamExport::resume(path, context)?.0
         } else {
             let options = StreamOptions {
                 verify: target.verify,
                 resumable: true,
             };
-            (StreamExport::create(path, context, options)?, None)
+            StreamExport::create(path, context, options)?
         };
-        Ok((Self::File(Some(export), Instant::now()), token))
+        Ok(Self::File {
+            export: Some(Box::new(export)),
+            last_checkpoint: Instant::now(),
+            checkpoint: target.checkpoint,
+        })
     }
 
     /// Takes bands to the last one, then finishes.
-    fn take_all(&mut self, domain: &Domain, words: &Receiver<Word>) -> Result<End> {
+    fn take_all(
+        &mut self,
+        domain: &Domain,
+        token: &Token<'_>,
+        words: &Receiver<Word>,
+    ) -> Result<End> {
         for word in words {
             let Word::Band(sampled, state) = word else {
                 return self.finish();
@@ -177,33 +216,44 @@ impl Sink {
                 let range = k * PIECE..k * PIECE + points.len();
                 self.push(&points, provenance.as_ref().map(|all| &all[range]))?;
             }
-            self.checkpoint(&state)?;
+            self.checkpoint(|| token(&state))?;
         }
         bail!("the run was cancelled before its end")
     }
 
     fn push(&mut self, points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Result<()> {
         match self {
-            Self::File(Some(export), _) => export.push(points, provenance, &control)?,
-            Self::Judge(Some(verifier)) => verifier.push(points, &control)?,
-            Self::File(None, _) | Self::Judge(None) => {}
+            Self::File { export, .. } => {
+                if let Some(export) = export {
+                    export.push(points, provenance, &control)?;
+                }
+            }
+            Self::Judge(verifier) => {
+                if let Some(verifier) = verifier {
+                    verifier.push(points, &control)?;
+                }
+            }
         }
         Ok(())
     }
 
-    fn checkpoint(&mut self, state: &SweepState) -> Result<()> {
-        if let Self::File(Some(export), last) = self
-            && last.elapsed() >= Duration::from_secs(CHECKPOINT_SECONDS)
+    fn checkpoint(&mut self, token: impl FnOnce() -> Value) -> Result<()> {
+        if let Self::File {
+            export: Some(export),
+            last_checkpoint,
+            checkpoint,
+        } = self
+            && last_checkpoint.elapsed() >= *checkpoint
         {
-            export.checkpoint(&serde_json::to_value(state)?)?;
-            *last = Instant::now();
+            export.checkpoint(&token())?;
+            *last_checkpoint = Instant::now();
         }
         Ok(())
     }
 
     fn finish(&mut self) -> Result<End> {
         match self {
-            Self::File(export, _) => {
+            Self::File { export, .. } => {
                 let export = export.take().context("the file is finished already")?;
                 Ok(End::Written(Box::new(export.finish(&control)?)))
             }

@@ -73,7 +73,10 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     }
     let verdict = judge(&plane, &window)?;
     let is_valid = verdict.conflicts == 0 && verdict.gaps == 0;
-    let path = arguments.out.as_ref().map(|path| path.display().to_string());
+    let path = arguments
+        .out
+        .as_ref()
+        .map(|path| path.display().to_string());
     if arguments.json {
         let object = json!({
             "radius": parameters.radius,
@@ -132,7 +135,8 @@ pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
     let wide = widened(domain, window);
     let low = wide.min;
     let periodic = domain.is_periodic();
-    let unit = [0, 1].map(|axis| domain.size()[axis] / f64::from([domain.width(), domain.height()][axis]));
+    let unit =
+        [0, 1].map(|axis| domain.size()[axis] / f64::from([domain.width(), domain.height()][axis]));
     // A wide window may be longer than a periodic domain and show some samples twice.
     let images = |v: i32, axis: usize| {
         let side = i64::from([domain.width(), domain.height()][axis]);
@@ -150,7 +154,9 @@ pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
     };
     let shown = |p: &Point| {
         let xs = images(p.x, 0);
-        images(p.y, 1).flat_map(move |y| xs.clone().map(move |x| [x, y])).collect::<Vec<_>>()
+        images(p.y, 1)
+            .flat_map(move |y| xs.clone().map(move |x| [x, y]))
+            .collect::<Vec<_>>()
     };
     let points: Vec<[f64; 2]> = plane.window(&wide)?.iter().flat_map(shown).collect();
     let last = i64::from(!periodic);

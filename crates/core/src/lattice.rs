@@ -316,7 +316,8 @@ impl Domain {
                 window.max[axis] = if high >= side { end } else { window.max[axis] };
             }
             // Two bounds a hair less than a side apart may round to more than the domain's units.
-            window.max[axis] = window.max[axis].min(window.min[axis] + i64::from(self.rect_side(axis)));
+            window.max[axis] =
+                window.max[axis].min(window.min[axis] + i64::from(self.rect_side(axis)));
         }
         Ok(window)
     }

@@ -293,7 +293,9 @@ pub enum ParameterError {
     )]
     AsPrintedParallel,
     /// A window has no inside, or is larger than the domain.
-    #[error("the window's {name} runs from {low} to {high}; it must be finite, above 0 and at most {maximum} long")]
+    #[error(
+        "the window's {name} runs from {low} to {high}; it must be finite, above 0 and at most {maximum} long"
+    )]
     Window {
         /// Which side.
         name: &'static str,

@@ -93,17 +93,20 @@ fn the_json_object_tells_the_whole_run() {
     }
     assert_eq!(run["parameters"]["seed"], u64::MAX);
     assert_eq!(run["parameters"]["order"], "own-block-first");
-    let stages: Vec<&str> = run["seconds"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|s| s["stage"].as_str().unwrap())
-        .collect();
+    assert_eq!(stages(&run), ["pattern", "regions"]);
+    let arguments = ["sample", "--radius", "0.01", "--engine", "sequential"];
+    let staged = json(&folder, &[arguments.as_slice(), &["--json"]].concat(), 0);
+    let stages = stages(&staged);
     assert_eq!(
         stages[..5],
         ["pattern", "blocks", "tile", "eliminate", "iterate 1"]
     );
     assert_eq!(*stages.last().unwrap(), "finish");
+}
+
+fn stages(run: &Value) -> Vec<&str> {
+    let seconds = run["seconds"].as_array().unwrap().iter();
+    seconds.map(|s| s["stage"].as_str().unwrap()).collect()
 }
 
 #[test]
@@ -205,7 +208,13 @@ const BAD: &[(&[&str], &str)] = &[
     (&["sample", "--radius", "1e-9"], "at most 65532 r"),
     (
         &[
-            "sample", "--radius", "0.00001", "--width", "0.5", "--height", "0.5", "--leaf", "1e9",
+            "sample",
+            "--radius",
+            "2e-5",
+            "--engine",
+            "sequential",
+            "--leaf",
+            "1e9",
         ],
         "at most 2e8",
     ),
@@ -544,12 +553,21 @@ fn bench_verifies_what_it_times() {
             "1",
             "--leaf",
             "30",
+            "--threads",
+            "1",
+            "2",
+            "--sequential",
+            "--plane",
+            "100000000",
             "--json",
         ],
         0,
     );
+    assert_eq!(bench["windows"]["valid"], true);
+    let counts = bench["windows"]["counts"].as_array().unwrap();
+    assert!((9_500..10_500).contains(&counts[0].as_u64().unwrap()));
     let rows = bench["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 2);
+    assert_eq!(rows.len(), 4);
     for row in rows {
         assert_eq!(row["valid"], true);
         assert!(row["samples_per_second"].as_f64().unwrap() > 0.0);

@@ -36,7 +36,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     if !session.has_stages() {
         let most = grouped(MOST_STAGED as usize);
-        let text = format!("Above {most} samples only the result is kept: the stages between are not.");
+        let text =
+            format!("Above {most} samples only the result is kept: the stages between are not.");
         ui.add_space(4.0);
         ui.label(egui::RichText::new(text).color(palette.muted).small());
     }
@@ -53,7 +54,10 @@ fn change(session: &Session, stage: Stage) -> String {
             grouped(session.inserted_at_once())
         ),
         Stage::Eliminate => format!("\u{2212}{}", grouped(summary.eliminated)),
-        Stage::Iterate(k) => format!("+{}", grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0))),
+        Stage::Iterate(k) => format!(
+            "+{}",
+            grouped(summary.inserted.get(k as usize - 1).copied().unwrap_or(0))
+        ),
         Stage::Pattern | Stage::Regions | Stage::Finish => String::new(),
     }
 }

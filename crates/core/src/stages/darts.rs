@@ -168,7 +168,8 @@ impl DartProcess {
 
 /// Returns the key of a throw of a level.
 pub(crate) fn throw_key(key: Key, level: u32, throw: u32) -> Key {
-    key.derive(Stream::Level, level).derive(Stream::Throw, throw)
+    key.derive(Stream::Level, level)
+        .derive(Stream::Throw, throw)
 }
 
 /// Returns the darts of a cell, each with its rank, some of them outside the domain: they are the

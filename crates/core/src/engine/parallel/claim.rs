@@ -55,11 +55,17 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn claim(&mut self, clipper: &Clipper, turns: &Turns<'_>) {
         let blocks = std::mem::take(&mut self.blocks);
         // Deeper samples are farther than r from the own samples of other blocks, or from all of them.
-        let depth = if matches!(turns, Turns::OwnFirst) { R } else { 2 * R };
+        let depth = if matches!(turns, Turns::OwnFirst) {
+            R
+        } else {
+            2 * R
+        };
         let (depth, target) = (i64::from(depth), self.frame.tiled());
         for block in &blocks {
             let interior = block.rect.grown(-depth - 1, -depth);
-            clipper.clip(block, &interior, &target, |x, y, id| self.insert(x, y, tag(block, id)));
+            clipper.clip(block, &interior, &target, |x, y, id| {
+                self.insert(x, y, tag(block, id))
+            });
         }
         match turns {
             Turns::Index => {
@@ -85,7 +91,9 @@ impl<const TAGS: bool> Region<TAGS> {
     fn claim_own(&mut self, clipper: &Clipper, block: &Placed, depth: i64, target: &Rect) {
         self.waiting.clear();
         for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
-            clipper.clip(block, &part, target, |x, y, id| self.waiting.push((x, y, tag(block, id))));
+            clipper.clip(block, &part, target, |x, y, id| {
+                self.waiting.push((x, y, tag(block, id)))
+            });
         }
         for k in 0..self.waiting.len() {
             let (x, y, tag) = self.waiting[k];
@@ -98,7 +106,9 @@ impl<const TAGS: bool> Region<TAGS> {
         let r = i64::from(R);
         self.waiting.clear();
         for part in frame_between(&block.rect.grown(r, r), &block.rect) {
-            clipper.clip(block, &part, target, |x, y, id| self.waiting.push((x, y, tag(block, id))));
+            clipper.clip(block, &part, target, |x, y, id| {
+                self.waiting.push((x, y, tag(block, id)))
+            });
         }
         for k in 0..self.waiting.len() {
             let (x, y, tag) = self.waiting[k];
@@ -123,7 +133,11 @@ impl<const TAGS: bool> Region<TAGS> {
         for block in blocks {
             let own = frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth));
             let margin = frame_between(&block.rect.grown(r, r), &block.rect);
-            for (part, is_own) in own.map(|p| (p, true)).into_iter().chain(margin.map(|p| (p, false))) {
+            for (part, is_own) in own
+                .map(|p| (p, true))
+                .into_iter()
+                .chain(margin.map(|p| (p, false)))
+            {
                 clipper.clip(block, &part, target, |x, y, id| {
                     if !self.frame.holds(x, y) {
                         self.lose(x, y, Loss::Certain);
@@ -174,11 +188,14 @@ impl<const TAGS: bool> Region<TAGS> {
         }
         let stride = self.frame.stride();
         let rows = [cell - stride, cell, cell + stride];
-        rows.into_iter().flat_map(|row| row - 1..=row + 1).any(|cell| {
-            self.lost_in(cell).any(|lost| {
-                lost.loss == Loss::Unknown && crate::lattice::covers_offset(lost.x - x, lost.y - y)
+        rows.into_iter()
+            .flat_map(|row| row - 1..=row + 1)
+            .any(|cell| {
+                self.lost_in(cell).any(|lost| {
+                    lost.loss == Loss::Unknown
+                        && crate::lattice::covers_offset(lost.x - x, lost.y - y)
+                })
             })
-        })
     }
 }
 

@@ -67,7 +67,11 @@ impl CellPattern {
                     min: Point::new(from_x, from_y),
                     max: Point::new(from_x + columns, from_y + rows),
                 };
-                self.piece(&piece, Point::new(corner.x + right, corner.y + up), &mut place);
+                self.piece(
+                    &piece,
+                    Point::new(corner.x + right, corner.y + up),
+                    &mut place,
+                );
                 right += columns;
                 from_x = 0;
             }
@@ -153,7 +157,13 @@ pub(crate) struct Clipper {
 type Visit = (Node, u32, u32);
 
 impl Clipper {
-    pub(crate) fn new(domain: Domain, leaf: i32, key: Key, pattern: &Pattern, dihedral: bool) -> Self {
+    pub(crate) fn new(
+        domain: Domain,
+        leaf: i32,
+        key: Key,
+        pattern: &Pattern,
+        dihedral: bool,
+    ) -> Self {
         let variants = (0..if dihedral { 8 } else { 1 })
             .map(|s| CellPattern::new(pattern.variant(Symmetry(s))))
             .collect();
@@ -188,7 +198,10 @@ impl Clipper {
                 continue;
             }
             if let Some(cut) = node.cut(self.leaf) {
-                let lower = self.counts.as_ref().map_or(0, |counts| counts[split as usize]);
+                let lower = self
+                    .counts
+                    .as_ref()
+                    .map_or(0, |counts| counts[split as usize]);
                 stack.push((cut.upper, split + lower, leaf + lower));
                 stack.push((cut.lower, split + 1, leaf));
             } else {
@@ -207,7 +220,10 @@ impl Clipper {
         index: u32,
         out: &mut Vec<Placed>,
     ) -> Result<(), SampleError> {
-        let symmetry = below(block.key.draw(Stream::Dihedral, 0)[0], self.variants.len() as u32);
+        let symmetry = below(
+            block.key.draw(Stream::Dihedral, 0)[0],
+            self.variants.len() as u32,
+        );
         let start = clip_start(block, &self.variants[symmetry as usize].shape)?;
         out.extend(images.rects().map(|rect| Placed {
             rect,

@@ -66,7 +66,9 @@ impl<const TAGS: bool> Region<TAGS> {
             let [x, y] = block.rect.min;
             let inside = |v: i64, low: i32, high: i32| (low.into()..high.into()).contains(&v);
             counts.blocks += u64::from(
-                inside(x, window.min.x, window.max.x) && inside(y, window.min.y, window.max.y) && counted(x as i32, y as i32),
+                inside(x, window.min.x, window.max.x)
+                    && inside(y, window.min.y, window.max.y)
+                    && counted(x as i32, y as i32),
             );
         }
         for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {

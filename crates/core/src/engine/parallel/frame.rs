@@ -107,7 +107,10 @@ impl Frame {
         let cell = |x: i32| x >> CELL_BITS;
         Rect {
             min: Point::new(cell(self.window.min.x), cell(self.window.min.y)),
-            max: Point::new(cell(self.window.max.x - 1) + 1, cell(self.window.max.y - 1) + 1),
+            max: Point::new(
+                cell(self.window.max.x - 1) + 1,
+                cell(self.window.max.y - 1) + 1,
+            ),
         }
     }
 

@@ -3,6 +3,8 @@
 //! prove most of their pixels covered, and only in the others candidates are sought: among the
 //! samples that are about as near to the pixel as the nearest one, since only those can make one.
 
+use fearless_simd::Simd;
+
 use crate::circumcentre::circumcentre;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::{Insertion, Search};
@@ -82,6 +84,7 @@ type SiteList = [u8; MOST_SITES];
 /// The buffers of a fill.
 pub(crate) struct GapBuffers {
     pub marked: Vec<u64>,
+    pub listed: Vec<(u32, i32, i32)>,
     open: Vec<u64>,
     open_index: Vec<u32>,
     masks: Vec<(u32, u64)>,
@@ -102,6 +105,7 @@ impl Default for GapBuffers {
     fn default() -> Self {
         Self {
             marked: Vec::new(),
+            listed: Vec::new(),
             open: Vec::new(),
             open_index: Vec::new(),
             masks: Vec::new(),
@@ -138,12 +142,12 @@ enum Known {
 impl<const TAGS: bool> Region<TAGS> {
     /// Fills the gaps by circumcentres, as far as it can be known what happens.
     #[inline(always)]
-    pub(crate) fn fill(&mut self, rules: &Rules) {
+    pub(crate) fn fill<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
         self.mark(&mut gaps, rules.lost_reach);
         self.spread(&mut gaps, false);
-        self.first_detection(&mut gaps, rules);
+        self.first_detection(simd, &mut gaps, rules);
         let mut iteration = 1;
         loop {
             let first = gaps.inserted.len();
@@ -153,7 +157,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
             iteration += 1;
             self.spread(&mut gaps, true);
-            self.detect_again(&mut gaps, first, rules);
+            self.detect_again(simd, &mut gaps, first, rules);
         }
         self.gaps = gaps;
     }
@@ -187,9 +191,10 @@ impl<const TAGS: bool> Region<TAGS> {
         self.frame.stride().div_ceil(64)
     }
 
-    /// Calls `visit` with every marked cell of the frame, row by row.
+    /// Lists the marked cells of the frame with their columns and rows, row by row.
     #[inline(always)]
-    pub(crate) fn each_marked(&self, marked: &[u64], mut visit: impl FnMut(usize, i32, i32)) {
+    pub(crate) fn list_marked(&self, marked: &[u64], list: &mut Vec<(u32, i32, i32)>) {
+        list.clear();
         let words = self.words();
         for row in 0..self.frame.cells[1] {
             let start = (row + PAD) as usize * words;
@@ -199,7 +204,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     let column = (word * 64) as i32 + bits.trailing_zeros() as i32 - PAD;
                     bits &= bits - 1;
                     if (0..self.frame.cells[0]).contains(&column) {
-                        visit(self.frame.cell(column, row), column, row);
+                        list.push((self.frame.cell(column, row) as u32, column, row));
                     }
                 }
             }
@@ -250,7 +255,7 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Finds the open pixels and the candidates of iteration 1.
     #[inline(always)]
-    fn first_detection(&mut self, gaps: &mut GapBuffers, rules: &Rules) {
+    fn first_detection<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules) {
         let stamps = Stamps::get();
         let words = self.words();
         gaps.first_pixels.clear();
@@ -258,19 +263,19 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.candidates.clear();
         gaps.open_index.resize(self.frame.cell_count(), 0);
         let mut unsure = Vec::new();
-        let marked = std::mem::take(&mut gaps.marked);
+        self.list_marked(&gaps.marked, &mut gaps.listed);
         let mut masks = std::mem::take(&mut gaps.masks);
         masks.clear();
-        self.each_marked(&marked, |cell, column, row| {
-            let open = self.open_pixels(stamps, cell, column, row);
+        for &(cell, column, row) in &gaps.listed {
+            let open = self.open_pixels(stamps, cell as usize, column, row);
             if open != 0 {
-                masks.push((cell as u32, open));
+                masks.push((cell, open));
             }
-        });
-        gaps.marked = marked;
+        }
         for &(cell, open) in &masks {
             let cell = cell as usize;
-            gaps.near.gather(&self.slots, self.frame.stride(), cell, USUAL);
+            gaps.near
+                .gather(&self.slots, self.frame.stride(), cell, USUAL);
             if self.flags[cell] & flag::REACHED != 0 {
                 if each_bit(open).any(|p| gaps.near.may_be_open(corner(p).0, corner(p).1)) {
                     unsure.push(cell);
@@ -283,7 +288,15 @@ impl<const TAGS: bool> Region<TAGS> {
             gaps.open_index[cell] = gaps.first_pixels.len() as u32;
             gaps.first_pixels.push(gaps.pixels.len() as u32);
             for number in each_bit(open) {
-                if let Some(nearest) = self.search_pixel(gaps, rules, cell, number, Detectors::First, &mut unsure) {
+                if let Some(nearest) = self.search_pixel(
+                    simd,
+                    gaps,
+                    rules,
+                    cell,
+                    number,
+                    Detectors::First,
+                    &mut unsure,
+                ) {
                     gaps.pixels.push(Pixel { number, nearest });
                 }
             }
@@ -329,14 +342,26 @@ impl<const TAGS: bool> Region<TAGS> {
         if gaps.open[row * self.words() + column / 64] >> (column % 64) & 1 == 0 {
             return false;
         }
-        gaps.near.gather(&self.slots, self.frame.stride(), cell, USUAL);
-        let (near, pixels) = (&gaps.near, pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]));
-        pixels.iter().any(|p| near.may_be_open(corner(p.number).0, corner(p.number).1))
+        gaps.near
+            .gather(&self.slots, self.frame.stride(), cell, USUAL);
+        let (near, pixels) = (
+            &gaps.near,
+            pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]),
+        );
+        pixels
+            .iter()
+            .any(|p| near.may_be_open(corner(p.number).0, corner(p.number).1))
     }
 
     /// Finds the candidates that the samples inserted last have made: those from `first` on.
     #[inline(always)]
-    fn detect_again(&mut self, gaps: &mut GapBuffers, first: usize, rules: &Rules) {
+    fn detect_again<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        first: usize,
+        rules: &Rules,
+    ) {
         let mut todo = std::mem::take(&mut gaps.todo);
         let mut unsure = Vec::new();
         todo.clear();
@@ -344,7 +369,8 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.detectors.clear();
         for k in first..gaps.inserted.len() {
             let Inserted { x, y, .. } = gaps.inserted[k];
-            gaps.detectors.push(site_key(self.frame.cell_at(x, y), pack(x, y)));
+            gaps.detectors
+                .push(site_key(self.frame.cell_at(x, y), pack(x, y)));
             self.concerned_pixels(gaps, x, y, &mut todo);
         }
         gaps.detectors.sort_unstable();
@@ -354,10 +380,19 @@ impl<const TAGS: bool> Region<TAGS> {
         for &(cell, number) in &todo {
             let cell = cell as usize;
             if gathered != cell {
-                gaps.near.gather(&self.slots, self.frame.stride(), cell, USUAL);
+                gaps.near
+                    .gather(&self.slots, self.frame.stride(), cell, USUAL);
                 gathered = cell;
             }
-            self.search_pixel(gaps, rules, cell, number, Detectors::Inserted, &mut unsure);
+            self.search_pixel(
+                simd,
+                gaps,
+                rules,
+                cell,
+                number,
+                Detectors::Inserted,
+                &mut unsure,
+            );
         }
         gaps.todo = todo;
         for cell in unsure {
@@ -377,7 +412,10 @@ impl<const TAGS: bool> Region<TAGS> {
         for row in row - reach..=row + reach {
             let start = (row + PAD) as usize * words + first / 64;
             let low = gaps.open[start] >> (first % 64);
-            let high = gaps.open.get(start + 1).map_or(0, |&next| next << 1 << (63 - first % 64));
+            let high = gaps
+                .open
+                .get(start + 1)
+                .map_or(0, |&next| next << 1 << (63 - first % 64));
             for bit in each_bit((low | high) & ones) {
                 let column = column - reach + i32::from(bit);
                 let cell = self.frame.cell(column, row);
@@ -402,8 +440,9 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Looks for candidates in one pixel, adds them to `gaps.candidates`, and returns the distance from its
     /// centre to the nearest sample. `gaps.near` holds the samples around `cell`.
     #[inline(always)]
-    fn search_pixel(
+    fn search_pixel<S: Simd>(
         &self,
+        simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         cell: usize,
@@ -412,7 +451,7 @@ impl<const TAGS: bool> Region<TAGS> {
         unsure: &mut Vec<usize>,
     ) -> Option<f32> {
         let (x, y) = centre(number);
-        let measured = gaps.near.measure(x, y);
+        let measured = gaps.near.measure(simd, x, y);
         if measured.farthest_corner_squared <= SURELY_COVERED {
             return None;
         }
@@ -420,19 +459,26 @@ impl<const TAGS: bool> Region<TAGS> {
         let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
         // Beyond 2r samples may lie outside the cells gathered.
         if limit >= (2 * R) as f32 {
-            return Some(self.search_wide(gaps, rules, cell, number, detectors, unsure));
+            return Some(self.search_wide(simd, gaps, rules, cell, number, detectors, unsure));
         }
-        let count = gaps.near.sites(limit * limit, &mut gaps.sites);
+        let count = gaps.near.sites(simd, limit * limit, &mut gaps.sites);
         if count >= 3 || !rules.domain.is_periodic() {
-            let spot = Spot { cell, number, detectors, wide: false, sites: count };
+            let spot = Spot {
+                cell,
+                number,
+                detectors,
+                wide: false,
+                sites: count,
+            };
             self.search_sites(gaps, rules, spot, unsure);
         }
         Some(nearest)
     }
 
     #[cold]
-    fn search_wide(
+    fn search_wide<S: Simd>(
         &self,
+        simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         cell: usize,
@@ -441,20 +487,42 @@ impl<const TAGS: bool> Region<TAGS> {
         unsure: &mut Vec<usize>,
     ) -> f32 {
         let (x, y) = centre(number);
-        gaps.wide.gather(&self.slots, self.frame.stride(), cell, WIDEST);
-        let nearest = gaps.wide.measure(x, y).squared.sqrt();
+        gaps.wide
+            .gather(&self.slots, self.frame.stride(), cell, WIDEST);
+        let nearest = gaps.wide.measure(simd, x, y).squared.sqrt();
         let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
-        let sites = gaps.wide.sites(limit * limit, &mut gaps.sites);
-        self.search_sites(gaps, rules, Spot { cell, number, detectors, wide: true, sites }, unsure);
+        let sites = gaps.wide.sites(simd, limit * limit, &mut gaps.sites);
+        self.search_sites(
+            gaps,
+            rules,
+            Spot {
+                cell,
+                number,
+                detectors,
+                wide: true,
+                sites,
+            },
+            unsure,
+        );
         nearest
     }
 
     /// Tries all that the sites may make in the pixel.
     #[inline(always)]
-    fn search_sites(&self, gaps: &mut GapBuffers, rules: &Rules, spot: Spot, unsure: &mut Vec<usize>) {
+    fn search_sites(
+        &self,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        spot: Spot,
+        unsure: &mut Vec<usize>,
+    ) {
         let n = spot.sites;
         let near = |gaps: &GapBuffers, k: usize| {
-            if spot.wide { gaps.wide.offset(gaps.sites[k]) } else { gaps.near.offset(gaps.sites[k]) }
+            if spot.wide {
+                gaps.wide.offset(gaps.sites[k])
+            } else {
+                gaps.near.offset(gaps.sites[k])
+            }
         };
         for i in 0..n {
             for m in i + 1..n {
@@ -489,9 +557,18 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     #[cold]
-    fn search_border(&self, gaps: &mut GapBuffers, rules: &Rules, spot: Spot, unsure: &mut Vec<usize>) {
+    fn search_border(
+        &self,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        spot: Spot,
+        unsure: &mut Vec<usize>,
+    ) {
         let near = if spot.wide { &gaps.wide } else { &gaps.near };
-        let sites: Vec<Site> = gaps.sites[..spot.sites].iter().map(|&k| exact(near.offset(k))).collect();
+        let sites: Vec<Site> = gaps.sites[..spot.sites]
+            .iter()
+            .map(|&k| exact(near.offset(k)))
+            .collect();
         for (k, &a) in sites.iter().enumerate() {
             let border = Border::around(&rules.domain, self.site_point(spot.cell, a));
             for &m in &sites[k + 1..] {
@@ -572,9 +649,12 @@ impl<const TAGS: bool> Region<TAGS> {
         for site in sites {
             let point = self.site_point(spot.cell, *site);
             let reach = Reach::new(&rules.domain, rules.search, point);
-            let within = |a: Site, reach: i32| norm_squared(a) <= i64::from(reach) * i64::from(reach);
+            let within =
+                |a: Site, reach: i32| norm_squared(a) <= i64::from(reach) * i64::from(reach);
             if !within(minus(*site, place), reach.radius)
-                || !sites.iter().all(|other| within(minus(*other, *site), reach.search))
+                || !sites
+                    .iter()
+                    .all(|other| within(minus(*other, *site), reach.search))
             {
                 continue;
             }
@@ -610,7 +690,11 @@ impl<const TAGS: bool> Region<TAGS> {
         let [[left, right], [bottom, top]] = self.frame.goes_on;
         let mut known = Known::No;
         // Beyond the frame nothing is known.
-        if left && column < 3 || right && column >= columns - 3 || bottom && row < 3 || top && row >= rows - 3 {
+        if left && column < 3
+            || right && column >= columns - 3
+            || bottom && row < 3
+            || top && row >= rows - 3
+        {
             known = Known::Unknown;
         }
         let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
@@ -718,7 +802,9 @@ pub(crate) fn each_bit(mut bits: u64) -> impl Iterator<Item = u8> {
 }
 
 fn pixels_of<'a>(first: &[u32], pixels: &'a [Pixel], index: u32) -> &'a [Pixel] {
-    let end = first.get(index as usize + 1).map_or(pixels.len(), |&next| next as usize);
+    let end = first
+        .get(index as usize + 1)
+        .map_or(pixels.len(), |&next| next as usize);
     &pixels[first[index as usize] as usize..end]
 }
 

@@ -1,6 +1,9 @@
 //! The samples around one cell, gathered for many questions about places in it.
 //! Offsets are from the cell's lowest corner, so that they are exact in `f32`.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
+
 use crate::lattice::{R, R_SQUARED};
 
 use super::frame::CELL_BITS;
@@ -91,37 +94,48 @@ impl Near {
 
     /// Measures the pixel whose centre is (x, y).
     #[inline(always)]
-    pub(crate) fn measure(&mut self, x: f32, y: f32) -> Nearest {
+    pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> Nearest {
         const HALF: f32 = (PIXEL_SIDE / 2) as f32;
-        let mut nearest = [FAR * FAR; LANES];
-        let mut corner = [FAR * FAR; LANES];
+        let (x, y) = (f32x8::splat(simd, x), f32x8::splat(simd, y));
+        let mut nearest = f32x8::splat(simd, FAR * FAR);
+        let mut corner = f32x8::splat(simd, FAR * FAR);
         let groups = self.groups();
         let places = self.x[..groups].iter().zip(&self.y[..groups]);
         for ((xs, ys), squared) in places.zip(&mut self.squared[..groups]) {
-            for k in 0..LANES {
-                let (dx, dy) = ((xs[k] - x).abs(), (ys[k] - y).abs());
-                let square = dx * dx + dy * dy;
-                let far = square + (2.0 * HALF) * (dx + dy) + 2.0 * HALF * HALF;
-                squared[k] = square;
-                nearest[k] = if square < nearest[k] { square } else { nearest[k] };
-                corner[k] = if far < corner[k] { far } else { corner[k] };
-            }
+            let dx = (f32x8::simd_from(simd, *xs) - x).abs();
+            let dy = (f32x8::simd_from(simd, *ys) - y).abs();
+            let square = dx * dx + dy * dy;
+            *squared = square.into();
+            nearest = nearest.min(square);
+            corner = corner.min(square + (dx + dy) * (2.0 * HALF));
         }
         Nearest {
-            squared: least(nearest),
-            farthest_corner_squared: least(corner),
+            squared: nearest.reduce_min(),
+            farthest_corner_squared: corner.reduce_min() + 2.0 * HALF * HALF,
         }
     }
 
     /// Writes the samples at most `limit` (squared) from the pixel measured last to `sites` and returns how many
     /// there are, at most as many as there is room for.
     #[inline(always)]
-    pub(crate) fn sites(&self, limit: f32, sites: &mut [u8; MOST_SITES]) -> usize {
+    pub(crate) fn sites<S: Simd>(
+        &self,
+        simd: S,
+        limit: f32,
+        sites: &mut [u8; MOST_SITES],
+    ) -> usize {
+        let limit = f32x8::splat(simd, limit);
         let mut count = 0;
-        for (k, &squared) in self.squared.as_flattened()[..self.count].iter().enumerate() {
-            sites[count] = k as u8;
-            count += usize::from(squared <= limit);
-            count = count.min(MOST_SITES - 1);
+        for (squared, first) in self.squared[..self.groups()]
+            .iter()
+            .zip((0..).step_by(LANES))
+        {
+            let mut near = f32x8::simd_from(simd, *squared).simd_le(limit).to_bitmask();
+            while near != 0 && count < MOST_SITES {
+                sites[count] = first + near.trailing_zeros() as u8;
+                near &= near - 1;
+                count += 1;
+            }
         }
         count
     }
@@ -164,9 +178,4 @@ impl Near {
             .into_iter()
             .any(|(right, up)| self.square_may_be_open(x + right, y + up, half))
     }
-}
-
-#[inline(always)]
-fn least(lanes: Lanes) -> f32 {
-    lanes.into_iter().fold(f32::INFINITY, |least, v| if v < least { v } else { least })
 }

@@ -183,10 +183,10 @@ impl Plane {
         region.reset(frame, self.rules.reach());
         self.clipper.blocks(&region.frame, &mut region.blocks)?;
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
-        dispatch!(self.level, _simd => {
+        dispatch!(self.level, simd => {
             region.claim(&self.clipper, &turns);
             match self.rules.insertion {
-                Insertion::Circumcentre => region.fill(&self.rules),
+                Insertion::Circumcentre => region.fill(simd, &self.rules),
                 Insertion::Uniform => region.fill_uniformly(&self.rules),
             }
         });

@@ -167,7 +167,9 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn flag_around(&mut self, cell: usize, flag: u8) {
         let stride = self.frame.stride();
         for row in [cell - stride, cell, cell + stride] {
-            self.flags[row - 1..=row + 1].iter_mut().for_each(|f| *f |= flag);
+            self.flags[row - 1..=row + 1]
+                .iter_mut()
+                .for_each(|f| *f |= flag);
         }
     }
 
@@ -224,7 +226,8 @@ impl<const TAGS: bool> Region<TAGS> {
         let window = self.frame.window;
         // A window that ends inside its cells needs every sample looked at.
         let aligned = |v: i32| v & (R - 1) == 0;
-        let whole = [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
+        let whole =
+            [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
         let mut line = vec![Point::default(); 3 * width + 3];
         for row in cells.min.y..cells.max.y {
             let start = self.frame.cell(cells.min.x, row);
@@ -240,7 +243,10 @@ impl<const TAGS: bool> Region<TAGS> {
                 let (b, c) = (b.min(c), b.max(c));
                 let (a, b) = (a.min(b), a.max(b));
                 let place = |packed: u32| {
-                    Point::new(x | packed as i32 & (R - 1), y | (packed >> CELL_BITS) as i32)
+                    Point::new(
+                        x | packed as i32 & (R - 1),
+                        y | (packed >> CELL_BITS) as i32,
+                    )
                 };
                 line[count..count + 3].copy_from_slice(&[place(a), place(b), place(c)]);
                 count += !free as usize & 3;
@@ -260,7 +266,10 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Appends the tags of a row of cells.
     fn emit_tags(&self, start: usize, width: usize, tags: &mut Vec<u64>) {
-        for (slots, held) in self.slots[start..start + width].iter().zip(&self.tags[start..]) {
+        for (slots, held) in self.slots[start..start + width]
+            .iter()
+            .zip(&self.tags[start..])
+        {
             let count = !slots[3] as usize & 3;
             let mut tagged = [0, 1, 2].map(|s| (slots[s], held[s]));
             tagged[..count].sort_unstable();

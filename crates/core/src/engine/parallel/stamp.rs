@@ -47,7 +47,10 @@ impl Stamps {
             let (column, row) = (from as i32 % 3 - 1, from as i32 / 3 - 1);
             for y in 0..BINS {
                 for x in 0..BINS {
-                    let bin = [column * R + x as i32 * BIN_SIDE, row * R + y as i32 * BIN_SIDE];
+                    let bin = [
+                        column * R + x as i32 * BIN_SIDE,
+                        row * R + y as i32 * BIN_SIDE,
+                    ];
                     table[y * BINS + x] = stamp_of_bin(bin);
                 }
             }
@@ -85,7 +88,9 @@ mod tests {
         let stamps = Stamps::get();
         let (mut stamped, mut covered) = (0, 0);
         for k in 0..2_000 {
-            let [x, y] = Key::from_seed(4).draw(Stream::Dart, k).map(|w| below(w, R as u32) as i32);
+            let [x, y] = Key::from_seed(4)
+                .draw(Stream::Dart, k)
+                .map(|w| below(w, R as u32) as i32);
             for from in 0..9 {
                 let (column, row) = (from % 3 - 1, from / 3 - 1);
                 let stamp = stamps.stamp(from as usize, (y << 15 | x) as u32);

@@ -1,7 +1,7 @@
 //! A whole run as windows: bands from bottom to top, each cut into windows side by side, which are
 //! computed on all threads and joined in canonical order.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,9 @@ const SHORTEST_SIDE: i32 = 64;
 
 /// Windows for each thread between two looks at the observer.
 const WINDOWS_A_THREAD: usize = 6;
+
+/// More samples to a squared radius than a set has, bounded domains apart.
+const MOST_DENSITY: f64 = 0.71;
 
 /// Where a sample comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,6 +82,8 @@ pub struct Sweep {
     rows: i32,
     counts: Counts,
     count: u64,
+    /// Buffers of windows that are not in use.
+    idle: Mutex<Vec<Piece>>,
 }
 
 impl Sweep {
@@ -86,7 +91,11 @@ impl Sweep {
     /// a count of all blocks first.
     ///
     /// Fails as [`Plane::new`].
-    pub fn new(parameters: &Parameters, pattern: &Pattern, sources: bool) -> Result<Self, SampleError> {
+    pub fn new(
+        parameters: &Parameters,
+        pattern: &Pattern,
+        sources: bool,
+    ) -> Result<Self, SampleError> {
         let mut plane = Plane::new(parameters, pattern)?;
         if sources {
             plane.count_blocks();
@@ -105,6 +114,7 @@ impl Sweep {
             rows: cells[1],
             counts: Counts::default(),
             count: 0,
+            idle: Mutex::default(),
         })
     }
 
@@ -150,48 +160,82 @@ impl Sweep {
     /// Uses the current rayon pool. Fails when `observer`, asked before, stops the run, and when a
     /// bounded pattern is too small for a block.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Sampled>, SampleError> {
+        let Some(bands) = self.next(observer)? else {
+            return Ok(None);
+        };
+        let mut joined = Joined::default();
+        joined.append(&bands);
+        self.take_back(bands);
+        Ok(Some(joined.sampled(self.sources)))
+    }
+
+    /// Runs to the end and returns all samples and the summary.
+    pub fn finish(
+        mut self,
+        observer: &mut dyn Observer,
+    ) -> Result<(Sampled, Summary), SampleError> {
+        let expected = self.plane.domain().area_radii() * MOST_DENSITY;
+        let mut joined = Joined::default();
+        joined.points.reserve(expected as usize);
+        let mut before = self.next(observer)?;
+        while let Some(bands) = before {
+            // Joining goes on beside the computing of the next bands.
+            let next = rayon::in_place_scope(|scope| {
+                scope.spawn(|_| joined.append(&bands));
+                self.next(observer)
+            });
+            self.take_back(bands);
+            before = next?;
+        }
+        Ok((joined.sampled(self.sources), self.summary()))
+    }
+
+    /// Computes the next bands.
+    fn next(
+        &mut self,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<Vec<Piece>>>, SampleError> {
         let mut meter = Meter::begin(observer, Stage::Regions, self.rows as u64)?;
+        meter.reach(self.done as u64)?;
         if self.done == self.rows {
             return Ok(None);
         }
-        meter.reach(self.done as u64)?;
         let windows = self.next_windows();
-        let sampled = if self.sources {
+        let bands = if self.sources {
             self.compute(self.plane.tagged(), &windows)
         } else {
             self.compute(self.plane.plain(), &windows)
         }?;
-        let (sampled, counts) = sampled;
-        self.counts.add(&counts);
-        self.count += sampled.points.len() as u64;
+        for piece in bands.iter().flatten() {
+            self.counts.add(&piece.counts);
+            self.count += piece.points.len() as u64;
+        }
         let last = windows.iter().flatten().map(|w| w.max.y).max().unwrap_or(0);
         self.done = ((last - 1) / R + 1).max(self.done + 1);
-        Ok(Some(sampled))
+        Ok(Some(bands))
     }
 
-    /// Runs to the end and returns all samples and the summary.
-    pub fn finish(mut self, observer: &mut dyn Observer) -> Result<(Sampled, Summary), SampleError> {
-        let expected = self.plane.domain().area_radii() * 0.72;
-        let mut all = Sampled {
-            points: Vec::with_capacity(expected as usize),
-            sources: self.sources.then(Vec::new),
-        };
-        while let Some(band) = self.step(observer)? {
-            all.points.extend_from_slice(&band.points);
-            if let (Some(all), Some(more)) = (&mut all.sources, &band.sources) {
-                all.extend_from_slice(more);
-            }
-        }
-        Ok((all, self.summary()))
+    /// Keeps buffers for later windows.
+    fn take_back(&self, bands: Vec<Vec<Piece>>) {
+        let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.extend(bands.into_iter().flatten());
     }
 
     /// Runs to the end and returns a run that knows its blocks, its result and its counts: no sample
     /// that was eliminated, no iteration, no sites. Ids follow the canonical order.
     ///
     /// `self` must have been made with sources.
-    pub fn run(self, pattern: &Arc<Pattern>, observer: &mut dyn Observer) -> Result<Run, SampleError> {
+    pub fn run(
+        self,
+        pattern: &Arc<Pattern>,
+        observer: &mut dyn Observer,
+    ) -> Result<Run, SampleError> {
         let (parameters, domain) = (self.parameters, *self.plane.domain());
-        let blocks = split(&domain, parameters.leaf_units()?, Key::from_seed(parameters.seed));
+        let blocks = split(
+            &domain,
+            parameters.leaf_units()?,
+            Key::from_seed(parameters.seed),
+        );
         let (sampled, summary) = self.finish(observer)?;
         let sources = sampled.sources.unwrap_or_default();
         let origin = |(point, source): (&Point, &Source)| match *source {
@@ -229,7 +273,8 @@ impl Sweep {
         let max = self.plane.domain().rect().max;
         let side = i64::from(self.side) * i64::from(R);
         let wanted = WINDOWS_A_THREAD * rayon::current_num_threads();
-        let (mut bands, mut count, mut bottom) = (Vec::new(), 0, i64::from(self.done) * i64::from(R));
+        let (mut bands, mut count, mut bottom) =
+            (Vec::new(), 0, i64::from(self.done) * i64::from(R));
         while bottom < i64::from(max.y) && count < wanted {
             let top = (bottom + side).min(max.y.into());
             let lefts = (0..i64::from(max.x)).step_by(side as usize);
@@ -250,31 +295,36 @@ impl Sweep {
         &self,
         pool: &Pool<TAGS>,
         bands: &[Vec<Rect>],
-    ) -> Result<(Sampled, Counts), SampleError> {
+    ) -> Result<Vec<Vec<Piece>>, SampleError> {
         let windows: Vec<&Rect> = bands.iter().flatten().collect();
         let pieces: Vec<Piece> = windows
             .into_par_iter()
             .with_max_len(1)
             .map(|window| {
+                let idle = self
+                    .idle
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .pop();
+                let mut piece = idle.unwrap_or_default();
+                piece.clear();
                 let mut scratch = pool.take();
-                let mut piece = Piece::default();
                 piece.counts = self.plane.compute(&mut scratch, 0, window)?;
-                self.plane
-                    .emit(&scratch, &mut piece.points, &mut piece.tags, &mut piece.rows);
+                self.plane.emit(
+                    &scratch,
+                    &mut piece.points,
+                    &mut piece.tags,
+                    &mut piece.rows,
+                );
                 pool.give(scratch);
                 Ok(piece)
             })
             .collect::<Result<_, SampleError>>()?;
-        let mut counts = Counts::default();
-        pieces.iter().for_each(|piece| counts.add(&piece.counts));
-        let mut pieces = pieces.as_slice();
-        let mut joined = Joined::default();
-        for band in bands {
-            let (now, later) = pieces.split_at(band.len());
-            joined.append(now);
-            pieces = later;
-        }
-        Ok((joined.sampled(TAGS), counts))
+        let mut pieces = pieces.into_iter();
+        Ok(bands
+            .iter()
+            .map(|band| pieces.by_ref().take(band.len()).collect())
+            .collect())
     }
 }
 
@@ -287,6 +337,15 @@ struct Piece {
     counts: Counts,
 }
 
+impl Piece {
+    fn clear(&mut self) {
+        self.points.clear();
+        self.tags.clear();
+        self.rows.clear();
+    }
+}
+
+/// Samples of windows, joined.
 #[derive(Default)]
 struct Joined {
     points: Vec<Point>,
@@ -294,18 +353,22 @@ struct Joined {
 }
 
 impl Joined {
-    /// Appends windows that lie side by side.
-    fn append(&mut self, pieces: &[Piece]) {
-        let total: usize = pieces.iter().map(|piece| piece.points.len()).sum();
-        self.points.reserve(total);
-        let rows = pieces.first().map_or(0, |piece| piece.rows.len());
-        for row in 0..rows {
-            for piece in pieces {
-                let first = if row == 0 { 0 } else { piece.rows[row - 1] as usize };
-                let range = first..piece.rows[row] as usize;
-                self.points.extend_from_slice(&piece.points[range.clone()]);
-                if !piece.tags.is_empty() {
-                    self.tags.extend_from_slice(&piece.tags[range]);
+    /// Appends bands of windows that lie side by side.
+    fn append(&mut self, bands: &[Vec<Piece>]) {
+        for pieces in bands {
+            let rows = pieces.first().map_or(0, |piece| piece.rows.len());
+            for row in 0..rows {
+                for piece in pieces {
+                    let first = if row == 0 {
+                        0
+                    } else {
+                        piece.rows[row - 1] as usize
+                    };
+                    let range = first..piece.rows[row] as usize;
+                    self.points.extend_from_slice(&piece.points[range.clone()]);
+                    if !piece.tags.is_empty() {
+                        self.tags.extend_from_slice(&piece.tags[range]);
+                    }
                 }
             }
         }

@@ -47,7 +47,12 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut level = 1;
         while !active.is_empty() {
             let side = R >> level;
-            self.throw(&mut gaps, rules, throw_key(key, level, 0), (&active, side, level));
+            self.throw(
+                &mut gaps,
+                rules,
+                throw_key(key, level, 0),
+                (&active, side, level),
+            );
             if level == LAST_LEVEL {
                 break;
             }
@@ -73,11 +78,12 @@ impl<const TAGS: bool> Region<TAGS> {
         let stamps = Stamps::get();
         let mut active = Vec::new();
         let mut unsure = Vec::new();
-        let marked = std::mem::take(&mut gaps.marked);
-        self.each_marked(&marked, |cell, column, row| {
+        self.list_marked(&gaps.marked, &mut gaps.listed);
+        for &(cell, column, row) in &gaps.listed {
+            let cell = cell as usize;
             let open = self.open_pixels(stamps, cell, column, row);
             if open == 0 {
-                return;
+                continue;
             }
             if self.flags[cell] & flag::REACHED != 0 {
                 gaps.near.gather(&self.slots, self.frame.stride(), cell, 2);
@@ -90,8 +96,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     self.cells_in(low, low.map(|v| v + PIXEL_SIDE), &mut active);
                 }
             }
-        });
-        gaps.marked = marked;
+        }
         if !rules.is_exact() {
             // What is filled then depends on the cells, not on the gaps alone.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
@@ -119,7 +124,11 @@ impl<const TAGS: bool> Region<TAGS> {
             std::iter::from_fn(move || {
                 (at < limit).then(|| {
                     let plane = frame.origin[axis] + i64::from(at);
-                    let domain = if frame.periodic { plane.rem_euclid(side.into()) } else { plane } as i32;
+                    let domain = if frame.periodic {
+                        plane.rem_euclid(side.into())
+                    } else {
+                        plane
+                    } as i32;
                     let first = domain / GAP_SIDE * GAP_SIDE;
                     let start = (at - (domain - first), first);
                     at = start.0 + GAP_SIDE.min(extent - first);
@@ -205,11 +214,13 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Returns whether nothing can be known of a cell's points.
     fn is_unsure(&self, cell: &Active, side: i32) -> bool {
         let last = side - 1;
-        [(0, 0), (last, 0), (0, last), (last, last)].into_iter().all(|(right, up)| {
-            let (x, y) = (cell.x + right, cell.y + up);
-            !self.frame.holds(x, y)
-                || self.flags[self.frame.cell_at(x, y)] & (flag::UNSURE | flag::REACHED) != 0
-        })
+        [(0, 0), (last, 0), (0, last), (last, last)]
+            .into_iter()
+            .all(|(right, up)| {
+                let (x, y) = (cell.x + right, cell.y + up);
+                !self.frame.holds(x, y)
+                    || self.flags[self.frame.cell_at(x, y)] & (flag::UNSURE | flag::REACHED) != 0
+            })
     }
 
     /// Returns whether one survivor covers every point of a cell that lies in the domain.
