@@ -16,6 +16,9 @@ const LANES: usize = 8;
 /// Groups that hold the samples of the widest search: 81 cells, three in each.
 const GROUPS: usize = (81 * 3 + 2 * LANES) / LANES;
 
+/// More than squared distances of up to 4r, 2^34, can be off in `f32`: three roundings of one part in 2^24.
+const ROUNDED: f32 = 4_096.0;
+
 /// Fills the last group up: farther away than anything asked about.
 const FAR: f32 = 1e9;
 
@@ -113,6 +116,35 @@ impl Near {
             squared: nearest.reduce_min(),
             farthest_corner_squared: corner.reduce_min() + 2.0 * HALF * HALF,
         }
+    }
+
+    /// Returns the squared distance from (x, y) to the nearest sample, give or take [`ROUNDED`].
+    #[inline(always)]
+    pub(crate) fn nearest_squared<S: Simd>(&self, simd: S, x: f32, y: f32) -> f32 {
+        let (x, y) = (f32x8::splat(simd, x), f32x8::splat(simd, y));
+        let mut nearest = f32x8::splat(simd, FAR * FAR);
+        for (xs, ys) in self.x[..self.groups()].iter().zip(&self.y) {
+            let dx = f32x8::simd_from(simd, *xs) - x;
+            let dy = f32x8::simd_from(simd, *ys) - y;
+            nearest = nearest.min(dx * dx + dy * dy);
+        }
+        nearest.reduce_min()
+    }
+
+    /// Returns whether a sample is nearer to a lattice place than the root of `limit`, exactly.
+    #[inline(always)]
+    pub(crate) fn any_nearer<S: Simd>(&self, simd: S, place: Site, limit: i64) -> bool {
+        let nearest = self.nearest_squared(simd, place.0 as f32, place.1 as f32);
+        let limit_rounded = limit as f32;
+        if nearest < limit_rounded - ROUNDED {
+            return true;
+        }
+        // Hardly ever so near to the limit.
+        nearest < limit_rounded + ROUNDED
+            && self.exact().any(|(x, y)| {
+                let (dx, dy) = (x - place.0, y - place.1);
+                dx * dx + dy * dy < limit
+            })
     }
 
     /// Writes the samples at most `limit` (squared) from the pixel measured last to `sites` and returns how many
