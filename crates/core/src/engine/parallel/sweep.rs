@@ -13,6 +13,7 @@ use crate::run::Summary;
 
 use super::counts::Counts;
 use super::gaps::inserted_in;
+use super::instructions::InstructionSet;
 use super::plane::{Plane, Pool};
 
 /// The longest side of a window, in cells: its buffers then fit the second-level cache, nearly.
@@ -99,6 +100,13 @@ impl Sweep {
             counts: Counts::default(),
             count: 0,
         })
+    }
+
+    /// Returns the run computed with `instructions` instead of the best ones. The points are the same.
+    #[must_use]
+    pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+        self.plane = self.plane.with_instructions(instructions);
+        self
     }
 
     /// Returns the plane of the run.
