@@ -64,6 +64,7 @@ fn buffer() -> MutexGuard<'static, Vec<u8>> {
 }
 
 /// Returns where to write a task of `length` bytes.
+#[must_use]
 #[cfg_attr(target_arch = "wasm32", unsafe(no_mangle))]
 pub extern "C" fn resize(length: usize) -> *mut u8 {
     let mut buffer = buffer();
@@ -74,6 +75,7 @@ pub extern "C" fn resize(length: usize) -> *mut u8 {
 
 /// Carries out the task in the buffer. Returns how many bytes the answer has: [`bytes_of`] the points, or if
 /// negative a message that says why there are none.
+#[must_use]
 #[cfg_attr(target_arch = "wasm32", unsafe(no_mangle))]
 pub extern "C" fn run() -> i64 {
     let task = std::mem::take(&mut *buffer());
@@ -90,12 +92,14 @@ pub extern "C" fn run() -> i64 {
 }
 
 /// Returns where the answer is.
+#[must_use]
 #[cfg_attr(target_arch = "wasm32", unsafe(no_mangle))]
 pub extern "C" fn answer() -> *const u8 {
     buffer().as_ptr()
 }
 
 /// Puts the name of the instruction set into the buffer and returns its length.
+#[must_use]
 #[cfg_attr(target_arch = "wasm32", unsafe(no_mangle))]
 pub extern "C" fn instructions() -> usize {
     let name = InstructionSet::best().name();
