@@ -151,11 +151,10 @@ impl Sweep {
     /// Uses the current rayon pool. Fails when `observer`, asked before, stops the run, and when a
     /// bounded pattern is too small for a block.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Sampled>, SampleError> {
-        let mut meter = Meter::begin(observer, Stage::Regions, self.rows as u64)?;
+        Meter::resume(observer, Stage::Regions, self.done as u64, self.rows as u64)?;
         if self.done == self.rows {
             return Ok(None);
         }
-        meter.reach(self.done as u64)?;
         let windows = self.next_windows();
         let sampled = if self.sources {
             self.compute(self.plane.tagged(), &windows)
