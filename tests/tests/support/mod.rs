@@ -1,7 +1,9 @@
 //! What the tests share.
 #![allow(dead_code, reason = "no test binary uses all of it")]
 
+pub mod inexact;
 pub mod pinned;
+pub mod random;
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
