@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use support::inexact::INEXACT;
-use support::random::{Case, From, cases, sequential};
+use support::random::{Case, PatternOrigin, cases, sequential};
 use support::{difference, shown};
 use tilescope_core::{
     Boundary, Origin, ParameterError, Parameters, Pattern, PatternError, PatternSpec, Plane, Point,
@@ -143,7 +143,7 @@ proptest! {
 fn one_moved_point_is_noticed() {
     let case = Case {
         parameters: Parameters::default(),
-        from: From::Generated,
+        from: PatternOrigin::Generated,
     };
     let points = sequential(&case, &case.pattern()).points();
     assert_eq!(difference(&points, &points), None);
@@ -192,6 +192,11 @@ fn a_run_goes_on_from_any_state_on_other_threads() {
     let (whole, counts) = five
         .install(|| sweep(true).finish(&mut Unobserved))
         .expect("a result");
+    let (parameters, pattern) = tall();
+    let from = PatternOrigin::Generated;
+    let run = sequential(&Case { parameters, from }, &pattern);
+    assert_eq!(difference(&whole.points, &run.points()), None);
+    assert_eq!(counts, run.summary());
     let step = |sweep: &mut Sweep| {
         one.install(|| sweep.step(&mut Unobserved))
             .expect("a result")

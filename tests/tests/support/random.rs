@@ -10,7 +10,7 @@ use tilescope_core::{
 
 /// Where a pattern comes from.
 #[derive(Clone, Copy, Debug)]
-pub enum From {
+pub enum PatternOrigin {
     /// The reference sampler.
     Generated,
     /// Positions of such a set, as a file would give them, with another radius.
@@ -23,7 +23,7 @@ pub enum From {
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub parameters: Parameters,
-    pub from: From,
+    pub from: PatternOrigin,
 }
 
 impl Case {
@@ -32,8 +32,8 @@ impl Case {
         let spec = &self.parameters.pattern;
         let generated = Pattern::generate(spec, &mut Unobserved).expect("a pattern");
         match self.from {
-            From::Generated => Arc::new(generated),
-            From::Positions => {
+            PatternOrigin::Generated => Arc::new(generated),
+            PatternOrigin::Positions => {
                 let unit = |v: i32| 0.37 * f64::from(v) / f64::from(tilescope_core::R);
                 let positions: Vec<[f64; 2]> = generated
                     .samples()
@@ -47,7 +47,7 @@ impl Case {
                 let given = Pattern::from_positions(&positions, size, radius, spec.boundary);
                 Arc::new(given.expect("a valid set"))
             }
-            From::Run => Arc::new(of_run(spec).unwrap_or(generated)),
+            PatternOrigin::Run => Arc::new(of_run(spec).unwrap_or(generated)),
         }
     }
 }
@@ -102,8 +102,11 @@ pub fn cases() -> impl Strategy<Value = Case> {
     ];
     let insertions = prop_oneof![Just(Insertion::Circumcentre), Just(Insertion::Uniform)];
     let searches = prop_oneof![3 => Just(Search::Complete), 1 => Just(Search::TwoRadii)];
-    let from =
-        prop_oneof![2 => Just(From::Generated), 1 => Just(From::Positions), 3 => Just(From::Run)];
+    let from = prop_oneof![
+        2 => Just(PatternOrigin::Generated),
+        1 => Just(PatternOrigin::Positions),
+        3 => Just(PatternOrigin::Run)
+    ];
     let leaf = prop_oneof![2 => 6.0_f64..20.0, 1 => 20.0_f64..60.0];
     // Its side beyond the shortest that may serve, its boundary, its seed.
     let pattern = (0.0_f64..50.0, prop::bool::weighted(0.3), any::<u64>());
