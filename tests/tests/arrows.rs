@@ -40,7 +40,7 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let packages = metadata
         .packages
         .iter()
-        .filter(|p| p.name.as_str() != "tilescope-tests");
+        .filter(|p| !p.name.starts_with("tilescope-tests"));
     packages
         .map(|package| {
             let used = package

@@ -20,6 +20,7 @@ pub mod stages;
 
 pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, sample_count, search_radius};
+pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sampled, Source, Sweep, SweepState};
 pub use engine::sequential::{Sequential, sample};

@@ -88,14 +88,18 @@ impl<'a> Meter<'a> {
         stage: Stage,
         total: u64,
     ) -> Result<Self, crate::SampleError> {
-        let mut meter = Self {
-            observer,
-            progress: Progress {
-                stage,
-                done: 0,
-                total,
-            },
-        };
+        Self::resume(observer, stage, 0, total)
+    }
+
+    /// Goes on with a stage of which `done` pieces are done.
+    pub(crate) fn resume(
+        observer: &'a mut dyn Observer,
+        stage: Stage,
+        done: u64,
+        total: u64,
+    ) -> Result<Self, crate::SampleError> {
+        let progress = Progress { stage, done, total };
+        let mut meter = Self { observer, progress };
         meter.ask()?;
         Ok(meter)
     }
@@ -103,12 +107,6 @@ impl<'a> Meter<'a> {
     /// Corrects the estimate of all pieces.
     pub(crate) fn set_total(&mut self, total: u64) {
         self.progress.total = total;
-    }
-
-    /// The first `done` pieces are done.
-    pub(crate) fn reach(&mut self, done: u64) -> Result<(), crate::SampleError> {
-        self.progress.done = done;
-        self.ask()
     }
 
     /// One piece is done.

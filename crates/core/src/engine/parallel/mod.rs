@@ -8,6 +8,7 @@ mod clip;
 mod counts;
 mod frame;
 mod gaps;
+pub(crate) mod instructions;
 mod near;
 pub(crate) mod plane;
 mod region;

@@ -3,7 +3,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::dispatch;
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Rect, Window};
@@ -17,6 +17,7 @@ use super::clip::Clipper;
 use super::counts::Counts;
 use super::frame::{CELL_BITS, Frame};
 use super::gaps::Rules;
+use super::instructions::InstructionSet;
 use super::region::Region;
 
 /// Cells around a window that are computed with it at first. Wider halos cost more in every window than
@@ -50,7 +51,7 @@ pub struct Plane {
     clipper: Clipper,
     ranking: Ranking,
     rules: Rules,
-    level: Level,
+    instructions: InstructionSet,
     plain: Pool<false>,
     tagged: Pool<true>,
 }
@@ -84,10 +85,17 @@ impl Plane {
             clipper: Clipper::new(domain, leaf, key, pattern, parameters.dihedral),
             ranking: Ranking::new(parameters.order, &domain, key),
             rules,
-            level: Level::new(),
+            instructions: InstructionSet::best(),
             plain: Pool::default(),
             tagged: Pool::default(),
         })
+    }
+
+    /// Returns the plane computed with `instructions` instead of the best ones. The points are the same.
+    #[must_use]
+    pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+        self.instructions = instructions;
+        self
     }
 
     /// Returns the domain.
@@ -164,7 +172,7 @@ impl Plane {
         rows: &mut Vec<u32>,
     ) {
         let region = &scratch.0[0];
-        dispatch!(self.level, _simd => region.emit(out, tags, rows));
+        dispatch!(self.instructions.level(), _simd => region.emit(out, tags, rows));
     }
 
     /// Computes a window in the region number `depth` of `scratch`, and returns its counts. The
@@ -183,7 +191,7 @@ impl Plane {
         region.reset(frame, self.rules.reach());
         self.clipper.blocks(&region.frame, &mut region.blocks)?;
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
-        dispatch!(self.level, simd => {
+        dispatch!(self.instructions.level(), simd => {
             region.claim(&self.clipper, &turns);
             match self.rules.insertion {
                 Insertion::Circumcentre => region.fill(simd, &self.rules),

@@ -18,6 +18,7 @@ use crate::stages::detect::Sites;
 
 use super::counts::Counts;
 use super::gaps::inserted_in;
+use super::instructions::InstructionSet;
 use super::plane::{Plane, Pool};
 
 /// The longest side of a window, in cells: its buffers then fit the second-level cache, nearly.
@@ -118,6 +119,13 @@ impl Sweep {
         })
     }
 
+    /// Returns the run computed with `instructions` instead of the best ones. The points are the same.
+    #[must_use]
+    pub fn with_instructions(mut self, instructions: InstructionSet) -> Self {
+        self.plane = self.plane.with_instructions(instructions);
+        self
+    }
+
     /// Returns the plane of the run.
     #[must_use]
     pub const fn plane(&self) -> &Plane {
@@ -195,8 +203,7 @@ impl Sweep {
         &mut self,
         observer: &mut dyn Observer,
     ) -> Result<Option<Vec<Vec<Piece>>>, SampleError> {
-        let mut meter = Meter::begin(observer, Stage::Regions, self.rows as u64)?;
-        meter.reach(self.done as u64)?;
+        Meter::resume(observer, Stage::Regions, self.done as u64, self.rows as u64)?;
         if self.done == self.rows {
             return Ok(None);
         }
