@@ -2,6 +2,8 @@
 //! near a block's border claim their disks in the sequence of the order. See `stages::eliminate`
 //! for what is computed; here it is only arranged so that nearly nothing has to be sorted.
 
+use fearless_simd::Simd;
+
 use crate::lattice::{R, Rect};
 use crate::parameters::Order;
 use crate::stages::order::Ranking;
@@ -52,7 +54,7 @@ fn tag(block: &Placed, pattern: u32) -> u64 {
 impl<const TAGS: bool> Region<TAGS> {
     /// Tiles the frame and decides the fates of all tiled samples, as far as they can be known.
     #[inline(always)]
-    pub(crate) fn claim(&mut self, clipper: &Clipper, turns: &Turns<'_>) {
+    pub(crate) fn claim<S: Simd>(&mut self, simd: S, clipper: &Clipper, turns: &Turns<'_>) {
         let blocks = std::mem::take(&mut self.blocks);
         // Deeper samples are farther than r from the own samples of other blocks, or from all of them.
         let depth = if matches!(turns, Turns::OwnFirst) {
@@ -70,25 +72,34 @@ impl<const TAGS: bool> Region<TAGS> {
         match turns {
             Turns::Index => {
                 for block in &blocks {
-                    self.claim_own(clipper, block, depth, &target);
-                    self.claim_margin(clipper, block, &target);
+                    self.claim_own(simd, clipper, block, depth, &target);
+                    self.claim_margin(simd, clipper, block, &target);
                 }
             }
             Turns::OwnFirst => {
                 for block in &blocks {
-                    self.claim_own(clipper, block, depth, &target);
+                    self.claim_own(simd, clipper, block, depth, &target);
                 }
                 for block in &blocks {
-                    self.claim_margin(clipper, block, &target);
+                    self.claim_margin(simd, clipper, block, &target);
                 }
             }
-            Turns::Sorted(ranking) => self.claim_sorted(clipper, ranking, &blocks, depth, &target),
+            Turns::Sorted(ranking) => {
+                self.claim_sorted(simd, clipper, ranking, &blocks, depth, &target)
+            }
         }
         self.blocks = blocks;
     }
 
     #[inline(always)]
-    fn claim_own(&mut self, clipper: &Clipper, block: &Placed, depth: i64, target: &Rect) {
+    fn claim_own<S: Simd>(
+        &mut self,
+        simd: S,
+        clipper: &Clipper,
+        block: &Placed,
+        depth: i64,
+        target: &Rect,
+    ) {
         self.waiting.clear();
         for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
             clipper.clip(block, &part, target, |x, y, id| {
@@ -97,12 +108,12 @@ impl<const TAGS: bool> Region<TAGS> {
         }
         for k in 0..self.waiting.len() {
             let (x, y, tag) = self.waiting[k];
-            self.claim_one(x, y, tag);
+            self.claim_one(simd, x, y, tag);
         }
     }
 
     #[inline(always)]
-    fn claim_margin(&mut self, clipper: &Clipper, block: &Placed, target: &Rect) {
+    fn claim_margin<S: Simd>(&mut self, simd: S, clipper: &Clipper, block: &Placed, target: &Rect) {
         let r = i64::from(R);
         self.waiting.clear();
         for part in frame_between(&block.rect.grown(r, r), &block.rect) {
@@ -113,15 +124,16 @@ impl<const TAGS: bool> Region<TAGS> {
         for k in 0..self.waiting.len() {
             let (x, y, tag) = self.waiting[k];
             if self.frame.holds(x, y) {
-                self.claim_one(x, y, tag);
+                self.claim_one(simd, x, y, tag);
             } else {
                 self.lose(x, y, Loss::Certain);
             }
         }
     }
 
-    fn claim_sorted(
+    fn claim_sorted<S: Simd>(
         &mut self,
+        simd: S,
         clipper: &Clipper,
         ranking: &Ranking,
         blocks: &[Placed],
@@ -157,15 +169,15 @@ impl<const TAGS: bool> Region<TAGS> {
         }
         contested.sort_unstable();
         for sample in &contested {
-            self.claim_one(sample.x, sample.y, sample.tag);
+            self.claim_one(simd, sample.x, sample.y, sample.tag);
         }
         self.contested = contested;
     }
 
     /// Takes one sample's turn: all samples before it in the order have had theirs.
     #[inline(always)]
-    fn claim_one(&mut self, x: i32, y: i32, tag: u64) {
-        if self.covered(x, y) {
+    fn claim_one<S: Simd>(&mut self, simd: S, x: i32, y: i32, tag: u64) {
+        if self.covered(simd, x, y) {
             self.lose(x, y, Loss::Certain);
             return;
         }

@@ -13,7 +13,7 @@ use crate::stages::detect::{Border, DETECTOR_REACH, NEARER_SLACK, Reach};
 
 use super::frame::{CELL_BITS, PAD};
 use super::near::{HALF_DIAGONAL, MOST_SITES, Near, SITE_SLACK, Site};
-use super::region::{Loss, Region, WIDEST, flag, pack};
+use super::region::{Loss, Lost, Region, WIDEST, flag, pack};
 use super::stamp::{PIXEL_SIDE, PIXELS, Stamps};
 
 /// Cells searched around a cell unless that proves too few: all samples within 2r of its places.
@@ -91,6 +91,8 @@ pub(crate) struct GapBuffers {
     /// The first pixel of each open cell.
     first_pixels: Vec<u32>,
     pixels: Vec<Pixel>,
+    /// The largest of their distances.
+    farthest: f32,
     pub near: Near,
     wide: Near,
     sites: SiteList,
@@ -111,6 +113,7 @@ impl Default for GapBuffers {
             masks: Vec::new(),
             first_pixels: Vec::new(),
             pixels: Vec::new(),
+            farthest: 0.0,
             near: Near::default(),
             wide: Near::default(),
             sites: [0; MOST_SITES],
@@ -151,7 +154,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut iteration = 1;
         loop {
             let first = gaps.inserted.len();
-            self.insert_candidates(&mut gaps, rules, iteration);
+            self.insert_candidates(simd, &mut gaps, rules, iteration);
             if gaps.inserted.len() == first && self.spread == self.unsure.len() {
                 break;
             }
@@ -260,6 +263,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let words = self.words();
         gaps.first_pixels.clear();
         gaps.pixels.clear();
+        gaps.farthest = 0.0;
         gaps.candidates.clear();
         gaps.open_index.resize(self.frame.cell_count(), 0);
         let mut unsure = Vec::new();
@@ -298,6 +302,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     &mut unsure,
                 ) {
                     gaps.pixels.push(Pixel { number, nearest });
+                    gaps.farthest = gaps.farthest.max(nearest);
                 }
             }
         }
@@ -405,7 +410,12 @@ impl<const TAGS: bool> Region<TAGS> {
     fn concerned_pixels(&self, gaps: &GapBuffers, x: i32, y: i32, todo: &mut Vec<(u32, u8)>) {
         let words = self.words();
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
-        let reach = reach_cells(self.frame.periodic);
+        // Three cells away everything is 2r away.
+        let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < (2 * R) as f32 {
+            2
+        } else {
+            reach_cells(self.frame.periodic)
+        };
         // The padding is never open: a row of bits has 2 reach + 1 of interest, in one word or two.
         let first = (column + PAD - reach) as usize;
         let ones = (1_u64 << (2 * reach + 1)) - 1;
@@ -470,7 +480,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 wide: false,
                 sites: count,
             };
-            self.search_sites(gaps, rules, spot, unsure);
+            self.search_sites(simd, gaps, rules, spot, unsure);
         }
         Some(nearest)
     }
@@ -493,6 +503,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
         let sites = gaps.wide.sites(simd, limit * limit, &mut gaps.sites);
         self.search_sites(
+            simd,
             gaps,
             rules,
             Spot {
@@ -509,8 +520,9 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Tries all that the sites may make in the pixel.
     #[inline(always)]
-    fn search_sites(
+    fn search_sites<S: Simd>(
         &self,
+        simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         spot: Spot,
@@ -533,14 +545,14 @@ impl<const TAGS: bool> Region<TAGS> {
                         let [a, b, c] = sites;
                         if let Some(centre) = circumcentre(minus(b, a), minus(c, a)) {
                             let centre = (centre.0 + a.0, centre.1 + a.1);
-                            self.try_place(gaps, rules, spot, centre, &sites, unsure);
+                            self.try_place(simd, gaps, rules, spot, centre, &sites, unsure);
                         }
                     }
                 }
             }
         }
         if !rules.domain.is_periodic() && self.touches_border(spot) {
-            self.search_border(gaps, rules, spot, unsure);
+            self.search_border(simd, gaps, rules, spot, unsure);
         }
     }
 
@@ -557,8 +569,9 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     #[cold]
-    fn search_border(
+    fn search_border<S: Simd>(
         &self,
+        simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         spot: Spot,
@@ -574,12 +587,12 @@ impl<const TAGS: bool> Region<TAGS> {
             for &m in &sites[k + 1..] {
                 for place in border.as_far_from(minus(m, a)) {
                     let place = (place.0 + a.0, place.1 + a.1);
-                    self.try_place(gaps, rules, spot, place, &[a, m], unsure);
+                    self.try_place(simd, gaps, rules, spot, place, &[a, m], unsure);
                 }
             }
             for corner in border.corners() {
                 let place = (corner.0 + a.0, corner.1 + a.1);
-                self.try_place(gaps, rules, spot, place, &[a], unsure);
+                self.try_place(simd, gaps, rules, spot, place, &[a], unsure);
             }
         }
     }
@@ -594,8 +607,9 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Adds a place to the candidates if it is one: the definition, word for word.
-    fn try_place(
+    fn try_place<S: Simd>(
         &self,
+        simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         spot: Spot,
@@ -618,7 +632,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
         let near = if spot.wide { &gaps.wide } else { &gaps.near };
-        if near.exact().any(|p| distance(&p) < limit) {
+        if near.any_nearer(simd, place, limit) {
             return;
         }
         match self.is_found(gaps, rules, spot, place, sites) {
@@ -647,7 +661,12 @@ impl<const TAGS: bool> Region<TAGS> {
     ) -> Known {
         let mut known = Known::No;
         for site in sites {
-            let point = self.site_point(spot.cell, *site);
+            // Only near closed borders does it matter where a detector is.
+            let point = if self.frame.periodic {
+                Point::default()
+            } else {
+                self.site_point(spot.cell, *site)
+            };
             let reach = Reach::new(&rules.domain, rules.search, point);
             let within =
                 |a: Site, reach: i32| norm_squared(a) <= i64::from(reach) * i64::from(reach);
@@ -672,7 +691,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let x = (column << CELL_BITS) + site.0 as i32;
         let y = (row << CELL_BITS) + site.1 as i32;
         match spot.detectors {
-            Detectors::First => self.is_first_detector(x, y),
+            Detectors::First => self.is_first_detector(spot.cell, x, y),
             Detectors::Inserted => {
                 let key = site_key(self.frame.cell_at(x, y), pack(x, y));
                 match gaps.detectors.binary_search(&key) {
@@ -683,8 +702,19 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns whether a lost sample is within [`DETECTOR_REACH`] of (x, y).
-    fn is_first_detector(&self, x: i32, y: i32) -> Known {
+    /// Returns whether a lost sample is within [`DETECTOR_REACH`] of (x, y), a site of a place in `cell`.
+    fn is_first_detector(&self, cell: usize, x: i32, y: i32) -> Known {
+        let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
+        let reaches =
+            |lost: &Lost| norm_squared((i64::from(lost.x - x), i64::from(lost.y - y))) <= limit;
+        // The lost sample that covered the place is nearly always near enough to the site, too.
+        let stride = self.frame.stride();
+        let rows = [cell, cell - stride, cell + stride].into_iter();
+        let mut around = rows.flat_map(|row| [row, row - 1, row + 1]);
+        let proves = |lost: &Lost| lost.loss == Loss::Certain && reaches(lost);
+        if around.any(|c| self.lost_in(c).any(proves)) {
+            return Known::Yes;
+        }
         let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
         let [columns, rows] = self.frame.cells;
         let [[left, right], [bottom, top]] = self.frame.goes_on;
@@ -697,12 +727,10 @@ impl<const TAGS: bool> Region<TAGS> {
         {
             known = Known::Unknown;
         }
-        let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
         for row in (row - 3).max(-PAD)..=(row + 3).min(rows + PAD - 1) {
             for column in (column - 3).max(-PAD)..=(column + 3).min(columns + PAD - 1) {
                 for lost in self.lost_in(self.frame.cell(column, row)) {
-                    let offset = (i64::from(lost.x - x), i64::from(lost.y - y));
-                    if norm_squared(offset) <= limit {
+                    if reaches(lost) {
                         if lost.loss == Loss::Certain {
                             return Known::Yes;
                         }
@@ -716,7 +744,13 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Inserts candidates in their turn.
     #[inline(always)]
-    fn insert_candidates(&mut self, gaps: &mut GapBuffers, rules: &Rules, iteration: u32) {
+    fn insert_candidates<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        iteration: u32,
+    ) {
         let key = rules.key.derive(Stream::Iteration, iteration);
         for candidate in &mut gaps.candidates {
             let (y, x) = candidate.place;
@@ -726,7 +760,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.candidates.dedup();
         for k in 0..gaps.candidates.len() {
             let Candidate { x, y, .. } = gaps.candidates[k];
-            if self.covered(x, y) {
+            if self.covered(simd, x, y) {
                 continue;
             }
             let cell = self.frame.cell_at(x, y);

@@ -192,10 +192,10 @@ impl Plane {
         self.clipper.blocks(&region.frame, &mut region.blocks)?;
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
         dispatch!(self.instructions.level(), simd => {
-            region.claim(&self.clipper, &turns);
+            region.claim(simd, &self.clipper, &turns);
             match self.rules.insertion {
                 Insertion::Circumcentre => region.fill(simd, &self.rules),
-                Insertion::Uniform => region.fill_uniformly(&self.rules),
+                Insertion::Uniform => region.fill_uniformly(simd, &self.rules),
             }
         });
         let unsure = region.unsure_in_window(NEIGHBOURS);

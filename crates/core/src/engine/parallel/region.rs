@@ -2,6 +2,9 @@
 //! in. Survivors lie in cells of side R, at most three to a cell, and nothing else holds them.
 //! What might depend on the plane beyond the frame is marked *unsure* and never guessed.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, i32x4, i32x8};
+
 use crate::lattice::{Point, R, R_SQUARED, Rect};
 
 use super::clip::Placed;
@@ -127,13 +130,13 @@ impl<const TAGS: bool> Region<TAGS> {
 
     /// Returns whether a survivor covers (x, y), which lies in the frame.
     #[inline(always)]
-    pub(crate) fn covered(&self, x: i32, y: i32) -> bool {
+    pub(crate) fn covered<S: Simd>(&self, simd: S, x: i32, y: i32) -> bool {
         let stride = self.frame.stride();
         let own = self.frame.cell_at(x, y);
         let (x, y) = (x & (R - 1), y & (R - 1));
-        row_covers(&self.slots, own - 1, x, y)
-            || row_covers(&self.slots, own - 1 - stride, x, y + R)
-            || row_covers(&self.slots, own - 1 + stride, x, y - R)
+        row_covers(simd, &self.slots, own - 1, x, y)
+            || row_covers(simd, &self.slots, own - 1 - stride, x, y + R)
+            || row_covers(simd, &self.slots, own - 1 + stride, x, y - R)
     }
 
     /// Remembers a tiled sample that is not among the survivors; it may lie in the padding.
@@ -335,18 +338,26 @@ pub(crate) const fn unpack(packed: u32, column: i32, row: i32) -> Point {
 /// Returns whether a sample of the three cells from `first` on covers the place at (x, y) from the
 /// corner of the middle one. Free slots read as places more than R away.
 #[inline(always)]
-fn row_covers(slots: &[Slots], first: usize, x: i32, y: i32) -> bool {
-    let cells: &[u32] = slots[first..first + 3].as_flattened();
-    let mut covers = false;
-    for (k, &packed) in cells.iter().enumerate() {
-        let right = (packed & (R as u32 - 1)) as i32 + (k as i32 / 4 - 1) * R;
-        let up = (packed >> CELL_BITS) as i32;
-        // Lengths beyond R + 1 are cut there: their squares stay above R^2 and in 32 bits.
-        let dx = (right - x).unsigned_abs().min(R as u32 + 1);
-        let dy = (up - y).unsigned_abs().min(R as u32 + 1);
-        covers |= dx * dx + dy * dy <= R_SQUARED as u32;
-    }
-    covers
+fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -> bool {
+    // Lengths beyond R + 1 are cut there: the sum stays above R^2 and in 32 bits.
+    const UNSIGNED: i32 = i32::MAX >> (CELL_BITS - 1);
+    let [a, b, c] = [slots[first], slots[first + 1], slots[first + 2]];
+    let left = [-R - x, -R - x, -R - x, -R - x, -x, -x, -x, -x];
+    let two = [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]].map(|slot| slot as i32);
+    let two = i32x8::simd_from(simd, two);
+    let most = i32x8::splat(simd, R + 1);
+    let across = ((two & (R - 1)) + i32x8::simd_from(simd, left))
+        .abs()
+        .min(most);
+    let up = (((two >> CELL_BITS) & UNSIGNED) - y).abs().min(most);
+    let beyond = across * across - R_SQUARED as i32 + up * up;
+    let covers = beyond.simd_le(i32x8::splat(simd, 0)).any_true();
+    let third = i32x4::simd_from(simd, c.map(|slot| slot as i32));
+    let most = i32x4::splat(simd, R + 1);
+    let across = ((third & (R - 1)) + (R - x)).abs().min(most);
+    let up = (((third >> CELL_BITS) & UNSIGNED) - y).abs().min(most);
+    let beyond = across * across - R_SQUARED as i32 + up * up;
+    covers | beyond.simd_le(i32x4::splat(simd, 0)).any_true()
 }
 
 /// The widest search of a cell's surroundings stays in the padding.

@@ -326,7 +326,10 @@ impl Sweep {
                 pool.give(scratch);
                 Ok(piece)
             })
-            .collect::<Result<_, SampleError>>()?;
+            .collect::<Vec<Result<_, SampleError>>>()
+            // The first error in the sequence of windows, whoever met it first.
+            .into_iter()
+            .collect::<Result<_, _>>()?;
         let mut pieces = pieces.into_iter();
         Ok(bands
             .iter()

@@ -2,6 +2,8 @@
 //! the frame. Its cells are those of the domain, drawn under the same keys; which of the covered ones
 //! are visited does not matter, since no dart in them is taken.
 
+use fearless_simd::Simd;
+
 use crate::lattice::{Point, R, R_SQUARED};
 use crate::stages::darts::{GAP_SIDE, LAST_LEVEL, cell_darts, throw_key};
 use crate::stages::disks::Cell;
@@ -35,7 +37,7 @@ struct Dart {
 
 impl<const TAGS: bool> Region<TAGS> {
     /// Fills the gaps with keyed darts, as far as it can be known what happens.
-    pub(crate) fn fill_uniformly(&mut self, rules: &Rules) {
+    pub(crate) fn fill_uniformly<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
         self.mark(&mut gaps, rules.lost_reach);
@@ -48,6 +50,7 @@ impl<const TAGS: bool> Region<TAGS> {
         while !active.is_empty() {
             let side = R >> level;
             self.throw(
+                simd,
                 &mut gaps,
                 rules,
                 throw_key(key, level, 0),
@@ -147,8 +150,9 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Makes a level's throw.
-    fn throw(
+    fn throw<S: Simd>(
         &mut self,
+        simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
         key: crate::random::Key,
@@ -160,7 +164,7 @@ impl<const TAGS: bool> Region<TAGS> {
             let min = Point::new(cell.domain_x, cell.domain_y);
             for (rank, p) in cell_darts(key, Cell { min, side }) {
                 let (x, y) = (cell.x + p.x - min.x, cell.y + p.y - min.y);
-                if domain.contains(p) && self.frame.holds(x, y) && !self.covered(x, y) {
+                if domain.contains(p) && self.frame.holds(x, y) && !self.covered(simd, x, y) {
                     darts.push(Dart {
                         rank,
                         place: p.row_major(),
@@ -173,7 +177,7 @@ impl<const TAGS: bool> Region<TAGS> {
         darts.sort_unstable();
         for Dart { x, y, .. } in darts {
             let cell = self.frame.cell_at(x, y);
-            if self.flags[cell] & (flag::REACHED | flag::UNSURE) != 0 || self.covered(x, y) {
+            if self.flags[cell] & (flag::REACHED | flag::UNSURE) != 0 || self.covered(simd, x, y) {
                 continue;
             }
             if self.flags[cell] & flag::HOT != 0 {
