@@ -13,11 +13,17 @@ fn main() {
         leaf,
         ..Parameters::default()
     };
+    let sets = InstructionSet::available();
+    let set = a
+        .get(2)
+        .map_or(InstructionSet::best(), |&k| sets[k as usize]);
+    println!("{}", set.name());
     let pattern = Pattern::of_spec(&p.pattern, &mut Unobserved).unwrap();
     for _ in 0..5 {
         let t = Instant::now();
         let r = Sweep::new(&p, &pattern, false)
             .unwrap()
+            .with_instructions(set)
             .finish(&mut Unobserved)
             .unwrap()
             .0

@@ -3,6 +3,9 @@
 //! another reads, so threads cannot change the result. It never decides differently from the
 //! sequential engine: the two are compared byte for byte.
 
+// Code must be inlined into the function that has the instruction set's features, or it has none of them.
+#![allow(clippy::inline_always)]
+
 mod claim;
 mod clip;
 mod counts;

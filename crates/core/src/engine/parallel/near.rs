@@ -7,6 +7,7 @@ use fearless_simd::{Simd, f32x8};
 use crate::lattice::{R, R_SQUARED};
 
 use super::frame::CELL_BITS;
+use super::gaps::{corner, each_bit};
 use super::region::Slots;
 use super::stamp::PIXEL_SIDE;
 
@@ -42,12 +43,14 @@ pub(crate) struct Near {
     squared: [Lanes; GROUPS],
 }
 
-/// What is known of a pixel's distance to the samples.
-pub(crate) struct Nearest {
-    /// From its centre to the nearest sample, squared.
-    pub squared: f32,
-    /// The smallest, over the samples, of the distance to the pixel's farthest corner, squared.
-    pub farthest_corner_squared: f32,
+/// What is known of a pixel.
+pub(crate) struct Measured {
+    /// The distance from its centre to the nearest sample.
+    pub nearest: f32,
+    /// Whether one sample covers it.
+    pub covered: bool,
+    /// The samples that may make a candidate in it: those about as near as the nearest.
+    pub sites: u64,
 }
 
 impl Default for Near {
@@ -60,6 +63,9 @@ impl Default for Near {
         }
     }
 }
+
+/// The square of R, less far more than f32 rounds.
+const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 
 /// More samples than are ever about as near to a pixel as the nearest: a disk of 3.6 r holds fewer than 64 that are r apart.
 pub(crate) const MOST_SITES: usize = 65;
@@ -95,9 +101,55 @@ impl Near {
         self.count.div_ceil(LANES)
     }
 
-    /// Measures the pixel whose centre is (x, y).
+    /// Measures the pixel whose centre is (x, y) among the samples of 5 x 5 cells: disks of radius
+    /// r/2 around them do not overlap, so that there are fewer than 64.
     #[inline(always)]
-    pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> Nearest {
+    pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> Measured {
+        let (nearest, corner) = self.square(simd, x, y);
+        let limit = f32x8::splat(simd, site_limit(nearest));
+        let mut sites = 0;
+        let groups = self.squared[..self.groups()].iter();
+        for (squared, shift) in groups.zip((0_u32..).step_by(LANES)) {
+            let near = f32x8::simd_from(simd, *squared).simd_le(limit);
+            sites |= near.to_bitmask().wrapping_shl(shift);
+        }
+        Measured {
+            nearest,
+            covered: corner <= SURELY_COVERED,
+            sites,
+        }
+    }
+
+    /// Lists the samples that may make a candidate in the pixel whose centre is (x, y), and returns how many there
+    /// are.
+    #[inline(always)]
+    pub(crate) fn list_sites<S: Simd>(
+        &mut self,
+        simd: S,
+        x: f32,
+        y: f32,
+        sites: &mut [u8; MOST_SITES],
+    ) -> usize {
+        let (nearest, _) = self.square(simd, x, y);
+        let limit = site_limit(nearest);
+        let squared = self.squared.as_flattened()[..self.count].iter();
+        let mut count = 0;
+        for (k, _) in squared
+            .enumerate()
+            .filter(|(_, squared)| **squared <= limit)
+        {
+            if count < MOST_SITES {
+                sites[count] = k as u8;
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Keeps the squared distances of all samples from (x, y) and returns the smallest distance, and
+    /// the smallest squared distance from a sample to the farthest corner of the pixel around (x, y).
+    #[inline(always)]
+    fn square<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> (f32, f32) {
         const HALF: f32 = (PIXEL_SIDE / 2) as f32;
         let (x, y) = (f32x8::splat(simd, x), f32x8::splat(simd, y));
         let mut nearest = f32x8::splat(simd, FAR * FAR);
@@ -112,10 +164,10 @@ impl Near {
             nearest = nearest.min(square);
             corner = corner.min(square + (dx + dy) * (2.0 * HALF));
         }
-        Nearest {
-            squared: nearest.reduce_min(),
-            farthest_corner_squared: corner.reduce_min() + 2.0 * HALF * HALF,
-        }
+        (
+            nearest.reduce_min().sqrt(),
+            corner.reduce_min() + 2.0 * HALF * HALF,
+        )
     }
 
     /// Returns the squared distance from (x, y) to the nearest sample, give or take [`ROUNDED`].
@@ -147,31 +199,6 @@ impl Near {
             })
     }
 
-    /// Writes the samples at most `limit` (squared) from the pixel measured last to `sites` and returns how many
-    /// there are, at most as many as there is room for.
-    #[inline(always)]
-    pub(crate) fn sites<S: Simd>(
-        &self,
-        simd: S,
-        limit: f32,
-        sites: &mut [u8; MOST_SITES],
-    ) -> usize {
-        let limit = f32x8::splat(simd, limit);
-        let mut count = 0;
-        for (squared, first) in self.squared[..self.groups()]
-            .iter()
-            .zip((0..).step_by(LANES))
-        {
-            let mut near = f32x8::simd_from(simd, *squared).simd_le(limit).to_bitmask();
-            while near != 0 && count < MOST_SITES {
-                sites[count] = first + near.trailing_zeros() as u8;
-                near &= near - 1;
-                count += 1;
-            }
-        }
-        count
-    }
-
     /// Returns a sample's offset.
     #[inline(always)]
     pub(crate) fn offset(&self, index: u8) -> [f64; 2] {
@@ -186,10 +213,13 @@ impl Near {
         x.zip(y).map(|(&x, &y)| (x as i64, y as i64))
     }
 
-    /// Returns whether the pixel at (x, y) may hold a lattice point that no sample covers. `false` is
+    /// Returns whether one of the pixels in `open` may hold a lattice point that no sample covers. `false` is
     /// a proof.
-    pub(crate) fn may_be_open(&self, x: i32, y: i32) -> bool {
-        self.square_may_be_open(x, y, PIXEL_SIDE)
+    pub(crate) fn any_open(&self, open: u64) -> bool {
+        each_bit(open).any(|pixel| {
+            let (x, y) = corner(pixel);
+            self.square_may_be_open(x, y, PIXEL_SIDE)
+        })
     }
 
     fn square_may_be_open(&self, x: i32, y: i32, side: i32) -> bool {
@@ -210,4 +240,12 @@ impl Near {
             .into_iter()
             .any(|(right, up)| self.square_may_be_open(x + right, y + up, half))
     }
+}
+
+/// Returns the squared distance up to which a sample may make a candidate in a pixel whose nearest
+/// sample is at `nearest`.
+#[inline(always)]
+fn site_limit(nearest: f32) -> f32 {
+    let limit = nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
+    limit * limit
 }

@@ -22,7 +22,7 @@ use super::region::Region;
 
 /// Cells around a window that are computed with it at first. Wider halos cost more in every window than
 /// repairs do in a few.
-const HALO: i32 = 8;
+const HALO: i32 = 6;
 
 /// Unsure cells this near to each other are repaired together.
 const NEIGHBOURS: i32 = 8;

@@ -22,7 +22,7 @@ use super::instructions::InstructionSet;
 use super::plane::{Plane, Pool};
 
 /// The longest side of a window, in cells: its buffers then fit the second-level cache, nearly.
-const LONGEST_SIDE: i32 = 256;
+const LONGEST_SIDE: i32 = 320;
 
 /// The shortest, so that halos do not outweigh windows.
 const SHORTEST_SIDE: i32 = 64;

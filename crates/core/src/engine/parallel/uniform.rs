@@ -90,7 +90,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
             if self.flags[cell] & flag::REACHED != 0 {
                 gaps.near.gather(&self.slots, self.frame.stride(), cell, 2);
-                if each_bit(open).any(|p| gaps.near.may_be_open(corner(p).0, corner(p).1)) {
+                if gaps.near.any_open(open) {
                     unsure.push(cell);
                 }
             } else if rules.is_exact() {

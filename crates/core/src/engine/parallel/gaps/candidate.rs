@@ -1,0 +1,215 @@
+//! Candidates: the definition of `stages::detect`, applied to a place, and their insertion in turn.
+
+use fearless_simd::Simd;
+
+use crate::lattice::{Point, R_SQUARED};
+use crate::random::Stream;
+use crate::stages::detect::{DETECTOR_REACH, NEARER_SLACK, Reach};
+
+use super::super::frame::{CELL_BITS, PAD};
+use super::super::near::Site;
+use super::super::region::{Loss, Lost, Region, flag, pack};
+use super::super::stamp::PIXEL_SIDE;
+use super::search::{Detectors, Spot};
+use super::{GapBuffers, Inserted, Rules, corner, inserted_tag};
+
+/// A candidate, compared by its turn.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Candidate {
+    rank: u32,
+    /// Its place in the domain, y first.
+    place: (i32, i32),
+    /// Its place in the frame.
+    x: i32,
+    y: i32,
+}
+
+/// An answer that may have to wait for more of the plane.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Known {
+    Yes,
+    No,
+    Unknown,
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Adds a place to the candidates if it is one: the definition, word for word.
+    pub(super) fn try_place<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        spot: Spot,
+        place: Site,
+        sites: &[Site],
+        unsure: &mut Vec<usize>,
+    ) {
+        let (left, bottom) = corner(spot.number);
+        let inside = |v: i64, low: i32| (0..i64::from(PIXEL_SIDE)).contains(&(v - i64::from(low)));
+        if !inside(place.0, left) || !inside(place.1, bottom) {
+            return;
+        }
+        let (column, row) = self.frame.column_row(spot.cell);
+        let x = (column << CELL_BITS) + place.0 as i32;
+        let y = (row << CELL_BITS) + place.1 as i32;
+        if !self.frame.holds(x, y) {
+            return;
+        }
+        let distance = |site: &Site| norm_squared(minus(*site, place));
+        let nearest = sites.iter().map(distance).min().unwrap_or(0);
+        let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
+        let near = if spot.wide { &gaps.wide } else { &gaps.near };
+        if simd.vectorize(|| near.any_nearer(simd, place, limit)) {
+            return;
+        }
+        match self.is_found(gaps, rules, spot, place, sites) {
+            Known::No => {}
+            Known::Unknown => unsure.push(spot.cell),
+            Known::Yes => {
+                let point = self.frame.point(x, y);
+                gaps.candidates.push(Candidate {
+                    rank: 0,
+                    place: point.row_major(),
+                    x,
+                    y,
+                });
+            }
+        }
+    }
+
+    /// Returns whether one of the sites is a detector that finds the place.
+    fn is_found(
+        &self,
+        gaps: &GapBuffers,
+        rules: &Rules,
+        spot: Spot,
+        place: Site,
+        sites: &[Site],
+    ) -> Known {
+        let mut known = Known::No;
+        for site in sites {
+            // Only near closed borders does it matter where a detector is.
+            let point = if self.frame.periodic {
+                Point::default()
+            } else {
+                self.site_point(spot.cell, *site)
+            };
+            let reach = Reach::new(&rules.domain, rules.search, point);
+            let within =
+                |a: Site, reach: i32| norm_squared(a) <= i64::from(reach) * i64::from(reach);
+            if !within(minus(*site, place), reach.radius)
+                || !sites
+                    .iter()
+                    .all(|other| within(minus(*other, *site), reach.search))
+            {
+                continue;
+            }
+            match self.is_detector(gaps, spot, *site) {
+                Known::Yes => return Known::Yes,
+                Known::Unknown => known = Known::Unknown,
+                Known::No => {}
+            }
+        }
+        known
+    }
+
+    fn is_detector(&self, gaps: &GapBuffers, spot: Spot, site: Site) -> Known {
+        let (column, row) = self.frame.column_row(spot.cell);
+        let x = (column << CELL_BITS) + site.0 as i32;
+        let y = (row << CELL_BITS) + site.1 as i32;
+        match spot.detectors {
+            Detectors::First => self.is_first_detector(spot.cell, x, y),
+            Detectors::Inserted => {
+                let key = site_key(self.frame.cell_at(x, y), pack(x, y));
+                match gaps.detectors.binary_search(&key) {
+                    Ok(_) => Known::Yes,
+                    Err(_) => Known::No,
+                }
+            }
+        }
+    }
+
+    /// Returns whether a lost sample is within [`DETECTOR_REACH`] of (x, y), a site of a place in `cell`.
+    fn is_first_detector(&self, cell: usize, x: i32, y: i32) -> Known {
+        let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
+        let reaches =
+            |lost: &Lost| norm_squared((i64::from(lost.x - x), i64::from(lost.y - y))) <= limit;
+        // The lost sample that covered the place is nearly always near enough to the site, too.
+        let stride = self.frame.stride();
+        let rows = [cell, cell - stride, cell + stride].into_iter();
+        let mut around = rows.flat_map(|row| [row, row - 1, row + 1]);
+        let proves = |lost: &Lost| lost.loss == Loss::Certain && reaches(lost);
+        if around.any(|c| self.lost_in(c).any(proves)) {
+            return Known::Yes;
+        }
+        let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
+        let [columns, rows] = self.frame.cells;
+        let [[left, right], [bottom, top]] = self.frame.goes_on;
+        let mut known = Known::No;
+        // Beyond the frame nothing is known.
+        if left && column < 3
+            || right && column >= columns - 3
+            || bottom && row < 3
+            || top && row >= rows - 3
+        {
+            known = Known::Unknown;
+        }
+        for row in (row - 3).max(-PAD)..=(row + 3).min(rows + PAD - 1) {
+            for column in (column - 3).max(-PAD)..=(column + 3).min(columns + PAD - 1) {
+                for lost in self.lost_in(self.frame.cell(column, row)) {
+                    if reaches(lost) {
+                        if lost.loss == Loss::Certain {
+                            return Known::Yes;
+                        }
+                        known = Known::Unknown;
+                    }
+                }
+            }
+        }
+        known
+    }
+
+    /// Inserts candidates in their turn.
+    #[inline(always)]
+    pub(super) fn insert_candidates<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        iteration: u32,
+    ) {
+        let key = rules.key.derive(Stream::Iteration, iteration);
+        for candidate in &mut gaps.candidates {
+            let (y, x) = candidate.place;
+            candidate.rank = key.draw_at(x, y)[0];
+        }
+        gaps.candidates.sort_unstable();
+        gaps.candidates.dedup();
+        for k in 0..gaps.candidates.len() {
+            let Candidate { x, y, .. } = gaps.candidates[k];
+            if self.covered(simd, x, y) {
+                continue;
+            }
+            let cell = self.frame.cell_at(x, y);
+            if self.flags[cell] & flag::HOT != 0 {
+                self.make_hot(cell);
+                continue;
+            }
+            self.insert(x, y, inserted_tag(iteration));
+            gaps.inserted.push(Inserted { x, y, iteration });
+        }
+    }
+}
+
+/// Returns what names a sample: its cell and its slot.
+pub(super) fn site_key(cell: usize, packed: u32) -> u64 {
+    (cell as u64) << 32 | u64::from(packed)
+}
+
+pub(super) const fn minus(a: Site, b: Site) -> Site {
+    (a.0 - b.0, a.1 - b.1)
+}
+
+pub(super) const fn norm_squared(a: Site) -> i64 {
+    a.0 * a.0 + a.1 * a.1
+}

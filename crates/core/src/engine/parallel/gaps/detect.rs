@@ -1,0 +1,205 @@
+//! Detection in a region: which pixels are searched in which iteration.
+
+use fearless_simd::Simd;
+
+use crate::lattice::R;
+
+use super::super::frame::{CELL_BITS, PAD};
+use super::super::near::{HALF_DIAGONAL, SITE_SLACK};
+use super::super::region::{Region, flag, pack};
+use super::super::stamp::Stamps;
+use super::candidate::site_key;
+use super::pixel::{Pixel, centre, each_bit, pixels_of};
+use super::search::Detectors;
+use super::{GapBuffers, Inserted, Rules, USUAL, reach_cells};
+
+/// Beyond this distance samples may lie outside the cells gathered.
+const GATHERED: f32 = (2 * R) as f32;
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Finds the open pixels and the candidates of iteration 1.
+    #[inline(always)]
+    pub(super) fn first_detection<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+    ) {
+        gaps.first_pixels.clear();
+        gaps.pixels.clear();
+        gaps.farthest = 0.0;
+        gaps.candidates.clear();
+        gaps.open_index.resize(self.frame.cell_count(), 0);
+        self.find_open(gaps);
+        let mut unsure = Vec::new();
+        let masks = std::mem::take(&mut gaps.masks);
+        for &(cell, open) in &masks {
+            let cell = cell as usize;
+            gaps.near
+                .gather(&self.slots, self.frame.stride(), cell, USUAL);
+            if self.flags[cell] & flag::REACHED != 0 {
+                if gaps.near.any_open(open) {
+                    unsure.push(cell);
+                }
+                continue;
+            }
+            let first = self.keep_open(simd, gaps, cell, open);
+            for k in first..gaps.pixels.len() {
+                let pixel = gaps.pixels[k];
+                self.search_measured(
+                    simd,
+                    gaps,
+                    rules,
+                    (cell, pixel),
+                    Detectors::First,
+                    &mut unsure,
+                );
+            }
+        }
+        gaps.masks = masks;
+        for cell in unsure {
+            self.make_hot(cell);
+        }
+    }
+
+    /// Fills `gaps.masks` with the cells that have open pixels.
+    #[inline(always)]
+    fn find_open(&self, gaps: &mut GapBuffers) {
+        let stamps = Stamps::get();
+        self.list_marked(&gaps.marked, &mut gaps.listed);
+        gaps.masks.clear();
+        for &(cell, column, row) in &gaps.listed {
+            let open = self.open_pixels(stamps, cell as usize, column, row);
+            if open != 0 {
+                gaps.masks.push((cell, open));
+            }
+        }
+    }
+
+    /// Keeps the open pixels of a cell that no single sample covers, measured, and returns the
+    /// place of the first.
+    #[inline(always)]
+    fn keep_open<S: Simd>(&self, simd: S, gaps: &mut GapBuffers, cell: usize, open: u64) -> usize {
+        let (column, row) = self.frame.column_row(cell);
+        let bit = (column + PAD) as usize;
+        gaps.open[(row + PAD) as usize * self.words() + bit / 64] |= 1 << (bit % 64);
+        gaps.open_index[cell] = gaps.first_pixels.len() as u32;
+        let first = gaps.pixels.len();
+        gaps.first_pixels.push(first as u32);
+        for number in each_bit(open) {
+            let (x, y) = centre(number);
+            let measured = gaps.near.measure(simd, x, y);
+            // One that is covered is written over by the next: a jump would be taken too often to be foreseen.
+            let kept = gaps.pixels.len() + usize::from(!measured.covered);
+            gaps.pixels.push(Pixel::new(number, &measured));
+            gaps.pixels.truncate(kept);
+            gaps.farthest = gaps.farthest.max(measured.nearest);
+        }
+        first
+    }
+
+    /// Searches a pixel that was measured among the samples in `gaps.near`.
+    #[inline(always)]
+    fn search_measured<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        (cell, pixel): (usize, Pixel),
+        detectors: Detectors,
+        unsure: &mut Vec<usize>,
+    ) {
+        if pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= GATHERED {
+            let place = (cell, pixel.number);
+            self.search_wide(simd, gaps, rules, place, detectors, unsure);
+        } else if pixel.sites.count_ones() >= 3 || !self.frame.periodic {
+            self.search_pixel(simd, gaps, rules, (cell, pixel), detectors, unsure);
+        }
+    }
+
+    /// Finds the candidates that the samples inserted last have made: those from `first` on.
+    #[inline(always)]
+    pub(super) fn detect_again<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        first: usize,
+        rules: &Rules,
+    ) {
+        let mut todo = std::mem::take(&mut gaps.todo);
+        let mut unsure = Vec::new();
+        todo.clear();
+        gaps.candidates.clear();
+        gaps.detectors.clear();
+        for k in first..gaps.inserted.len() {
+            let Inserted { x, y, .. } = gaps.inserted[k];
+            gaps.detectors
+                .push(site_key(self.frame.cell_at(x, y), pack(x, y)));
+            self.concerned_pixels(gaps, x, y, &mut todo);
+        }
+        gaps.detectors.sort_unstable();
+        todo.sort_unstable();
+        todo.dedup();
+        let mut gathered = usize::MAX;
+        for &(cell, number) in &todo {
+            let cell = cell as usize;
+            if gathered != cell {
+                gaps.near
+                    .gather(&self.slots, self.frame.stride(), cell, USUAL);
+                gathered = cell;
+            }
+            let (x, y) = centre(number);
+            let measured = gaps.near.measure(simd, x, y);
+            if !measured.covered {
+                let place = (cell, Pixel::new(number, &measured));
+                self.search_measured(simd, gaps, rules, place, Detectors::Inserted, &mut unsure);
+            }
+        }
+        gaps.todo = todo;
+        for cell in unsure {
+            self.make_hot(cell);
+        }
+    }
+
+    /// Appends the open pixels for which the sample at (x, y) may be one of a candidate's.
+    #[inline(always)]
+    fn concerned_pixels(&self, gaps: &GapBuffers, x: i32, y: i32, todo: &mut Vec<(u32, u8)>) {
+        let words = self.words();
+        let (column, row) = (x >> CELL_BITS, y >> CELL_BITS);
+        // Three cells away everything is 2r away.
+        let reach = if gaps.farthest + 2.0 * HALF_DIAGONAL + SITE_SLACK < (2 * R) as f32 {
+            2
+        } else {
+            reach_cells(self.frame.periodic)
+        };
+        // The padding is never open: a row of bits has 2 reach + 1 of interest, in one word or two.
+        let first = (column + PAD - reach) as usize;
+        let ones = (1_u64 << (2 * reach + 1)) - 1;
+        for row in row - reach..=row + reach {
+            let start = (row + PAD) as usize * words + first / 64;
+            let low = gaps.open[start] >> (first % 64);
+            let high = gaps
+                .open
+                .get(start + 1)
+                .map_or(0, |&next| next << 1 << (63 - first % 64));
+            for bit in each_bit((low | high) & ones) {
+                let column = column - reach + i32::from(bit);
+                let cell = self.frame.cell(column, row);
+                if self.flags[cell] & flag::REACHED != 0 {
+                    continue;
+                }
+                let dx = (x - (column << CELL_BITS)) as f32;
+                let dy = (y - (row << CELL_BITS)) as f32;
+                for pixel in pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]) {
+                    let (cx, cy) = centre(pixel.number);
+                    let squared = (dx - cx) * (dx - cx) + (dy - cy) * (dy - cy);
+                    let covers = R as f32 - HALF_DIAGONAL;
+                    let limit = pixel.nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK;
+                    if squared > covers * covers && squared <= limit * limit {
+                        todo.push((cell as u32, pixel.number));
+                    }
+                }
+            }
+        }
+    }
+}

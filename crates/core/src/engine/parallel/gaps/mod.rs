@@ -1,0 +1,200 @@
+//! Detection and insertion in a region (see `stages::detect` for what a candidate is). A place that
+//! no sample covers was covered by a lost one, so only cells near lost samples are looked at; stamps
+//! prove most of their pixels covered, and only in the others candidates are sought: among the
+//! samples that are about as near to the pixel as the nearest one, since only those can make one.
+
+mod candidate;
+mod detect;
+mod open;
+mod pixel;
+mod search;
+
+use fearless_simd::Simd;
+
+use crate::lattice::Domain;
+use crate::parameters::{Insertion, Search};
+use crate::random::Key;
+
+use super::frame::PAD;
+use super::near::{MOST_SITES, Near};
+use super::region::{Region, flag};
+
+use candidate::Candidate;
+use pixel::{Pixel, pixels_of};
+pub(crate) use pixel::{corner, each_bit};
+
+/// Cells searched around a cell unless that proves too few: all samples within 2r of its places.
+const USUAL: i32 = 2;
+
+/// What a fill needs to know of the run.
+pub(crate) struct Rules {
+    pub domain: Domain,
+    pub search: Search,
+    /// The run's key.
+    pub key: Key,
+    /// Cells around a lost sample in which an uncovered place may lie: 1, or more with a pattern
+    /// that leaves lattice points uncovered.
+    pub lost_reach: i32,
+    /// How gaps are filled.
+    pub insertion: Insertion,
+}
+
+impl Rules {
+    /// Returns whether every place that no sample covers was covered by a lost one.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.lost_reach == 1
+    }
+
+    /// Returns how many cells away an unsure sample may matter to a place.
+    pub(crate) fn reach(&self) -> i32 {
+        match self.insertion {
+            Insertion::Circumcentre => reach_cells(self.domain.is_periodic()),
+            Insertion::Uniform => self.lost_reach,
+        }
+    }
+}
+
+/// A sample that was inserted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inserted {
+    pub x: i32,
+    pub y: i32,
+    pub iteration: u32,
+}
+
+/// The buffers of a fill.
+pub(crate) struct GapBuffers {
+    /// Bits of cells in which uncovered places may lie, row by row, and the list of those cells with
+    /// their columns and rows.
+    pub marked: Vec<u64>,
+    pub listed: Vec<(u32, i32, i32)>,
+    /// Open cells with their open pixels.
+    masks: Vec<(u32, u64)>,
+    /// Bits of open cells whose pixels are kept; `open_index` of such a cell is its place in
+    /// `first_pixels`, which holds the place of its first pixel.
+    open: Vec<u64>,
+    open_index: Vec<u32>,
+    first_pixels: Vec<u32>,
+    pixels: Vec<Pixel>,
+    /// The largest distance of a pixel to its nearest sample.
+    farthest: f32,
+    pub near: Near,
+    wide: Near,
+    /// The samples that may make a candidate in the pixel at work, as indices of samples gathered.
+    sites: [u8; MOST_SITES],
+    candidates: Vec<Candidate>,
+    todo: Vec<(u32, u8)>,
+    pub inserted: Vec<Inserted>,
+    /// Cell and slot of the samples inserted in the last iteration, sorted.
+    detectors: Vec<u64>,
+}
+
+impl Default for GapBuffers {
+    fn default() -> Self {
+        Self {
+            marked: Vec::new(),
+            listed: Vec::new(),
+            open: Vec::new(),
+            open_index: Vec::new(),
+            masks: Vec::new(),
+            first_pixels: Vec::new(),
+            pixels: Vec::new(),
+            farthest: 0.0,
+            near: Near::default(),
+            wide: Near::default(),
+            sites: [0; MOST_SITES],
+            candidates: Vec::new(),
+            todo: Vec::new(),
+            inserted: Vec::new(),
+            detectors: Vec::new(),
+        }
+    }
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Fills the gaps by circumcentres, as far as it can be known what happens.
+    #[inline(always)]
+    pub(crate) fn fill<S: Simd>(&mut self, simd: S, rules: &Rules) {
+        let mut gaps = std::mem::take(&mut self.gaps);
+        gaps.inserted.clear();
+        self.mark(&mut gaps, rules.lost_reach);
+        self.spread(&mut gaps, false);
+        self.first_detection(simd, &mut gaps, rules);
+        let mut iteration = 1;
+        loop {
+            let first = gaps.inserted.len();
+            self.insert_candidates(simd, &mut gaps, rules, iteration);
+            if gaps.inserted.len() == first && self.spread == self.unsure.len() {
+                break;
+            }
+            iteration += 1;
+            self.spread(&mut gaps, true);
+            self.detect_again(simd, &mut gaps, first, rules);
+        }
+        self.gaps = gaps;
+    }
+
+    pub(crate) fn make_hot(&mut self, cell: usize) {
+        self.make_unsure(cell);
+        self.flag_around(cell, flag::HOT);
+    }
+
+    /// Lets unsure cells reach their surroundings: what is open there may be filled by samples that
+    /// are not known. With `again` the open cells newly reached are judged; else detection does it.
+    #[inline(always)]
+    fn spread(&mut self, gaps: &mut GapBuffers, again: bool) {
+        let reach = reach_cells(self.frame.periodic);
+        let known = self.unsure.len();
+        let (columns, rows) = (self.frame.cells[0], self.frame.cells[1]);
+        for k in self.spread..known {
+            let (column, row) = self.frame.column_row(self.unsure[k] as usize);
+            for row in (row - reach).max(0)..=(row + reach).min(rows - 1) {
+                for column in (column - reach).max(0)..=(column + reach).min(columns - 1) {
+                    let cell = self.frame.cell(column, row);
+                    if self.flags[cell] & flag::REACHED == 0 {
+                        self.flags[cell] |= flag::REACHED;
+                        if again && self.is_still_open(gaps, cell, column, row) {
+                            self.make_hot(cell);
+                        }
+                    }
+                }
+            }
+        }
+        self.spread = known;
+    }
+
+    #[inline(always)]
+    fn is_still_open(&self, gaps: &mut GapBuffers, cell: usize, column: i32, row: i32) -> bool {
+        let (column, row) = ((column + PAD) as usize, (row + PAD) as usize);
+        if gaps.open[row * self.words() + column / 64] >> (column % 64) & 1 == 0 {
+            return false;
+        }
+        gaps.near
+            .gather(&self.slots, self.frame.stride(), cell, USUAL);
+        let pixels = pixels_of(&gaps.first_pixels, &gaps.pixels, gaps.open_index[cell]);
+        let open = pixels
+            .iter()
+            .fold(0, |open, pixel| open | 1 << pixel.number);
+        gaps.near.any_open(open)
+    }
+}
+
+/// Returns the tag of a sample inserted in `iteration`.
+pub(crate) fn inserted_tag(iteration: u32) -> u64 {
+    u64::from(u32::MAX) << 32 | u64::from(iteration)
+}
+
+/// Returns the iteration that inserted the sample of a tag, or `None` for a tiled one.
+pub(crate) const fn inserted_in(tag: u64) -> Option<u32> {
+    if tag >> 32 == u32::MAX as u64 {
+        Some(tag as u32)
+    } else {
+        None
+    }
+}
+
+/// Returns how many cells away a sample may be from a candidate that it makes or unmakes: 2r and 16
+/// units, or 3.5r where borders are closed.
+pub(crate) const fn reach_cells(periodic: bool) -> i32 {
+    if periodic { 3 } else { 4 }
+}

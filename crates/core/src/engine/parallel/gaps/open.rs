@@ -1,0 +1,103 @@
+//! Which cells and pixels may hold uncovered places: bits of cells near lost samples, and what the
+//! stamps of the samples around do not prove covered. `false` is always a proof, `true` never.
+
+use crate::lattice::R;
+
+use super::super::frame::{CELL_BITS, PAD};
+use super::super::region::Region;
+use super::super::stamp::{PIXELS, Stamps};
+use super::{GapBuffers, corner};
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Marks the cells in which an uncovered place may lie.
+    #[inline(always)]
+    pub(crate) fn mark(&self, gaps: &mut GapBuffers, reach: i32) {
+        let words = self.words();
+        let rows = (self.frame.cells[1] + 2 * PAD) as usize;
+        for bits in [&mut gaps.marked, &mut gaps.open] {
+            bits.clear();
+            bits.resize(words * rows, 0);
+        }
+        let ones = (1_u64 << (2 * reach + 1)) - 1;
+        for lost in &self.lost {
+            let column = ((lost.x >> CELL_BITS) + PAD - reach).max(0) as usize;
+            let row = (lost.y >> CELL_BITS) + PAD;
+            let (word, bit) = (column / 64, column % 64);
+            for row in (row - reach).max(0)..=(row + reach).min(rows as i32 - 1) {
+                let at = row as usize * words + word;
+                gaps.marked[at] |= ones << bit;
+                if bit + 2 * reach as usize >= 64 && word + 1 < words {
+                    gaps.marked[at + 1] |= ones >> (64 - bit);
+                }
+            }
+        }
+    }
+
+    /// Returns the words of a row of bits, one bit a cell.
+    #[inline(always)]
+    pub(super) fn words(&self) -> usize {
+        self.frame.stride().div_ceil(64)
+    }
+
+    /// Lists the marked cells of the frame with their columns and rows, row by row.
+    #[inline(always)]
+    pub(crate) fn list_marked(&self, marked: &[u64], list: &mut Vec<(u32, i32, i32)>) {
+        list.clear();
+        let words = self.words();
+        for row in 0..self.frame.cells[1] {
+            let start = (row + PAD) as usize * words;
+            for (word, &bits) in marked[start..start + words].iter().enumerate() {
+                let mut bits = bits;
+                while bits != 0 {
+                    let column = (word * 64) as i32 + bits.trailing_zeros() as i32 - PAD;
+                    bits &= bits - 1;
+                    if (0..self.frame.cells[0]).contains(&column) {
+                        list.push((self.frame.cell(column, row) as u32, column, row));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the pixels of a cell that are not proven covered.
+    #[inline(always)]
+    pub(crate) fn open_pixels(&self, stamps: &Stamps, cell: usize, column: i32, row: i32) -> u64 {
+        let stride = self.frame.stride();
+        let mut covered = self.outside(column, row);
+        // The cell itself, its sides, its corners.
+        for (from, at) in [
+            (4, cell),
+            (1, cell - stride),
+            (3, cell - 1),
+            (5, cell + 1),
+            (7, cell + stride),
+            (0, cell - stride - 1),
+            (2, cell - stride + 1),
+            (6, cell + stride - 1),
+            (8, cell + stride + 1),
+        ] {
+            let [a, b, c, _] = self.slots[at];
+            covered |= stamps.stamp(from, a) | stamps.stamp(from, b) | stamps.stamp(from, c);
+            if covered == u64::MAX {
+                return 0;
+            }
+        }
+        !covered
+    }
+
+    /// Returns the pixels of a cell that lie outside a bounded domain.
+    #[inline(always)]
+    fn outside(&self, column: i32, row: i32) -> u64 {
+        let [width, height] = self.frame.end;
+        let (left, bottom) = (column << CELL_BITS, row << CELL_BITS);
+        if left + R <= width && bottom + R <= height {
+            return 0;
+        }
+        let mut outside = 0;
+        for pixel in 0..PIXELS * PIXELS {
+            let (x, y) = corner(pixel as u8);
+            outside |= u64::from(left + x >= width || bottom + y >= height) << pixel;
+        }
+        outside
+    }
+}

@@ -1,0 +1,198 @@
+//! The search of one pixel: what the samples about as near to it as the nearest one may make there.
+
+use fearless_simd::Simd;
+
+use crate::circumcentre::circumcentre;
+use crate::lattice::{Point, R, R_SQUARED};
+use crate::stages::detect::Border;
+
+use super::super::frame::CELL_BITS;
+use super::super::near::Site;
+use super::super::region::{Region, WIDEST};
+use super::super::stamp::PIXEL_SIDE;
+use super::candidate::minus;
+use super::pixel::{Pixel, centre, each_bit};
+use super::{GapBuffers, Rules, corner};
+
+/// Which samples are detectors.
+#[derive(Clone, Copy)]
+pub(super) enum Detectors {
+    /// Those near lost samples.
+    First,
+    /// Those inserted in the iteration before.
+    Inserted,
+}
+
+/// A pixel under search.
+#[derive(Clone, Copy)]
+pub(super) struct Spot {
+    pub cell: usize,
+    pub number: u8,
+    pub detectors: Detectors,
+    /// Whether the wide gathering serves it.
+    pub wide: bool,
+    /// How many sites there are.
+    pub sites: usize,
+}
+
+impl<const TAGS: bool> Region<TAGS> {
+    /// Looks for candidates in one pixel that was measured, and adds them to `gaps.candidates`; cells of
+    /// which nothing can be said are added to `unsure`. `gaps.near` holds the samples around `cell`.
+    #[inline(always)]
+    pub(super) fn search_pixel<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        (cell, pixel): (usize, Pixel),
+        detectors: Detectors,
+        unsure: &mut Vec<usize>,
+    ) {
+        let mut sites = 0;
+        for k in each_bit(pixel.sites) {
+            gaps.sites[sites] = k;
+            sites += 1;
+        }
+        let spot = Spot {
+            cell,
+            number: pixel.number,
+            detectors,
+            wide: false,
+            sites,
+        };
+        self.search_sites(simd, gaps, rules, spot, unsure);
+    }
+
+    /// The same where samples may lie outside the cells gathered; the pixel is measured anew.
+    #[cold]
+    pub(super) fn search_wide<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        (cell, number): (usize, u8),
+        detectors: Detectors,
+        unsure: &mut Vec<usize>,
+    ) {
+        let (x, y) = centre(number);
+        gaps.wide
+            .gather(&self.slots, self.frame.stride(), cell, WIDEST);
+        let sites = gaps.wide.list_sites(simd, x, y, &mut gaps.sites);
+        let spot = Spot {
+            cell,
+            number,
+            detectors,
+            wide: true,
+            sites,
+        };
+        self.search_sites(simd, gaps, rules, spot, unsure);
+    }
+
+    /// Tries all that the sites may make in the pixel.
+    #[inline(always)]
+    fn search_sites<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        spot: Spot,
+        unsure: &mut Vec<usize>,
+    ) {
+        let n = spot.sites;
+        let near = |gaps: &GapBuffers, k: usize| {
+            if spot.wide {
+                gaps.wide.offset(gaps.sites[k])
+            } else {
+                gaps.near.offset(gaps.sites[k])
+            }
+        };
+        for i in 0..n {
+            for m in i + 1..n {
+                for k in m + 1..n {
+                    let three = [near(gaps, i), near(gaps, m), near(gaps, k)];
+                    if may_make(three, spot.number) {
+                        let sites = three.map(exact);
+                        let [a, b, c] = sites;
+                        if let Some(centre) = circumcentre(minus(b, a), minus(c, a)) {
+                            let centre = (centre.0 + a.0, centre.1 + a.1);
+                            self.try_place(simd, gaps, rules, spot, centre, &sites, unsure);
+                        }
+                    }
+                }
+            }
+        }
+        if !rules.domain.is_periodic() && self.touches_border(spot) {
+            self.search_border(simd, gaps, rules, spot, unsure);
+        }
+    }
+
+    /// Returns whether a border line of a bounded domain runs through a pixel.
+    fn touches_border(&self, spot: Spot) -> bool {
+        let (column, row) = self.frame.column_row(spot.cell);
+        let (x, y) = corner(spot.number);
+        let low = [(column << CELL_BITS) + x, (row << CELL_BITS) + y];
+        (0..2).any(|axis| {
+            let first = i64::from(low[axis]) + self.frame.origin[axis];
+            let last = i64::from(self.frame.sides[axis]);
+            first == 0 || (first <= last && last < first + i64::from(PIXEL_SIDE))
+        })
+    }
+
+    #[cold]
+    fn search_border<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+        spot: Spot,
+        unsure: &mut Vec<usize>,
+    ) {
+        let near = if spot.wide { &gaps.wide } else { &gaps.near };
+        let sites: Vec<Site> = gaps.sites[..spot.sites]
+            .iter()
+            .map(|&k| exact(near.offset(k)))
+            .collect();
+        for (k, &a) in sites.iter().enumerate() {
+            let border = Border::around(&rules.domain, self.site_point(spot.cell, a));
+            for &m in &sites[k + 1..] {
+                for place in border.as_far_from(minus(m, a)) {
+                    let place = (place.0 + a.0, place.1 + a.1);
+                    self.try_place(simd, gaps, rules, spot, place, &[a, m], unsure);
+                }
+            }
+            for corner in border.corners() {
+                let place = (corner.0 + a.0, corner.1 + a.1);
+                self.try_place(simd, gaps, rules, spot, place, &[a], unsure);
+            }
+        }
+    }
+
+    /// Returns the domain's point of a site of a cell.
+    pub(super) fn site_point(&self, cell: usize, site: Site) -> Point {
+        let (column, row) = self.frame.column_row(cell);
+        self.frame.point(
+            (column << CELL_BITS) + site.0 as i32,
+            (row << CELL_BITS) + site.1 as i32,
+        )
+    }
+}
+
+/// Returns whether the centre of three sites may, rounded, be an uncovered place of the pixel. The f64 products
+/// are exact (17-bit offsets); two units and 8 R of squared distance are far more than the rest rounds.
+#[inline(always)]
+fn may_make([a, b, c]: [[f64; 2]; 3], pixel: u8) -> bool {
+    let (bx, by, cx, cy) = (b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]);
+    let d = 2.0 * (bx * cy - by * cx);
+    let (b2, c2) = (bx * bx + by * by, cx * cx + cy * cy);
+    // The centre, seen from a, times d.
+    let (x, y) = (b2 * cy - c2 * by, c2 * bx - b2 * cx);
+    let (mx, my) = centre(pixel);
+    let (mx, my) = (f64::from(mx) - a[0], f64::from(my) - a[1]);
+    let half = f64::from(PIXEL_SIDE / 2 + 2) * d.abs();
+    let least = (R_SQUARED - 8 * i64::from(R)) as f64;
+    (x - mx * d).abs() <= half && (y - my * d).abs() <= half && x * x + y * y > least * d * d
+}
+
+fn exact(site: [f64; 2]) -> Site {
+    (site[0] as i64, site[1] as i64)
+}
