@@ -316,7 +316,8 @@ fn alone<'a>(row: &Row, rows: &'a [Row]) -> Option<&'a Row> {
         return None;
     };
     let is_alone = |other: &&Row| {
-        other.threads == 1 && matches!(other.method, Method::Parallel { leaf: l, .. } if l == leaf)
+        other.threads == 1
+            && matches!(other.method, Method::Parallel { leaf: l, .. } if l.to_bits() == leaf.to_bits())
     };
     rows.iter().find(is_alone).filter(|_| row.threads > 1)
 }

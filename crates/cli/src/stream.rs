@@ -173,7 +173,7 @@ enum Sink {
         last_checkpoint: Instant,
         checkpoint: Duration,
     },
-    Judge(Option<StreamVerifier>),
+    Judge(Option<Box<StreamVerifier>>),
 }
 
 impl Sink {
@@ -181,7 +181,7 @@ impl Sink {
         let Some(path) = target.out else {
             let options = VerifyOptions::default();
             let verifier = StreamVerifier::new(context.region, context.radius, &options)?;
-            return Ok(Self::Judge(Some(verifier)));
+            return Ok(Self::Judge(Some(Box::new(verifier))));
         };
         let export = if target.resume {
             StreamExport::resume(path, context)?.0

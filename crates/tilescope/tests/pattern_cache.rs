@@ -57,7 +57,7 @@ impl Bench {
 
 /// Dates a file back; a later write shows.
 fn age(path: &Path) -> SystemTime {
-    let long_ago = SystemTime::UNIX_EPOCH + Duration::from_secs(1_500_000_000);
+    let long_ago = SystemTime::UNIX_EPOCH + Duration::from_hours(416_666);
     let file = File::options().write(true).open(path).unwrap();
     file.set_modified(long_ago).unwrap();
     long_ago

@@ -66,7 +66,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for block in &blocks {
             let interior = block.rect.grown(-depth - 1, -depth);
             clipper.clip(block, &interior, &target, |x, y, id| {
-                self.insert(x, y, tag(block, id))
+                self.insert(x, y, tag(block, id));
             });
         }
         match turns {
@@ -85,7 +85,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 }
             }
             Turns::Sorted(ranking) => {
-                self.claim_sorted(simd, clipper, ranking, &blocks, depth, &target)
+                self.claim_sorted(simd, clipper, ranking, &blocks, depth, &target);
             }
         }
         self.blocks = blocks;
@@ -103,7 +103,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.waiting.clear();
         for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
             clipper.clip(block, &part, target, |x, y, id| {
-                self.waiting.push((x, y, tag(block, id)))
+                self.waiting.push((x, y, tag(block, id)));
             });
         }
         for k in 0..self.waiting.len() {
@@ -118,7 +118,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.waiting.clear();
         for part in frame_between(&block.rect.grown(r, r), &block.rect) {
             clipper.clip(block, &part, target, |x, y, id| {
-                self.waiting.push((x, y, tag(block, id)))
+                self.waiting.push((x, y, tag(block, id)));
             });
         }
         for k in 0..self.waiting.len() {

@@ -100,16 +100,16 @@ impl<const TAGS: bool> Region<TAGS> {
             let start = self.frame.cell(0, row);
             let cells = &mut self.flags[start..start + columns as usize];
             if whole {
-                cells.iter_mut().for_each(|f| *f |= flag);
+                set(cells, flag);
                 continue;
             }
             let depth = depth.min(columns) as usize;
             if left {
-                cells[..depth].iter_mut().for_each(|f| *f |= flag);
+                set(&mut cells[..depth], flag);
             }
             if right {
                 let first = columns as usize - depth;
-                cells[first..].iter_mut().for_each(|f| *f |= flag);
+                set(&mut cells[first..], flag);
             }
         }
     }
@@ -170,9 +170,7 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn flag_around(&mut self, cell: usize, flag: u8) {
         let stride = self.frame.stride();
         for row in [cell - stride, cell, cell + stride] {
-            self.flags[row - 1..=row + 1]
-                .iter_mut()
-                .for_each(|f| *f |= flag);
+            set(&mut self.flags[row - 1..=row + 1], flag);
         }
     }
 
@@ -314,6 +312,12 @@ fn hull(a: &Rect, b: &Rect) -> Rect {
     Rect {
         min: Point::new(a.min.x.min(b.min.x), a.min.y.min(b.min.y)),
         max: Point::new(a.max.x.max(b.max.x), a.max.y.max(b.max.y)),
+    }
+}
+
+fn set(flags: &mut [u8], flag: u8) {
+    for f in flags {
+        *f |= flag;
     }
 }
 

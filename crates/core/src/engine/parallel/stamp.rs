@@ -22,7 +22,7 @@ const ROOM: usize = 1 << (2 + 2 * BIN_BITS);
 /// One table for each of the nine cells that a sample may lie in, seen from the cell whose pixels
 /// are asked about: rows of cells first.
 pub(crate) struct Stamps {
-    tables: Box<[[u64; ROOM]; 9]>,
+    tables: [Vec<u64>; 9],
 }
 
 impl Stamps {
@@ -38,13 +38,13 @@ impl Stamps {
     pub(crate) fn stamp(&self, from: usize, packed: u32) -> u64 {
         let x = (packed >> (15 - BIN_BITS)) as usize & (BINS - 1);
         let y = (packed >> (30 - BIN_BITS)) as usize;
-        self.tables[from][(y * BINS + x) & (ROOM - 1)]
+        self.tables[from][y * BINS + x]
     }
 
     fn new() -> Self {
-        let mut tables = Box::new([[0; ROOM]; 9]);
-        for (from, table) in tables.iter_mut().enumerate() {
+        let tables = std::array::from_fn(|from| {
             let (column, row) = (from as i32 % 3 - 1, from as i32 / 3 - 1);
+            let mut table = vec![0; ROOM];
             for y in 0..BINS {
                 for x in 0..BINS {
                     let bin = [
@@ -54,7 +54,8 @@ impl Stamps {
                     table[y * BINS + x] = stamp_of_bin(bin);
                 }
             }
-        }
+            table
+        });
         Self { tables }
     }
 }

@@ -40,8 +40,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps: &mut GapBuffers,
         rules: &Rules,
         spot: Spot,
-        place: Site,
-        sites: &[Site],
+        (place, sites): (Site, &[Site]),
         unsure: &mut Vec<usize>,
     ) {
         let (left, bottom) = corner(spot.number);

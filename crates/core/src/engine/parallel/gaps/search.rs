@@ -115,7 +115,7 @@ impl<const TAGS: bool> Region<TAGS> {
                         let [a, b, c] = sites;
                         if let Some(centre) = circumcentre(minus(b, a), minus(c, a)) {
                             let centre = (centre.0 + a.0, centre.1 + a.1);
-                            self.try_place(simd, gaps, rules, spot, centre, &sites, unsure);
+                            self.try_place(simd, gaps, rules, spot, (centre, &sites), unsure);
                         }
                     }
                 }
@@ -157,12 +157,12 @@ impl<const TAGS: bool> Region<TAGS> {
             for &m in &sites[k + 1..] {
                 for place in border.as_far_from(minus(m, a)) {
                     let place = (place.0 + a.0, place.1 + a.1);
-                    self.try_place(simd, gaps, rules, spot, place, &[a, m], unsure);
+                    self.try_place(simd, gaps, rules, spot, (place, &[a, m]), unsure);
                 }
             }
             for corner in border.corners() {
                 let place = (corner.0 + a.0, corner.1 + a.1);
-                self.try_place(simd, gaps, rules, spot, place, &[a], unsure);
+                self.try_place(simd, gaps, rules, spot, (place, &[a]), unsure);
             }
         }
     }
