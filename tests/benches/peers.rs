@@ -13,7 +13,7 @@ use nalgebra as na;
 use rand_06::SeedableRng;
 use support::judge;
 use tilescope_core::{
-    Boundary, Domain, Parameters, Pattern, Sequential, Unobserved, radius_estimate,
+    Boundary, Domain, Parameters, Pattern, Sequential, Sweep, Unobserved, radius_estimate,
     reference_sample,
 };
 
@@ -33,6 +33,10 @@ const ROUNDS: u64 = 3;
 fn main() {
     let mut numbers = std::env::args().filter_map(|argument| argument.parse::<f64>().ok());
     let count = numbers.next_back().unwrap_or(100_000.0).max(1000.0);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build_global()
+        .expect("one thread");
     println!("about {count} samples, one thread, median of {ROUNDS} rounds");
     println!(
         "{:<28} {:>9} {:>10} {:>10} {:>11} {:>11} {:>8}",
@@ -74,15 +78,24 @@ fn ours() -> Vec<Peer> {
     let pattern = Arc::new(
         Pattern::generate(&Parameters::default().pattern, &mut Unobserved).expect("a pattern"),
     );
-    let kdrt = move |radius, seed| {
-        let parameters = Parameters {
-            radius,
-            seed,
-            leaf: 40.0,
-            ..Parameters::default()
-        };
-        let engine = Sequential::new(&parameters, Arc::clone(&pattern)).expect("parameters");
-        engine.finish(&mut Unobserved).expect("a run").positions()
+    let parameters = |radius, seed| Parameters {
+        radius,
+        seed,
+        leaf: 40.0,
+        ..Parameters::default()
+    };
+    let of_sweep = Arc::clone(&pattern);
+    let parallel = move |radius, seed| {
+        let sweep = Sweep::new(&parameters(radius, seed), &of_sweep, false).expect("parameters");
+        let domain = *sweep.plane().domain();
+        let (sampled, _) = sweep.finish(&mut Unobserved).expect("a run");
+        let points = sampled.points.iter();
+        points.map(|&p| domain.user_from_lattice(p)).collect()
+    };
+    let sequential = move |radius, seed| {
+        let engine = Sequential::new(&parameters(radius, seed), Arc::clone(&pattern));
+        let run = engine.expect("parameters").finish(&mut Unobserved);
+        run.expect("a run").positions()
     };
     let reference = |radius, seed| {
         let domain = Domain::from_size([1.0, 1.0], radius, Boundary::Periodic).expect("a domain");
@@ -93,7 +106,13 @@ fn ours() -> Vec<Peer> {
             .collect()
     };
     vec![
-        peer("tilescope KDRT, leaf 40 r", Boundary::Periodic, 1.0, kdrt),
+        peer("tilescope, leaf 40 r", Boundary::Periodic, 1.0, parallel),
+        peer(
+            "tilescope, sequential engine",
+            Boundary::Periodic,
+            1.0,
+            sequential,
+        ),
         peer("tilescope reference", Boundary::Periodic, 1.0, reference),
     ]
 }

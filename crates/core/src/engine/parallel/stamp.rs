@@ -13,7 +13,7 @@ pub(crate) const PIXEL_SIDE: i32 = R / PIXELS as i32;
 
 /// Bins along a cell's side: a sample's place is known to one of `BINS` x `BINS`.
 const BINS: usize = 1 << BIN_BITS;
-const BIN_BITS: u32 = 6;
+const BIN_BITS: u32 = 5;
 const BIN_SIDE: i32 = R / BINS as i32;
 
 /// Bins of a table: a free slot reads as a place far above its cell, whose stamp is empty.
@@ -22,7 +22,7 @@ const ROOM: usize = 1 << (2 + 2 * BIN_BITS);
 /// One table for each of the nine cells that a sample may lie in, seen from the cell whose pixels
 /// are asked about: rows of cells first.
 pub(crate) struct Stamps {
-    tables: [Vec<u64>; 9],
+    tables: [Box<[u64; ROOM]>; 9],
 }
 
 impl Stamps {
@@ -44,7 +44,8 @@ impl Stamps {
     fn new() -> Self {
         let tables = std::array::from_fn(|from| {
             let (column, row) = (from as i32 % 3 - 1, from as i32 / 3 - 1);
-            let mut table = vec![0; ROOM];
+            // Made on the heap: the table would fill small stacks.
+            let mut table = vec![0; ROOM].into_boxed_slice();
             for y in 0..BINS {
                 for x in 0..BINS {
                     let bin = [
@@ -54,7 +55,7 @@ impl Stamps {
                     table[y * BINS + x] = stamp_of_bin(bin);
                 }
             }
-            table
+            table.try_into().expect("it has ROOM entries")
         });
         Self { tables }
     }
