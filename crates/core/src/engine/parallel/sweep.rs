@@ -77,7 +77,8 @@ pub struct Sweep {
     parameters: Parameters,
     plane: Plane,
     sources: bool,
-    side: i32,
+    /// Cells along the sides of a window.
+    sides: [i32; 2],
     /// Rows of cells in a band, and of all bands that have been computed.
     done: i32,
     rows: i32,
@@ -103,14 +104,18 @@ impl Sweep {
         }
         let max = plane.domain().rect().max;
         let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
-        // Enough windows for every thread where the domain is small.
-        let windows = 4.0 * rayon::current_num_threads() as f64;
+        // Enough windows for every thread where the domain is small, and all about as large.
+        let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
+        let longest = side.clamp(SHORTEST_SIDE, LONGEST_SIDE);
+        let sides = cells.map(|cells: i32| {
+            (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
+        });
         Ok(Self {
             parameters: *parameters,
             plane,
             sources,
-            side: side.clamp(SHORTEST_SIDE, LONGEST_SIDE),
+            sides,
             done: 0,
             rows: cells[1],
             counts: Counts::default(),
@@ -278,17 +283,17 @@ impl Sweep {
     /// Returns the windows of the next bands, band by band.
     fn next_windows(&self) -> Vec<Vec<Rect>> {
         let max = self.plane.domain().rect().max;
-        let side = i64::from(self.side) * i64::from(R);
+        let [width, height] = self.sides.map(|cells| i64::from(cells) * i64::from(R));
         let wanted = WINDOWS_A_THREAD * rayon::current_num_threads();
         let (mut bands, mut count, mut bottom) =
             (Vec::new(), 0, i64::from(self.done) * i64::from(R));
         while bottom < i64::from(max.y) && count < wanted {
-            let top = (bottom + side).min(max.y.into());
-            let lefts = (0..i64::from(max.x)).step_by(side as usize);
+            let top = (bottom + height).min(max.y.into());
+            let lefts = (0..i64::from(max.x)).step_by(width as usize);
             let band: Vec<Rect> = lefts
                 .map(|left| Rect {
                     min: Point::new(left as i32, bottom as i32),
-                    max: Point::new((left + side).min(max.x.into()) as i32, top as i32),
+                    max: Point::new((left + width).min(max.x.into()) as i32, top as i32),
                 })
                 .collect();
             count += band.len();
