@@ -70,6 +70,12 @@ const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 /// More samples than are ever about as near to a pixel as the nearest: a disk of 3.6 r holds fewer than 64 that are r apart.
 pub(crate) const MOST_SITES: usize = 65;
 
+/// A square of a cell: its lowest corner and its side.
+type Square = (i32, i32, i32);
+
+/// Squares that wait to be proven covered: three of each side from a pixel's to [`FINEST`], and one.
+const MOST_WAITING: usize = 24;
+
 /// A sample's offset.
 pub(crate) type Site = (i64, i64);
 
@@ -214,31 +220,50 @@ impl Near {
     }
 
     /// Returns whether one of the pixels in `open` may hold a lattice point that no sample covers. `false` is
-    /// a proof.
-    pub(crate) fn any_open(&self, open: u64) -> bool {
+    /// a proof: each was divided until one sample covers each part.
+    #[inline(always)]
+    pub(crate) fn any_open<S: Simd>(&self, simd: S, open: u64) -> bool {
         each_bit(open).any(|pixel| {
             let (x, y) = corner(pixel);
-            self.square_may_be_open(x, y, PIXEL_SIDE)
+            self.square_may_be_open(simd, (x, y, PIXEL_SIDE))
         })
     }
 
-    fn square_may_be_open(&self, x: i32, y: i32, side: i32) -> bool {
-        let (x0, y0, last) = (i64::from(x), i64::from(y), i64::from(side - 1));
-        let covered = self.exact().any(|(sx, sy)| {
-            let dx = (sx - x0).abs().max((sx - x0 - last).abs());
-            let dy = (sy - y0).abs().max((sy - y0 - last).abs());
-            dx * dx + dy * dy <= R_SQUARED
-        });
-        if covered {
-            return false;
+    #[inline(always)]
+    fn square_may_be_open<S: Simd>(&self, simd: S, square: Square) -> bool {
+        let mut waiting = [square; MOST_WAITING];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (x, y, side) = waiting[count];
+            if self.covers_square(simd, (x, y, side)) {
+                continue;
+            }
+            if side <= FINEST {
+                return true;
+            }
+            let half = side / 2;
+            for (right, up) in [(0, 0), (half, 0), (0, half), (half, half)] {
+                waiting[count] = (x + right, y + up, half);
+                count += 1;
+            }
         }
-        if side <= FINEST {
-            return true;
+        false
+    }
+
+    /// Returns whether one sample surely covers a square.
+    #[inline(always)]
+    fn covers_square<S: Simd>(&self, simd: S, (x, y, side): Square) -> bool {
+        let half = (side / 2) as f32;
+        let (x, y) = (x as f32 + half, y as f32 + half);
+        let (x, y) = (f32x8::splat(simd, x), f32x8::splat(simd, y));
+        let mut corner = f32x8::splat(simd, FAR * FAR);
+        for (xs, ys) in self.x[..self.groups()].iter().zip(&self.y) {
+            let dx = (f32x8::simd_from(simd, *xs) - x).abs() + half;
+            let dy = (f32x8::simd_from(simd, *ys) - y).abs() + half;
+            corner = corner.min(dx * dx + dy * dy);
         }
-        let half = side / 2;
-        [(0, 0), (half, 0), (0, half), (half, half)]
-            .into_iter()
-            .any(|(right, up)| self.square_may_be_open(x + right, y + up, half))
+        corner.reduce_min() <= SURELY_COVERED
     }
 }
 

@@ -229,7 +229,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let aligned = |v: i32| v & (R - 1) == 0;
         let whole =
             [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
-        let mut line = vec![Point::default(); 3 * width + 3];
+        let mut line = vec![Point::default(); 3 * width + 4];
         for row in cells.min.y..cells.max.y {
             let start = self.frame.cell(cells.min.x, row);
             let mut count = 0;
@@ -238,18 +238,18 @@ impl<const TAGS: bool> Region<TAGS> {
                     (self.frame.origin[0] as i32).wrapping_add((cells.min.x + k) << CELL_BITS),
                     (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
                 );
-                // Free slots are the largest values; three are written, as many as there are stay.
-                let [a, b, c, free] = *slots;
-                let (a, b) = (a.min(b), a.max(b));
-                let (b, c) = (b.min(c), b.max(c));
-                let (a, b) = (a.min(b), a.max(b));
-                let place = |packed: u32| {
-                    Point::new(
-                        x | packed as i32 & (R - 1),
-                        y | (packed >> CELL_BITS) as i32,
-                    )
-                };
-                line[count..count + 3].copy_from_slice(&[place(a), place(b), place(c)]);
+                // Free slots are the largest values; four are written, as many as there are stay.
+                let [mut a, mut b, mut c, free] = *slots;
+                if !free >= 2 {
+                    (a, b) = (a.min(b), a.max(b));
+                    (b, c) = (b.min(c), b.max(c));
+                    (a, b) = (a.min(b), a.max(b));
+                }
+                let slots = [a, b, c, free];
+                let xs = slots.map(|slot| x | slot as i32 & (R - 1));
+                let ys = slots.map(|slot| y | (slot >> CELL_BITS) as i32);
+                let places = [0, 1, 2, 3].map(|k| Point::new(xs[k], ys[k]));
+                line[count..count + 4].copy_from_slice(&places);
                 count += !free as usize & 3;
             }
             if TAGS {

@@ -44,7 +44,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for k in 0..self.unsure.len() {
             self.reach_around(self.unsure[k] as usize, rules.lost_reach);
         }
-        let mut active = self.first_cells(&mut gaps, rules);
+        let mut active = self.first_cells(simd, &mut gaps, rules);
         let key = gap_key(rules.key);
         let mut level = 1;
         while !active.is_empty() {
@@ -77,7 +77,12 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     /// Returns the active cells of the first level, at least all that hold uncovered points.
-    fn first_cells(&mut self, gaps: &mut GapBuffers, rules: &Rules) -> Vec<Active> {
+    fn first_cells<S: Simd>(
+        &mut self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        rules: &Rules,
+    ) -> Vec<Active> {
         let stamps = Stamps::get();
         let mut active = Vec::new();
         let mut unsure = Vec::new();
@@ -90,7 +95,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
             if self.flags[cell] & flag::REACHED != 0 {
                 gaps.near.gather(&self.slots, self.frame.stride(), cell, 2);
-                if gaps.near.any_open(open) {
+                if gaps.near.any_open(simd, open) {
                     unsure.push(cell);
                 }
             } else if rules.is_exact() {

@@ -38,7 +38,7 @@ impl<const TAGS: bool> Region<TAGS> {
             gaps.near
                 .gather(&self.slots, self.frame.stride(), cell, USUAL);
             if self.flags[cell] & flag::REACHED != 0 {
-                if gaps.near.any_open(open) {
+                if gaps.near.any_open(simd, open) {
                     unsure.push(cell);
                 }
                 continue;

@@ -118,7 +118,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
         self.mark(&mut gaps, rules.lost_reach);
-        self.spread(&mut gaps, false);
+        self.spread(simd, &mut gaps, false);
         self.first_detection(simd, &mut gaps, rules);
         let mut iteration = 1;
         loop {
@@ -128,7 +128,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 break;
             }
             iteration += 1;
-            self.spread(&mut gaps, true);
+            self.spread(simd, &mut gaps, true);
             self.detect_again(simd, &mut gaps, first, rules);
         }
         self.gaps = gaps;
@@ -142,7 +142,7 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Lets unsure cells reach their surroundings: what is open there may be filled by samples that
     /// are not known. With `again` the open cells newly reached are judged; else detection does it.
     #[inline(always)]
-    fn spread(&mut self, gaps: &mut GapBuffers, again: bool) {
+    fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, again: bool) {
         let reach = reach_cells(self.frame.periodic);
         let known = self.unsure.len();
         let (columns, rows) = (self.frame.cells[0], self.frame.cells[1]);
@@ -153,7 +153,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     let cell = self.frame.cell(column, row);
                     if self.flags[cell] & flag::REACHED == 0 {
                         self.flags[cell] |= flag::REACHED;
-                        if again && self.is_still_open(gaps, cell, column, row) {
+                        if again && self.is_still_open(simd, gaps, cell, column, row) {
                             self.make_hot(cell);
                         }
                     }
@@ -164,7 +164,14 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     #[inline(always)]
-    fn is_still_open(&self, gaps: &mut GapBuffers, cell: usize, column: i32, row: i32) -> bool {
+    fn is_still_open<S: Simd>(
+        &self,
+        simd: S,
+        gaps: &mut GapBuffers,
+        cell: usize,
+        column: i32,
+        row: i32,
+    ) -> bool {
         let (column, row) = ((column + PAD) as usize, (row + PAD) as usize);
         if gaps.open[row * self.words() + column / 64] >> (column % 64) & 1 == 0 {
             return false;
@@ -175,7 +182,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let open = pixels
             .iter()
             .fold(0, |open, pixel| open | 1 << pixel.number);
-        gaps.near.any_open(open)
+        gaps.near.any_open(simd, open)
     }
 }
 
