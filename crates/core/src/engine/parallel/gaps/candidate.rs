@@ -58,7 +58,10 @@ impl<const TAGS: bool> Region<TAGS> {
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
         let near = if spot.wide { &gaps.wide } else { &gaps.near };
-        if simd.vectorize(|| near.any_nearer(simd, place, limit)) {
+        if simd.vectorize(
+            #[inline(always)]
+            || near.any_nearer(simd, place, limit),
+        ) {
             return;
         }
         match self.is_found(gaps, rules, spot, place, sites) {
