@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
-use tilescope_core::{Domain, Parameters, Plane, Point, R, Window};
+use tilescope_core::{Domain, MAXIMAL_DENSITY, Parameters, Plane, Point, R, Window};
 use tilescope_formats::{Format, PointSet, Precision, Target, encode, write_whole};
 
 use crate::make::{positions, with_radius};
@@ -16,6 +16,9 @@ use crate::{interrupt, verdict_code};
 
 /// Units around a window that are computed to judge it: 4r, where 2r would do.
 const MARGIN: i64 = 4 * R as i64;
+
+/// The most samples of a window: they are judged in memory.
+const MOST_SAMPLES: f64 = 2e7;
 
 /// More gaps than the cut borders of a judged window have.
 const MOST_GAPS: usize = 1 << 20;
@@ -53,6 +56,13 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let plane = Plane::new(&parameters, &pattern)?;
     let domain = plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
+    let area = (0..2).map(|axis| (window.max[axis] - window.min[axis]) as f64 / f64::from(R));
+    let expected = area.product::<f64>() * MAXIMAL_DENSITY;
+    ensure!(
+        expected <= MOST_SAMPLES,
+        "about {expected:.3e} samples lie in the window; at most {MOST_SAMPLES:.0e} can be shown: \
+         make the whole set with --out, or choose a smaller window"
+    );
     let began = Instant::now();
     let points = plane.window(&window)?;
     let seconds = began.elapsed().as_secs_f64();

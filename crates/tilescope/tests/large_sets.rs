@@ -391,6 +391,13 @@ fn what_cannot_be_is_refused_with_value_and_limit() {
         command.args(base).args(&more);
         command.assert().code(2).stderr(contains(message));
     }
+    let mut wide = tilescope(&folder);
+    wide.args([
+        "sample", "--radius", "2e-5", "--window", "0", "0", "1", "0.5",
+    ]);
+    wide.assert()
+        .code(2)
+        .stderr(contains("at most 2e7 can be shown"));
     assert!(names(folder.path()).is_empty());
 }
 

@@ -4,6 +4,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use fearless_simd::dispatch;
+use rayon::prelude::*;
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Rect, Window};
@@ -23,6 +24,10 @@ use super::region::Region;
 /// Cells around a window that are computed with it at first. Wider halos cost more in every window than
 /// repairs do in a few.
 const HALO: i32 = 6;
+
+/// The longest side of a window that is computed at once, in cells. Larger ones leave the second-level cache;
+/// smaller ones have more halo.
+pub(super) const LONGEST_SIDE: i32 = 320;
 
 /// Unsure cells this near to each other are repaired together.
 const NEIGHBOURS: i32 = 8;
@@ -110,18 +115,25 @@ impl Plane {
     /// Computes nothing but the window and what its samples depend on. Fails when a bounded pattern is too
     /// small for a block.
     pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
-        let mut found = Vec::new();
-        let parts = self.parts(window);
-        for part in &parts {
+        let parts: Vec<Rect> = self.parts(window).iter().flat_map(pieces).collect();
+        let compute = |part: &Rect| {
             let mut scratch = self.plain.take();
+            let mut found = Vec::new();
             self.compute(&mut scratch, 0, part)?;
             self.emit(&scratch, &mut found, &mut Vec::new(), &mut Vec::new());
             self.plain.give(scratch);
+            Ok(found)
+        };
+        if let [part] = parts.as_slice() {
+            return compute(part);
         }
-        if parts.len() > 1 {
-            found.sort_unstable_by_key(|p| p.canonical());
+        let found: Vec<Result<Vec<Point>, SampleError>> = parts.par_iter().map(compute).collect();
+        let mut points = Vec::new();
+        for part in found {
+            points.append(&mut part?);
         }
-        Ok(found)
+        points.par_sort_unstable_by_key(|p| p.canonical());
+        Ok(points)
     }
 
     /// Returns the parts of the domain that a window shows, none of them twice.
@@ -209,6 +221,27 @@ impl Plane {
         }
         Ok(counts)
     }
+}
+
+/// Cuts a part of the domain into windows of at most [`LONGEST_SIDE`] cells and a bit.
+fn pieces(part: &Rect) -> Vec<Rect> {
+    let side = i64::from(LONGEST_SIDE) << CELL_BITS;
+    let starts = |low: i32, high: i32| {
+        let cut = move |at: i64| (at, (at + side).min(high.into()));
+        (i64::from(low)..i64::from(high))
+            .step_by(side as usize)
+            .map(cut)
+    };
+    let mut pieces = Vec::new();
+    for (bottom, top) in starts(part.min.y, part.max.y) {
+        for (left, right) in starts(part.min.x, part.max.x) {
+            pieces.push(Rect {
+                min: Point::new(left as i32, bottom as i32),
+                max: Point::new(right as i32, top as i32),
+            });
+        }
+    }
+    pieces
 }
 
 /// Returns how many cells away from a lost sample places may lie that no sample covers and that the

@@ -19,12 +19,9 @@ use crate::stages::detect::Sites;
 use super::counts::Counts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
-use super::plane::{Plane, Pool};
+use super::plane::{LONGEST_SIDE, Plane, Pool};
 
-/// The longest side of a window, in cells: its buffers then fit the second-level cache, nearly.
-const LONGEST_SIDE: i32 = 320;
-
-/// The shortest, so that halos do not outweigh windows.
+/// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const SHORTEST_SIDE: i32 = 64;
 
 /// Windows for each thread between two looks at the observer.

@@ -40,7 +40,7 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn fill_uniformly<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
-        self.mark(&mut gaps, rules.lost_reach);
+        self.mark(&mut gaps, rules);
         for k in 0..self.unsure.len() {
             self.reach_around(self.unsure[k] as usize, rules.lost_reach);
         }

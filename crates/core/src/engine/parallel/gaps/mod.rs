@@ -32,8 +32,8 @@ pub(crate) struct Rules {
     pub search: Search,
     /// The run's key.
     pub key: Key,
-    /// Cells around a lost sample in which an uncovered place may lie: 1, or more with a pattern
-    /// that leaves lattice points uncovered.
+    /// How many cells away from a place the lost samples may be that make it one to look at: 1 for
+    /// the one that covered it, or more with a pattern that leaves lattice points uncovered.
     pub lost_reach: i32,
     /// How gaps are filled.
     pub insertion: Insertion,
@@ -48,7 +48,7 @@ impl Rules {
     /// Returns how many cells away an unsure sample may matter to a place.
     pub(crate) fn reach(&self) -> i32 {
         match self.insertion {
-            Insertion::Circumcentre => reach_cells(self.domain.is_periodic()),
+            Insertion::Circumcentre => reach_cells(self.domain.is_periodic()).max(self.lost_reach),
             Insertion::Uniform => self.lost_reach,
         }
     }
@@ -117,8 +117,8 @@ impl<const TAGS: bool> Region<TAGS> {
     pub(crate) fn fill<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
-        self.mark(&mut gaps, rules.lost_reach);
-        self.spread(simd, &mut gaps, false);
+        self.mark(&mut gaps, rules);
+        self.spread(simd, &mut gaps, rules, false);
         self.first_detection(simd, &mut gaps, rules);
         let mut iteration = 1;
         loop {
@@ -128,7 +128,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 break;
             }
             iteration += 1;
-            self.spread(simd, &mut gaps, true);
+            self.spread(simd, &mut gaps, rules, true);
             self.detect_again(simd, &mut gaps, first, rules);
         }
         self.gaps = gaps;
@@ -142,8 +142,8 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Lets unsure cells reach their surroundings: what is open there may be filled by samples that
     /// are not known. With `again` the open cells newly reached are judged; else detection does it.
     #[inline(always)]
-    fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, again: bool) {
-        let reach = reach_cells(self.frame.periodic);
+    fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, again: bool) {
+        let reach = rules.reach();
         let known = self.unsure.len();
         let (columns, rows) = (self.frame.cells[0], self.frame.cells[1]);
         for k in self.spread..known {

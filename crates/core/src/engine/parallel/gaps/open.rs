@@ -6,28 +6,33 @@ use crate::lattice::R;
 use super::super::frame::{CELL_BITS, PAD};
 use super::super::region::{Region, Slots};
 use super::super::stamp::{PIXELS, Stamps};
-use super::{GapBuffers, corner};
+use super::{GapBuffers, Rules, corner};
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Marks the cells in which an uncovered place may lie.
+    /// Marks the cells in which an uncovered place may lie: those around lost samples, or all with a
+    /// pattern that leaves places uncovered itself.
     #[inline(always)]
-    pub(crate) fn mark(&self, gaps: &mut GapBuffers, reach: i32) {
+    pub(crate) fn mark(&self, gaps: &mut GapBuffers, rules: &Rules) {
         let words = self.words();
         let rows = (self.frame.cells[1] + 2 * PAD) as usize;
-        for bits in [&mut gaps.marked, &mut gaps.open] {
+        let all = if rules.is_exact() { 0 } else { u64::MAX };
+        for (bits, value) in [(&mut gaps.marked, all), (&mut gaps.open, 0)] {
             bits.clear();
-            bits.resize(words * rows, 0);
+            bits.resize(words * rows, value);
         }
-        let ones = (1_u64 << (2 * reach + 1)) - 1;
+        if all != 0 {
+            return;
+        }
+        // Three cells to each side: in one word or two.
         for lost in &self.lost {
-            let column = ((lost.x >> CELL_BITS) + PAD - reach).max(0) as usize;
-            let row = (lost.y >> CELL_BITS) + PAD;
+            let column = ((lost.x >> CELL_BITS) + PAD - 1) as usize;
+            let row = ((lost.y >> CELL_BITS) + PAD) as usize;
             let (word, bit) = (column / 64, column % 64);
-            for row in (row - reach).max(0)..=(row + reach).min(rows as i32 - 1) {
-                let at = row as usize * words + word;
-                gaps.marked[at] |= ones << bit;
-                if bit + 2 * reach as usize >= 64 && word + 1 < words {
-                    gaps.marked[at + 1] |= ones >> (64 - bit);
+            for row in row - 1..=row + 1 {
+                let at = row * words + word;
+                gaps.marked[at] |= 0b111 << bit;
+                if bit > 61 {
+                    gaps.marked[at + 1] |= 0b111 >> (64 - bit);
                 }
             }
         }
