@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
     Domain, Origin, Parameters, Pattern, Point, Run, SampleError, Sampled, Sequential, Source,
-    Stage, Summary, Sweep, reference_sample, sample_count, search_radius,
+    Stage, Summary, Sweep, radius_estimate, reference_sample, sample_count, search_radius,
 };
 use tilescope_formats::{ExportContext, PointSet, Provenance, bytes_digest};
 
@@ -132,6 +132,34 @@ pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
     Some(sources.iter().map(of).collect())
 }
 
+/// Sets larger than this are not made for the sake of their count, unless the estimate is known to miss.
+const LARGE: u64 = 1_000_000;
+
+/// Samples of the set that tells whether the estimate holds.
+const PROBE: u64 = 300_000;
+
+/// How far that set's count may be off, as a share, for the first try of a search to be its last: it
+/// may be off by a hundredth, and the counts of larger sets vary less.
+const PROBE_TOLERANCE: f64 = 0.007;
+
+/// Returns whether the radius estimated for a large count will give it: a smaller set of the same parameters tells
+/// the density.
+fn estimate_holds(
+    parameters: &Parameters,
+    pattern: &Pattern,
+    watch: &mut Stopwatch,
+) -> Result<bool> {
+    let radius = radius_estimate(parameters, PROBE)?;
+    let parameters = Parameters {
+        radius,
+        ..*parameters
+    };
+    let mut sweep = Sweep::new(&parameters, pattern, false)?;
+    while sweep.step(watch)?.is_some() {}
+    let found = sweep.summary().count as f64;
+    Ok((found / PROBE as f64 - 1.0).abs() <= PROBE_TOLERANCE)
+}
+
 /// Returns the parameters with their radius: with `--count` the same that the sequential engine finds.
 pub fn with_radius(
     arguments: &RunArguments,
@@ -143,6 +171,13 @@ pub fn with_radius(
         parameters.validate()?;
         return Ok(parameters);
     };
+    if count > LARGE && estimate_holds(&parameters, pattern, watch)? {
+        let radius = radius_estimate(&parameters, count)?;
+        return Ok(Parameters {
+            radius,
+            ..parameters
+        });
+    }
     let radius = search_radius(&parameters, count, |radius| -> Result<_, SampleError> {
         let parameters = Parameters {
             radius,

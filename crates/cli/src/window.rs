@@ -1,14 +1,17 @@
 //! `tilescope sample --window`: a part of a set that is never made as a whole.
 
+use std::fmt::Write;
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use serde_json::json;
+use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
-use tilescope_core::{Domain, MAXIMAL_DENSITY, Parameters, Plane, Point, R, Window};
+use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Point, R, Window};
 use tilescope_formats::{Format, PointSet, Precision, Target, encode, write_whole};
 
 use crate::make::{positions, with_radius};
+use crate::options::region;
 use crate::output;
 use crate::progress::{Stopwatch, verifying};
 use crate::sample::{Method, PrecisionArgument, SampleArguments};
@@ -33,110 +36,138 @@ pub struct Verdict {
     pub min_distance: f64,
 }
 
+impl Verdict {
+    const fn is_valid(&self) -> bool {
+        self.conflicts == 0 && self.gaps == 0
+    }
+}
+
+/// A window as it was asked for and made.
+struct Shown<'a> {
+    /// Left, bottom, right, top.
+    sides: [f64; 4],
+    radius: f64,
+    domain: &'a Domain,
+    count: usize,
+    seconds: f64,
+    verdict: Verdict,
+    file: Option<String>,
+}
+
 pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = window else {
         anyhow::bail!("--window takes four numbers");
     };
-    let mut watch = Stopwatch::start();
-    let parameters = arguments.run.parameters();
-    ensure!(
-        arguments.method == Method::Kdrt && arguments.engine.is_parallel(&parameters),
-        "--window needs the parallel engine: the others make whole sets"
-    );
-    let pattern = arguments.run.pattern(&mut watch)?;
-    let parameters = match arguments.run.count {
-        Some(count) => Parameters {
-            radius: radius_of(&parameters, count, || {
-                with_radius(&arguments.run, &pattern, &mut watch)
-            })?,
-            ..parameters
-        },
-        None => parameters,
-    };
-    let plane = Plane::new(&parameters, &pattern)?;
+    let plane = plane(arguments)?;
     let domain = plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
-    let area = (0..2).map(|axis| (window.max[axis] - window.min[axis]) as f64 / f64::from(R));
-    let expected = area.product::<f64>() * MAXIMAL_DENSITY;
+    check_size(&window)?;
+    let began = Instant::now();
+    let points = plane.window(&window)?;
+    let seconds = began.elapsed().as_secs_f64();
+    if let Some(path) = &arguments.out {
+        let set = PointSet::from_points(positions(domain, &points));
+        save(arguments, domain, &set, path).with_context(|| path.display().to_string())?;
+    }
+    let shown = Shown {
+        sides: [left, bottom, right, top],
+        radius: domain.radius(),
+        domain,
+        count: points.len(),
+        seconds,
+        verdict: judge(&plane, &window)?,
+        file: arguments
+            .out
+            .as_ref()
+            .map(|path| path.display().to_string()),
+    };
+    output::emit(&if arguments.json {
+        format!("{}\n", json(&shown))
+    } else {
+        text(&shown)
+    })?;
+    Ok(verdict_code(shown.verdict.is_valid()))
+}
+
+/// Returns the plane that the arguments describe.
+fn plane(arguments: &SampleArguments) -> Result<Plane> {
+    ensure!(
+        arguments.method == Method::Kdrt
+            && arguments.engine.is_parallel(&arguments.run.parameters()),
+        "--window needs the parallel engine: the others make whole sets"
+    );
+    let mut watch = Stopwatch::start();
+    let pattern = arguments.run.pattern(&mut watch)?;
+    let parameters = with_radius(&arguments.run, &pattern, &mut watch)?;
+    watch.take();
+    Ok(Plane::new(&parameters, &pattern)?)
+}
+
+fn check_size(window: &Window) -> Result<()> {
+    let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
+    let expected = side(0) * side(1) * MAXIMAL_DENSITY;
     ensure!(
         expected <= MOST_SAMPLES,
         "about {expected:.3e} samples lie in the window; at most {MOST_SAMPLES:.0e} can be shown: \
          make the whole set with --out, or choose a smaller window"
     );
-    let began = Instant::now();
-    let points = plane.window(&window)?;
-    let seconds = began.elapsed().as_secs_f64();
-    watch.take();
-    let found = positions(domain, &points);
-    if let Some(path) = &arguments.out {
-        let format = arguments.format.or_else(|| Format::from_path(path));
-        let precision = match arguments.precision {
-            PrecisionArgument::F32 => Precision::Single,
-            PrecisionArgument::F64 => Precision::Double,
-        };
-        let mut target = Target::new(format.context("the extension names no format")?);
-        target.precision = precision;
-        target.region = Some(crate::options::region(domain));
-        let set = PointSet::from_points(found);
-        let bytes = encode(&set, &target).with_context(|| path.display().to_string())?;
-        write_whole(path, &bytes)?;
-    }
-    let verdict = judge(&plane, &window)?;
-    let is_valid = verdict.conflicts == 0 && verdict.gaps == 0;
-    let path = arguments
-        .out
-        .as_ref()
-        .map(|path| path.display().to_string());
-    if arguments.json {
-        let object = json!({
-            "radius": parameters.radius,
-            "window": [left, bottom, right, top],
-            "count": points.len(),
-            "seconds": seconds,
-            "conflicts": verdict.conflicts,
-            "gaps": verdict.gaps,
-            "min_distance_r": verdict.min_distance,
-            "valid": is_valid,
-            "file": path,
-        });
-        output::emit(&format!("{object}\n"))?;
-    } else {
-        output::emit(&format!(
-            "window         [{left}, {right}) x [{bottom}, {top}) of {}, r = {}\n\
-             samples        {} in {:.2} ms\n\
-             conflict-free  {}   min distance {:.9} r\n\
-             maximal        {}\n\
-             verdict        {}\n",
-            output::region_text(&crate::options::region(domain)),
-            parameters.radius,
-            points.len(),
-            seconds * 1e3,
-            output::answer(verdict.conflicts == 0, verdict.conflicts),
-            verdict.min_distance,
-            output::answer(verdict.gaps == 0, verdict.gaps as u64),
-            if is_valid { "valid" } else { "NOT VALID" },
-        ))?;
-        if let Some(path) = path {
-            output::emit(&format!(
-                "file           {path} (a part of a set has no certificate)\n"
-            ))?;
-        }
-    }
-    Ok(verdict_code(is_valid))
+    Ok(())
 }
 
-/// Returns the radius for a count: the estimate, where making the sets that a search tries would be
-/// against the purpose of a window.
-fn radius_of(
-    parameters: &Parameters,
-    count: u64,
-    search: impl FnOnce() -> Result<Parameters>,
-) -> Result<f64> {
-    const SEARCHED: u64 = 1_000_000;
-    if count <= SEARCHED {
-        return Ok(search()?.radius);
+fn save(arguments: &SampleArguments, domain: &Domain, set: &PointSet, path: &Path) -> Result<()> {
+    let format = arguments.format.or_else(|| Format::from_path(path));
+    let mut target = Target::new(format.context("the extension names no format")?);
+    target.precision = match arguments.precision {
+        PrecisionArgument::F32 => Precision::Single,
+        PrecisionArgument::F64 => Precision::Double,
+    };
+    target.region = Some(region(domain));
+    Ok(write_whole(path, &encode(set, &target)?)?)
+}
+
+fn json(shown: &Shown<'_>) -> Value {
+    json!({
+        "radius": shown.radius,
+        "window": shown.sides,
+        "count": shown.count,
+        "seconds": shown.seconds,
+        "conflicts": shown.verdict.conflicts,
+        "gaps": shown.verdict.gaps,
+        "min_distance_r": shown.verdict.min_distance,
+        "valid": shown.verdict.is_valid(),
+        "file": shown.file,
+    })
+}
+
+fn text(shown: &Shown<'_>) -> String {
+    let [left, bottom, right, top] = shown.sides;
+    let verdict = &shown.verdict;
+    let mut out = format!(
+        "window         [{left}, {right}) x [{bottom}, {top}) of {}, r = {}\n\
+         samples        {} in {:.2} ms\n\
+         conflict-free  {}   min distance {:.9} r\n\
+         maximal        {}\n\
+         verdict        {}\n",
+        output::region_text(&region(shown.domain)),
+        shown.radius,
+        shown.count,
+        shown.seconds * 1e3,
+        output::answer(verdict.conflicts == 0, verdict.conflicts),
+        verdict.min_distance,
+        output::answer(verdict.gaps == 0, verdict.gaps as u64),
+        if verdict.is_valid() {
+            "valid"
+        } else {
+            "NOT VALID"
+        },
+    );
+    if let Some(file) = &shown.file {
+        let _ = writeln!(
+            out,
+            "file           {file} (a part of a set has no certificate)"
+        );
     }
-    Ok(tilescope_core::radius_estimate(parameters, count)?)
+    out
 }
 
 /// Judges a window of a plane, with a margin around it as far as there is plane.
@@ -219,6 +250,5 @@ fn verdict(report: &Report, window: &Window, wide: &Window, unit: [f64; 2]) -> V
 /// Judges and says whether all is well, for callers that measure.
 pub fn is_valid(plane: &Plane, window: &Window) -> Result<bool> {
     ensure!(!interrupt::requested(), "cancelled before the verdict");
-    let verdict = judge(plane, window)?;
-    Ok(verdict.conflicts == 0 && verdict.gaps == 0)
+    Ok(judge(plane, window)?.is_valid())
 }
