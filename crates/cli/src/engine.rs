@@ -13,9 +13,16 @@ pub struct EngineArguments {
     /// Who computes: all engines give the same points, bit for bit
     #[arg(long, value_enum, default_value = "auto")]
     pub engine: EngineArgument,
+    #[command(flatten)]
+    pub threads: ThreadArguments,
+}
+
+/// How many threads compute.
+#[derive(Clone, Debug, Args)]
+pub struct ThreadArguments {
     /// Threads for sampling and verifying; as many as there are cores, if not given
     #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    threads: Option<usize>,
 }
 
 /// An engine.
@@ -39,9 +46,11 @@ impl EngineArguments {
             EngineArgument::Sequential => false,
         }
     }
+}
 
+impl ThreadArguments {
     /// Sets the number of threads of this process. To be called once, before any work.
-    pub fn set_threads(&self) -> Result<()> {
+    pub fn set(&self) -> Result<()> {
         let Some(threads) = self.threads else {
             return Ok(());
         };

@@ -90,7 +90,7 @@ pub enum PrecisionArgument {
 
 pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
-    arguments.engine.set_threads()?;
+    arguments.engine.threads.set()?;
     if let Some(path) = &arguments.out {
         check_target(path, arguments.format)?;
     }

@@ -13,7 +13,7 @@ use tilescope_core::{
     Search, Sequential, Stream, Sweep, Unobserved, Window, below,
 };
 
-use crate::engine::EngineArguments;
+use crate::engine::ThreadArguments;
 use crate::options::region;
 use crate::progress::Bar;
 use crate::{interrupt, make, output, verdict_code};
@@ -29,16 +29,16 @@ pub struct SoakArguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
-    engine: EngineArguments,
+    threads: ThreadArguments,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
 const EXAMPLES: &str = "\
-Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with the
-sequential and with the parallel engine, compares the two point by point, compares four windows with
-the set, and verifies the set. Exit code 1 if anything is not as promised.
+Each round draws sides, leaf, pattern, boundaries, order, insertion, search and seed, samples with
+the sequential and with the parallel engine, compares the two point by point, compares four windows
+with the set, and verifies the set. Exit code 1 if anything is not as promised.
 
 Example:
   tilescope soak --samples 1000000000";
@@ -85,7 +85,7 @@ impl Found {
 
 pub fn run(arguments: &SoakArguments) -> Result<u8> {
     interrupt::listen();
-    arguments.engine.set_threads()?;
+    arguments.threads.set()?;
     let bar = Bar::new("soak");
     let mut found = Found::default();
     while found.samples < arguments.samples && !interrupt::requested() {
