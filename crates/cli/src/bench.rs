@@ -106,6 +106,12 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         Parameters { leaf, ..base }.validate()?;
     }
     let of_plane = parameters(arguments, arguments.plane)?;
+    ensure!(
+        arguments.plane as f64 >= 2.0 * WINDOW_SAMPLES,
+        "--plane is {}; it must be at least {}, twice a window",
+        arguments.plane,
+        2.0 * WINDOW_SAMPLES
+    );
     let pools = pools(&arguments.threads)?;
     let began = Instant::now();
     // What making a pattern costs is told, too, so neither a ready-made nor a kept one will do.

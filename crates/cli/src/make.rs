@@ -8,8 +8,9 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use tilescope_analysis::{Region, Report, VerifyOptions};
 use tilescope_core::{
-    Domain, Origin, Parameters, Pattern, Point, Run, SampleError, Sampled, Sequential, Source,
-    Stage, Summary, Sweep, radius_estimate, reference_sample, sample_count, search_radius,
+    Domain, MAX_SEQUENTIAL_SAMPLES, Origin, Parameters, Pattern, Point, Run, SampleError, Sampled,
+    Sequential, Source, Stage, Summary, Sweep, radius_estimate, reference_sample, sample_count,
+    search_radius,
 };
 use tilescope_formats::{ExportContext, PointSet, Provenance, bytes_digest};
 
@@ -132,7 +133,8 @@ pub fn provenance(sampled: &Sampled) -> Option<Vec<Provenance>> {
     Some(sources.iter().map(of).collect())
 }
 
-/// Sets larger than this are not made for the sake of their count, unless the estimate is known to miss.
+/// Sets larger than this are not made for the sake of their count, unless the estimate is known to miss and the
+/// sequential engine could make the same.
 const LARGE: u64 = 1_000_000;
 
 /// Samples of the set that tells whether the estimate holds.
@@ -142,22 +144,22 @@ const PROBE: u64 = 300_000;
 /// may be off by a hundredth, and the counts of larger sets vary less.
 const PROBE_TOLERANCE: f64 = 0.007;
 
-/// Returns whether the radius estimated for a large count will give it: a smaller set of the same parameters tells
-/// the density.
-fn estimate_holds(
+/// Returns the density of sets of the parameters, as a share of the estimate's, from a smaller set; `None`
+/// where the sides allow no smaller one.
+fn probe(
     parameters: &Parameters,
     pattern: &Pattern,
     watch: &mut Stopwatch,
-) -> Result<bool> {
-    let radius = radius_estimate(parameters, PROBE)?;
+) -> Result<Option<f64>, SampleError> {
+    let Ok(radius) = radius_estimate(parameters, PROBE) else {
+        return Ok(None);
+    };
     let parameters = Parameters {
         radius,
         ..*parameters
     };
-    let mut sweep = Sweep::new(&parameters, pattern, false)?;
-    while sweep.step(watch)?.is_some() {}
-    let found = sweep.summary().count as f64;
-    Ok((found / PROBE as f64 - 1.0).abs() <= PROBE_TOLERANCE)
+    let found = count_of(&parameters, pattern, watch)?;
+    Ok(Some(found as f64 / PROBE as f64))
 }
 
 /// Returns the parameters with their radius: with `--count` the same that the sequential engine finds.
@@ -171,26 +173,51 @@ pub fn with_radius(
         parameters.validate()?;
         return Ok(parameters);
     };
-    if count > LARGE && estimate_holds(&parameters, pattern, watch)? {
-        let radius = radius_estimate(&parameters, count)?;
-        return Ok(Parameters {
-            radius,
-            ..parameters
-        });
-    }
-    let radius = search_radius(&parameters, count, |radius| -> Result<_, SampleError> {
-        let parameters = Parameters {
-            radius,
-            ..parameters
-        };
-        let mut sweep = Sweep::new(&parameters, pattern, false)?;
-        while sweep.step(watch)?.is_some() {}
-        Ok((sweep.summary().count as u64, radius))
-    })?;
+    let estimate = radius_estimate(&parameters, count)?;
+    let density = if count > LARGE {
+        probe(&parameters, pattern, watch)?
+    } else {
+        None
+    };
+    let radius = match density {
+        // The first try of a search would be its last.
+        Some(density) if (density - 1.0).abs() <= PROBE_TOLERANCE => estimate,
+        // Nobody else makes such sets whose radius this would have to equal.
+        Some(density) if count as f64 > MAX_SEQUENTIAL_SAMPLES => estimate * density.sqrt(),
+        _ => search(&parameters, count, pattern, watch)?,
+    };
+    watch.forget_tries();
     Ok(Parameters {
         radius,
         ..parameters
     })
+}
+
+/// Returns the radius that a search by whole sets finds, the same as the sequential engine's.
+fn search(
+    parameters: &Parameters,
+    count: u64,
+    pattern: &Pattern,
+    watch: &mut Stopwatch,
+) -> Result<f64, SampleError> {
+    search_radius(parameters, count, |radius| {
+        let parameters = Parameters {
+            radius,
+            ..*parameters
+        };
+        Ok((count_of(&parameters, pattern, watch)?, radius))
+    })
+}
+
+/// Returns how many samples a set has.
+fn count_of(
+    parameters: &Parameters,
+    pattern: &Pattern,
+    watch: &mut Stopwatch,
+) -> Result<u64, SampleError> {
+    let mut sweep = Sweep::new(parameters, pattern, false)?;
+    while sweep.step(watch)?.is_some() {}
+    Ok(sweep.summary().count as u64)
 }
 
 /// Makes a set with the reference sampler.

@@ -72,6 +72,11 @@ impl Stopwatch {
         std::mem::take(&mut self.seconds)
     }
 
+    /// Forgets the times of tries: what follows is the run that is told of.
+    pub fn forget_tries(&mut self) {
+        self.seconds.retain(|&(stage, _)| stage == Stage::Pattern);
+    }
+
     fn add(&mut self, stage: Stage, time: Duration) {
         // A stage that comes again belongs to another try; only the last one's times are told.
         if self.seconds.last().is_some_and(|&(last, _)| stage < last) {

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::Report;
 use tilescope_core::MAXIMAL_DENSITY;
-use tilescope_formats::{ExportContext, Exported, Format, Precision, resume_path};
+use tilescope_formats::{ExportContext, Exported, Format, Precision};
 
 use crate::engine::EngineArguments;
 use crate::make::{self, Made};
@@ -47,7 +47,7 @@ pub struct SampleArguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 10, requires = "out")]
     checkpoint: u64,
     /// Do not verify; a file then has no certificate
-    #[arg(long)]
+    #[arg(long, requires = "out")]
     no_verify: bool,
     /// Format of the file, where the extension does not tell
     #[arg(long, value_name = "FORMAT", requires = "out")]
@@ -141,10 +141,6 @@ fn stream(arguments: &SampleArguments) -> Result<u8> {
         checkpoint: Duration::from_secs(arguments.checkpoint),
     };
     let passed = stream::pass(&arguments.run, &target).map_err(|error| match &arguments.out {
-        Some(path) if resume_path(path).exists() => error.context(format!(
-            "{}: not finished; the same command with --resume goes on from the last checkpoint",
-            path.display()
-        )),
         Some(path) => error.context(path.display().to_string()),
         None => error,
     })?;

@@ -1,5 +1,5 @@
 //! `tilescope soak`: random parameters, both engines, windows, and the verifier, for as many samples as
-//! wanted. Whatever is not as promised is printed as the command that shows it.
+//! wanted. Whatever is not as promised is said, with the command that makes the set.
 
 use std::fmt::Write;
 
@@ -63,7 +63,9 @@ struct Found {
     unequal: u64,
     /// The largest covering radius of a round with the complete search, in radii.
     covering: f64,
-    /// The commands that show what is wrong.
+    /// Rounds that ended with an error.
+    failed: u64,
+    /// The commands that make what is wrong, with what it is.
     commands: Vec<String>,
 }
 
@@ -75,11 +77,12 @@ impl Found {
         self.gaps += other.gaps;
         self.unequal += other.unequal;
         self.covering = self.covering.max(other.covering);
+        self.failed += other.failed;
         self.commands.extend(other.commands);
     }
 
     const fn is_fine(&self) -> bool {
-        self.conflicts == 0 && self.gaps == 0 && self.unequal == 0
+        self.conflicts == 0 && self.gaps == 0 && self.unequal == 0 && self.failed == 0
     }
 }
 
@@ -93,8 +96,8 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
         let outcomes: Vec<Found> = rounds
             .into_par_iter()
             .with_max_len(1)
-            .map(|k| round(arguments.seed, k))
-            .collect::<Result<_>>()?;
+            .map(|k| round_or_fault(arguments.seed, k))
+            .collect();
         for outcome in outcomes {
             found.add(outcome);
         }
@@ -108,6 +111,7 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
             "conflicts": found.conflicts,
             "gaps": found.gaps,
             "unequal": found.unequal,
+            "failed": found.failed,
             "covering_radius_r": found.covering,
             "commands": found.commands,
         });
@@ -129,6 +133,9 @@ fn text(found: &Found) -> String {
     let _ = writeln!(out, "gaps               {}", found.gaps);
     let _ = writeln!(out, "covering radius    {:.9} r at most", found.covering);
     let _ = writeln!(out, "unequal engines    {}", found.unequal);
+    if found.failed > 0 {
+        let _ = writeln!(out, "rounds that failed {}", found.failed);
+    }
     for command in &found.commands {
         let _ = writeln!(out, "  {command}");
     }
@@ -215,27 +222,39 @@ fn parameters(dice: &Dice, seed: u64) -> Parameters {
     }
 }
 
-fn round(seed: u64, index: u64) -> Result<Found> {
+/// Makes a round. An error is one of its findings; an interrupted round has found nothing.
+fn round_or_fault(seed: u64, index: u64) -> Found {
+    if interrupt::requested() {
+        return Found::default();
+    }
     let key = Key::from_seed(seed).derive(Stream::Pattern, index as u32);
     let [low, high] = key.words();
     let dice = Dice(key);
     let parameters = parameters(&dice, u64::from(low) | u64::from(high) << 32);
-    if interrupt::requested() {
-        return Ok(Found::default());
+    match round(&parameters, &dice) {
+        Ok(found) => found,
+        Err(_) if interrupt::requested() => Found::default(),
+        Err(error) => Found {
+            rounds: 1,
+            failed: 1,
+            commands: vec![format!("{error:#}: {}", command(&parameters))],
+            ..Found::default()
+        },
     }
+}
+
+fn round(parameters: &Parameters, dice: &Dice) -> Result<Found> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
-    let run = Sequential::new(&parameters, std::sync::Arc::clone(&pattern))?;
+    let run = Sequential::new(parameters, std::sync::Arc::clone(&pattern))?;
     let run = run.finish(&mut Unobserved)?;
     let points = run.points();
-    let (swept, summary) = Sweep::new(&parameters, &pattern, false)?.finish(&mut Unobserved)?;
-    let equal = swept.points == points
-        && summary == run.summary()
-        && windows_agree(&Plane::new(&parameters, &pattern)?, &points, &dice)?;
+    let (swept, summary) = Sweep::new(parameters, &pattern, false)?.finish(&mut Unobserved)?;
+    let engines_agree = swept.points == points && summary == run.summary();
+    let windows_agree = windows_agree(&Plane::new(parameters, &pattern)?, &points, dice)?;
     drop(run);
-    let positions = make::positions(&parameters.validate()?, &points);
     let domain = parameters.validate()?;
     let report = tilescope_analysis::verify(
-        &positions,
+        &make::positions(&domain, &points),
         region(&domain),
         domain.radius(),
         &VerifyOptions::default(),
@@ -247,16 +266,27 @@ fn round(seed: u64, index: u64) -> Result<Found> {
         samples: report.count as u64,
         conflicts: report.conflicts,
         gaps: if complete { report.gaps } else { 0 },
-        unequal: u64::from(!equal),
+        unequal: u64::from(!engines_agree || !windows_agree),
         covering: if complete {
             report.covering_radius
         } else {
             0.0
         },
-        commands: Vec::new(),
+        ..Found::default()
     };
     if !found.is_fine() {
-        found.commands.push(command(&parameters));
+        let what = [
+            (
+                !engines_agree,
+                "--engine sequential and --engine parallel differ: ",
+            ),
+            (!windows_agree, "a --window differs from the set: "),
+            (found.conflicts + found.gaps > 0, "not valid: "),
+        ];
+        let what: String = what.iter().filter(|w| w.0).map(|w| w.1).collect();
+        found
+            .commands
+            .push(format!("{what}{}", command(parameters)));
     }
     Ok(found)
 }

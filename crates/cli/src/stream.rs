@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::{Report, StreamVerifier, VerifyOptions};
 use tilescope_core::{Domain, Sampled, Sweep, SweepState};
@@ -91,7 +91,7 @@ pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
     let mut context = facts.context();
     (target.complete)(&mut context);
     let state = match (target.out, target.resume) {
-        (Some(path), true) => Some(state_of(path, &facts)?),
+        (Some(path), true) => Some(state_of(path, &facts, target.verify)?),
         _ => None,
     };
     let mut sink = Sink::open(target, &context)?;
@@ -101,16 +101,30 @@ pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
         sweep.restore(state);
     }
     let parameters = serde_json::to_value(&facts.parameters)?;
-    let token = |state: &SweepState| json!({ "parameters": parameters, "state": state });
-    let end = sweep_into(&mut sweep, &mut sink, (&domain, &token), &mut watch)?;
+    let verify = target.verify;
+    let token =
+        |state: &SweepState| json!({ "parameters": parameters, "verify": verify, "state": state });
+    let end = sweep_into(&mut sweep, &mut sink, (&domain, &token), &mut watch)
+        .map_err(|error| with_hint(error, target.out))?;
     facts.seconds = watch.take();
     facts.summary = Some(sweep.summary());
     Ok(Passed { facts, end })
 }
 
+/// Says how to go on, where that is possible.
+fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
+    match out {
+        Some(path) if resume_path(path).exists() => error.context(format!(
+            "{}: not finished; the same command with --resume goes on from the last checkpoint",
+            path.display()
+        )),
+        _ => error,
+    }
+}
+
 /// Returns where the interrupted run of `path` was. Fails when there is none, or when it was made with
 /// other parameters, which are named.
-fn state_of(path: &Path, facts: &Facts) -> Result<SweepState> {
+fn state_of(path: &Path, facts: &Facts, verify: bool) -> Result<SweepState> {
     let token = checkpoint_token(path)?.with_context(|| {
         let resume = resume_path(path);
         format!("there is nothing to resume: no {}", resume.display())
@@ -122,6 +136,15 @@ fn state_of(path: &Path, facts: &Facts) -> Result<SweepState> {
             "the interrupted run had {name} {begun}, asked was {asked}; all arguments must be the same"
         );
     }
+    ensure!(
+        token["verify"] == verify,
+        "the interrupted run was {}; all arguments must be the same",
+        if verify {
+            "not verified (--no-verify)"
+        } else {
+            "verified, without --no-verify"
+        }
+    );
     let state = token["state"].clone();
     serde_json::from_value(state).context("the checkpoint is not of a run")
 }
@@ -154,8 +177,12 @@ fn sweep_into(
         };
         drop(sender);
         let written = writer.join().map_err(|_| anyhow!("the writer failed"))?;
-        computed?;
-        written
+        // A run that was stopped leaves the writer nothing to say but that.
+        match (computed, written) {
+            (Err(error), Ok(_)) => Err(error.into()),
+            (Err(error), Err(why)) if why.is::<CutShort>() => Err(error.into()),
+            (_, written) => written,
+        }
     })
 }
 
@@ -164,6 +191,11 @@ enum Word {
     Band(Sampled, SweepState),
     End,
 }
+
+/// The computing thread ended without a last word.
+#[derive(Debug, thiserror::Error)]
+#[error("the run was cancelled before its end")]
+struct CutShort;
 
 /// Where samples go.
 enum Sink {
@@ -218,7 +250,7 @@ impl Sink {
             }
             self.checkpoint(|| token(&state))?;
         }
-        bail!("the run was cancelled before its end")
+        Err(CutShort.into())
     }
 
     fn push(&mut self, points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Result<()> {

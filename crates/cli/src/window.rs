@@ -1,5 +1,6 @@
 //! `tilescope sample --window`: a part of a set that is never made as a whole.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -10,7 +11,7 @@ use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
 use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Point, R, Window};
 use tilescope_formats::{Format, PointSet, Precision, Target, encode, write_whole};
 
-use crate::make::{positions, with_radius};
+use crate::make::{Facts, positions, with_radius};
 use crate::options::region;
 use crate::output;
 use crate::progress::{Stopwatch, verifying};
@@ -44,6 +45,7 @@ impl Verdict {
 
 /// A window as it was asked for and made.
 struct Shown<'a> {
+    parameters: BTreeMap<String, Value>,
     /// Left, bottom, right, top.
     sides: [f64; 4],
     radius: f64,
@@ -58,24 +60,26 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = window else {
         anyhow::bail!("--window takes four numbers");
     };
-    let plane = plane(arguments)?;
+    let (parameters, plane) = plane(arguments)?;
     let domain = plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
     check_size(&window)?;
     let began = Instant::now();
     let points = plane.window(&window)?;
     let seconds = began.elapsed().as_secs_f64();
+    let verdict = judge(&plane, &window)?;
     if let Some(path) = &arguments.out {
         let set = PointSet::from_points(positions(domain, &points));
         save(arguments, domain, &set, path).with_context(|| path.display().to_string())?;
     }
     let shown = Shown {
+        parameters,
         sides: [left, bottom, right, top],
         radius: domain.radius(),
         domain,
         count: points.len(),
         seconds,
-        verdict: judge(&plane, &window)?,
+        verdict,
         file: arguments
             .out
             .as_ref()
@@ -89,8 +93,8 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     Ok(verdict_code(shown.verdict.is_valid()))
 }
 
-/// Returns the plane that the arguments describe.
-fn plane(arguments: &SampleArguments) -> Result<Plane> {
+/// Returns the parameters by name, and the plane that they describe.
+fn plane(arguments: &SampleArguments) -> Result<(BTreeMap<String, Value>, Plane)> {
     ensure!(
         arguments.method == Method::Kdrt
             && arguments.engine.is_parallel(&arguments.run.parameters()),
@@ -100,7 +104,9 @@ fn plane(arguments: &SampleArguments) -> Result<Plane> {
     let pattern = arguments.run.pattern(&mut watch)?;
     let parameters = with_radius(&arguments.run, &pattern, &mut watch)?;
     watch.take();
-    Ok(Plane::new(&parameters, &pattern)?)
+    let plane = Plane::new(&parameters, &pattern)?;
+    let facts = Facts::of_run(&parameters, plane.domain(), Some(&arguments.run))?;
+    Ok((facts.parameters, plane))
 }
 
 fn check_size(window: &Window) -> Result<()> {
@@ -127,6 +133,8 @@ fn save(arguments: &SampleArguments, domain: &Domain, set: &PointSet, path: &Pat
 
 fn json(shown: &Shown<'_>) -> Value {
     json!({
+        "method": "kdrt",
+        "parameters": shown.parameters,
         "radius": shown.radius,
         "window": shown.sides,
         "count": shown.count,
@@ -134,6 +142,8 @@ fn json(shown: &Shown<'_>) -> Value {
         "conflicts": shown.verdict.conflicts,
         "gaps": shown.verdict.gaps,
         "min_distance_r": shown.verdict.min_distance,
+        "conflict_free": shown.verdict.conflicts == 0,
+        "maximal": shown.verdict.gaps == 0,
         "valid": shown.verdict.is_valid(),
         "file": shown.file,
     })

@@ -16,6 +16,14 @@ pub enum SampleError {
     /// The pattern cannot serve.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    /// A window of the parallel engine depends on too much around it.
+    #[error(
+        "a part of this set depends on more than {radii} r around it (the pattern leaves too many places uncovered); the sequential engine can make it"
+    )]
+    Entangled {
+        /// How far around it was looked, in radii.
+        radii: f64,
+    },
     /// The observer asked to stop.
     #[error("cancelled during stage \"{stage}\"")]
     Cancelled {

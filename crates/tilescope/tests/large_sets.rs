@@ -251,6 +251,14 @@ fn a_resume_that_cannot_be_is_refused_and_nothing_is_lost() {
         .args(LARGE)
         .args(["--order", "random", "--out", "set.npy", "--resume"]);
     other.assert().code(2).stderr(contains("order"));
+    let mut unverified = tilescope(&folder);
+    unverified
+        .args(LARGE)
+        .args(["--out", "set.npy", "--resume", "--no-verify"]);
+    unverified
+        .assert()
+        .code(2)
+        .stderr(contains("verified, without --no-verify"));
     assert!(partial(&folder, "set.npy").exists());
     // A byte of the unfinished file is wrong.
     let path = partial(&folder, "set.npy");
@@ -383,7 +391,7 @@ fn what_cannot_be_is_refused_with_value_and_limit() {
         ),
         (vec!["--resume", "--out", "a.json"], "written as it comes"),
         (
-            vec!["--no-verify", "--engine", "sequential"],
+            vec!["--no-verify", "--engine", "sequential", "--out", "a.npy"],
             "need the parallel engine",
         ),
     ] {

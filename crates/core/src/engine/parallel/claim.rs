@@ -36,7 +36,7 @@ pub(crate) enum Turns<'a> {
 
 impl<'a> Turns<'a> {
     /// Returns the turns of `order`. Within a block the sequence does not matter, since the samples of one
-    /// clip are never in conflict: unless the block touches an image of itself.
+    /// clip are never in conflict, unless the block touches an image of itself.
     pub(crate) fn new(order: Order, touches_itself: bool, ranking: &'a Ranking) -> Self {
         match order {
             Order::Index if !touches_itself => Self::Index,

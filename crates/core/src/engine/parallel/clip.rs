@@ -102,7 +102,7 @@ impl CellPattern {
 /// A block, or an image of it, that reaches into a frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
-    /// Its rectangle in the frame's coordinates, which are far outside 32 bits nowhere near.
+    /// Its rectangle in the frame's coordinates, which may be far outside 32 bits.
     pub rect: Rect64,
     /// The place of the block in the sequence of the blocks met, equal for all images of a block:
     /// it grows with the block's index.

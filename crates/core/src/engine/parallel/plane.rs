@@ -29,6 +29,10 @@ const HALO: i32 = 6;
 /// smaller ones have more halo.
 pub(super) const LONGEST_SIDE: i32 = 320;
 
+/// The most repairs of repairs: a halo of 768 cells. One suffices nearly always; only a pattern from a file with
+/// holes everywhere could need more.
+const MOST_REPAIRS: usize = 7;
+
 /// Unsure cells this near to each other are repaired together.
 const NEIGHBOURS: i32 = 8;
 
@@ -195,7 +199,12 @@ impl Plane {
         depth: usize,
         window: &Rect,
     ) -> Result<Counts, SampleError> {
-        if scratch.0.len() == depth {
+        if depth > MOST_REPAIRS {
+            return Err(SampleError::Entangled {
+                radii: f64::from(HALO << MOST_REPAIRS),
+            });
+        }
+        while scratch.0.len() <= depth {
             scratch.0.push(Box::default());
         }
         let region = &mut *scratch.0[depth];
@@ -295,5 +304,70 @@ impl<const TAGS: bool> Pool<TAGS> {
     pub(super) fn give(&self, scratch: Scratch<TAGS>) {
         let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         idle.push(scratch);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::R;
+    use crate::progress::Unobserved;
+
+    fn plane(leaf: f64) -> Plane {
+        let parameters = Parameters {
+            radius: 1.0,
+            width: 400.0,
+            height: 400.0,
+            leaf,
+            ..Parameters::default()
+        };
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+        Plane::new(&parameters, &pattern).unwrap()
+    }
+
+    /// Computes small windows with a first halo of `HALO << depth` cells.
+    fn windows(plane: &Plane, depth: usize) -> (Vec<Vec<Point>>, usize) {
+        let mut repaired = 0;
+        let mut found = Vec::new();
+        for y in (0..400).step_by(8) {
+            for x in (0..400).step_by(8) {
+                let window = Rect {
+                    min: Point::new(x * R, y * R),
+                    max: Point::new((x + 8) * R, (y + 8) * R),
+                };
+                let mut scratch = Scratch::<false>::default();
+                plane.compute(&mut scratch, depth, &window).unwrap();
+                repaired += usize::from(scratch.0.len() > depth + 1);
+                let mut points = Vec::new();
+                let region = &scratch.0[depth];
+                region.emit(&mut points, &mut Vec::new(), &mut Vec::new());
+                found.push(points);
+            }
+        }
+        (found, repaired)
+    }
+
+    #[test]
+    fn narrow_halos_are_repaired_to_what_wide_ones_give() {
+        let plane = plane(7.0);
+        let (narrow, repairs) = windows(&plane, 0);
+        let (wide, _) = windows(&plane, 3);
+        assert!(
+            repairs > 0,
+            "no window came out unsure: the test shows nothing"
+        );
+        assert_eq!(narrow, wide);
+    }
+
+    #[test]
+    fn repairs_end_with_an_error() {
+        let plane = plane(30.0);
+        let window = Rect {
+            min: Point::new(0, 0),
+            max: Point::new(R, R),
+        };
+        let mut scratch = Scratch::<false>::default();
+        let refused = plane.compute(&mut scratch, MOST_REPAIRS + 1, &window);
+        assert_eq!(refused, Err(SampleError::Entangled { radii: 768.0 }));
     }
 }

@@ -88,7 +88,8 @@ impl<const TAGS: bool> Region<TAGS> {
         self.contested.clear();
         self.frame = frame;
         self.mark_rim(1, flag::EDGE);
-        self.mark_rim(reach, flag::REACHED);
+        // One more: what may be open in the outermost cells depends on what lies beyond them.
+        self.mark_rim(reach + 1, flag::REACHED);
     }
 
     /// Flags the `depth` outermost cells on the sides where the plane goes on.

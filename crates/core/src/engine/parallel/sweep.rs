@@ -76,8 +76,9 @@ pub struct Sweep {
     sources: bool,
     /// Cells along the sides of a window.
     sides: [i32; 2],
-    /// Rows of cells in a band, and of all bands that have been computed.
+    /// Rows of cells that have been computed.
     done: i32,
+    /// Rows of cells in all.
     rows: i32,
     counts: Counts,
     count: u64,

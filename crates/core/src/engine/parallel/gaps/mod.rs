@@ -1,5 +1,6 @@
 //! Detection and insertion in a region (see `stages::detect` for what a candidate is). A place that
-//! no sample covers was covered by a lost one, so only cells near lost samples are looked at; stamps
+//! no sample covers was covered by a lost one, so only cells near lost samples are looked at (all of them with
+//! a pattern that itself misses lattice points); stamps
 //! prove most of their pixels covered, and only in the others candidates are sought: among the
 //! samples that are about as near to the pixel as the nearest one, since only those can make one.
 
@@ -32,8 +33,8 @@ pub(crate) struct Rules {
     pub search: Search,
     /// The run's key.
     pub key: Key,
-    /// How many cells away from a place the lost samples may be that make it one to look at: 1 for
-    /// the one that covered it, or more with a pattern that leaves lattice points uncovered.
+    /// How many cells away from a place the lost samples may be on which it depends: 1 for the one that
+    /// covered it, or more with a pattern that leaves lattice points uncovered.
     pub lost_reach: i32,
     /// How gaps are filled.
     pub insertion: Insertion,

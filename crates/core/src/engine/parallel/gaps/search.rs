@@ -177,8 +177,9 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 }
 
-/// Returns whether the centre of three sites may, rounded, be an uncovered place of the pixel. The f64 products
-/// are exact (17-bit offsets); two units and 8 R of squared distance are far more than the rest rounds.
+/// Returns whether the centre of three sites may, rounded, be an uncovered place of the pixel. With sides above
+/// R and a circumradius below 3.5 R, `d` is above R^2 / 3.5, so that the few units by which the largest
+/// products round in f64 move the centre by far less than the two units, and 8 R of squared distance, allowed.
 #[inline(always)]
 fn may_make([a, b, c]: [[f64; 2]; 3], pixel: u8) -> bool {
     let (bx, by, cx, cy) = (b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]);
