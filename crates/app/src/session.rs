@@ -50,7 +50,7 @@ impl Session {
         let run = if keeps_everything(parameters)? {
             Sequential::new(parameters, pattern)?.finish(&mut observer)?
         } else {
-            Sweep::new(parameters, &pattern, true)?.run(&pattern, &mut observer)?
+            Sweep::run(parameters, &pattern, &mut observer)?
         };
         observer.report(Stage::Finish, 0.5).map_or_else(
             || Ok(Self::from_run(run, generation)),

@@ -49,6 +49,9 @@ const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 /// Rounds between two looks at the total.
 const ROUNDS_AT_ONCE: u64 = 16;
 
+/// Faults after which there is no use in going on.
+const MOST_FAULTS: usize = 50;
+
 /// Windows compared in a round.
 const WINDOWS: u32 = 4;
 
@@ -91,7 +94,10 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     arguments.threads.set()?;
     let bar = Bar::new("soak");
     let mut found = Found::default();
-    while found.samples < arguments.samples && !interrupt::requested() {
+    while found.samples < arguments.samples
+        && found.commands.len() < MOST_FAULTS
+        && !interrupt::requested()
+    {
         let rounds: Vec<u64> = (found.rounds..found.rounds + ROUNDS_AT_ONCE).collect();
         let outcomes: Vec<Found> = rounds
             .into_par_iter()

@@ -94,7 +94,7 @@ pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
         (Some(path), true) => Some(state_of(path, &facts, target.verify)?),
         _ => None,
     };
-    let mut sink = Sink::open(target, &context)?;
+    let sink = Sink::open(target, &context)?;
     let sources = target.out.is_some() && context.format.is_some_and(Format::carries_provenance);
     let mut sweep = Sweep::new(&parameters, &pattern, sources)?;
     if let Some(state) = &state {
@@ -104,7 +104,7 @@ pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
     let verify = target.verify;
     let token =
         |state: &SweepState| json!({ "parameters": parameters, "verify": verify, "state": state });
-    let end = sweep_into(&mut sweep, &mut sink, (&domain, &token), &mut watch)
+    let end = sweep_into(&mut sweep, sink, (&domain, &token), &mut watch)
         .map_err(|error| with_hint(error, target.out))?;
     facts.seconds = watch.take();
     facts.summary = Some(sweep.summary());
@@ -155,7 +155,7 @@ type Token<'a> = dyn Fn(&SweepState) -> Value + Sync + 'a;
 /// Computes on this thread (and the pool's) while another one writes and verifies.
 fn sweep_into(
     sweep: &mut Sweep,
-    sink: &mut Sink,
+    sink: Sink,
     (domain, token): (&Domain, &Token<'_>),
     watch: &mut Stopwatch,
 ) -> Result<End> {
@@ -200,12 +200,11 @@ struct CutShort;
 /// Where samples go.
 enum Sink {
     File {
-        /// None when it is finished.
-        export: Option<Box<StreamExport>>,
+        export: Box<StreamExport>,
         last_checkpoint: Instant,
         checkpoint: Duration,
     },
-    Judge(Option<Box<StreamVerifier>>),
+    Judge(Box<StreamVerifier>),
 }
 
 impl Sink {
@@ -213,7 +212,7 @@ impl Sink {
         let Some(path) = target.out else {
             let options = VerifyOptions::default();
             let verifier = StreamVerifier::new(context.region, context.radius, &options)?;
-            return Ok(Self::Judge(Some(Box::new(verifier))));
+            return Ok(Self::Judge(Box::new(verifier)));
         };
         let export = if target.resume {
             StreamExport::resume(path, context)?.0
@@ -225,7 +224,7 @@ impl Sink {
             StreamExport::create(path, context, options)?
         };
         Ok(Self::File {
-            export: Some(Box::new(export)),
+            export: Box::new(export),
             last_checkpoint: Instant::now(),
             checkpoint: target.checkpoint,
         })
@@ -233,7 +232,7 @@ impl Sink {
 
     /// Takes bands to the last one, then finishes.
     fn take_all(
-        &mut self,
+        mut self,
         domain: &Domain,
         token: &Token<'_>,
         words: &Receiver<Word>,
@@ -255,23 +254,15 @@ impl Sink {
 
     fn push(&mut self, points: &[[f64; 2]], provenance: Option<&[Provenance]>) -> Result<()> {
         match self {
-            Self::File { export, .. } => {
-                if let Some(export) = export {
-                    export.push(points, provenance, &control)?;
-                }
-            }
-            Self::Judge(verifier) => {
-                if let Some(verifier) = verifier {
-                    verifier.push(points, &control)?;
-                }
-            }
+            Self::File { export, .. } => export.push(points, provenance, &control)?,
+            Self::Judge(verifier) => verifier.push(points, &control)?,
         }
         Ok(())
     }
 
     fn checkpoint(&mut self, token: impl FnOnce() -> Value) -> Result<()> {
         if let Self::File {
-            export: Some(export),
+            export,
             last_checkpoint,
             checkpoint,
         } = self
@@ -283,17 +274,11 @@ impl Sink {
         Ok(())
     }
 
-    fn finish(&mut self) -> Result<End> {
-        match self {
-            Self::File { export, .. } => {
-                let export = export.take().context("the file is finished already")?;
-                Ok(End::Written(Box::new(export.finish(&control)?)))
-            }
-            Self::Judge(verifier) => {
-                let verifier = verifier.take().context("the verdict is given already")?;
-                Ok(End::Judged(Box::new(verifier.finish(&control)?)))
-            }
-        }
+    fn finish(self) -> Result<End> {
+        Ok(match self {
+            Self::File { export, .. } => End::Written(Box::new(export.finish(&control)?)),
+            Self::Judge(verifier) => End::Judged(Box::new(verifier.finish(&control)?)),
+        })
     }
 }
 

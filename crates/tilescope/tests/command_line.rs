@@ -1,24 +1,14 @@
 //! The command line end to end: the real binary, real files, exit codes.
 
-use std::fs;
-use std::path::Path;
+mod support;
 
-use assert_cmd::Command;
+use std::fs;
+
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
+use support::{names, tilescope};
 use tempfile::{TempDir, tempdir};
-
-fn tilescope(folder: &TempDir) -> Command {
-    let mut command = Command::cargo_bin("tilescope").expect("the binary is built");
-    command
-        .current_dir(folder.path())
-        // No test touches the user's own cache.
-        .env("TILESCOPE_CACHE", "")
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY");
-    command
-}
 
 fn json(folder: &TempDir, arguments: &[&str], code: i32) -> Value {
     let output = tilescope(folder)
@@ -28,15 +18,6 @@ fn json(folder: &TempDir, arguments: &[&str], code: i32) -> Value {
         .get_output()
         .clone();
     serde_json::from_slice(&output.stdout).expect("one JSON object")
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
 }
 
 const FORMATS: [&str; 10] = [

@@ -1,31 +1,23 @@
 //! Engines, windows and sets written as they come, end to end: the real binary, real files, real
 //! interruptions.
 
+mod support;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, Stdio};
 use std::time::{Duration, Instant};
 
-use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
+use support::{names, tilescope};
 use tempfile::{TempDir, tempdir};
 
 /// A set that is written as it comes, in several bands.
 const LARGE: [&str; 7] = [
     "sample", "--count", "1300000", "--leaf", "40", "--seed", "5",
 ];
-
-fn tilescope(folder: &TempDir) -> Command {
-    let mut command = Command::cargo_bin("tilescope").expect("the binary is built");
-    command
-        .current_dir(folder.path())
-        .env("TILESCOPE_CACHE", "")
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY");
-    command
-}
 
 fn json(folder: &TempDir, arguments: &[&str]) -> Value {
     let mut command = tilescope(folder);
@@ -37,14 +29,6 @@ fn json(folder: &TempDir, arguments: &[&str]) -> Value {
 
 fn read(folder: &TempDir, name: &str) -> Vec<u8> {
     fs::read(folder.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap();
-    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string();
-    let mut names: Vec<String> = entries.map(|entry| name(entry).unwrap()).collect();
-    names.sort();
-    names
 }
 
 #[test]
@@ -399,6 +383,14 @@ fn what_cannot_be_is_refused_with_value_and_limit() {
         command.args(base).args(&more);
         command.assert().code(2).stderr(contains(message));
     }
+    let mut outside = tilescope(&folder);
+    outside
+        .args(base)
+        .args(["--boundary", "bounded", "--window", "2", "0", "2.5", "1"]);
+    outside
+        .assert()
+        .code(2)
+        .stderr(contains("from 2 to 2.5, outside the domain's 0 to 1"));
     let mut wide = tilescope(&folder);
     wide.args([
         "sample", "--radius", "2e-5", "--window", "0", "0", "1", "0.5",

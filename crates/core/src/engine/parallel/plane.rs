@@ -117,7 +117,7 @@ impl Plane {
     /// the end of a periodic domain shows its repetition, with the positions of the domain.
     ///
     /// Computes nothing but the window and what its samples depend on. Fails when a bounded pattern is too
-    /// small for a block.
+    /// small for a block, or a pattern leaves so much uncovered that the samples depend on too much around them.
     pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
         let parts: Vec<Rect> = self.parts(window).iter().flat_map(pieces).collect();
         let compute = |part: &Rect| {

@@ -71,7 +71,6 @@ pub struct SweepState {
 /// The bands, one after the other, are the result of the run in canonical order: equal to
 /// [`crate::Sequential`]'s, bit for bit, for any number of threads. Memory is a few bands'.
 pub struct Sweep {
-    parameters: Parameters,
     plane: Plane,
     sources: bool,
     /// Cells along the sides of a window.
@@ -110,7 +109,6 @@ impl Sweep {
             (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
         });
         Ok(Self {
-            parameters: *parameters,
             plane,
             sources,
             sides,
@@ -180,7 +178,8 @@ impl Sweep {
         Ok(Some(joined.sampled(self.sources)))
     }
 
-    /// Runs to the end and returns all samples and the summary.
+    /// Runs to the end and returns the samples of all bands that are left, and the whole run's summary.
+    /// Takes memory for all of them at once.
     pub fn finish(
         mut self,
         observer: &mut dyn Observer,
@@ -231,22 +230,20 @@ impl Sweep {
         idle.extend(bands.into_iter().flatten());
     }
 
-    /// Runs to the end and returns a run that knows its blocks, its result and its counts: no sample
-    /// that was eliminated, no iteration, no sites. Ids follow the canonical order.
+    /// Returns a finished run of `parameters` that knows its blocks, its result and its counts: no
+    /// sample that was eliminated, no iteration, no sites. Ids follow the canonical order.
     ///
-    /// `self` must have been made with sources.
+    /// Fails as [`Self::new`] and [`Self::step`].
     pub fn run(
-        self,
+        parameters: &Parameters,
         pattern: &Arc<Pattern>,
         observer: &mut dyn Observer,
     ) -> Result<Run, SampleError> {
-        let (parameters, domain) = (self.parameters, *self.plane.domain());
-        let blocks = split(
-            &domain,
-            parameters.leaf_units()?,
-            Key::from_seed(parameters.seed),
-        );
-        let (sampled, summary) = self.finish(observer)?;
+        let sweep = Self::new(parameters, pattern, true)?;
+        let domain = *sweep.plane.domain();
+        let (sampled, summary) = sweep.finish(observer)?;
+        let key = Key::from_seed(parameters.seed);
+        let blocks = split(&domain, parameters.leaf_units()?, key);
         let sources = sampled.sources.unwrap_or_default();
         let origin = |(point, source): (&Point, &Source)| match *source {
             Source::Tiled { block, pattern } => Origin::Tiled {
@@ -262,7 +259,7 @@ impl Sweep {
         let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
         let count = origins.len();
         Ok(Run {
-            parameters,
+            parameters: *parameters,
             domain,
             pattern: Arc::clone(pattern),
             blocks,
