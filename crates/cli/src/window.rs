@@ -63,6 +63,17 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let (parameters, plane) = plane(arguments)?;
     let domain = plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
+    let window_side = |axis: usize| [(left, right), (bottom, top)][axis];
+    for (axis, name) in ["width", "height"].into_iter().enumerate() {
+        // Of a bounded domain a window shows only what lies inside.
+        ensure!(
+            window.min[axis] < window.max[axis],
+            "the window's {name} runs from {} to {}, which holds no place of the domain's 0 to {}",
+            window_side(axis).0,
+            window_side(axis).1,
+            domain.size()[axis]
+        );
+    }
     check_size(&window)?;
     let began = Instant::now();
     let points = plane.window(&window)?;

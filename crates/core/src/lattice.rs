@@ -289,8 +289,7 @@ impl Domain {
     /// from the plane: a periodic domain repeats without end, of a bounded one only what lies inside is
     /// returned, its closed upper border with a window that ends there.
     ///
-    /// Fails when a side is not finite, not above 0 or longer than the domain's, and when a window lies
-    /// outside a bounded domain.
+    /// Fails when a side is not finite, not above 0 or longer than the domain's.
     pub fn window(&self, low: [f64; 2], high: [f64; 2]) -> Result<Window, ParameterError> {
         let mut window = Window {
             min: [0; 2],
@@ -306,14 +305,6 @@ impl Domain {
                     low,
                     high,
                     maximum: side,
-                });
-            }
-            if self.boundary == Boundary::Bounded && (high <= 0.0 || low > side) {
-                return Err(ParameterError::WindowOutside {
-                    name,
-                    low,
-                    high,
-                    side,
                 });
             }
             let units = [self.width, self.height][axis];

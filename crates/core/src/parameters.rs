@@ -306,18 +306,6 @@ pub enum ParameterError {
         /// The domain's side.
         maximum: f64,
     },
-    /// A window shows nothing of a bounded domain.
-    #[error("the window's {name} runs from {low} to {high}, outside the domain's 0 to {side}")]
-    WindowOutside {
-        /// Which side.
-        name: &'static str,
-        /// Where it begins.
-        low: f64,
-        /// Where it ends.
-        high: f64,
-        /// The domain's side.
-        side: f64,
-    },
     /// More samples than the engine can hold.
     #[error(
         "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"

@@ -4,7 +4,7 @@
 mod support;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command as Process, Stdio};
 use std::time::{Duration, Instant};
 
@@ -387,10 +387,9 @@ fn what_cannot_be_is_refused_with_value_and_limit() {
     outside
         .args(base)
         .args(["--boundary", "bounded", "--window", "2", "0", "2.5", "1"]);
-    outside
-        .assert()
-        .code(2)
-        .stderr(contains("from 2 to 2.5, outside the domain's 0 to 1"));
+    outside.assert().code(2).stderr(contains(
+        "from 2 to 2.5, which holds no place of the domain's 0 to 1",
+    ));
     let mut wide = tilescope(&folder);
     wide.args([
         "sample", "--radius", "2e-5", "--window", "0", "0", "1", "0.5",
