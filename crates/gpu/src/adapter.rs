@@ -1,0 +1,363 @@
+//! Adapters and devices: which there are, what they allow, how one is opened, what befell it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::error::GpuError;
+
+/// What an adapter is and allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdapterReport {
+    /// Its name, as the driver gives it.
+    pub name: String,
+    /// The programming interface: vulkan, metal, dx12, webgpu.
+    pub backend: String,
+    /// What it is: a discrete, integrated or virtual GPU, or a program on the CPU.
+    pub kind: &'static str,
+    /// Whether it computes on the CPU.
+    pub is_software: bool,
+    /// The driver and its version.
+    pub driver: String,
+    /// Whether it can time passes.
+    pub has_timestamps: bool,
+    /// What it allows of what the engine needs.
+    pub limits: Limits,
+}
+
+/// The limits that decide how large a run in one go may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// The longest buffer, in bytes.
+    pub max_buffer_size: u64,
+    /// The longest part of a buffer that a pass may see, in bytes.
+    pub max_storage_buffer_binding_size: u64,
+    /// Workgroups along one axis.
+    pub max_compute_workgroups_per_dimension: u32,
+    /// Storage buffers that a pass may see.
+    pub max_storage_buffers_per_shader_stage: u32,
+}
+
+/// The storage buffers that the widest pass sees: what WebGPU guarantees.
+pub(crate) const MOST_STORAGE_BUFFERS: u32 = 8;
+
+/// Invocations of a workgroup.
+pub(crate) const WORKGROUP: u32 = 64;
+
+/// Which adapter to open.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Choice {
+    /// Part of its name, in any case of letters; the fastest, if not given.
+    pub name: Option<String>,
+    /// Whether one that computes on the CPU may serve, where no name is given.
+    pub software: bool,
+    /// Limits to stay within, besides the adapter's own.
+    pub limits: Option<Limits>,
+}
+
+/// An open device.
+pub struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    report: AdapterReport,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl std::fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Gpu")
+            .field("report", &self.report)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Returns the backends that run compute passes.
+const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
+
+fn instance() -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = BACKENDS;
+    wgpu::Instance::new(descriptor)
+}
+
+/// Returns what adapters there are, the fastest kind first. In a browser there is at most one.
+pub async fn adapters() -> Vec<AdapterReport> {
+    let instance = instance();
+    found(&instance).await.iter().map(report_of).collect()
+}
+
+async fn found(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    #[cfg(target_arch = "wasm32")]
+    let mut adapters: Vec<wgpu::Adapter> = instance
+        .request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        })
+        .await
+        .into_iter()
+        .collect();
+    #[cfg(not(target_arch = "wasm32"))]
+    let mut adapters = instance.enumerate_adapters(BACKENDS).await;
+    let place = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    adapters.sort_by_key(place);
+    adapters
+}
+
+fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
+    let info = adapter.get_info();
+    let limits = adapter.limits();
+    let is_software = info.device_type == wgpu::DeviceType::Cpu || is_known_software(&info.name);
+    AdapterReport {
+        backend: info.backend.to_string(),
+        kind: match info.device_type {
+            _ if is_software => "software",
+            wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+            wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+            wgpu::DeviceType::VirtualGpu => "virtual GPU",
+            wgpu::DeviceType::Other | wgpu::DeviceType::Cpu => "GPU",
+        },
+        is_software,
+        driver: format!("{} {}", info.driver, info.driver_info)
+            .trim()
+            .to_owned(),
+        has_timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+        limits: Limits {
+            max_buffer_size: limits.max_buffer_size,
+            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size.into(),
+            max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
+            max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
+        },
+        name: info.name,
+    }
+}
+
+/// Browsers do not say that an adapter is a program; its name does.
+fn is_known_software(name: &str) -> bool {
+    let name = name.to_lowercase();
+    ["llvmpipe", "swiftshader", "softpipe", "basic render"]
+        .iter()
+        .any(|known| name.contains(known))
+}
+
+impl Gpu {
+    /// Returns the device of the adapter that `choice` names.
+    ///
+    /// Fails when there is none, when the only ones compute on the CPU and that was not asked for, and
+    /// when a limit is below what every run needs.
+    pub async fn open(choice: &Choice) -> Result<Self, GpuError> {
+        let instance = instance();
+        let adapter = choose(found(&instance).await, choice)?;
+        let mut report = report_of(&adapter);
+        if let Some(limits) = choice.limits {
+            report.limits = report.limits.within(&limits);
+        }
+        report.check()?;
+        let features = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        let mut limits = wgpu::Limits::default().using_resolution(adapter.limits());
+        limits.max_buffer_size = report.limits.max_buffer_size;
+        limits.max_storage_buffer_binding_size = report.limits.max_storage_buffer_binding_size as _;
+        limits.max_compute_workgroups_per_dimension =
+            report.limits.max_compute_workgroups_per_dimension;
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("tilescope"),
+                required_features: features,
+                required_limits: limits,
+                memory_hints: wgpu::MemoryHints::MemoryUsage,
+                ..Default::default()
+            })
+            .await
+            .map_err(|error| GpuError::NoDevice {
+                name: report.name.clone(),
+                reason: error.to_string(),
+            })?;
+        let lost = Arc::new(Mutex::new(None));
+        let flag = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, reason| {
+            *flag.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason);
+        });
+        // What no scope catches would otherwise end the program; the next readback reports it.
+        device.on_uncaptured_error(Arc::new({
+            let flag = Arc::clone(&lost);
+            move |error| {
+                let mut flag = flag.lock().unwrap_or_else(PoisonError::into_inner);
+                flag.get_or_insert_with(|| error.to_string());
+            }
+        }));
+        Ok(Self {
+            device,
+            queue,
+            report,
+            lost,
+        })
+    }
+
+    /// Returns what the adapter is and allows.
+    #[must_use]
+    pub const fn report(&self) -> &AdapterReport {
+        &self.report
+    }
+
+    /// Returns the device and its queue, for passes beside the engine's.
+    #[must_use]
+    pub const fn device(&self) -> (&wgpu::Device, &wgpu::Queue) {
+        (&self.device, &self.queue)
+    }
+
+    /// Fails when the device is gone.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*lost {
+            None => Ok(()),
+            Some(reason) => Err(GpuError::DeviceLost {
+                reason: reason.clone(),
+            }),
+        }
+    }
+
+    /// Returns the bytes of a buffer, which must be a source of copies. The device is drained first.
+    pub async fn read(
+        &self,
+        buffer: &wgpu::Buffer,
+        range: std::ops::Range<u64>,
+    ) -> Result<Vec<u8>, GpuError> {
+        self.check()?;
+        let length = range.end - range.start;
+        if length == 0 {
+            return Ok(Vec::new());
+        }
+        let staging = self.buffer(
+            "staging",
+            length,
+            wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        )?;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, range.start, &staging, 0, length);
+        self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = futures_channel::oneshot::channel();
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // A reader that is gone does not want it.
+            let _ = sender.send(result);
+        });
+        self.drain();
+        let mapped = receiver.await;
+        self.check()?;
+        let refused = |reason: String| GpuError::DeviceLost { reason };
+        mapped
+            .map_err(|_| refused("a readback never ended".to_owned()))?
+            .map_err(|error| refused(error.to_string()))?;
+        let view = staging
+            .get_mapped_range(..)
+            .map_err(|error| refused(error.to_string()))?;
+        Ok(view.to_vec())
+    }
+
+    /// Waits for the device where waiting is possible; in a browser the event loop brings the answers.
+    pub(crate) fn drain(&self) {
+        // A failure shows in the answer that does not come.
+        #[cfg(not(target_arch = "wasm32"))]
+        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+    }
+
+    /// Returns a new buffer of `bytes` bytes, all 0.
+    pub(crate) fn buffer(
+        &self,
+        label: &str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        self.check()?;
+        Ok(self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes,
+            usage,
+            mapped_at_creation: false,
+        }))
+    }
+}
+
+impl Limits {
+    /// Returns the lower of the limits of both.
+    #[must_use]
+    pub fn within(&self, other: &Self) -> Self {
+        Self {
+            max_buffer_size: self.max_buffer_size.min(other.max_buffer_size),
+            max_storage_buffer_binding_size: self
+                .max_storage_buffer_binding_size
+                .min(other.max_storage_buffer_binding_size),
+            max_compute_workgroups_per_dimension: self
+                .max_compute_workgroups_per_dimension
+                .min(other.max_compute_workgroups_per_dimension),
+            max_storage_buffers_per_shader_stage: self
+                .max_storage_buffers_per_shader_stage
+                .min(other.max_storage_buffers_per_shader_stage),
+        }
+    }
+}
+
+impl AdapterReport {
+    /// Fails when a limit is below what every run needs.
+    fn check(&self) -> Result<(), GpuError> {
+        let needed: [(&'static str, u64, u64); 2] = [
+            (
+                "maxStorageBuffersPerShaderStage",
+                self.limits.max_storage_buffers_per_shader_stage.into(),
+                MOST_STORAGE_BUFFERS.into(),
+            ),
+            (
+                "maxComputeWorkgroupsPerDimension",
+                self.limits.max_compute_workgroups_per_dimension.into(),
+                1024,
+            ),
+        ];
+        for (limit, value, minimum) in needed {
+            if value < minimum {
+                return Err(GpuError::LimitTooLow {
+                    name: self.name.clone(),
+                    limit,
+                    value,
+                    minimum,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter, GpuError> {
+    let reports: Vec<AdapterReport> = adapters.iter().map(report_of).collect();
+    let Some(first) = reports.first() else {
+        return Err(GpuError::NoAdapter {
+            reason: "the system has no Vulkan, Metal, DirectX 12 or WebGPU driver".to_owned(),
+        });
+    };
+    let place = match &choice.name {
+        Some(wanted) => {
+            let lower = wanted.to_lowercase();
+            let named = |report: &AdapterReport| report.name.to_lowercase().contains(&lower);
+            reports
+                .iter()
+                .position(named)
+                .ok_or_else(|| GpuError::NoSuchAdapter {
+                    wanted: wanted.clone(),
+                    found: reports.iter().map(|report| report.name.clone()).collect(),
+                })?
+        }
+        None => reports
+            .iter()
+            .position(|report| choice.software || !report.is_software)
+            .ok_or_else(|| GpuError::SoftwareOnly {
+                name: first.name.clone(),
+            })?,
+    };
+    adapters
+        .into_iter()
+        .nth(place)
+        .ok_or_else(|| GpuError::NoAdapter {
+            reason: "it went away".to_owned(),
+        })
+}

@@ -1,0 +1,390 @@
+//! What lies where: the buffers and their WGSL types, the structures that Rust and WGSL share, the
+//! counters. Declarations in shaders are emitted from here.
+
+use std::fmt::Write as _;
+
+/// Declares a structure of 32-bit scalars once for Rust and WGSL.
+macro_rules! shared {
+    ($(#[$attributes:meta])* $name:ident { $($(#[$field_attributes:meta])* $field:ident: $kind:ident,)* }) => {
+        $(#[$attributes])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $name { $($(#[$field_attributes])* pub $field: $kind,)* }
+
+        impl $name {
+            /// The structure's name, and its fields with their byte offsets and types.
+            pub const FIELDS: (&'static str, &'static [(&'static str, usize, &'static str)]) = (
+                stringify!($name),
+                &[$((stringify!($field), std::mem::offset_of!($name, $field), stringify!($kind)),)*],
+            );
+        }
+    };
+}
+
+shared! {
+    /// What every pass needs to know of the run and of the rectangle of cells at work.
+    Frame {
+        /// Cells on the horizontal axis, without the padding.
+        columns: i32,
+        /// Cells on the vertical axis, without the padding.
+        rows: i32,
+        /// Cells from one row to the next, with the padding.
+        stride: u32,
+        /// Cells in all, with the padding.
+        cells: u32,
+        /// The first coordinates beyond the places of the frame.
+        end_x: i32,
+        /// See `end_x`.
+        end_y: i32,
+        /// The window in the frame's coordinates, half open.
+        window_min_x: i32,
+        /// See `window_min_x`.
+        window_min_y: i32,
+        /// See `window_min_x`.
+        window_max_x: i32,
+        /// See `window_min_x`.
+        window_max_y: i32,
+        /// The domain's place of the frame's (0, 0): added and wrapped.
+        origin_x: u32,
+        /// See `origin_x`.
+        origin_y: u32,
+        /// Sides of the domain in units.
+        side_x: u32,
+        /// See `side_x`.
+        side_y: u32,
+        /// 1 where the plane repeats.
+        periodic: u32,
+        /// 1, 2, 4, 8: the plane goes on to the left, right, below, above the frame.
+        goes_on: u32,
+        /// 8 x 8 cells of the frame and its padding, per row.
+        tile_columns: u32,
+        /// All of them.
+        tiles: u32,
+        /// The order of elimination, as `ORDER_*`.
+        order: u32,
+        /// The key of random ranks.
+        order_key_x: u32,
+        /// See `order_key_x`.
+        order_key_y: u32,
+        /// The phase groups' cell sides.
+        phase_cell_x: i32,
+        /// See `phase_cell_x`.
+        phase_cell_y: i32,
+        /// The phase groups' numbers of cells.
+        phase_count_x: i32,
+        /// See `phase_count_x`.
+        phase_count_y: i32,
+        /// The sequence of the groups, four bits each.
+        phase_sequence: u32,
+        /// Words that are kept of a tiled sample's origin: 1, the block's image, or 2, the pattern's index.
+        origin_words: u32,
+        /// How many cells away a lost sample may be from an uncovered place that matters.
+        lost_reach: i32,
+        /// The farthest samples of a candidate from its detector, in units, far from closed borders.
+        search: i32,
+        /// The same near closed borders.
+        search_border: i32,
+        /// Room in the list of open cells.
+        list_capacity: u32,
+        /// Room in the list of unsure cells.
+        unsure_capacity: u32,
+        /// Room for proposals.
+        proposal_capacity: u32,
+        /// Room for active cells of uniform insertion.
+        active_capacity: u32,
+        /// Room for tiled samples.
+        tiled_capacity: u32,
+        /// Room for the result.
+        result_capacity: u32,
+    }
+}
+
+shared! {
+    /// What one dispatch needs to know.
+    Job {
+        /// The first number of the dispatch.
+        a: u32,
+        /// The second.
+        b: u32,
+        /// The third.
+        c: u32,
+        /// The fourth.
+        d: u32,
+    }
+}
+
+shared! {
+    /// A block, or an image of it, that reaches into the frame.
+    Image {
+        /// The block itself in the frame's coordinates, cut where 32 bits end.
+        own_min_x: i32,
+        /// See `own_min_x`.
+        own_min_y: i32,
+        /// See `own_min_x`.
+        own_max_x: i32,
+        /// See `own_min_x`.
+        own_max_y: i32,
+        /// What it clips: the block enlarged by r, inside the frame.
+        clip_min_x: i32,
+        /// See `clip_min_x`.
+        clip_min_y: i32,
+        /// See `clip_min_x`.
+        clip_max_x: i32,
+        /// See `clip_min_x`.
+        clip_max_y: i32,
+        /// The enlarged block's lowest corner, modulo 2^32.
+        corner_x: u32,
+        /// See `corner_x`.
+        corner_y: u32,
+        /// The pattern's place at the clip's lowest corner.
+        start_x: i32,
+        /// See `start_x`.
+        start_y: i32,
+        /// The word at which the variant's shape begins in the pattern buffer.
+        shape: u32,
+        /// The block's place in the sequence of blocks, equal for its images.
+        sequence: u32,
+        /// The block's index, where blocks were counted.
+        block: u32,
+        /// Nothing.
+        unused: u32,
+    }
+}
+
+shared! {
+    /// A place at which a sample may be inserted: a candidate or a dart.
+    Proposal {
+        /// In the frame.
+        x: i32,
+        /// In the frame.
+        y: i32,
+        /// Its turn.
+        rank: u32,
+        /// The next proposal of its cell, plus one.
+        next: u32,
+        /// The samples that made it: cell times four plus slot, or `NO_SITE`.
+        site_a: u32,
+        /// See `site_a`.
+        site_b: u32,
+        /// See `site_a`.
+        site_c: u32,
+        /// What became of it, as `PROPOSAL_*`.
+        state: u32,
+    }
+}
+
+/// Every shared structure.
+pub const STRUCTURES: &[(&str, &[(&str, usize, &str)])] =
+    &[Frame::FIELDS, Job::FIELDS, Image::FIELDS, Proposal::FIELDS];
+
+/// Returns the WGSL declarations of the shared structures.
+#[must_use]
+pub fn structures() -> String {
+    let mut text = String::from("// Emitted by layout.rs.\n");
+    for (name, fields) in STRUCTURES {
+        let _ = writeln!(text, "struct {name} {{");
+        for (field, _, kind) in *fields {
+            let _ = writeln!(text, "    {field}: {kind},");
+        }
+        text.push_str("}\n");
+    }
+    text
+}
+
+/// Numbers that passes count up and the host reads, by their place in the buffer of counters.
+pub mod counter {
+    macro_rules! counters {
+        ($($(#[$attributes:meta])* $name:ident,)*) => {
+            counters!(@ 0u32; $($(#[$attributes])* $name,)*);
+            /// All counters with their places, as shaders see them.
+            pub const ALL: &[(&str, u32)] = &[$((concat!("COUNTER_", stringify!($name)), $name),)*];
+        };
+        (@ $place:expr; $(#[$attributes:meta])* $name:ident, $($rest:tt)*) => {
+            $(#[$attributes])*
+            pub const $name: u32 = $place;
+            counters!(@ $place + 1; $($rest)*);
+        };
+        (@ $place:expr;) => {
+            /// How many counters there are.
+            pub const COUNT: u32 = $place;
+        };
+    }
+    counters! {
+        /// What met what cannot happen.
+        FAULT,
+        /// Cells with contested samples.
+        CONTESTED,
+        /// Samples or proposals that a round left undecided.
+        UNDECIDED,
+        /// Open cells.
+        OPEN,
+        /// Unsure cells.
+        UNSURE,
+        /// Unsure cells whose surroundings know.
+        SPREAD,
+        /// Unsure cells that the window touches.
+        UNSURE_IN_WINDOW,
+        /// Proposals.
+        PROPOSALS,
+        /// Samples inserted last, in the frame.
+        INSERTED,
+        /// Samples inserted last, in the window.
+        INSERTED_IN_WINDOW,
+        /// Active cells of the level.
+        ACTIVE,
+        /// Active cells of the level to come.
+        NEXT_ACTIVE,
+        /// Samples eliminated in the window.
+        ELIMINATED,
+        /// Samples dropped in the frame.
+        DROPPED,
+        /// Samples tiled in the frame.
+        TILED,
+        /// Samples of the result.
+        KEPT,
+    }
+}
+
+/// A buffer of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Name {
+    /// The frame, a uniform.
+    Frame,
+    /// The dispatch's numbers, a uniform.
+    Job,
+    /// Images of blocks.
+    Images,
+    /// Pieces of images: image, first tile, last tile.
+    Pieces,
+    /// For each tile of cells: how many images reach it, and which.
+    TileImages,
+    /// The pattern's variants by cells.
+    Pattern,
+    /// For each cell the place of its first tiled sample.
+    Starts,
+    /// Sums of parts of a list that is being summed.
+    Sums,
+    /// Tiled samples, cell by cell: place in the cell and fate.
+    Places,
+    /// Where tiled samples come from.
+    Origins,
+    /// Who eliminated a tiled sample.
+    By,
+    /// Valid samples: for each cell three slots and a word of counts and flags.
+    Grid,
+    /// For each cell its first proposal, plus one.
+    Heads,
+    /// Contested cells, then open cells.
+    List,
+    /// Unsure cells.
+    Unsure,
+    /// Proposals.
+    Proposals,
+    /// Active cells of uniform insertion.
+    Active,
+    /// Those of the level to come.
+    NextActive,
+    /// Counters.
+    Counters,
+    /// Workgroups of indirect dispatches.
+    Arguments,
+    /// The result.
+    Result,
+    /// Where the result's samples come from.
+    Tags,
+}
+
+impl Name {
+    /// Returns the name in shaders, labels and reports.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Frame => "frame",
+            Self::Job => "job",
+            Self::Images => "images",
+            Self::Pieces => "pieces",
+            Self::TileImages => "tile_images",
+            Self::Pattern => "pattern",
+            Self::Starts => "starts",
+            Self::Sums => "sums",
+            Self::Places => "places",
+            Self::Origins => "origins",
+            Self::By => "by",
+            Self::Grid => "grid",
+            Self::Heads => "heads",
+            Self::List => "list",
+            Self::Unsure => "unsure",
+            Self::Proposals => "proposals",
+            Self::Active => "active_cells",
+            Self::NextActive => "next_active_cells",
+            Self::Counters => "counters",
+            Self::Arguments => "arguments",
+            Self::Result => "result",
+            Self::Tags => "tags",
+        }
+    }
+
+    /// Returns the WGSL type of an element.
+    const fn element(self) -> &'static str {
+        match self {
+            Self::Frame => "Frame",
+            Self::Job => "Job",
+            Self::Images => "Image",
+            Self::Proposals => "Proposal",
+            Self::Active | Self::NextActive => "vec2<i32>",
+            Self::Pieces => "vec4<u32>",
+            Self::Result | Self::Tags => "vec2<u32>",
+            _ => "u32",
+        }
+    }
+}
+
+/// What a pass does with a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// It is a uniform.
+    Uniform,
+    /// It is read.
+    Read,
+    /// It is written, by one invocation an element.
+    Write,
+    /// It is written by many: its elements are atomic 32-bit words.
+    Atomic,
+}
+
+/// A buffer of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// Which.
+    pub name: Name,
+    /// What for.
+    pub access: Access,
+    /// The name in the shader, where it differs.
+    pub alias: Option<&'static str>,
+}
+
+/// Returns the WGSL declarations of the bindings of a pass, numbered in their sequence.
+#[must_use]
+pub fn declarations(bindings: &[Binding]) -> String {
+    let mut text = String::new();
+    for (place, binding) in bindings.iter().enumerate() {
+        let (space, kind) = match binding.access {
+            Access::Uniform => ("uniform", binding.name.element().to_owned()),
+            Access::Read => (
+                "storage, read",
+                format!("array<{}>", binding.name.element()),
+            ),
+            Access::Write => (
+                "storage, read_write",
+                format!("array<{}>", binding.name.element()),
+            ),
+            Access::Atomic => ("storage, read_write", "array<atomic<u32>>".to_owned()),
+        };
+        let name = binding.alias.unwrap_or(binding.name.as_str());
+        let _ = writeln!(
+            text,
+            "@group(0) @binding({place}) var<{space}> {name}: {kind};"
+        );
+    }
+    text
+}

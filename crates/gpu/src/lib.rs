@@ -1,0 +1,21 @@
+//! KDRT on a GPU: the stages of `tilescope_core` as wgpu compute passes, equal to the CPU engines
+//! bit for bit. Integers decide; floats only filter, with their error bounds beside them; no result
+//! depends on the order of atomics.
+//!
+//! Architecture invariant: nothing here blocks where it could not (the web), reads a clock, or
+//! opens a file. Everything that waits is a future.
+
+pub mod adapter;
+mod constants;
+mod error;
+pub mod layout;
+mod self_test;
+pub mod shader;
+mod stepper;
+mod sweep;
+
+pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
+pub use error::GpuError;
+pub use self_test::{SelfTest, self_test};
+pub use stepper::{PassReport, Stepper, Table};
+pub use sweep::{GpuSweep, Options};
