@@ -3,9 +3,9 @@
 // import: frame
 
 fn source_of(place: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
-    let meta = grid[4u * index + 3u];
-    for (var k = 0u; k < (meta & COUNT_MASK); k++) {
-        let iteration = (meta >> (8u + 8u * k)) & 255u;
+    let last = grid[4u * index + 3u];
+    for (var k = 0u; k < (last & COUNT_MASK); k++) {
+        let iteration = (last >> (8u + 8u * k)) & 255u;
         if (grid[4u * index + k] & PLACE_MASK) == place && iteration > 0u {
             return vec2<u32>(0xffffffffu, iteration);
         }

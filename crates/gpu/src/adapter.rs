@@ -291,8 +291,8 @@ impl Gpu {
 fn watch(device: &wgpu::Device, trouble: &Arc<Mutex<Option<Trouble>>>) {
     let note = |trouble: &Mutex<Option<Trouble>>, new: Trouble| {
         let mut known = trouble.lock().unwrap_or_else(PoisonError::into_inner);
-        // A device that is lost refuses everything; the loss is what counts.
-        if !matches!(*known, Some(Trouble::Lost(_))) {
+        // The first trouble brings others; a loss counts whenever it is told.
+        if known.is_none() || matches!(new, Trouble::Lost(_)) {
             *known = Some(new);
         }
     };

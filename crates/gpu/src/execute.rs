@@ -61,7 +61,7 @@ impl Device {
         // First let go of what is too short, so that memory is there for what is longer.
         device
             .buffers
-            .retain(|name, (_, have)| !lengths.iter().any(|(n, length)| n == name && have < length));
+            .retain(|name, (_, have)| !lengths.iter().any(|(n, length)| n == name && &*have < length));
         for &(name, length) in &lengths {
             if !fits(&device, name, length) {
                 device.allocate(name, length)?;
@@ -118,6 +118,11 @@ impl Device {
     /// Returns a buffer's length in bytes, or 0 where there is none.
     pub(crate) fn length(&self, name: Name) -> u64 {
         self.buffers.get(&name).map_or(0, |(_, length)| *length)
+    }
+
+    /// Returns the bytes of all buffers.
+    pub(crate) fn held_bytes(&self) -> u64 {
+        self.buffers.values().map(|(_, length)| length).sum()
     }
 
     /// Returns bytes of a buffer.

@@ -9,6 +9,7 @@ pub mod adapter;
 mod constants;
 mod error;
 mod execute;
+mod fit;
 mod kernels;
 pub mod layout;
 pub mod passes;
