@@ -76,6 +76,22 @@ fn judge(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
     }
 }
 
+// Returns whether the circumcentre of 0, a and b may lie in a pixel from `low` on. A filter in floating point:
+// components are exact, below 2^18; twice the area is known to 2^14 and the numerators to 2^34, so that with an area
+// of 2^27 or more a centre that is 2^17 away at most is known to 64 + 16 units; the pixel is taken to be 128 larger.
+fn may_lie_in(a: vec2<i32>, b: vec2<i32>, low: vec2<i32>) -> bool {
+    let p = vec2<f32>(a);
+    let q = vec2<f32>(b);
+    let area = p.x * q.y - p.y * q.x;
+    if abs(area) < 134250496.0 {
+        return true;
+    }
+    let squares = vec2<f32>(dot(p, p), dot(q, q));
+    let centre = vec2<f32>(squares.x * q.y - squares.y * p.y, squares.y * p.x - squares.x * q.x) / (2.0 * area);
+    let least = vec2<f32>(low - 128);
+    return all(centre >= least) && all(centre <= least + f32(PIXEL_SIDE + 256));
+}
+
 // Judges the circumcentres of all triples with a detector.
 fn judge_triples(low: vec2<i32>) {
     for (var a = 0u; a + 2u < sites; a++) {
@@ -85,7 +101,12 @@ fn judge_triples(low: vec2<i32>) {
                     continue;
                 }
                 let origin = site_places[a];
-                let centre = circumcentre(site_places[b] - origin, site_places[n] - origin);
+                let second = site_places[b] - origin;
+                let third = site_places[n] - origin;
+                if !may_lie_in(second, third, low - origin) {
+                    continue;
+                }
+                let centre = circumcentre(second, third);
                 if centre.exists {
                     judge(origin + centre.offset, low, a, b, n);
                 }
@@ -147,6 +168,9 @@ fn run(index: u32) {
         open &= open - 1u;
         let low = (at << vec2<u32>(CELL_BITS)) + vec2<i32>(i32(column), i32(row)) * PIXEL_SIDE;
         find_sites(low + PIXEL_SIDE / 2, at);
+        if !has_detector {
+            continue;
+        }
         judge_triples(low);
         if frame.periodic == 0u {
             judge_borders(low);

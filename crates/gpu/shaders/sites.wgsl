@@ -6,6 +6,8 @@ var<private> site_places: array<vec2<i32>, MOST_SITES>;
 // Cell times four plus slot, and the mark of a detector.
 var<private> site_keys: array<u32, MOST_SITES>;
 var<private> sites: u32;
+// Whether a detector is among them.
+var<private> has_detector: bool;
 
 // How many cells away samples may be that make candidates.
 fn widest() -> i32 {
@@ -29,7 +31,6 @@ fn nearest_to(centre: vec2<i32>, at: vec2<i32>, reach: i32) -> f32 {
 }
 
 fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
-    sites = 0u;
     for (var row = at.y - reach; row <= at.y + reach; row++) {
         for (var column = at.x - reach; column <= at.x + reach; column++) {
             let first = 4u * cell_index(column, row);
@@ -45,6 +46,7 @@ fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
                     }
                     site_places[sites] = place;
                     site_keys[sites] = (first + k) | ((word & DETECTOR) << 1u);
+                    has_detector |= (word & DETECTOR) != 0u;
                     sites++;
                 }
             }
@@ -55,6 +57,7 @@ fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
 // Fills the lists above for a pixel of the cell `at`; leaves them empty where no candidate can be.
 fn find_sites(centre: vec2<i32>, at: vec2<i32>) {
     sites = 0u;
+    has_detector = false;
     // f32 holds offsets exactly and distances to 2^-22 of them: less than a tenth of a unit here, while a place
     // of the pixel is HALF_DIAGONAL from its centre at most and SITE_SLACK allows for the rounding of candidates.
     var reach = 2;

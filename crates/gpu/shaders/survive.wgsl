@@ -26,7 +26,9 @@ fn run(index: u32) {
             if holds(p) {
                 eliminated += u32(in_window(p));
             } else {
-                atomicAdd(&counters[COUNTER_DROPPED], 1u);
+                // Counted where the domain is nearest.
+                let nearest = clamp(p, vec2<i32>(0), vec2<i32>(frame.end_x, frame.end_y) - 1);
+                atomicAdd(&counters[COUNTER_DROPPED], u32(in_window(nearest)));
             }
         } else {
             flags |= FLAG_UNSURE;

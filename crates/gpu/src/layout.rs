@@ -236,7 +236,7 @@ pub mod counter {
         NEXT_ACTIVE,
         /// Samples eliminated in the window.
         ELIMINATED,
-        /// Samples dropped in the frame.
+        /// Samples dropped nearest to the window.
         DROPPED,
         /// Samples tiled in the frame.
         TILED,

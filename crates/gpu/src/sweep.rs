@@ -39,6 +39,9 @@ pub struct Options {
     pub memory: Option<u64>,
     /// Whether samples say where they come from.
     pub sources: bool,
+    /// Cells around a window that are computed with it at first, at least 1; narrower ones are repaired more often. For
+    /// experiments: the result is the same.
+    pub halo: Option<u32>,
 }
 
 /// A run in progress on a GPU, band by band.
@@ -49,6 +52,8 @@ pub struct GpuSweep {
     gpu: Arc<Gpu>,
     setup: Arc<Setup>,
     memory: u64,
+    /// Cells around a window at first.
+    halo: i32,
     /// Cells along the side of a window.
     side: u32,
     /// Rows of cells that have been computed.
@@ -78,6 +83,7 @@ impl GpuSweep {
             gpu,
             setup,
             memory,
+            halo: options.halo.map_or(HALO, |halo| halo.clamp(1, HALO as u32) as i32),
             side,
             done: 0,
             counts: Counts::default(),
@@ -192,7 +198,7 @@ impl GpuSweep {
 
     /// Computes a window: with a wider halo where one proves too narrow, with more room where that is needed.
     async fn window(&mut self, window: &Rect) -> Result<Window, GpuError> {
-        let (mut halo, mut room, mut tries) = (HALO, None, 0);
+        let (mut halo, mut room, mut tries) = (self.halo, None, 0);
         loop {
             match self.attempt(window, halo, room).await? {
                 Outcome::Known(window) => return Ok(window),
