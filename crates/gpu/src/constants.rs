@@ -116,10 +116,7 @@ pub fn constants() -> String {
     }
     let bounds: Vec<String> = POISSON.iter().map(|bound| format!("{bound}u")).collect();
     let (count, bounds) = (bounds.len(), bounds.join(", "));
-    let _ = writeln!(
-        text,
-        "const POISSON = array<u32, {count}>({bounds});"
-    );
+    let _ = writeln!(text, "const POISSON = array<u32, {count}>({bounds});");
     text
 }
 

@@ -56,12 +56,17 @@ impl Device {
         let mut lengths = plan.lengths(setup, looks);
         lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
         let fits = |device: &Self, name: Name, length: u64| {
-            device.buffers.get(&name).is_some_and(|(_, have)| *have >= length)
+            device
+                .buffers
+                .get(&name)
+                .is_some_and(|(_, have)| *have >= length)
         };
         // First let go of what is too short, so that memory is there for what is longer.
-        device
-            .buffers
-            .retain(|name, (_, have)| !lengths.iter().any(|(n, length)| n == name && &*have < length));
+        device.buffers.retain(|name, (_, have)| {
+            !lengths
+                .iter()
+                .any(|(n, length)| n == name && &*have < length)
+        });
         for &(name, length) in &lengths {
             if !fits(&device, name, length) {
                 device.allocate(name, length)?;
@@ -120,6 +125,14 @@ impl Device {
         self.buffers.get(&name).map_or(0, |(_, length)| *length)
     }
 
+    /// Returns the buffers with their lengths in bytes.
+    pub(crate) fn lengths(&self) -> Vec<(Name, u64)> {
+        let lengths = self.buffers.iter();
+        lengths
+            .map(|(&name, (_, length))| (name, *length))
+            .collect()
+    }
+
     /// Returns the bytes of all buffers.
     pub(crate) fn held_bytes(&self) -> u64 {
         self.buffers.values().map(|(_, length)| length).sum()
@@ -130,7 +143,9 @@ impl Device {
         let Some((buffer, length)) = self.buffers.get(&name) else {
             return Ok(Vec::new());
         };
-        self.gpu.read(buffer, range.start..range.end.min(*length)).await
+        self.gpu
+            .read(buffer, range.start..range.end.min(*length))
+            .await
     }
 
     /// Returns words of a buffer.
@@ -183,11 +198,16 @@ impl Device {
                 }
             }
             Command::SwapActive => {
-                let [active, next] = [Name::Active, Name::NextActive].map(|n| self.buffers.remove(&n));
-                self.buffers.extend(active.map(|buffer| (Name::NextActive, buffer)));
-                self.buffers.extend(next.map(|buffer| (Name::Active, buffer)));
+                let [active, next] =
+                    [Name::Active, Name::NextActive].map(|n| self.buffers.remove(&n));
+                self.buffers
+                    .extend(active.map(|buffer| (Name::NextActive, buffer)));
+                self.buffers
+                    .extend(next.map(|buffer| (Name::Active, buffer)));
             }
-            Command::Dispatch { pass, size, .. } => self.dispatch(encoder, pass, size, place, stage),
+            Command::Dispatch { pass, size, .. } => {
+                self.dispatch(encoder, pass, size, place, stage)
+            }
         }
     }
 
@@ -204,11 +224,13 @@ impl Device {
         let times = self.times.as_mut().and_then(|times| times.next());
         self.report(pass, size, stage);
         let timestamp_writes = times.and_then(|first| {
-            self.times.as_ref().map(|times| wgpu::ComputePassTimestampWrites {
-                query_set: &times.queries,
-                beginning_of_pass_write_index: Some(first),
-                end_of_pass_write_index: Some(first + 1),
-            })
+            self.times
+                .as_ref()
+                .map(|times| wgpu::ComputePassTimestampWrites {
+                    query_set: &times.queries,
+                    beginning_of_pass_write_index: Some(first),
+                    end_of_pass_write_index: Some(first + 1),
+                })
         });
         let mut encoded = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(pass.name),
@@ -250,11 +272,13 @@ impl Device {
                 })
             })
             .collect();
-        self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(pass.name),
-            layout,
-            entries: &entries,
-        })
+        self.gpu
+            .device
+            .create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(pass.name),
+                layout,
+                entries: &entries,
+            })
     }
 
     fn report(&mut self, pass: &'static Pass, size: Size, stage: Stage) {
@@ -301,14 +325,16 @@ impl Device {
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.resolve_query_set(&times.queries, 0..count, &times.resolved, 0);
         self.gpu.queue.submit([encoder.finish()]);
-        let bytes = self.gpu.read(&times.resolved, 0..8 * u64::from(count)).await?;
+        let bytes = self
+            .gpu
+            .read(&times.resolved, 0..8 * u64::from(count))
+            .await?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
         if let Some(reports) = &mut self.reports {
             for (place, pair) in pending.iter().zip(ticks.chunks_exact(2)) {
                 let elapsed = pair[1].saturating_sub(pair[0]) as f64;
                 // A device may decline to measure; then both are 0.
-                reports[*place].seconds =
-                    (pair[1] > 0).then_some(elapsed * times.period_ns * 1e-9);
+                reports[*place].seconds = (pair[1] > 0).then_some(elapsed * times.period_ns * 1e-9);
             }
         }
         Ok(())

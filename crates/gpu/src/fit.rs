@@ -78,7 +78,11 @@ fn excess(
     let cells = with_halo * with_halo;
     let square = (u64::from(domain.x.unsigned_abs()) + 2 * 32 * R as u64) / R as u64
         * ((u64::from(domain.y.unsigned_abs()) + 2 * 32 * R as u64) / R as u64);
-    if let Some(excess) = least(cells.min(square), "the engine's number of cells", MOST_CELLS) {
+    if let Some(excess) = least(
+        cells.min(square),
+        "the engine's number of cells",
+        MOST_CELLS,
+    ) {
         return Ok(Some(excess));
     }
     let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;

@@ -17,12 +17,16 @@ mod plan;
 mod self_test;
 mod setup;
 pub mod shader;
+mod state;
 mod stepper;
 mod sweep;
+mod table;
+mod upload;
 mod work;
 
 pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
 pub use error::GpuError;
 pub use self_test::{SelfTest, self_test};
-pub use stepper::{PassReport, Stepper, Table};
+pub use stepper::{PassReport, Stepper};
 pub use sweep::{GpuSweep, Options};
+pub use table::Table;

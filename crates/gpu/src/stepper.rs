@@ -2,11 +2,22 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Parameters, Pattern, Run, Stage};
+use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 
 use crate::adapter::Gpu;
 use crate::error::GpuError;
+use crate::fit::longest_side;
 use crate::layout::{Access, Name};
+use crate::plan::{Plan, Room, whole};
+use crate::setup::Setup;
+use crate::state::State;
+use crate::sweep::HALO;
+use crate::table::Table;
+use crate::upload;
+use crate::work::{Outcome, Work};
+
+/// The widest halo, in cells, of a run that is kept stage by stage.
+const WIDEST_HALO: i32 = 192;
 
 /// What a pass did.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,54 +36,167 @@ pub struct PassReport {
     pub seconds: Option<f64>,
 }
 
-/// A buffer's content as a table.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Table {
-    /// Names of the columns.
-    pub columns: Vec<&'static str>,
-    /// The rows, a number a column.
-    pub rows: Vec<Vec<i64>>,
-    /// Rows in the buffer, of which `rows` may hold but the first.
-    pub total: u64,
+/// A run on a GPU between two passes.
+///
+/// The whole domain is one window, with a halo around it. Should something in it depend on what lies beyond the halo, or
+/// need more room than was expected, the run begins anew with more: reports then begin anew, too.
+pub struct Stepper {
+    gpu: Arc<Gpu>,
+    setup: Arc<Setup>,
+    pattern: Arc<Pattern>,
+    first: Stage,
+    halo: i32,
+    room: Option<Room>,
+    work: Work,
 }
 
-/// A run on a GPU between two passes.
-pub struct Stepper {}
-
 impl Stepper {
-    /// Returns a run that has done nothing yet. Stages before `first_gpu_stage` will run on the CPU.
+    /// Returns a run that has done nothing yet. Stages before `first_gpu_stage` will have run on the CPU; with
+    /// [`Stage::Blocks`] all are the device's.
+    ///
+    /// Fails when the parameters cannot be sampled, when the run does not fit the device in one go, and when a
+    /// run ends before `first_gpu_stage`.
     pub async fn new(
-        _gpu: Arc<Gpu>,
-        _parameters: &Parameters,
-        _pattern: &Arc<Pattern>,
-        _first_gpu_stage: Stage,
+        gpu: Arc<Gpu>,
+        parameters: &Parameters,
+        pattern: &Arc<Pattern>,
+        first_gpu_stage: Stage,
     ) -> Result<Self, GpuError> {
-        todo!()
+        let setup = Arc::new(Setup::new(parameters, pattern, true)?);
+        let first = match first_gpu_stage {
+            Stage::Pattern => Stage::Blocks,
+            Stage::Regions => {
+                return Err(GpuError::FirstStage {
+                    stage: first_gpu_stage,
+                });
+            }
+            stage => stage,
+        };
+        check_size(&gpu, &setup)?;
+        let work = begin(&gpu, &setup, pattern, first, HALO, None)?;
+        Ok(Self {
+            gpu,
+            setup,
+            pattern: Arc::clone(pattern),
+            first,
+            halo: HALO,
+            room: None,
+            work,
+        })
     }
 
     /// Runs one pass and reports it, or returns `None` when the run is finished.
     pub async fn step_pass(&mut self) -> Result<Option<PassReport>, GpuError> {
-        todo!()
+        if self.work.is_done() {
+            return Ok(None);
+        }
+        let outcome = self.work.run_pass().await?;
+        self.begin_anew(outcome)?;
+        Ok(self.reports().last().cloned())
     }
 
     /// Runs to the end of a stage and returns it, or `None` when the run is finished.
     pub async fn step(&mut self) -> Result<Option<Stage>, GpuError> {
-        todo!()
+        while self.step_pass().await?.is_some() {
+            if self.work.is_done() || self.work.is_between_stages() {
+                return Ok(Some(self.work.stage()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Runs to the end.
+    pub async fn finish(&mut self) -> Result<(), GpuError> {
+        while !self.work.is_done() {
+            let outcome = self.work.run().await?;
+            self.begin_anew(outcome)?;
+        }
+        Ok(())
+    }
+
+    /// Begins anew where the halo or the room proved too small.
+    fn begin_anew(&mut self, outcome: Option<Outcome>) -> Result<(), GpuError> {
+        match outcome {
+            None | Some(Outcome::Known(_)) => return Ok(()),
+            Some(Outcome::Unsure) if self.halo >= WIDEST_HALO => {
+                return Err(tilescope_core::SampleError::Entangled {
+                    radii: f64::from(self.halo),
+                }
+                .into());
+            }
+            Some(Outcome::Unsure) => {
+                self.halo *= 2;
+                self.room = None;
+            }
+            Some(Outcome::TooSmall(room)) => self.room = Some(room),
+        }
+        let (halo, room) = (self.halo, self.room);
+        self.work = begin(
+            &self.gpu,
+            &self.setup,
+            &self.pattern,
+            self.first,
+            halo,
+            room,
+        )?;
+        Ok(())
     }
 
     /// Returns the passes so far.
     #[must_use]
     pub fn reports(&self) -> &[PassReport] {
-        todo!()
+        self.work.device.reports.as_deref().unwrap_or_default()
     }
 
-    /// Returns the run so far as core's engines would have it after the last whole stage.
+    /// Returns the run so far as core's sequential engine has it after the last whole stage: equal to it,
+    /// sample by sample and id by id.
     pub async fn run(&self) -> Result<Run, GpuError> {
-        todo!()
+        State::read(&self.work)
+            .await?
+            .run(&self.work, &self.pattern)
     }
 
-    /// Returns the first `rows` rows of a buffer as a table.
-    pub async fn table(&self, _name: Name, _rows: u64) -> Result<Table, GpuError> {
-        todo!()
+    /// Returns the first `rows` rows of a buffer as a table. A buffer that the run does not have has no rows.
+    pub async fn table(&self, name: Name, rows: u64) -> Result<Table, GpuError> {
+        Table::read(&self.work.device, name, rows).await
     }
+
+    /// Returns the buffers of the run with their lengths in bytes.
+    #[must_use]
+    pub fn buffers(&self) -> Vec<(Name, u64)> {
+        self.work.device.lengths()
+    }
+}
+
+/// Fails when a run with a halo does not fit the device.
+fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
+    let memory = crate::fit::memory_of(gpu.report(), None);
+    let allowed = longest_side(setup, &gpu.report().limits, memory)?;
+    let max = setup.domain.rect().max;
+    let needed = (max.x.max(max.y) - 1) as u32 / tilescope_core::R as u32 + 1;
+    if allowed < needed {
+        return Err(GpuError::NotInOneGo { needed, allowed });
+    }
+    Ok(())
+}
+
+/// Returns the work at its beginning, behind the stages that run on the CPU.
+fn begin(
+    gpu: &Arc<Gpu>,
+    setup: &Arc<Setup>,
+    pattern: &Arc<Pattern>,
+    first: Stage,
+    halo: i32,
+    room: Option<Room>,
+) -> Result<Work, GpuError> {
+    let plan = Plan::new(setup, &whole(setup), halo, room)?;
+    let mut work = Work::new(gpu, setup, plan, None, true)?;
+    if first != Stage::Blocks {
+        let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;
+        while engine.next().is_some_and(|next| next < first) {
+            engine.step(&mut Unobserved)?;
+        }
+        upload::upload(&mut work, engine, first)?;
+    }
+    Ok(work)
 }

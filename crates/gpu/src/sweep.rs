@@ -83,7 +83,9 @@ impl GpuSweep {
             gpu,
             setup,
             memory,
-            halo: options.halo.map_or(HALO, |halo| halo.clamp(1, HALO as u32) as i32),
+            halo: options
+                .halo
+                .map_or(HALO, |halo| halo.clamp(1, HALO as u32) as i32),
             side,
             done: 0,
             counts: Counts::default(),
@@ -340,8 +342,16 @@ fn join(mut windows: Vec<Window>, with_sources: bool) -> Sampled {
     };
     let row_of = |p: &Point| p.y / R;
     let mut firsts = vec![0; windows.len()];
-    let last = windows.iter().filter_map(|w| w.points.last()).map(row_of).max();
-    let first = windows.iter().filter_map(|w| w.points.first()).map(row_of).min();
+    let last = windows
+        .iter()
+        .filter_map(|w| w.points.last())
+        .map(row_of)
+        .max();
+    let first = windows
+        .iter()
+        .filter_map(|w| w.points.first())
+        .map(row_of)
+        .min();
     for row in first.unwrap_or(0)..=last.unwrap_or(-1) {
         for (window, first) in windows.iter().zip(&mut firsts) {
             let rest = &window.points[*first..];

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use tilescope_core::stages::darts::{LAST_LEVEL, throw_key};
 use tilescope_core::stages::uniform::gap_key;
 use tilescope_core::windows::Counts;
-use tilescope_core::{Insertion, Point, Source, Stage, Stream};
+use tilescope_core::{Insertion, Point, Run, Source, Stage, Stream};
 
 use crate::adapter::Gpu;
 use crate::constants::{FAULT_TILED, FAULTS};
@@ -26,6 +26,8 @@ enum Step {
     Eliminate,
     EliminateMore,
     Survive,
+    /// The detectors of iteration 1.
+    Detectors,
     /// Detection and insertion of an iteration.
     Iterate(u32),
     /// The first cells of uniform insertion.
@@ -66,6 +68,8 @@ pub(crate) struct Kept {
     pub proposals: Vec<u8>,
     /// The active cells, as words.
     pub active: Vec<u8>,
+    /// The grid with its detectors marked, in iteration 1.
+    pub grid: Vec<u8>,
 }
 
 /// A window in progress.
@@ -79,9 +83,9 @@ pub(crate) struct Work {
     counters: [u32; counter::COUNT as usize],
     /// Whether the counters are to be read when the queue is empty.
     reads: bool,
-    /// What happens next once they were read.
-    pending: Option<Step>,
     inserted: Vec<u64>,
+    /// The first stage of the device and the run before it, where that is the CPU's.
+    pub base: Option<(Stage, Run)>,
     /// By iteration, if stages are to be looked at.
     pub kept: Option<BTreeMap<u32, Kept>>,
 }
@@ -105,19 +109,39 @@ impl Work {
             queue: VecDeque::new(),
             counters: [0; counter::COUNT as usize],
             reads: false,
-            pending: None,
             inserted: Vec::new(),
+            base: None,
             kept: looks.then(BTreeMap::new),
         })
     }
 
-    /// Begins after elimination, with the grid and the tiled samples as they were uploaded.
-    pub(crate) fn begin_at(&mut self, step: Stage) {
-        self.step = match step {
+    /// Begins with a stage whose buffers were uploaded, behind `inserted` counts of iterations.
+    pub(crate) fn begin_at(&mut self, stage: Stage, inserted: Vec<u64>, base: Run) {
+        let uniform = self.setup.parameters.insertion == Insertion::Uniform;
+        self.step = match stage {
+            Stage::Tile => Step::Tile,
             Stage::Eliminate => Step::Eliminate,
-            Stage::Iterate(_) => Step::Survive,
+            Stage::Iterate(1) => Step::Survive,
+            Stage::Iterate(k) if uniform => Step::Level(k),
+            Stage::Iterate(k) => Step::Iterate(k),
+            Stage::Finish => Step::Finish,
             _ => Step::Blocks,
         };
+        self.inserted = inserted;
+        self.stage = stage;
+        self.base = Some((stage, base));
+    }
+
+    /// Sets a counter as if it had been read.
+    pub(crate) fn set_counter(&mut self, counter: u32, value: u32) {
+        self.counters[counter as usize] = value;
+    }
+
+    /// Keeps the active cells of a level that were uploaded.
+    pub(crate) fn keep_active(&mut self, k: u32, cells: &[[i32; 2]]) {
+        if let Some(kept) = &mut self.kept {
+            kept.entry(k).or_default().active = bytemuck::cast_slice(cells).to_vec();
+        }
     }
 
     /// Returns the stage at work.
@@ -137,7 +161,28 @@ impl Work {
 
     /// Returns whether the next command begins another stage.
     pub(crate) fn is_between_stages(&self) -> bool {
-        self.queue.is_empty() && self.pending.is_none() && self.stage_of(self.step) != self.stage
+        self.queue.is_empty() && self.stage_of(self.step) != self.stage
+    }
+
+    /// Returns whether nothing has been run yet.
+    fn is_at_beginning(&self) -> bool {
+        self.device.reports.as_ref().is_some_and(Vec::is_empty)
+    }
+
+    /// Returns the last stage of which nothing is left to be done, or `None` before the first.
+    pub(crate) fn last_stage(&self) -> Option<Stage> {
+        if self.is_done() || self.is_between_stages() && !self.is_at_beginning() {
+            return Some(self.stage);
+        }
+        match self.stage {
+            Stage::Tile => Some(Stage::Blocks),
+            Stage::Eliminate => Some(Stage::Tile),
+            Stage::Iterate(1) => Some(Stage::Eliminate),
+            Stage::Iterate(k) => Some(Stage::Iterate(k - 1)),
+            // Iterations that found nothing are no stages.
+            Stage::Finish => Some(Stage::Iterate(self.inserted.len().max(1) as u32)),
+            _ => None,
+        }
     }
 
     /// Runs to the end.
@@ -223,8 +268,8 @@ impl Work {
             Step::Tile => Stage::Tile,
             Step::Eliminate | Step::EliminateMore | Step::Survive => Stage::Eliminate,
             Step::Iterate(k) | Step::ChooseMore(k) | Step::Level(k) => Stage::Iterate(k),
-            Step::Start => Stage::Iterate(1),
-            Step::Split(k) => Stage::Iterate(k),
+            Step::Start | Step::Detectors => Stage::Iterate(1),
+            Step::Split(k) => Stage::Iterate(k + 1),
             Step::Finish => Stage::Finish,
             Step::Done => self.stage,
         }
@@ -241,9 +286,14 @@ impl Work {
             Step::Eliminate => (passes::eliminate(), Step::EliminateMore, true),
             Step::EliminateMore => (passes::rounds(), Step::EliminateMore, true),
             Step::Survive => {
-                let next = if uniform { Step::Start } else { Step::Iterate(1) };
+                let next = if uniform {
+                    Step::Start
+                } else {
+                    Step::Detectors
+                };
                 (passes::survive(&self.plan, looks), next, looks)
             }
+            Step::Detectors => (passes::detectors(&self.plan), Step::Iterate(1), looks),
             Step::Iterate(k) => (self.iteration(k), Step::ChooseMore(k), true),
             Step::ChooseMore(k) => (passes::choose(k), Step::ChooseMore(k), true),
             Step::Start => {
@@ -252,16 +302,23 @@ impl Work {
             }
             Step::Level(k) => {
                 let key = throw_key(gap_key(self.setup.key), k, 0).words();
-                (passes::level(k, LAST_LEVEL - k, key), Step::ChooseMore(k), true)
+                (
+                    passes::level(k, LAST_LEVEL - k, key),
+                    Step::ChooseMore(k),
+                    true,
+                )
             }
             Step::Split(k) => (passes::split(LAST_LEVEL - k), Step::Level(k + 1), true),
-            Step::Finish => (passes::finish(&self.plan, self.setup.sources), Step::Done, true),
+            Step::Finish => (
+                passes::finish(&self.plan, self.setup.sources),
+                Step::Done,
+                true,
+            ),
             Step::Done => (Vec::new(), Step::Done, false),
         };
         self.queue.extend(commands);
         self.step = next;
         self.reads = reads;
-        self.pending = reads.then_some(next);
     }
 
     fn iteration(&self, k: u32) -> Vec<Command> {
@@ -283,7 +340,6 @@ impl Work {
             return Ok(None);
         }
         self.reads = false;
-        self.pending = None;
         let words = self
             .device
             .words(Name::Counters, 0..counter::COUNT.into())
@@ -300,13 +356,20 @@ impl Work {
     /// Returns how the window ends where it cannot go on.
     fn judge(&self) -> Result<Option<Outcome>, GpuError> {
         let room = self.plan.room();
-        let needed = |count: u32, room: u32| if count > room { count + count / 8 } else { room };
+        let needed = |count: u32, room: u32| {
+            if count > room {
+                count + count / 8
+            } else {
+                room
+            }
+        };
         let wanted = Room {
             tiled: needed(self.counter(counter::TILED), room.tiled),
             unsure: needed(self.counter(counter::UNSURE), room.unsure),
             proposals: needed(self.counter(counter::PROPOSALS), room.proposals),
             active: needed(
-                self.counter(counter::ACTIVE).max(self.counter(counter::NEXT_ACTIVE)),
+                self.counter(counter::ACTIVE)
+                    .max(self.counter(counter::NEXT_ACTIVE)),
                 room.active,
             ),
         };
@@ -341,6 +404,13 @@ impl Work {
                     .push(self.counter(counter::INSERTED_IN_WINDOW).into());
                 self.step = self.after_iteration(k);
             }
+            Step::Iterate(1) => {
+                if let Some(kept) = &mut self.kept {
+                    let cells = self.plan.cells();
+                    kept.entry(1).or_default().grid =
+                        self.device.bytes(Name::Grid, 0..16 * cells).await?;
+                }
+            }
             Step::Level(k) => {
                 if self.counter(counter::ACTIVE) == 0 {
                     self.step = Step::Finish;
@@ -366,7 +436,11 @@ impl Work {
 
     fn after_iteration(&self, k: u32) -> Step {
         if self.setup.parameters.insertion == Insertion::Uniform {
-            return if k == LAST_LEVEL { Step::Finish } else { Step::Split(k) };
+            return if k == LAST_LEVEL {
+                Step::Finish
+            } else {
+                Step::Split(k)
+            };
         }
         let spread = self.counter(counter::UNSURE) == self.counter(counter::SPREAD);
         if self.counter(counter::INSERTED) == 0 && spread {

@@ -84,7 +84,9 @@ fn scalar(inner: &TypeInner) -> &'static str {
 #[test]
 fn every_library_is_valid_alone_or_used_by_a_pass() {
     for (name, _) in FILES.iter().filter(|(_, text)| !is_pass(text)) {
-        let used = FILES.iter().any(|(_, text)| imports(text).any(|import| import == *name));
+        let used = FILES
+            .iter()
+            .any(|(_, text)| imports(text).any(|import| import == *name));
         let alone = module(&compose(name, &[]));
         assert!(used || alone.is_ok(), "{name}: {alone:?}");
     }

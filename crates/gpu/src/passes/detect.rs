@@ -2,8 +2,8 @@
 //! and the candidates in them.
 
 use super::{
-    Command, Pass, Size, argument, atomic, clear_counter, prepare, read, run, run_with,
-    uniform_of, write,
+    Command, Pass, Size, argument, atomic, clear_counter, prepare, read, run, run_with, uniform_of,
+    write,
 };
 use crate::constants::PREPARE_SPREAD;
 use crate::layout::{Job, Name, counter};
@@ -78,10 +78,14 @@ pub(super) const SETTLE: Pass = Pass {
     ],
 };
 
+/// Records the choice of the detectors of iteration 1.
+pub(crate) fn detectors(plan: &Plan) -> Vec<Command> {
+    vec![run(&DETECTORS, Size::Invocations(plan.cells()))]
+}
+
 /// Records the detection of iteration 1. What is unsure matters `reach` cells away.
 pub(crate) fn detect(plan: &Plan, reach: u32) -> Vec<Command> {
-    let mut commands = vec![run(&DETECTORS, Size::Invocations(plan.cells()))];
-    commands.extend(spread(reach));
+    let mut commands = spread(reach);
     commands.push(run(&OPEN, Size::Invocations(plan.inner_cells())));
     commands.extend(candidates(plan));
     commands

@@ -66,7 +66,12 @@ pub(super) const SOURCES: Pass = Pass {
 pub(crate) fn finish(plan: &Plan, sources: bool) -> Vec<Command> {
     let cells = Size::Invocations(plan.cells());
     let mut commands = vec![run(&TALLY, Size::Invocations(plan.cells() + 1))];
-    commands.extend(sum(&SCAN_HEADS, &ADD_HEADS, plan.cells() + 1, counter::KEPT));
+    commands.extend(sum(
+        &SCAN_HEADS,
+        &ADD_HEADS,
+        plan.cells() + 1,
+        counter::KEPT,
+    ));
     commands.push(run(&GATHER, cells));
     if sources {
         commands.push(run(&SOURCES, cells));

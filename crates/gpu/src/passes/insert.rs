@@ -66,7 +66,10 @@ pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
         d: 0,
     };
     let mut commands = vec![
-        Command::Clear(Name::Counters, Some((counter::INSERTED, counter::INSERTED_IN_WINDOW + 1))),
+        Command::Clear(
+            Name::Counters,
+            Some((counter::INSERTED, counter::INSERTED_IN_WINDOW + 1)),
+        ),
         run_with(&LINK, job, argument("ARGUMENT_PROPOSALS")),
     ];
     commands.extend(choose(iteration));

@@ -12,7 +12,7 @@ mod uniform;
 use crate::layout::{Access, Binding, Job, Name};
 
 pub(crate) use blocks::blocks;
-pub(crate) use detect::{detect, redetect};
+pub(crate) use detect::{detect, detectors, redetect};
 pub(crate) use eliminate::{eliminate, rounds, survive};
 pub(crate) use finish::finish;
 pub(crate) use insert::{choose, insert, unlink};

@@ -68,7 +68,12 @@ pub(super) const TILE: Pass = Pass {
 /// Records the stage.
 pub(crate) fn tile(plan: &Plan) -> Vec<Command> {
     let mut commands = vec![run(&COUNT, Size::Invocations(plan.cells() + 1))];
-    commands.extend(sum(&SCAN_STARTS, &ADD_STARTS, plan.cells() + 1, counter::TILED));
+    commands.extend(sum(
+        &SCAN_STARTS,
+        &ADD_STARTS,
+        plan.cells() + 1,
+        counter::TILED,
+    ));
     commands.push(run(&TILE, Size::Invocations(plan.cells())));
     commands
 }

@@ -70,6 +70,7 @@ pub(crate) fn level(level: u32, side_bits: u32, key: [u32; 2]) -> Vec<Command> {
         d: 0,
     };
     let mut commands = vec![
+        prepare(0),
         clear_counter(counter::PROPOSALS),
         run_with(&THROW, job, argument("ARGUMENT_ACTIVE")),
         prepare(0),

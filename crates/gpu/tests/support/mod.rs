@@ -1,11 +1,12 @@
 //! A harness that runs one WGSL function on a device for many inputs, and the inputs.
 
+pub mod device;
 pub mod inputs;
 
-use std::sync::OnceLock;
-
+use tilescope_gpu::Gpu;
 use tilescope_gpu::shader::compose;
-use tilescope_gpu::{Choice, Gpu, GpuError};
+
+pub use device::gpu;
 
 /// The arguments or the answer of a function: four words, those not needed 0.
 pub type Words = [u32; 4];
@@ -25,36 +26,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 ";
-
-/// Opens a device.
-///
-/// # Panics
-///
-/// When there is none: a test without a device proves nothing and must not pass.
-pub fn open(choice: &Choice) -> Gpu {
-    demand(pollster::block_on(Gpu::open(choice)))
-}
-
-fn demand<T>(found: Result<T, GpuError>) -> T {
-    found.unwrap_or_else(|error| {
-        panic!(
-            "these tests need a GPU adapter, and cannot pass without one; a software one will do \
-             (Mesa's lavapipe, for instance): {error}"
-        )
-    })
-}
-
-/// Returns the device that all tests of a file share: the fastest there is, a software one at worst.
-pub fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Result<Gpu, GpuError>> = OnceLock::new();
-    let opened = GPU.get_or_init(|| {
-        pollster::block_on(Gpu::open(&Choice {
-            software: true,
-            ..Choice::default()
-        }))
-    });
-    demand(opened.as_ref().map_err(Clone::clone))
-}
 
 /// Returns the source of a test shader: the file `file` with all that it imports, and the body of
 /// `fn answer(w: vec4<u32>) -> vec4<u32>`.

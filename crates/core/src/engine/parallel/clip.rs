@@ -171,13 +171,7 @@ type Visit = (Node, u32, u32);
 impl Clipper {
     /// Returns the clipper of a run: of `domain`, with blocks of `leaf` units under the run's `key`.
     #[must_use]
-    pub fn new(
-        domain: Domain,
-        leaf: i32,
-        key: Key,
-        pattern: &Pattern,
-        dihedral: bool,
-    ) -> Self {
+    pub fn new(domain: Domain, leaf: i32, key: Key, pattern: &Pattern, dihedral: bool) -> Self {
         let variants = (0..if dihedral { 8 } else { 1 })
             .map(|s| CellPattern::new(pattern.variant(Symmetry(s))))
             .collect();
@@ -258,7 +252,7 @@ impl Clipper {
     /// Calls `place` with the place in the frame and the pattern index of every sample that `block`
     /// clips inside `part` (of the enlarged block) and `target`.
     #[inline(always)]
-    pub(crate) fn clip(
+    pub fn clip(
         &self,
         block: &Placed,
         part: &Rect64,

@@ -32,7 +32,7 @@ pub struct Frame {
 impl Frame {
     /// Returns the frame of `window`, a rectangle of lattice points of `domain`, with a halo of
     /// `halo` cells around the cells that it touches.
-    #[must_use] 
+    #[must_use]
     pub fn new(domain: &Domain, window: &Rect, halo: i32) -> Self {
         let sides = [domain.width(), domain.height()];
         let end = [domain.rect().max.x, domain.rect().max.y];
@@ -75,41 +75,41 @@ impl Frame {
 
     /// Returns the cells from one row to the next, with the padding.
     #[inline(always)]
-    #[must_use] 
+    #[must_use]
     pub fn stride(&self) -> usize {
         (self.cells[0] + 2 * PAD) as usize
     }
 
     /// Returns how many cells there are, with the padding.
-    #[must_use] 
+    #[must_use]
     pub fn cell_count(&self) -> usize {
         self.stride() * (self.cells[1] + 2 * PAD) as usize
     }
 
     /// Returns the index of the cell (column, row), which may lie in the padding.
     #[inline(always)]
-    #[must_use] 
+    #[must_use]
     pub fn cell(&self, column: i32, row: i32) -> usize {
         (row + PAD) as usize * self.stride() + (column + PAD) as usize
     }
 
     /// Returns the index of the cell that holds (x, y).
     #[inline(always)]
-    #[must_use] 
+    #[must_use]
     pub fn cell_at(&self, x: i32, y: i32) -> usize {
         self.cell(x >> CELL_BITS, y >> CELL_BITS)
     }
 
     /// Returns the column and row of a cell.
     #[inline(always)]
-    #[must_use] 
+    #[must_use]
     pub fn column_row(&self, cell: usize) -> (i32, i32) {
         let stride = self.stride();
         ((cell % stride) as i32 - PAD, (cell / stride) as i32 - PAD)
     }
 
     /// Returns the cells that the window touches: columns, then rows, half open.
-    #[must_use] 
+    #[must_use]
     pub fn window_cells(&self) -> Rect {
         let cell = |x: i32| x >> CELL_BITS;
         Rect {
@@ -123,7 +123,7 @@ impl Frame {
 
     /// Returns the lattice point of the domain at (x, y).
     #[inline]
-    #[must_use] 
+    #[must_use]
     pub fn point(&self, x: i32, y: i32) -> Point {
         let axis = |x: i32, axis: usize| {
             let at = self.origin[axis] + i64::from(x);
@@ -138,14 +138,14 @@ impl Frame {
 
     /// Returns whether (x, y) is a place of the frame: inside a bounded domain, and not beyond the frame.
     #[inline(always)]
-    #[must_use] 
+    #[must_use]
     pub fn holds(&self, x: i32, y: i32) -> bool {
         (x as u32) < self.end[0] as u32 && (y as u32) < self.end[1] as u32
     }
 
     /// Returns the rectangle from which tiled samples are taken: the frame, and one radius beyond
     /// the closed borders of the domain.
-    #[must_use] 
+    #[must_use]
     pub fn tiled(&self) -> Rect {
         let reach = |axis: usize| {
             let [below, above] = self.goes_on[axis];

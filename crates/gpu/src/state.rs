@@ -1,0 +1,377 @@
+//! What lies on the device, as core's stages have it: samples with ids, origins and fates, iterations, the
+//! result. Ids follow from what a sample is, not from where it lies, so nothing depends on the device's sequence.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use tilescope_core::stages::blocks::split;
+use tilescope_core::stages::detect::{Candidate, Sites};
+use tilescope_core::stages::disks::Cell;
+use tilescope_core::stages::tile::Tile;
+use tilescope_core::windows::{CELL_BITS, Placed};
+use tilescope_core::{
+    Fate, Insertion, Iteration, Origin, Pattern, Point, R, Run, Samples, Stage, Symmetry,
+};
+
+use crate::constants::{FATE_KEPT, FATE_LOST, FATE_MASK, NO_SITE, PLACE_MASK, PROPOSAL_PLACED};
+use crate::error::GpuError;
+use crate::layout::{Name, Proposal, counter};
+use crate::work::{Kept, Work};
+
+/// The buffers that make a state.
+pub(crate) struct State {
+    /// The last whole stage.
+    stage: Option<Stage>,
+    starts: Vec<u32>,
+    places: Vec<u32>,
+    origins: Vec<u32>,
+    by: Vec<u32>,
+    grid: Vec<u32>,
+    result: Vec<u32>,
+    kept: BTreeMap<u32, Kept>,
+}
+
+/// A tiled sample as it lies on the device.
+struct Tiled {
+    /// Its turn by id: block, then row and column of the clip.
+    order: (u32, u32, u32),
+    point: Point,
+    origin: Origin,
+    lies_inside: bool,
+    word: u32,
+    /// Its place in the list.
+    place: u32,
+}
+
+impl State {
+    /// Reads the state after the last whole stage.
+    pub(crate) async fn read(work: &Work) -> Result<Self, GpuError> {
+        let stage = work.last_stage();
+        let device = &work.device;
+        let cells = work.plan.cells();
+        let at_least = |wanted: Stage| stage.is_some_and(|stage| stage >= wanted);
+        let mut state = Self {
+            stage,
+            starts: Vec::new(),
+            places: Vec::new(),
+            origins: Vec::new(),
+            by: Vec::new(),
+            grid: Vec::new(),
+            result: Vec::new(),
+            kept: BTreeMap::new(),
+        };
+        if at_least(Stage::Tile) {
+            state.starts = device.words(Name::Starts, 0..cells + 1).await?;
+            let tiled = state.starts.last().copied().unwrap_or(0).into();
+            state.places = device.words(Name::Places, 0..tiled).await?;
+            state.origins = device.words(Name::Origins, 0..2 * tiled).await?;
+            if at_least(Stage::Eliminate) {
+                state.by = device.words(Name::By, 0..tiled).await?;
+                state.grid = device.words(Name::Grid, 0..4 * cells).await?;
+            }
+        }
+        for (&k, kept) in work.kept.iter().flatten() {
+            if at_least(Stage::Iterate(k)) {
+                state.kept.insert(k, kept.clone());
+            }
+        }
+        if at_least(Stage::Finish) {
+            let count = 2 * u64::from(work.counter(counter::KEPT));
+            state.result = device.words(Name::Result, 0..count).await?;
+        }
+        Ok(state)
+    }
+
+    /// Returns the run that the state is.
+    pub(crate) fn run(&self, work: &Work, pattern: &Arc<Pattern>) -> Result<Run, GpuError> {
+        let setup = &work.setup;
+        let mut run = Run {
+            parameters: setup.parameters,
+            domain: setup.domain,
+            pattern: Arc::clone(pattern),
+            blocks: tilescope_core::stages::blocks::Blocks::default(),
+            tiles: Vec::new(),
+            samples: Samples::default(),
+            iterations: Vec::new(),
+            result: Vec::new(),
+            counted: None,
+        };
+        if self.stage.is_none() {
+            return Ok(run);
+        }
+        // Iterations before the device's first one are the CPU's, and so is what they worked on.
+        if let Some((Stage::Iterate(_) | Stage::Finish, base)) = &work.base {
+            run = base.clone();
+            self.iterations(work, &mut run);
+            return Ok(run);
+        }
+        let leaf = setup
+            .parameters
+            .leaf_units()
+            .map_err(tilescope_core::SampleError::from)?;
+        run.blocks = split(&setup.domain, leaf, setup.key);
+        if !self.starts.is_empty() {
+            self.tile(work, &mut run);
+        }
+        self.iterations(work, &mut run);
+        Ok(run)
+    }
+
+    /// Fills in iterations and the result.
+    fn iterations(&self, work: &Work, run: &mut Run) {
+        let mut ids = ids_of(&run.samples);
+        for (&k, kept) in &self.kept {
+            self.iterate(work, k, kept, &mut ids, run);
+        }
+        let id = |p: &[u32]| ids.get(&Point::new(p[0] as i32, p[1] as i32)).copied();
+        run.result = self.result.chunks_exact(2).filter_map(id).collect();
+    }
+
+    /// Fills in tiles and tiled samples, with their fates if those are decided.
+    fn tile(&self, work: &Work, run: &mut Run) {
+        let mut tiled = self.tiled(work);
+        tiled.sort_unstable_by_key(|sample| sample.order);
+        let point_of: HashMap<u32, Point> = self.points_by_place(work);
+        let mut ids = HashMap::new();
+        for (sample, id) in tiled.iter().zip(0..) {
+            let fate = self.fate(sample);
+            if fate == Fate::Kept {
+                ids.insert(sample.point, id);
+            }
+            run.samples.push(sample.point, sample.origin, fate);
+        }
+        for (sample, fate) in tiled.iter().zip(&mut run.samples.fates) {
+            if let Fate::Eliminated { by } = fate {
+                let first = self.by[sample.place as usize].wrapping_sub(1);
+                *by = point_of
+                    .get(&first)
+                    .and_then(|point| ids.get(point))
+                    .copied()
+                    .unwrap_or(u32::MAX);
+            }
+        }
+        run.tiles = tiles(&work.plan.placed, &tiled);
+    }
+
+    fn fate(&self, sample: &Tiled) -> Fate {
+        let decided = self.stage >= Some(Stage::Eliminate);
+        match sample.word & FATE_MASK {
+            _ if !sample.lies_inside => Fate::Dropped,
+            FATE_KEPT if decided => Fate::Kept,
+            FATE_LOST if decided => Fate::Eliminated { by: 0 },
+            _ => Fate::Undecided,
+        }
+    }
+
+    /// Returns the domain's point of every tiled sample of the frame, by its place in the list.
+    fn points_by_place(&self, work: &Work) -> HashMap<u32, Point> {
+        let mut points = HashMap::new();
+        for cell in 0..work.plan.cells() as usize {
+            for place in self.starts[cell]..self.starts[cell + 1] {
+                let [x, y] = unpack(work, cell, self.places[place as usize]);
+                points.insert(place, work.plan.frame.point(x, y));
+            }
+        }
+        points
+    }
+
+    /// Returns the samples tiled in the window, and those dropped beyond closed borders.
+    fn tiled(&self, work: &Work) -> Vec<Tiled> {
+        let (plan, mut tiled) = (&work.plan, Vec::new());
+        for cell in 0..plan.cells() as usize {
+            for place in self.starts[cell]..self.starts[cell + 1] {
+                let word = self.places[place as usize];
+                let [x, y] = unpack(work, cell, word);
+                let inside = plan.frame.holds(x, y);
+                if inside && !plan.frame.window.contains(Point::new(x, y)) {
+                    continue;
+                }
+                let image = &plan.images[self.origins[2 * place as usize] as usize];
+                let own = (image.own_min_x..image.own_max_x).contains(&x)
+                    && (image.own_min_y..image.own_max_y).contains(&y);
+                tiled.push(Tiled {
+                    order: (
+                        image.block,
+                        (y as u32).wrapping_sub(image.corner_y),
+                        (x as u32).wrapping_sub(image.corner_x),
+                    ),
+                    point: plan.frame.point(x, y),
+                    origin: Origin::Tiled {
+                        block: image.block,
+                        pattern: self.origins[2 * place as usize + 1],
+                        own,
+                    },
+                    lies_inside: inside,
+                    word,
+                    place,
+                });
+            }
+        }
+        tiled
+    }
+
+    /// Fills in an iteration.
+    fn iterate(
+        &self,
+        work: &Work,
+        k: u32,
+        kept: &Kept,
+        ids: &mut HashMap<Point, u32>,
+        run: &mut Run,
+    ) {
+        let proposals: Vec<Proposal> = bytemuck::pod_collect_to_vec(&kept.proposals);
+        let mut proposals: Vec<(Point, Proposal)> = proposals
+            .into_iter()
+            .filter(|p| work.plan.frame.window.contains(Point::new(p.x, p.y)))
+            .map(|p| (work.plan.frame.point(p.x, p.y), p))
+            .collect();
+        let uniform = run.parameters.insertion == Insertion::Uniform;
+        let candidates = if uniform {
+            Vec::new()
+        } else {
+            self.candidates(work, &proposals, ids)
+        };
+        proposals.retain(|(_, p)| p.state == PROPOSAL_PLACED);
+        proposals.sort_unstable_by_key(|(point, p)| (p.rank, point.row_major()));
+        let cells = cells(work, k, &kept.active, run.iterations.last());
+        if proposals.is_empty() && cells.is_empty() {
+            return;
+        }
+        let detectors = match run.iterations.last() {
+            _ if uniform => Vec::new(),
+            Some(before) => before.inserted.clone().collect(),
+            None => self.detectors(work, &kept.grid, ids),
+        };
+        let first = run.samples.len() as u32;
+        for (point, _) in &proposals {
+            let made = candidates
+                .iter()
+                .find(|candidate| candidate.point == *point);
+            let sites = made.map_or(Sites::Dart, |candidate| candidate.sites);
+            ids.insert(*point, run.samples.len() as u32);
+            let origin = Origin::Inserted {
+                iteration: k,
+                sites,
+            };
+            run.samples.push(*point, origin, Fate::Kept);
+        }
+        run.iterations.push(Iteration {
+            detectors,
+            candidates,
+            cells,
+            inserted: first..run.samples.len() as u32,
+        });
+    }
+
+    /// Returns the candidates by place, each with the lowest of the sites that made it.
+    fn candidates(
+        &self,
+        work: &Work,
+        proposals: &[(Point, Proposal)],
+        ids: &HashMap<Point, u32>,
+    ) -> Vec<Candidate> {
+        let id = |key: u32| {
+            let [x, y] = unpack(work, (key / 4) as usize, self.grid[key as usize]);
+            ids.get(&work.plan.frame.point(x, y))
+                .copied()
+                .unwrap_or(u32::MAX)
+        };
+        let mut candidates: Vec<Candidate> = proposals
+            .iter()
+            .map(|&(point, p)| {
+                let sites = match [p.site_a, p.site_b, p.site_c] {
+                    [a, NO_SITE, _] => Sites::Corner(id(a)),
+                    [a, b, NO_SITE] => Sites::Border(sorted([id(a), id(b)])),
+                    [a, b, c] => Sites::Three(sorted([id(a), id(b), id(c)])),
+                };
+                Candidate { point, sites }
+            })
+            .collect();
+        tilescope_core::stages::insert::unique(&mut candidates);
+        candidates
+    }
+
+    /// Returns the detectors of iteration 1 by id.
+    fn detectors(&self, work: &Work, grid: &[u8], ids: &HashMap<Point, u32>) -> Vec<u32> {
+        let grid: Vec<u32> = bytemuck::pod_collect_to_vec(grid);
+        let mut detectors = Vec::new();
+        for (cell, slots) in grid.chunks_exact(4).enumerate() {
+            for &slot in &slots[..(slots[3] & 3) as usize] {
+                let [x, y] = unpack(work, cell, slot);
+                if slot & !PLACE_MASK != 0 && work.plan.frame.window.contains(Point::new(x, y)) {
+                    detectors.extend(ids.get(&work.plan.frame.point(x, y)));
+                }
+            }
+        }
+        detectors.sort_unstable();
+        detectors
+    }
+}
+
+fn sorted<const N: usize>(mut ids: [u32; N]) -> [u32; N] {
+    ids.sort_unstable();
+    ids
+}
+
+/// Returns the ids of the valid samples by point.
+fn ids_of(samples: &Samples) -> HashMap<Point, u32> {
+    (0..)
+        .zip(samples.points.iter().zip(&samples.fates))
+        .filter(|(_, (_, fate))| **fate == Fate::Kept)
+        .map(|(id, (point, _))| (*point, id))
+        .collect()
+}
+
+/// Returns the active cells of a level that lie in the window, in the sequence in which core visits them.
+fn cells(work: &Work, k: u32, active: &[u8], before: Option<&Iteration>) -> Vec<Cell> {
+    let words: Vec<i32> = bytemuck::pod_collect_to_vec(active);
+    let side = R >> k;
+    let mut cells: Vec<Point> = words
+        .chunks_exact(2)
+        .filter(|p| work.plan.frame.window.contains(Point::new(p[0], p[1])))
+        .map(|p| work.plan.frame.point(p[0], p[1]))
+        .collect();
+    cells.sort_unstable_by_key(|p| p.row_major());
+    if let Some(before) = before.filter(|_| k > 1) {
+        let known: std::collections::HashSet<Point> = cells.iter().copied().collect();
+        let quarters = |cell: &Cell| {
+            let Point { x, y } = cell.min;
+            [(0, 0), (side, 0), (0, side), (side, side)]
+                .map(|(right, up)| Point::new(x + right, y + up))
+        };
+        cells = before.cells.iter().flat_map(quarters).collect();
+        cells.retain(|cell| known.contains(cell));
+    }
+    cells.into_iter().map(|min| Cell { min, side }).collect()
+}
+
+/// Returns the tiles of all blocks.
+fn tiles(placed: &[Placed], tiled: &[Tiled]) -> Vec<Tile> {
+    let starts: BTreeMap<u32, (Point, u8)> = placed
+        .iter()
+        .map(|block| (block.index, (block.start, block.symmetry)))
+        .collect();
+    let mut first = 0;
+    starts
+        .into_iter()
+        .map(|(block, (start, symmetry))| {
+            let from = first;
+            first = tiled.partition_point(|sample| sample.order.0 <= block) as u32;
+            Tile {
+                start,
+                symmetry: Symmetry(symmetry),
+                samples: from..first,
+            }
+        })
+        .collect()
+}
+
+/// Returns where a packed place of a cell lies in the frame.
+fn unpack(work: &Work, cell: usize, word: u32) -> [i32; 2] {
+    let (column, row) = work.plan.frame.column_row(cell);
+    let low = R as u32 - 1;
+    [
+        column << CELL_BITS | (word & low) as i32,
+        row << CELL_BITS | ((word >> CELL_BITS) & low) as i32,
+    ]
+}

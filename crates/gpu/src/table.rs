@@ -1,0 +1,144 @@
+//! Buffers as tables: what their words mean, column by column.
+
+use tilescope_core::R;
+use tilescope_core::windows::CELL_BITS;
+
+use crate::constants::{ARGUMENTS, COUNT_MASK, FATE_MASK, PLACE_MASK, TILE_WORDS};
+use crate::error::GpuError;
+use crate::execute::Device;
+use crate::layout::{Frame, Image, Name, Proposal, counter};
+
+/// A buffer's content as a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// The rows, a number a column.
+    pub rows: Vec<Vec<i64>>,
+    /// Rows in the buffer, of which `rows` may hold but the first.
+    pub total: u64,
+}
+
+impl Table {
+    /// Returns the first rows of a buffer.
+    pub(crate) async fn read(device: &Device, name: Name, rows: u64) -> Result<Self, GpuError> {
+        let words = words_of(name);
+        let total = device.length(name) / (4 * words);
+        let content = device.words(name, 0..words * rows.min(total)).await?;
+        Ok(Self {
+            columns: columns(name),
+            rows: content
+                .chunks_exact(words as usize)
+                .map(|row| meaning(name, row))
+                .collect(),
+            total,
+        })
+    }
+}
+
+/// Returns the words of a row.
+fn words_of(name: Name) -> u64 {
+    match name {
+        Name::Frame => size_of::<Frame>() as u64 / 4,
+        Name::Images => size_of::<Image>() as u64 / 4,
+        Name::Proposals => size_of::<Proposal>() as u64 / 4,
+        Name::Pieces | Name::Grid => 4,
+        Name::TileImages => u64::from(TILE_WORDS),
+        Name::Arguments => 3,
+        Name::Counters => u64::from(counter::COUNT),
+        Name::Origins | Name::Active | Name::NextActive | Name::Result | Name::Tags => 2,
+        _ => 1,
+    }
+}
+
+fn columns(name: Name) -> Vec<String> {
+    let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+    let fields = |fields: &[(&str, usize, &str)]| fields.iter().map(|f| f.0.to_owned()).collect();
+    match name {
+        Name::Frame => fields(Frame::FIELDS.1),
+        Name::Images => fields(Image::FIELDS.1),
+        Name::Proposals => fields(Proposal::FIELDS.1),
+        Name::Pieces => named(&["image", "column", "row", "size"]),
+        Name::Grid => named(&[
+            "count",
+            "flags",
+            "iteration 1",
+            "x 1",
+            "y 1",
+            "detector 1",
+            "iteration 2",
+            "x 2",
+            "y 2",
+            "detector 2",
+            "iteration 3",
+            "x 3",
+            "y 3",
+            "detector 3",
+        ]),
+        Name::TileImages => std::iter::once("count".to_owned())
+            .chain((1..TILE_WORDS).map(|k| format!("image {k}")))
+            .collect(),
+        Name::Arguments => named(&["x", "y", "z"]),
+        Name::Counters => counter::ALL
+            .iter()
+            .map(|(name, _)| name.trim_start_matches("COUNTER_").to_lowercase())
+            .collect(),
+        Name::Places => named(&["x", "y", "fate"]),
+        Name::Origins => named(&["image", "pattern index"]),
+        Name::Active | Name::NextActive | Name::Result => named(&["x", "y"]),
+        Name::Tags => named(&["block", "pattern index"]),
+        Name::List | Name::Unsure => named(&["cell"]),
+        Name::Starts | Name::Heads => named(&["first"]),
+        Name::By => named(&["by"]),
+        Name::Pattern | Name::Sums | Name::Job => named(&["word"]),
+    }
+}
+
+/// Returns what a row's words mean.
+fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
+    let place = |word: u32| {
+        let (x, y) = (word & (R as u32 - 1), (word & PLACE_MASK) >> CELL_BITS);
+        [i64::from(x), i64::from(y)]
+    };
+    match name {
+        Name::Places => {
+            let [x, y] = place(row[0]);
+            vec![x, y, i64::from((row[0] & FATE_MASK) >> 30)]
+        }
+        Name::Grid => {
+            let count = row[3] & COUNT_MASK;
+            let mut cells = vec![i64::from(count), i64::from(row[3] & 0xfc)];
+            for slot in 0..3 {
+                if slot < count {
+                    let word = row[slot as usize];
+                    let [x, y] = place(word);
+                    let iteration = i64::from((row[3] >> (8 + 8 * slot)) & 255);
+                    cells.extend([iteration, x, y, i64::from(word >> 30 & 1)]);
+                } else {
+                    cells.extend([-1; 4]);
+                }
+            }
+            cells
+        }
+        Name::Frame => signed(row, Frame::FIELDS.1),
+        Name::Images => signed(row, Image::FIELDS.1),
+        Name::Proposals => signed(row, Proposal::FIELDS.1),
+        Name::Active | Name::NextActive => row.iter().map(|&w| i64::from(w as i32)).collect(),
+        _ => row.iter().map(|&word| i64::from(word)).collect(),
+    }
+}
+
+fn signed(row: &[u32], fields: &[(&str, usize, &str)]) -> Vec<i64> {
+    row.iter()
+        .zip(fields)
+        .map(|(&word, (_, _, kind))| {
+            if *kind == "i32" {
+                i64::from(word as i32)
+            } else {
+                i64::from(word)
+            }
+        })
+        .collect()
+}
+
+const _: () = assert!(ARGUMENTS.len() < 64);

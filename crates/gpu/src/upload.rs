@@ -1,0 +1,309 @@
+//! A state of the sequential engine, laid out as the device has it: for runs whose first stages the CPU
+//! runs, which tells where a difference begins.
+
+use std::collections::HashMap;
+
+use tilescope_core::windows::{CELL_BITS, PAD};
+use tilescope_core::{Fate, Insertion, Point, R, Run, Sequential, Stage, Unobserved};
+
+use crate::constants::{FATE_KEPT, FATE_LOST, TILE_WORDS};
+use crate::error::GpuError;
+use crate::layout::{Name, counter};
+use crate::work::Work;
+
+/// Flags of the grid, as shaders have them.
+const UNSURE: u32 = 4;
+const HOT: u32 = 16;
+const LOST: u32 = 32;
+
+/// The mark of a detector in a slot.
+const DETECTOR: u32 = 1 << 30;
+
+/// Writes what `engine` has done before `first`, and lets the work begin there.
+pub(crate) fn upload(
+    work: &mut Work,
+    mut engine: Sequential,
+    first: Stage,
+) -> Result<(), GpuError> {
+    let mut counters = [0_u32; counter::COUNT as usize];
+    match first {
+        Stage::Tile => work
+            .device
+            .write(Name::TileImages, bytes(&tile_images(work))),
+        Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters),
+        Stage::Iterate(_) | Stage::Finish => {
+            if engine.next() != Some(first) && first != Stage::Finish {
+                return Err(GpuError::FirstStage { stage: first });
+            }
+            write_tiled(work, engine.run(), &mut counters);
+            write_grid(work, engine.run(), first, &mut counters);
+        }
+        _ => return Err(GpuError::FirstStage { stage: first }),
+    }
+    let mut base = engine.run().clone();
+    if let Stage::Iterate(k) = first
+        && k > 1
+    {
+        write_work(work, &mut engine, k, &mut counters)?;
+    }
+    work.device.write(Name::Counters, bytes(&counters));
+    let inserted = base
+        .iterations
+        .iter()
+        .map(|i| i.inserted.len() as u64)
+        .collect();
+    base.result.clear();
+    work.begin_at(first, inserted, base);
+    Ok(())
+}
+
+fn bytes(words: &[u32]) -> &[u8] {
+    bytemuck::cast_slice(words)
+}
+
+/// Returns which images reach which tiles.
+fn tile_images(work: &Work) -> Vec<u32> {
+    let frame = &work.plan.uniform;
+    let mut lists = vec![0; (frame.tiles * TILE_WORDS) as usize];
+    for &[image, column, row, size] in &work.plan.pieces {
+        for up in 0..size >> 16 {
+            for right in 0..size & 0xffff {
+                let tile = (row + up) * frame.tile_columns + column + right;
+                let list = &mut lists[(tile * TILE_WORDS) as usize..][..TILE_WORDS as usize];
+                list[0] += 1;
+                list[list[0] as usize] = image;
+            }
+        }
+    }
+    lists
+}
+
+/// Writes the tiled samples with their fates, all of which are contested where they are undecided.
+fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) {
+    let tiled = tiled(work, run);
+    let cells = work.plan.cells() as usize;
+    let mut starts = vec![0_u32; cells + 1];
+    for sample in &tiled {
+        starts[sample.0 + 1] += 1;
+    }
+    let mut contested = Vec::new();
+    for cell in 0..cells {
+        if starts[cell + 1] > 0 {
+            contested.push(cell as u32);
+        }
+        starts[cell + 1] += starts[cell];
+    }
+    let places: Vec<u32> = tiled.iter().map(|sample| sample.2 | sample.3).collect();
+    let origins: Vec<u32> = tiled.iter().flat_map(|s| [s.1, s.4]).collect();
+    counters[counter::CONTESTED as usize] = contested.len() as u32;
+    counters[counter::TILED as usize] = tiled.len() as u32;
+    let device = &work.device;
+    device.write(Name::Starts, bytes(&starts));
+    device.write(Name::Places, bytes(&places));
+    device.write(Name::Origins, bytes(&origins));
+    device.write(Name::List, bytes(&contested));
+}
+
+/// Cell, image, place in the cell, fate, pattern index.
+type Tiled = (usize, u32, u32, u32, u32);
+
+/// Returns the samples tiled in the frame, in the device's sequence.
+fn tiled(work: &Work, run: &Run) -> Vec<Tiled> {
+    let (plan, clipper) = (&work.plan, &work.setup.clipper);
+    let mut ids: HashMap<u32, Vec<(i64, i64)>> = HashMap::new();
+    let mut tiled = Vec::new();
+    for (placed, index) in plan.placed.iter().zip(0..) {
+        let enlarged = placed.rect.grown(R.into(), R.into());
+        // The sequence of a block's ids is that of its clip, row by row.
+        let places = ids
+            .entry(placed.index)
+            .or_insert_with(|| clip_of(work, placed));
+        let first = run.tiles[placed.index as usize].samples.start;
+        clipper.clip(placed, &enlarged, &plan.frame.tiled(), |x, y, pattern| {
+            let offset = (
+                i64::from(y) - enlarged.min[1],
+                i64::from(x) - enlarged.min[0],
+            );
+            let place = places.partition_point(|p| *p < offset) as u32;
+            let fate = match run.samples.fates[(first + place) as usize] {
+                Fate::Undecided => 0,
+                Fate::Kept => FATE_KEPT,
+                Fate::Eliminated { .. } | Fate::Dropped => FATE_LOST,
+            };
+            let cell = plan.frame.cell_at(x, y);
+            tiled.push((cell, index, pack(x, y), fate, pattern));
+        });
+    }
+    tiled.sort_unstable();
+    tiled
+}
+
+/// Returns the offsets of a whole block's clip, row first, sorted.
+fn clip_of(work: &Work, placed: &tilescope_core::windows::Placed) -> Vec<(i64, i64)> {
+    let clipper = &work.setup.clipper;
+    let mut moved = *placed;
+    // Seen from its own corner, every block fits 32 bits but the longest, which no device takes in one go.
+    for axis in 0..2 {
+        let side = placed.rect.max[axis] - placed.rect.min[axis];
+        moved.rect.min[axis] = R.into();
+        moved.rect.max[axis] = side + i64::from(R);
+    }
+    let whole = moved.rect.grown(R.into(), R.into());
+    let target = tilescope_core::Rect {
+        min: Point::new(0, 0),
+        max: Point::new(i32::MAX, i32::MAX),
+    };
+    let mut offsets = Vec::new();
+    clipper.clip(&moved, &whole, &target, |x, y, _| {
+        offsets.push((i64::from(y), i64::from(x)));
+    });
+    offsets.sort_unstable();
+    offsets
+}
+
+fn pack(x: i32, y: i32) -> u32 {
+    ((y & (R - 1)) << CELL_BITS | x & (R - 1)) as u32
+}
+
+/// Writes the grid of all valid samples; those inserted last are the detectors.
+fn write_grid(work: &mut Work, run: &Run, first: Stage, counters: &mut [u32]) {
+    let frame = &work.plan.frame;
+    let cells = work.plan.cells() as usize;
+    let mut grid = vec![[u32::MAX, u32::MAX, u32::MAX, 0]; cells];
+    let last = run.iterations.len() as u32;
+    for (id, (&point, &fate)) in run
+        .samples
+        .points
+        .iter()
+        .zip(&run.samples.fates)
+        .enumerate()
+    {
+        let iteration = run
+            .iterations
+            .iter()
+            .position(|i| i.inserted.contains(&(id as u32)))
+            .map_or(0, |index| index as u32 + 1);
+        let detector = if iteration > 0 && iteration == last {
+            DETECTOR
+        } else {
+            0
+        };
+        for [x, y] in images(work, point) {
+            let slots = &mut grid[frame.cell_at(x, y)];
+            if fate == Fate::Kept {
+                let count = slots[3] & 3;
+                slots[count as usize] = pack(x, y) | detector;
+                slots[3] = (slots[3] + 1) | iteration << (8 + 8 * count);
+            } else {
+                slots[3] |= LOST;
+            }
+        }
+    }
+    let mut unsure = Vec::new();
+    for (cell, slots) in grid.iter_mut().enumerate() {
+        let (column, row) = frame.column_row(cell);
+        let rim = rim(work, column, row);
+        if rim == 0 {
+            slots[3] |= UNSURE;
+            unsure.push(cell as u32);
+        }
+        if rim <= 1 {
+            slots[3] |= HOT;
+        }
+    }
+    counters[counter::UNSURE as usize] = unsure.len() as u32;
+    if work.setup.parameters.insertion == Insertion::Uniform || first == Stage::Finish {
+        counters[counter::SPREAD as usize] = unsure.len() as u32;
+    }
+    work.device.write(Name::Unsure, bytes(&unsure));
+    work.device.write(Name::Grid, bytemuck::cast_slice(&grid));
+}
+
+/// Returns how many cells a cell of the frame is away from the edges where the plane goes on; a large number in the
+/// padding.
+fn rim(work: &Work, column: i32, row: i32) -> i32 {
+    let frame = &work.plan.frame;
+    let [columns, rows] = frame.cells;
+    if !(0..columns).contains(&column) || !(0..rows).contains(&row) {
+        return i32::MAX;
+    }
+    let [[left, right], [below, above]] = frame.goes_on;
+    let ways = [
+        (left, column),
+        (right, columns - 1 - column),
+        (below, row),
+        (above, rows - 1 - row),
+    ];
+    let open = ways.into_iter().filter(|(open, _)| *open);
+    open.map(|(_, away)| away).min().unwrap_or(i32::MAX)
+}
+
+/// Returns the places of a point of the domain, or next to it, in the frame.
+fn images(work: &Work, point: Point) -> Vec<[i32; 2]> {
+    let (frame, domain) = (&work.plan.frame, &work.setup.domain);
+    let along = |axis: usize, at: i32| {
+        let side = i64::from([domain.width(), domain.height()][axis]);
+        let from = i64::from(at) - frame.origin[axis];
+        let end = i64::from(frame.end[axis]);
+        if !domain.is_periodic() {
+            return vec![from as i32];
+        }
+        let first = from.rem_euclid(side);
+        (first..end)
+            .step_by(side as usize)
+            .map(|v| v as i32)
+            .collect()
+    };
+    let columns: Vec<i32> = along(0, point.x);
+    along(1, point.y)
+        .into_iter()
+        .flat_map(|y| columns.iter().map(move |&x| [x, y]))
+        .filter(|[x, y]| {
+            // Dropped samples lie in the padding, at most a radius beyond the border.
+            let cell = [x >> CELL_BITS, y >> CELL_BITS];
+            cell.iter()
+                .zip(frame.cells)
+                .all(|(&c, n)| (-PAD..n + PAD).contains(&c))
+        })
+        .collect()
+}
+
+/// Writes what iteration `k` works on: all cells may be open, or the active cells of the level.
+fn write_work(
+    work: &mut Work,
+    engine: &mut Sequential,
+    k: u32,
+    counters: &mut [u32],
+) -> Result<(), GpuError> {
+    if work.setup.parameters.insertion == Insertion::Circumcentre {
+        let [columns, rows] = work.plan.frame.cells;
+        let cell = |row| (0..columns).map(move |column| (column, row));
+        let all: Vec<u32> = (0..rows)
+            .flat_map(cell)
+            .map(|(column, row)| work.plan.frame.cell(column, row) as u32)
+            .collect();
+        counters[counter::OPEN as usize] = all.len() as u32;
+        work.device.write(Name::List, bytes(&all));
+        return Ok(());
+    }
+    // The level's cells are recorded as it runs.
+    engine.step(&mut Unobserved)?;
+    let Some(iteration) = engine.run().iterations.get(k as usize - 1) else {
+        return Err(GpuError::FirstStage {
+            stage: Stage::Iterate(k),
+        });
+    };
+    let inside = |[x, y]: &[i32; 2]| work.plan.frame.holds(*x, *y);
+    let active: Vec<[i32; 2]> = iteration
+        .cells
+        .iter()
+        .flat_map(|cell| images(work, cell.min))
+        .filter(inside)
+        .collect();
+    counters[counter::ACTIVE as usize] = active.len() as u32;
+    work.device
+        .write(Name::Active, bytemuck::cast_slice(&active));
+    work.set_counter(counter::ACTIVE, active.len() as u32);
+    work.keep_active(k, &active);
+    Ok(())
+}

@@ -1,0 +1,221 @@
+//! The GPU engine against the sequential one, stage by stage: every sample with its id, origin and fate, every
+//! detector, candidate and cell. Needs an adapter; one that computes on the CPU will do.
+
+#[path = "support/device.rs"]
+mod device;
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use tilescope_core::{
+    Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Run, Search, Sequential, Stage,
+    Unobserved,
+};
+use tilescope_gpu::Stepper;
+
+use device::gpu;
+
+/// Returns what differs between two runs after the same stage, in a word.
+fn difference(gpu: &Run, cpu: &Run) -> Option<String> {
+    let first = |what: &str, place: Option<usize>| Some(format!("{what} at {place:?}"));
+    if gpu.blocks != cpu.blocks {
+        return first("blocks", None);
+    }
+    if gpu.tiles != cpu.tiles {
+        let pairs = gpu.tiles.iter().zip(&cpu.tiles);
+        return first("tiles", pairs.clone().position(|(a, b)| a != b));
+    }
+    let samples = [(&gpu.samples, &cpu.samples)];
+    for (a, b) in samples {
+        if a.points != b.points {
+            return first(
+                "points",
+                a.points.iter().zip(&b.points).position(|(a, b)| a != b),
+            );
+        }
+        if a.origins != b.origins {
+            return first(
+                "origins",
+                a.origins.iter().zip(&b.origins).position(|(a, b)| a != b),
+            );
+        }
+        if a.fates != b.fates {
+            return first(
+                "fates",
+                a.fates.iter().zip(&b.fates).position(|(a, b)| a != b),
+            );
+        }
+    }
+    if gpu.iterations != cpu.iterations {
+        let pairs = gpu.iterations.iter().zip(&cpu.iterations);
+        return first("iterations", pairs.clone().position(|(a, b)| a != b));
+    }
+    (gpu.result != cpu.result).then(|| "result".to_owned())
+}
+
+/// Runs both engines and compares them after every stage from `first` on.
+fn compare(parameters: &Parameters, first: Stage) -> Result<usize, String> {
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let mut sequential = Sequential::new(parameters, Arc::clone(&pattern)).unwrap();
+    let mut stepper =
+        pollster::block_on(Stepper::new(Arc::clone(gpu()), parameters, &pattern, first))
+            .map_err(|error| error.to_string())?;
+    let mut compared = 0;
+    let mut done = None;
+    while let Some(stage) = pollster::block_on(stepper.step()).map_err(|error| error.to_string())? {
+        // An iteration that finds nothing is no stage of the sequential engine.
+        while done < Some(stage)
+            && (stage == Stage::Finish || sequential.next().is_some_and(|next| next <= stage))
+        {
+            match sequential.step(&mut Unobserved).unwrap() {
+                Some(ran) => done = Some(ran),
+                None => break,
+            }
+        }
+        let mut cpu = sequential.run().clone();
+        if stage != Stage::Finish {
+            cpu.result.clear();
+        }
+        let gpu = pollster::block_on(stepper.run()).map_err(|error| error.to_string())?;
+        if let Some(what) = difference(&gpu, &cpu) {
+            return Err(format!("after {stage}: {what}; {parameters:?}"));
+        }
+        compared += 1;
+    }
+    assert!(
+        sequential.next().is_none(),
+        "the sequential engine has more to do"
+    );
+    Ok(compared)
+}
+
+fn assert_equal(parameters: &Parameters) {
+    let compared = compare(parameters, Stage::Blocks).unwrap_or_else(|error| panic!("{error}"));
+    assert!(compared >= 5, "only {compared} stages were compared");
+}
+
+const ORDERS: [Order; 4] = [
+    Order::Index,
+    Order::Random,
+    Order::OwnBlockFirst,
+    Order::PhaseGroup,
+];
+
+#[test]
+fn every_order_insertion_and_boundary_is_equal_at_every_stage() {
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        for insertion in [Insertion::Circumcentre, Insertion::Uniform] {
+            for order in ORDERS {
+                assert_equal(&Parameters {
+                    radius: 0.02,
+                    leaf: 9.0,
+                    boundary,
+                    insertion,
+                    order,
+                    ..Parameters::default()
+                });
+            }
+        }
+    }
+}
+
+#[test]
+fn every_stage_may_be_the_first_one_of_the_device() {
+    for (boundary, insertion) in [
+        (Boundary::Periodic, Insertion::Circumcentre),
+        (Boundary::Bounded, Insertion::Uniform),
+        (Boundary::Bounded, Insertion::Circumcentre),
+        (Boundary::Periodic, Insertion::Uniform),
+    ] {
+        let parameters = Parameters {
+            radius: 0.02,
+            leaf: 7.0,
+            order: Order::Random,
+            boundary,
+            insertion,
+            ..Parameters::default()
+        };
+        for first in [
+            Stage::Tile,
+            Stage::Eliminate,
+            Stage::Iterate(1),
+            Stage::Iterate(2),
+            Stage::Finish,
+        ] {
+            let compared =
+                compare(&parameters, first).unwrap_or_else(|error| panic!("{first}: {error}"));
+            assert!(compared > 0, "{first}");
+        }
+    }
+}
+
+#[test]
+fn a_first_stage_beyond_the_end_is_refused() {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    };
+    let refused = compare(&parameters, Stage::Iterate(200)).unwrap_err();
+    assert!(refused.contains("iterate 200"), "{refused}");
+    let refused = compare(&parameters, Stage::Regions).unwrap_err();
+    assert!(refused.contains("regions"), "{refused}");
+}
+
+#[test]
+fn a_run_that_differs_in_one_sample_is_caught() {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    };
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let cpu = Sequential::new(&parameters, pattern).unwrap();
+    let cpu = cpu.finish(&mut Unobserved).unwrap();
+    let mut other = cpu.clone();
+    assert_eq!(difference(&other, &cpu), None);
+    let sample = other.result[other.result.len() / 2] as usize;
+    other.samples.points[sample].x ^= 1;
+    assert!(difference(&other, &cpu).unwrap().contains("points"));
+    let mut other = cpu.clone();
+    other.result.swap(3, 4);
+    assert!(difference(&other, &cpu).is_some());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, max_shrink_iters: 20, ..ProptestConfig::default() })]
+    #[test]
+    fn any_run_is_equal_at_every_stage(
+        seed: u64,
+        (width, height) in (10.0_f64..60.0, 10.0_f64..60.0),
+        leaf in 6.0_f64..80.0,
+        order in prop::sample::select(ORDERS.to_vec()),
+        uniform: bool,
+        bounded: bool,
+        bounded_pattern: bool,
+        dihedral: bool,
+        two_radii in prop::bool::weighted(0.2),
+    ) {
+        // A bounded pattern holds blocks of less than twice the leaf, enlarged.
+        let bounded_pattern = bounded_pattern && leaf < 22.0 && width.min(height) >= 2.0 * leaf;
+        let boundary = if bounded { Boundary::Bounded } else { Boundary::Periodic };
+        let parameters = Parameters {
+            width,
+            height,
+            radius: 1.0,
+            seed,
+            leaf,
+            order,
+            boundary,
+            dihedral,
+            insertion: if uniform { Insertion::Uniform } else { Insertion::Circumcentre },
+            search: if two_radii { Search::TwoRadii } else { Search::Complete },
+            pattern: PatternSpec {
+                side: 50.0,
+                boundary: if bounded_pattern { Boundary::Bounded } else { Boundary::Periodic },
+                seed: 0,
+            },
+            ..Parameters::default()
+        };
+        let compared = compare(&parameters, Stage::Blocks);
+        prop_assert!(compared.is_ok(), "{}", compared.unwrap_err());
+    }
+}

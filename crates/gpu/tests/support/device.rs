@@ -1,0 +1,36 @@
+//! The device that tests run on.
+
+use std::sync::{Arc, OnceLock};
+
+use tilescope_gpu::{Choice, Gpu, GpuError};
+
+/// Opens a device.
+///
+/// # Panics
+///
+/// When there is none: a test without a device proves nothing and must not pass.
+pub fn open(choice: &Choice) -> Gpu {
+    demand(pollster::block_on(Gpu::open(choice)))
+}
+
+fn demand<T>(found: Result<T, GpuError>) -> T {
+    found.unwrap_or_else(|error| {
+        panic!(
+            "these tests need a GPU adapter, and cannot pass without one; a software one will do \
+             (Mesa's lavapipe, for instance): {error}"
+        )
+    })
+}
+
+/// Returns the device that all tests of a file share: the fastest there is, a software one at worst.
+pub fn gpu() -> &'static Arc<Gpu> {
+    static GPU: OnceLock<Result<Arc<Gpu>, GpuError>> = OnceLock::new();
+    let opened = GPU.get_or_init(|| {
+        pollster::block_on(Gpu::open(&Choice {
+            software: true,
+            ..Choice::default()
+        }))
+        .map(Arc::new)
+    });
+    demand(opened.as_ref().map_err(Clone::clone))
+}
