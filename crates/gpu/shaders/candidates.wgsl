@@ -156,7 +156,9 @@ fn run(index: u32) {
         return;
     }
     let cell = list[entry];
-    if (grid_word(4u * cell + 3u) & FLAG_UNSURE) != 0u {
+    let flags = grid_word(4u * cell + 3u);
+    // From the second iteration on only the surroundings of samples inserted last matter.
+    if (flags & FLAG_UNSURE) != 0u || (job.a > 1u && (flags & FLAG_FRESH) == 0u) {
         return;
     }
     let at = column_row(cell);

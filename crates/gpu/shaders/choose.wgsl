@@ -1,6 +1,7 @@
 // A round of insertion: a proposal of whose conflicts before it none is undecided is decided. The first of
 // several at one place stands for all of them.
 // import: proposal
+// import: rounds
 // import: lattice
 
 // Returns whether `a` takes its turn before `b`: by rank, then by place, row by row.
@@ -22,7 +23,7 @@ fn is_before(a: u32, p: vec2<i32>, b: u32, q: vec2<i32>) -> bool {
 
 fn run(index: u32) {
     let count = atomicLoad(&counters[COUNTER_PROPOSALS]);
-    if index >= count || count > frame.proposal_capacity || state_of(index) != PROPOSAL_UNDECIDED {
+    if is_over() || index >= count || count > frame.proposal_capacity || state_of(index) != PROPOSAL_UNDECIDED {
         return;
     }
     let p = proposed_at(index);
@@ -50,7 +51,7 @@ fn run(index: u32) {
         }
     }
     if undecided {
-        atomicStore(&counters[COUNTER_UNDECIDED], 1u);
+        leave_undecided();
     } else {
         set_state(index, select(PROPOSAL_KEPT, PROPOSAL_UNKNOWN, unknown));
     }

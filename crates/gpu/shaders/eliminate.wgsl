@@ -1,6 +1,7 @@
 // A round of elimination: a sample of whose conflicts before it none is undecided is decided. What is
 // decided never changes, so a round may see decisions of the same round.
 // import: turn
+// import: rounds
 // import: lattice
 
 struct Before {
@@ -35,7 +36,8 @@ fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
 }
 
 fn run(index: u32) {
-    if index >= atomicLoad(&counters[COUNTER_CONTESTED]) {
+    // Where the round before left nothing undecided, this one has nothing to do.
+    if index >= atomicLoad(&counters[COUNTER_CONTESTED]) || is_over() {
         return;
     }
     let cell = list[index];
@@ -52,7 +54,7 @@ fn run(index: u32) {
         if before.kept {
             fate = FATE_LOST;
         } else if before.undecided {
-            atomicStore(&counters[COUNTER_UNDECIDED], 1u);
+            leave_undecided();
             continue;
         } else if before.unknown || edge {
             // Beyond the edge nothing is known.

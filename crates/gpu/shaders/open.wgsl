@@ -23,12 +23,16 @@ fn run(index: u32) {
         return;
     }
     let at = vec2<i32>(i32(index % u32(frame.columns)), i32(index / u32(frame.columns)));
-    if !is_near_lost(at) || !is_open(open_pixels(at)) {
+    if !is_near_lost(at) {
+        return;
+    }
+    let pixels = open_pixels(at);
+    if !is_open(pixels) {
         return;
     }
     let cell = cell_index(at.x, at.y);
     let flags = grid_word(4u * cell + 3u);
-    if (flags & FLAG_REACHED) != 0u {
+    if (flags & FLAG_REACHED) != 0u && may_be_uncovered(pixels, at) {
         make_hot(cell, at);
     } else {
         let place = atomicAdd(&counters[COUNTER_OPEN], 1u);

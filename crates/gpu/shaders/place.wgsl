@@ -2,6 +2,16 @@
 // import: proposal
 // import: unsure
 
+// Marks the cells in which the sample may make candidates.
+fn refresh(at: vec2<i32>) {
+    let reach = select(4, 3, frame.periodic != 0u);
+    for (var row = at.y - reach; row <= at.y + reach; row++) {
+        for (var column = at.x - reach; column <= at.x + reach; column++) {
+            atomicOr(&grid[4u * cell_index(column, row) + 3u], FLAG_FRESH);
+        }
+    }
+}
+
 fn run(index: u32) {
     let count = atomicLoad(&counters[COUNTER_PROPOSALS]);
     if index >= count || count > frame.proposal_capacity {
@@ -26,6 +36,7 @@ fn run(index: u32) {
     }
     atomicStore(&grid[4u * cell + slot], pack(p) | DETECTOR);
     atomicOr(&grid[4u * cell + 3u], min(job.a, 255u) << (8u + 8u * slot));
+    refresh(at);
     atomicAdd(&counters[COUNTER_INSERTED], 1u);
     if in_window(p) {
         atomicAdd(&counters[COUNTER_INSERTED_IN_WINDOW], 1u);

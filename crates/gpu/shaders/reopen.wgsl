@@ -11,7 +11,7 @@ fn run(index: u32) {
     let cell = list[index];
     let flags = grid_word(4u * cell + 3u) & (FLAG_REACHED | FLAG_UNSURE);
     let at = column_row(cell);
-    if flags == FLAG_REACHED && is_open(open_pixels(at)) {
+    if flags == FLAG_REACHED && may_be_uncovered(open_pixels(at), at) {
         make_hot(cell, at);
     }
 }

@@ -1,4 +1,4 @@
-// Ends the detectors' turn: what is inserted next are the next ones. Changes nothing where proposals did not
+// Ends the detectors' turn, and their surroundings': what is inserted next are the next ones. Changes nothing where proposals did not
 // find room, so that detection can be run again.
 
 fn run(index: u32) {
@@ -6,7 +6,11 @@ fn run(index: u32) {
         return;
     }
     let first = 4u * index;
-    let count = grid[first + 3u] & COUNT_MASK;
+    let last = grid[first + 3u];
+    let count = last & COUNT_MASK;
+    if (last & FLAG_FRESH) != 0u {
+        grid[first + 3u] = last & ~FLAG_FRESH;
+    }
     for (var k = 0u; k < count; k++) {
         if (grid[first + k] & DETECTOR) != 0u {
             grid[first + k] &= ~DETECTOR;

@@ -159,6 +159,7 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("FLAG_REACHED", 8),
         ("FLAG_HOT", 16),
         ("FLAG_LOST", 32),
+        ("FLAG_FRESH", 64),
         ("GAP_SIDE", GAP_SIDE as u32),
         ("POISSON_COUNT", POISSON.len() as u32),
         ("STREAM_DART", Stream::Dart as u32),

@@ -214,8 +214,10 @@ pub mod counter {
         FAULT,
         /// Cells with contested samples.
         CONTESTED,
-        /// Samples or proposals that a round left undecided.
+        /// Whether the last even round left anything undecided.
         UNDECIDED,
+        /// Whether the last odd round did.
+        UNDECIDED_ODD,
         /// Open cells.
         OPEN,
         /// Unsure cells.

@@ -246,12 +246,17 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     };
     let clipped: f64 = images.iter().map(area).sum::<f64>() / (f64::from(R) * f64::from(R));
     let uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
+    // Gaps lie along the blocks' borders: about this share of the samples, seen with every order and leaf.
+    let leaf = setup.parameters.leaf;
+    let share = |most: f64, per_leaf: f64| {
+        (f64::from(frame.cells) * (per_leaf / leaf).min(most)) as u32 + 1024
+    };
     let rim = 2 * (frame.columns + frame.rows) as u32;
     Room {
         tiled: (clipped * setup.density * 1.02) as u32 + rim + 1024,
         unsure: 2 * rim + frame.cells / 16 + 1024,
-        proposals: frame.cells / 10 + 1024,
-        active: if uniform { frame.cells / 2 + 1024 } else { 1 },
+        proposals: share(0.2, 1.0),
+        active: if uniform { share(1.0, 8.0) } else { 1 },
     }
 }
 

@@ -2,11 +2,16 @@
 
 use std::sync::Arc;
 
+use tilescope_core::{
+    Boundary, Insertion, Order, Parameters, Pattern, Sampled, Sequential, Source, Unobserved,
+};
+
 use crate::adapter::Gpu;
 use crate::error::GpuError;
+use crate::sweep::{GpuSweep, Options};
 
 /// What the self-test found.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SelfTest {
     /// Whether all runs were equal to the CPU's.
     pub passed: bool,
@@ -16,7 +21,109 @@ pub struct SelfTest {
     pub verdict: String,
 }
 
-/// Runs the self-test: every order and insertion, both boundaries, a few thousand samples each.
-pub async fn self_test(_gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
-    todo!()
+/// Orders of the runs: with them every insertion meets every boundary.
+const ORDERS: [Order; 4] = [
+    Order::OwnBlockFirst,
+    Order::Random,
+    Order::Index,
+    Order::PhaseGroup,
+];
+
+/// Runs the self-test: every order, both insertions, both boundaries, some two thousand samples each.
+///
+/// Fails where the device fails; a device that computes something else makes a verdict, not an error.
+pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
+    let (mut samples, mut runs) = (0, 0);
+    for (order, k) in ORDERS.into_iter().zip(0..) {
+        let parameters = Parameters {
+            radius: 0.019,
+            leaf: 8.0,
+            seed: 20 + k,
+            order,
+            boundary: [Boundary::Periodic, Boundary::Bounded][k as usize % 2],
+            insertion: [Insertion::Circumcentre, Insertion::Uniform][k as usize / 2],
+            ..Parameters::default()
+        };
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved)?;
+        let options = Options {
+            sources: true,
+            ..Options::default()
+        };
+        let sweep = GpuSweep::new(Arc::clone(gpu), &parameters, &pattern, options).await?;
+        let (gpu_set, _) = sweep.finish(&mut Unobserved).await?;
+        let cpu_set = sequential(&parameters, pattern)?;
+        if let Some(verdict) = difference(&gpu_set, &cpu_set) {
+            return Ok(SelfTest {
+                passed: false,
+                samples,
+                verdict: format!("with {order:?}, {:?} and {:?}: {verdict}", parameters.insertion, parameters.boundary),
+            });
+        }
+        samples += cpu_set.points.len();
+        runs += 1;
+    }
+    Ok(SelfTest {
+        passed: true,
+        samples,
+        verdict: format!("{samples} samples of {runs} runs are equal to the CPU's, bit for bit"),
+    })
+}
+
+/// Returns the sequential engine's set, which shares no code with the device's.
+fn sequential(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Sampled, GpuError> {
+    let run = Sequential::new(parameters, pattern)?.finish(&mut Unobserved)?;
+    let source = |&id: &u32| match run.samples.origins[id as usize] {
+        tilescope_core::Origin::Tiled { block, pattern, .. } => Source::Tiled { block, pattern },
+        tilescope_core::Origin::Inserted { iteration, .. } => Source::Inserted { iteration },
+    };
+    Ok(Sampled {
+        points: run.points(),
+        sources: Some(run.result.iter().map(source).collect()),
+    })
+}
+
+/// Returns the first difference between two sets, in a sentence.
+fn difference(gpu: &Sampled, cpu: &Sampled) -> Option<String> {
+    let mut pairs = gpu.points.iter().zip(&cpu.points);
+    if let Some(place) = pairs.position(|(a, b)| a != b) {
+        let (a, b) = (gpu.points[place], cpu.points[place]);
+        return Some(format!(
+            "sample {place} is ({}, {}) on the device and ({}, {}) on the CPU, in lattice units",
+            a.x, a.y, b.x, b.y
+        ));
+    }
+    if gpu.points.len() != cpu.points.len() {
+        return Some(format!(
+            "the device gives {} samples, the CPU {}",
+            gpu.points.len(),
+            cpu.points.len()
+        ));
+    }
+    (gpu.sources != cpu.sources).then(|| "samples come from elsewhere".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::Point;
+
+    #[test]
+    fn one_unit_is_a_difference() {
+        let parameters = Parameters {
+            radius: 0.05,
+            ..Parameters::default()
+        };
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+        let cpu = sequential(&parameters, pattern).unwrap();
+        assert_eq!(difference(&cpu, &cpu), None);
+        let mut other = cpu.clone();
+        other.points[7] = Point::new(other.points[7].x + 1, other.points[7].y);
+        assert!(difference(&other, &cpu).unwrap().contains("sample 7"));
+        let mut other = cpu.clone();
+        other.points.pop();
+        assert!(difference(&other, &cpu).unwrap().contains("samples, the CPU"));
+        let mut other = cpu.clone();
+        other.sources = None;
+        assert!(difference(&other, &cpu).unwrap().contains("elsewhere"));
+    }
 }

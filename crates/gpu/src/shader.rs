@@ -33,6 +33,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("propose", include_str!("../shaders/propose.wgsl")),
     ("random", include_str!("../shaders/random.wgsl")),
     ("reopen", include_str!("../shaders/reopen.wgsl")),
+    ("rounds", include_str!("../shaders/rounds.wgsl")),
     ("scan", include_str!("../shaders/scan.wgsl")),
     ("scan_add", include_str!("../shaders/scan_add.wgsl")),
     ("scan_sums", include_str!("../shaders/scan_sums.wgsl")),

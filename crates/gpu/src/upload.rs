@@ -15,6 +15,7 @@ use crate::work::Work;
 const UNSURE: u32 = 4;
 const HOT: u32 = 16;
 const LOST: u32 = 32;
+const FRESH: u32 = 64;
 
 /// The mark of a detector in a slot.
 const DETECTOR: u32 = 1 << 30;
@@ -203,6 +204,7 @@ fn write_grid(work: &mut Work, run: &Run, first: Stage, counters: &mut [u32]) {
     for (cell, slots) in grid.iter_mut().enumerate() {
         let (column, row) = frame.column_row(cell);
         let rim = rim(work, column, row);
+        slots[3] |= FRESH;
         if rim == 0 {
             slots[3] |= UNSURE;
             unsure.push(cell as u32);

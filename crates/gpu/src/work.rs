@@ -327,7 +327,7 @@ impl Work {
             passes::detect(&self.plan, self.setup.first_reach())
         } else {
             let mut commands = vec![passes::unlink()];
-            commands.extend(passes::redetect(&self.plan, self.setup.later_reach()));
+            commands.extend(passes::redetect(&self.plan, self.setup.later_reach(), k));
             commands
         };
         commands.extend(passes::insert(k, Some(key)));
@@ -395,7 +395,7 @@ impl Work {
 
     /// Decides what follows a step whose counters were read.
     async fn decide(&mut self) -> Result<(), GpuError> {
-        let undecided = self.counter(counter::UNDECIDED) > 0;
+        let undecided = self.counter(counter::UNDECIDED_ODD) > 0;
         match self.step {
             Step::EliminateMore if !undecided => self.step = Step::Survive,
             Step::ChooseMore(k) if !undecided => {

@@ -6,7 +6,8 @@ mod support;
 use support::inputs::{
     Numbers, OFFSET_LIMIT, halves, joined, lines, offset, offsets, quotients, rim, triangles, words,
 };
-use support::{Words, check, compare, open, source, spoilt};
+use support::device::{gpu, open};
+use support::{Words, check, compare, source, spoilt};
 use tilescope_core::{
     R_SQUARED, below, circumcentre, covers_offset, on_line, round_half_up, threefry2x32_20,
 };

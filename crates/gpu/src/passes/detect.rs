@@ -61,6 +61,7 @@ pub(super) const CANDIDATES: Pass = Pass {
     shader: "candidates",
     bindings: &[
         uniform_of(Name::Frame),
+        uniform_of(Name::Job),
         read(Name::Grid),
         read(Name::List),
         write(Name::Proposals),
@@ -87,15 +88,15 @@ pub(crate) fn detectors(plan: &Plan) -> Vec<Command> {
 pub(crate) fn detect(plan: &Plan, reach: u32) -> Vec<Command> {
     let mut commands = spread(reach);
     commands.push(run(&OPEN, Size::Invocations(plan.inner_cells())));
-    commands.extend(candidates(plan));
+    commands.extend(candidates(plan, 1));
     commands
 }
 
 /// Records the detection of a later iteration.
-pub(crate) fn redetect(plan: &Plan, reach: u32) -> Vec<Command> {
+pub(crate) fn redetect(plan: &Plan, reach: u32, iteration: u32) -> Vec<Command> {
     let mut commands = spread(reach);
     commands.push(run(&REOPEN, argument("ARGUMENT_OPEN")));
-    commands.extend(candidates(plan));
+    commands.extend(candidates(plan, iteration));
     commands
 }
 
@@ -117,11 +118,15 @@ pub(super) fn open(plan: &Plan) -> Command {
     run(&OPEN, Size::Invocations(plan.inner_cells()))
 }
 
-fn candidates(plan: &Plan) -> Vec<Command> {
+fn candidates(plan: &Plan, iteration: u32) -> Vec<Command> {
+    let job = Job {
+        a: iteration,
+        ..Job::default()
+    };
     vec![
         prepare(0),
         clear_counter(counter::PROPOSALS),
-        run(&CANDIDATES, argument("ARGUMENT_OPEN_ROWS")),
+        run_with(&CANDIDATES, job, argument("ARGUMENT_OPEN_ROWS")),
         prepare(0),
         run(&SETTLE, Size::Invocations(plan.cells())),
     ]

@@ -1,19 +1,18 @@
 //! Elimination (paper, Algorithm 4, first loop), in rounds, and the grid of the survivors.
 
-use super::{
-    Command, Pass, Size, argument, atomic, clear_counter, prepare, read, run, uniform_of, write,
-};
-use crate::layout::{Name, counter};
+use super::{Command, Pass, Size, alternating, atomic, prepare, read, run, uniform_of, write};
+use crate::layout::Name;
 use crate::plan::Plan;
 
 /// Rounds between two looks at what is left.
-const ROUNDS: usize = 8;
+const ROUNDS: u32 = 8;
 
 pub(super) const ELIMINATE: Pass = Pass {
     name: "eliminate",
     shader: "eliminate",
     bindings: &[
         uniform_of(Name::Frame),
+        uniform_of(Name::Job),
         read(Name::Images),
         read(Name::Starts),
         atomic(Name::Places),
@@ -52,17 +51,13 @@ pub(super) const SURVIVE: Pass = Pass {
 /// Records the first rounds.
 pub(crate) fn eliminate() -> Vec<Command> {
     let mut commands = vec![prepare(0)];
-    commands.extend(rounds());
+    commands.extend(alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, true));
     commands
 }
 
 /// Records further rounds.
 pub(crate) fn rounds() -> Vec<Command> {
-    let round = [
-        clear_counter(counter::UNDECIDED),
-        run(&ELIMINATE, argument("ARGUMENT_CONTESTED")),
-    ];
-    std::iter::repeat_n(round, ROUNDS).flatten().collect()
+    alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, false)
 }
 
 /// Records the end of the stage; with `by` who eliminated whom is noted, too.

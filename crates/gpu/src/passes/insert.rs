@@ -1,12 +1,12 @@
 //! Insertion (paper, Algorithm 4, second loop): the greedy independent set of the proposals, in rounds.
 
 use super::{
-    Command, Pass, argument, atomic, clear_counter, read, run, run_with, uniform_of, write,
+    Command, Pass, alternating, argument, atomic, read, run, run_with, uniform_of, write,
 };
 use crate::layout::{Job, Name, counter};
 
 /// Rounds between two looks at what is left.
-const ROUNDS: usize = 6;
+const ROUNDS: u32 = 6;
 
 pub(super) const LINK: Pass = Pass {
     name: "link",
@@ -25,6 +25,7 @@ pub(super) const CHOOSE: Pass = Pass {
     shader: "choose",
     bindings: &[
         uniform_of(Name::Frame),
+        uniform_of(Name::Job),
         atomic(Name::Proposals),
         atomic(Name::Heads),
         read(Name::Grid),
@@ -72,15 +73,18 @@ pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
         ),
         run_with(&LINK, job, argument("ARGUMENT_PROPOSALS")),
     ];
-    commands.extend(choose(iteration));
+    commands.extend(decide(iteration, true));
     commands
 }
 
-/// Records rounds, and the insertion of what is decided after them.
+/// Records further rounds, and the insertion of what is decided after them.
 pub(crate) fn choose(iteration: u32) -> Vec<Command> {
+    decide(iteration, false)
+}
+
+fn decide(iteration: u32, is_first: bool) -> Vec<Command> {
+    let mut commands = alternating(&CHOOSE, "ARGUMENT_PROPOSALS", ROUNDS, is_first);
     let proposals = argument("ARGUMENT_PROPOSALS");
-    let round = [clear_counter(counter::UNDECIDED), run(&CHOOSE, proposals)];
-    let mut commands: Vec<Command> = std::iter::repeat_n(round, ROUNDS).flatten().collect();
     let job = Job {
         a: iteration,
         ..Job::default()

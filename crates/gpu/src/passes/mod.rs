@@ -9,7 +9,7 @@ mod insert;
 mod tile;
 mod uniform;
 
-use crate::layout::{Access, Binding, Job, Name};
+use crate::layout::{Access, Binding, Job, Name, counter};
 
 pub(crate) use blocks::blocks;
 pub(crate) use detect::{detect, detectors, redetect};
@@ -164,6 +164,27 @@ pub(crate) fn prepare(flags: u32) -> Command {
 /// Returns the command that sets a counter to 0.
 pub(crate) const fn clear_counter(counter: u32) -> Command {
     Command::Clear(Name::Counters, Some((counter, counter + 1)))
+}
+
+/// Returns rounds of a pass, an even number; each begins with its counter at 0.
+pub(crate) fn alternating(
+    pass: &'static Pass,
+    size: &str,
+    rounds: u32,
+    is_first: bool,
+) -> Vec<Command> {
+    let round = |k: u32| {
+        let job = Job {
+            a: k % 2,
+            b: u32::from(is_first && k == 0),
+            ..Job::default()
+        };
+        [
+            clear_counter(counter::UNDECIDED + k % 2),
+            run_with(pass, job, argument(size)),
+        ]
+    };
+    (0..rounds).flat_map(round).collect()
 }
 
 /// Returns the place of an argument of indirect dispatches.
