@@ -34,11 +34,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::ShowStage(place));
         }
     }
+    ui.add_space(4.0);
+    let engine = format!("engine: {}", session.engine);
+    ui.label(egui::RichText::new(engine).color(palette.muted).small());
     if !session.has_stages() {
         let most = grouped(MOST_STAGED as usize);
         let text =
             format!("Above {most} samples only the result is kept: the stages between are not.");
-        ui.add_space(4.0);
         ui.label(egui::RichText::new(text).color(palette.muted).small());
     }
 }
