@@ -116,7 +116,7 @@ pub fn text(outcome: &Outcome<'_>) -> String {
         facts.radius
     );
     if let Some(told) = &facts.engine {
-        let _ = writeln!(out, "engine         {} ({})", told.engine, told.reason);
+        let _ = writeln!(out, "engine         {}: {}", told.engine, told.reason);
     }
     out.push('\n');
     out.push_str(&stage_table(facts.summary.as_ref(), &facts.seconds));
