@@ -18,6 +18,16 @@ mod reference;
 mod run;
 pub mod stages;
 
+/// The parts of the parallel engine that other engines of windows share: frames of cells, the blocks and
+/// pattern samples that reach into them, counts.
+pub mod windows {
+    pub use crate::engine::parallel::clip::{CellPattern, Clipper, Placed, Rect64};
+    pub use crate::engine::parallel::counts::Counts;
+    pub use crate::engine::parallel::frame::{CELL_BITS, Frame, PAD};
+    pub use crate::engine::parallel::gaps::reach_cells;
+    pub use crate::engine::parallel::plane::lost_reach;
+}
+
 pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, sample_count, search_radius};
 pub use engine::parallel::instructions::InstructionSet;

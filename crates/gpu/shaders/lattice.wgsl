@@ -1,11 +1,11 @@
 // The one predicate that decides everything, as core's lattice.rs.
 
 fn covers_offset(offset: vec2<i32>) -> bool {
-    let d = abs(offset);
-    if d.x > R || d.y > R {
+    // Compared with both ends: the magnitude of -2^31 is no i32.
+    if any(offset < vec2<i32>(-R)) || any(offset > vec2<i32>(R)) {
         return false;
     }
-    // At most 2^31: exact in 32 bits.
-    let u = vec2<u32>(d);
-    return u.x * u.x + u.y * u.y <= u32(R) * u32(R);
+    // Each at most 2^30, together at most 2^31: exact in 32 bits.
+    let squares = vec2<u32>(offset * offset);
+    return squares.x + squares.y <= u32(R) * u32(R);
 }

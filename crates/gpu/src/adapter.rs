@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::GpuError;
+use crate::kernels::Kernels;
 
 /// What an adapter is and allows.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +40,8 @@ pub struct Limits {
 /// The storage buffers that the widest pass sees: what WebGPU guarantees.
 pub(crate) const MOST_STORAGE_BUFFERS: u32 = 8;
 
-/// Invocations of a workgroup.
-pub(crate) const WORKGROUP: u32 = 64;
+/// The rows of workgroups, `GROUP_COLUMNS` wide, that the largest frame takes.
+const MOST_GROUP_ROWS: u64 = 4_096;
 
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,7 +59,16 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     report: AdapterReport,
-    lost: Arc<Mutex<Option<String>>>,
+    trouble: Arc<Mutex<Option<Trouble>>>,
+    pub(crate) kernels: Kernels,
+}
+
+/// What befell a device.
+#[derive(Clone, Debug)]
+enum Trouble {
+    Lost(String),
+    OutOfMemory,
+    Refused(String),
 }
 
 impl std::fmt::Debug for Gpu {
@@ -175,24 +185,14 @@ impl Gpu {
                 name: report.name.clone(),
                 reason: error.to_string(),
             })?;
-        let lost = Arc::new(Mutex::new(None));
-        let flag = Arc::clone(&lost);
-        device.set_device_lost_callback(move |_, reason| {
-            *flag.lock().unwrap_or_else(PoisonError::into_inner) = Some(reason);
-        });
-        // What no scope catches would otherwise end the program; the next readback reports it.
-        device.on_uncaptured_error(Arc::new({
-            let flag = Arc::clone(&lost);
-            move |error| {
-                let mut flag = flag.lock().unwrap_or_else(PoisonError::into_inner);
-                flag.get_or_insert_with(|| error.to_string());
-            }
-        }));
+        let trouble = Arc::new(Mutex::new(None));
+        watch(&device, &trouble);
         Ok(Self {
             device,
             queue,
             report,
-            lost,
+            trouble,
+            kernels: Kernels::default(),
         })
     }
 
@@ -208,14 +208,21 @@ impl Gpu {
         (&self.device, &self.queue)
     }
 
-    /// Fails when the device is gone.
+    /// Fails when the device is gone or has refused something; memory that it lacked once may be there later.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*lost {
+        let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*trouble {
             None => Ok(()),
-            Some(reason) => Err(GpuError::DeviceLost {
+            Some(Trouble::Lost(reason)) => Err(GpuError::DeviceLost {
                 reason: reason.clone(),
             }),
+            Some(Trouble::Refused(reason)) => Err(GpuError::Refused {
+                reason: reason.clone(),
+            }),
+            Some(Trouble::OutOfMemory) => {
+                *trouble = None;
+                Err(GpuError::OutOfMemory)
+            }
         }
     }
 
@@ -280,6 +287,27 @@ impl Gpu {
     }
 }
 
+/// Notes what befalls a device: without that, what no one catches would end the program.
+fn watch(device: &wgpu::Device, trouble: &Arc<Mutex<Option<Trouble>>>) {
+    let note = |trouble: &Mutex<Option<Trouble>>, new: Trouble| {
+        let mut known = trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        // The first trouble brings others; a loss counts whenever it is told.
+        if known.is_none() || matches!(new, Trouble::Lost(_)) {
+            *known = Some(new);
+        }
+    };
+    let noted = Arc::clone(trouble);
+    device.set_device_lost_callback(move |_, reason| note(&noted, Trouble::Lost(reason)));
+    let noted = Arc::clone(trouble);
+    device.on_uncaptured_error(Arc::new(move |error| {
+        let new = match error {
+            wgpu::Error::OutOfMemory { .. } => Trouble::OutOfMemory,
+            other => Trouble::Refused(other.to_string()),
+        };
+        note(&noted, new);
+    }));
+}
+
 impl Limits {
     /// Returns the lower of the limits of both.
     #[must_use]
@@ -311,7 +339,7 @@ impl AdapterReport {
             (
                 "maxComputeWorkgroupsPerDimension",
                 self.limits.max_compute_workgroups_per_dimension.into(),
-                1024,
+                MOST_GROUP_ROWS,
             ),
         ];
         for (limit, value, minimum) in needed {

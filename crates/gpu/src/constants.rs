@@ -2,10 +2,104 @@
 
 use std::fmt::Write as _;
 
-use tilescope_core::R;
-use tilescope_core::stages::detect::DETECTOR_REACH;
+use tilescope_core::stages::darts::{GAP_SIDE, POISSON};
+use tilescope_core::stages::detect::{DETECTOR_REACH, NEARER_SLACK};
+use tilescope_core::stages::uniform::SLACK;
+use tilescope_core::windows::{CELL_BITS, PAD};
+use tilescope_core::{R, Stream};
 
 use crate::layout::counter;
+
+/// Invocations of a workgroup.
+pub const WORKGROUP: u32 = 64;
+
+/// Workgroups in a row of a dispatch.
+pub const GROUP_COLUMNS: u32 = 1024;
+
+/// Cells along the side of a tile, for which the images of blocks are listed that reach it.
+pub const TILE_SIDE: u32 = 8;
+
+/// Words of a tile's list: a count and room for 19 images. Blocks have sides of 6r at least; of those that,
+/// enlarged by r, come within r of a tile of 8r each shares a 6 x 6 r square with a square of 12r, and 24 x 24 r
+/// hold at most 16 of those.
+pub const TILE_WORDS: u32 = 20;
+
+/// The most samples tiled in a cell: at most 6 blocks reach it (as above, 15 x 15 r), and of each at most four
+/// samples, conflict-free, lie in a square of r.
+pub const MOST_FOUND: u32 = 24;
+
+/// The most samples that may make a candidate in a pixel. They lie in a ring of 0.18r whose radius is below 3.7r,
+/// farther than r from each other: fewer than 24.
+pub const MOST_SITES: u32 = 32;
+
+/// Elements of a list that an invocation, and a workgroup, sums up.
+pub const SCAN_EACH: u32 = 16;
+/// See [`SCAN_EACH`].
+pub const SCAN_PART: u32 = SCAN_EACH * WORKGROUP;
+
+/// Sides of a pixel, in units: an eighth of a cell.
+const PIXEL_BITS: u32 = CELL_BITS - 3;
+
+/// How far the places of a pixel may be from the one taken for its centre: 2048 units on each axis.
+const HALF_DIAGONAL: f32 = 2_897.5;
+
+/// How much farther from a candidate than the nearest sample its own samples may be: their squared distances
+/// differ by less than 22 R (12 R by definition, 9.7 R by rounding), at distances above R that is 11 units; the
+/// rest is for f32.
+const SITE_SLACK: f32 = 12.5;
+
+/// What shaders report as impossible.
+pub const FAULTS: &[(&str, u32)] = &[
+    ("FAULT_IMAGES", 1),
+    ("FAULT_CROWDED", 2),
+    ("FAULT_TILED", 3),
+    ("FAULT_FULL", 4),
+    ("FAULT_SITES", 5),
+];
+
+/// The fault that more room for tiled samples mends.
+pub const FAULT_TILED: u32 = 3;
+
+/// What `prepare` does besides: it notes that unsure cells have spread.
+pub const PREPARE_SPREAD: u32 = 1;
+/// It turns to the next level of uniform insertion.
+pub const PREPARE_LEVEL: u32 = 2;
+
+/// What became of a proposal.
+pub const PROPOSAL_PLACED: u32 = 4;
+
+/// No sample.
+pub const NO_SITE: u32 = 0x7fff_ffff;
+
+/// The bits of a tiled sample's word that say where in its cell it lies.
+pub const PLACE_MASK: u32 = 0x3fff_ffff;
+/// The bits that say what became of it.
+pub const FATE_MASK: u32 = 0xc000_0000;
+/// It is in the grid.
+pub const FATE_KEPT: u32 = 0x4000_0000;
+/// It was eliminated, or dropped.
+pub const FATE_LOST: u32 = 0x8000_0000;
+
+/// The number of samples in the last word of a cell of the grid.
+pub const COUNT_MASK: u32 = 3;
+
+/// Arguments of indirect dispatches, by their place.
+pub const ARGUMENTS: &[&str] = &[
+    "ARGUMENT_CONTESTED",
+    "ARGUMENT_OPEN",
+    "ARGUMENT_OPEN_ROWS",
+    "ARGUMENT_PROPOSALS",
+    "ARGUMENT_UNSURE",
+    "ARGUMENT_ACTIVE",
+];
+
+/// Orders of elimination, as shaders number them: as core's `Order`, in its sequence.
+pub const ORDERS: &[&str] = &[
+    "ORDER_INDEX",
+    "ORDER_RANDOM",
+    "ORDER_OWN_BLOCK_FIRST",
+    "ORDER_PHASE_GROUP",
+];
 
 /// Returns the WGSL declarations of all shared constants.
 #[must_use]
@@ -17,22 +111,73 @@ pub fn constants() -> String {
     for (name, value) in unsigned() {
         let _ = writeln!(text, "const {name}: u32 = {value}u;");
     }
-    for (name, value) in floats() {
+    for (name, value) in [("HALF_DIAGONAL", HALF_DIAGONAL), ("SITE_SLACK", SITE_SLACK)] {
         let _ = writeln!(text, "const {name}: f32 = {value:?};");
     }
+    let bounds: Vec<String> = POISSON.iter().map(|bound| format!("{bound}u")).collect();
+    let (count, bounds) = (bounds.len(), bounds.join(", "));
+    let _ = writeln!(
+        text,
+        "const POISSON = array<u32, {count}>({bounds});"
+    );
     text
 }
 
 fn signed() -> Vec<(&'static str, i32)> {
-    vec![("R", R), ("DETECTOR_REACH", DETECTOR_REACH)]
+    vec![
+        ("R", R),
+        ("PAD", PAD),
+        ("PIXEL_SIDE", 1 << PIXEL_BITS),
+        ("DETECTOR_REACH", DETECTOR_REACH),
+        ("NEARER_SLACK", NEARER_SLACK as i32),
+        ("GAP_REACH", R + SLACK),
+    ]
 }
 
 fn unsigned() -> Vec<(&'static str, u32)> {
-    let mut all = vec![];
+    let mut all = vec![
+        ("WORKGROUP", WORKGROUP),
+        ("GROUP_COLUMNS", GROUP_COLUMNS),
+        ("CELL_BITS", CELL_BITS),
+        ("LOW", R as u32 - 1),
+        ("PIXEL_BITS", PIXEL_BITS),
+        ("TILE_SIDE", TILE_SIDE),
+        ("TILE_WORDS", TILE_WORDS),
+        ("MOST_FOUND", MOST_FOUND),
+        ("MOST_SITES", MOST_SITES),
+        ("SCAN_EACH", SCAN_EACH),
+        ("SCAN_PART", SCAN_PART),
+        ("PLACE_MASK", PLACE_MASK),
+        ("FATE_MASK", FATE_MASK),
+        ("FATE_UNDECIDED", 0),
+        ("FATE_KEPT", FATE_KEPT),
+        ("FATE_LOST", FATE_LOST),
+        ("FATE_UNKNOWN", FATE_MASK),
+        ("FREE", u32::MAX),
+        ("DETECTOR", 0x4000_0000),
+        ("SITE_DETECTOR", 0x8000_0000),
+        ("NO_SITE", NO_SITE),
+        ("COUNT_MASK", COUNT_MASK),
+        ("FLAG_UNSURE", 4),
+        ("FLAG_REACHED", 8),
+        ("FLAG_HOT", 16),
+        ("FLAG_LOST", 32),
+        ("GAP_SIDE", GAP_SIDE as u32),
+        ("POISSON_COUNT", POISSON.len() as u32),
+        ("STREAM_DART", Stream::Dart as u32),
+        ("PREPARE_SPREAD", PREPARE_SPREAD),
+        ("PREPARE_LEVEL", PREPARE_LEVEL),
+        ("PROPOSAL_WORDS", 8),
+        ("PROPOSAL_UNDECIDED", 0),
+        ("PROPOSAL_KEPT", 1),
+        ("PROPOSAL_REJECTED", 2),
+        ("PROPOSAL_UNKNOWN", 3),
+        ("PROPOSAL_PLACED", PROPOSAL_PLACED),
+        ("PROPOSAL_NOTED", 5),
+    ];
+    all.extend(FAULTS);
+    all.extend(ARGUMENTS.iter().copied().zip(0..));
+    all.extend(ORDERS.iter().copied().zip(0..));
     all.extend(counter::ALL);
     all
-}
-
-fn floats() -> Vec<(&'static str, f32)> {
-    vec![]
 }

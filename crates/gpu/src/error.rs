@@ -72,13 +72,8 @@ pub enum GpuError {
         allowed: u32,
     },
     /// The driver has no memory left.
-    #[error("the device has no memory left for {what} ({bytes} bytes)")]
-    OutOfMemory {
-        /// The buffer.
-        what: String,
-        /// Its length.
-        bytes: u64,
-    },
+    #[error("the device has no memory left; allow less of it, or choose another engine")]
+    OutOfMemory,
     /// The device is gone: removed, reset, or taken away by the system.
     #[error("the device was lost: {reason}")]
     DeviceLost {

@@ -8,7 +8,7 @@ macro_rules! shared {
     ($(#[$attributes:meta])* $name:ident { $($(#[$field_attributes:meta])* $field:ident: $kind:ident,)* }) => {
         $(#[$attributes])*
         #[repr(C)]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
         pub struct $name { $($(#[$field_attributes])* pub $field: $kind,)* }
 
         impl $name {

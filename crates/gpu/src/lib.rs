@@ -8,11 +8,18 @@
 pub mod adapter;
 mod constants;
 mod error;
+mod execute;
+mod fit;
+mod kernels;
 pub mod layout;
+pub mod passes;
+mod plan;
 mod self_test;
+mod setup;
 pub mod shader;
 mod stepper;
 mod sweep;
+mod work;
 
 pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
 pub use error::GpuError;

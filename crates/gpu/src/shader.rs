@@ -8,10 +8,48 @@ use crate::layout::{Binding, declarations, structures};
 
 /// Every shader file by its name: a library of functions, or a pass with the entry point `main`.
 pub const FILES: &[(&str, &str)] = &[
-    ("random", include_str!("../shaders/random.wgsl")),
-    ("lattice", include_str!("../shaders/lattice.wgsl")),
-    ("wide", include_str!("../shaders/wide.wgsl")),
+    ("attribute", include_str!("../shaders/attribute.wgsl")),
+    ("blocks", include_str!("../shaders/blocks.wgsl")),
+    ("candidates", include_str!("../shaders/candidates.wgsl")),
+    ("choose", include_str!("../shaders/choose.wgsl")),
     ("circumcentre", include_str!("../shaders/circumcentre.wgsl")),
+    ("clip", include_str!("../shaders/clip.wgsl")),
+    ("count", include_str!("../shaders/count.wgsl")),
+    ("cover_cell", include_str!("../shaders/cover_cell.wgsl")),
+    ("coverage", include_str!("../shaders/coverage.wgsl")),
+    ("detectors", include_str!("../shaders/detectors.wgsl")),
+    ("eliminate", include_str!("../shaders/eliminate.wgsl")),
+    ("frame", include_str!("../shaders/frame.wgsl")),
+    ("gap_cells", include_str!("../shaders/gap_cells.wgsl")),
+    ("gather", include_str!("../shaders/gather.wgsl")),
+    ("grid", include_str!("../shaders/grid.wgsl")),
+    ("grid_shared", include_str!("../shaders/grid_shared.wgsl")),
+    ("lattice", include_str!("../shaders/lattice.wgsl")),
+    ("link", include_str!("../shaders/link.wgsl")),
+    ("open", include_str!("../shaders/open.wgsl")),
+    ("place", include_str!("../shaders/place.wgsl")),
+    ("prepare", include_str!("../shaders/prepare.wgsl")),
+    ("proposal", include_str!("../shaders/proposal.wgsl")),
+    ("propose", include_str!("../shaders/propose.wgsl")),
+    ("random", include_str!("../shaders/random.wgsl")),
+    ("reopen", include_str!("../shaders/reopen.wgsl")),
+    ("scan", include_str!("../shaders/scan.wgsl")),
+    ("scan_add", include_str!("../shaders/scan_add.wgsl")),
+    ("scan_sums", include_str!("../shaders/scan_sums.wgsl")),
+    ("settle", include_str!("../shaders/settle.wgsl")),
+    ("sites", include_str!("../shaders/sites.wgsl")),
+    ("sort_blocks", include_str!("../shaders/sort_blocks.wgsl")),
+    ("sources", include_str!("../shaders/sources.wgsl")),
+    ("split", include_str!("../shaders/split.wgsl")),
+    ("spread", include_str!("../shaders/spread.wgsl")),
+    ("survive", include_str!("../shaders/survive.wgsl")),
+    ("tally", include_str!("../shaders/tally.wgsl")),
+    ("throw", include_str!("../shaders/throw.wgsl")),
+    ("tile", include_str!("../shaders/tile.wgsl")),
+    ("turn", include_str!("../shaders/turn.wgsl")),
+    ("unlink", include_str!("../shaders/unlink.wgsl")),
+    ("unsure", include_str!("../shaders/unsure.wgsl")),
+    ("wide", include_str!("../shaders/wide.wgsl")),
 ];
 
 /// Returns the whole WGSL source of a pass: constants, structures, bindings, imported files, the
@@ -26,21 +64,37 @@ pub fn compose(file: &str, bindings: &[Binding]) -> String {
     source.push_str(&structures());
     source.push_str(&declarations(bindings));
     let mut done = Vec::new();
-    append(file, &mut done, &mut source);
+    append(FILES, file, &mut done, &mut source);
+    if source.contains("fn run(index: u32)") {
+        source.push_str(ENTRY);
+    }
     source
 }
 
-fn append(file: &str, done: &mut Vec<String>, source: &mut String) {
+/// What most passes begin with: one invocation an element, in as many rows of workgroups as it takes.
+const ENTRY: &str = "
+@compute @workgroup_size(WORKGROUP)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    run((group.y * groups.x + group.x) * WORKGROUP + local);
+}
+";
+
+/// Appends a file of `files` behind what it imports, unless it is among those `done`.
+fn append(files: &[(&str, &str)], file: &str, done: &mut Vec<String>, source: &mut String) {
     if done.iter().any(|name| name == file) {
         return;
     }
     done.push(file.to_owned());
-    let text = FILES.iter().find(|(name, _)| *name == file).map_or_else(
+    let text = files.iter().find(|(name, _)| *name == file).map_or_else(
         || panic!("there is no shader file {file}"),
         |(_, text)| text,
     );
     for import in imports(text) {
-        append(import, done, source);
+        append(files, import, done, source);
     }
     let _ = writeln!(source, "// {file}.wgsl\n{text}");
 }
@@ -50,4 +104,96 @@ pub fn imports(text: &str) -> impl Iterator<Item = &str> {
     text.lines()
         .filter_map(|line| line.strip_prefix("// import: "))
         .map(str::trim)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::{Access, Name};
+
+    fn appended(files: &[(&str, &str)], file: &str) -> (Vec<String>, String) {
+        let (mut done, mut source) = (Vec::new(), String::new());
+        append(files, file, &mut done, &mut source);
+        (done, source)
+    }
+
+    /// Returns the places of `parts` in `text`, each of which must be there exactly once.
+    fn places(text: &str, parts: &[&str]) -> Vec<usize> {
+        let place = |part: &&str| {
+            assert_eq!(text.matches(*part).count(), 1, "{part} in {text}");
+            text.find(*part).unwrap()
+        };
+        parts.iter().map(place).collect()
+    }
+
+    #[test]
+    fn imports_are_the_marked_lines_alone() {
+        let text = "// import: a\nfn f() {} // import: b\n// import: c  \n// imports: d\n";
+        assert_eq!(imports(text).collect::<Vec<_>>(), ["a", "c"]);
+        assert_eq!(imports("").count(), 0);
+    }
+
+    #[test]
+    fn a_file_imported_twice_is_put_in_once_and_before_those_that_need_it() {
+        let files = [
+            ("top", "// import: left\n// import: right\nfn top"),
+            ("left", "// import: base\nfn left"),
+            ("right", "// import: left\n// import: base\nfn right"),
+            ("base", "fn base"),
+            ("other", "fn other"),
+        ];
+        let (_, source) = appended(&files, "top");
+        let places = places(&source, &["fn base", "fn left", "fn right", "fn top"]);
+        assert!(places.is_sorted(), "{source}");
+        assert!(!source.contains("fn other"));
+    }
+
+    #[test]
+    fn files_that_import_each_other_end() {
+        let files = [("a", "// import: b\nfn a"), ("b", "// import: a\nfn b")];
+        let (done, source) = appended(&files, "a");
+        assert_eq!(done, ["a", "b"]);
+        assert!(places(&source, &["fn b", "fn a"]).is_sorted());
+    }
+
+    #[test]
+    fn constants_structures_bindings_and_files_come_in_this_sequence() {
+        let bindings = [Binding {
+            name: Name::Frame,
+            access: Access::Uniform,
+            alias: None,
+        }];
+        let source = compose("circumcentre", &bindings);
+        let parts = [
+            "const R: i32",
+            "struct Frame {",
+            "var<uniform> frame: Frame;",
+            "fn wide_multiply(",
+            "fn circumcentre(",
+        ];
+        assert!(places(&source, &parts).is_sorted(), "{source}");
+    }
+
+    #[test]
+    fn every_file_has_its_own_name_and_imports_only_what_exists() {
+        for (place, (name, text)) in FILES.iter().enumerate() {
+            assert!(FILES[..place].iter().all(|(other, _)| other != name));
+            for import in imports(text) {
+                assert_ne!(import, *name);
+                assert!(FILES.iter().any(|(other, _)| *other == import), "{import}");
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "there is no shader file nonesuch")]
+    fn an_unknown_file_is_refused() {
+        let _ = compose("nonesuch", &[]);
+    }
+
+    #[test]
+    #[should_panic(expected = "there is no shader file nonesuch")]
+    fn an_unknown_import_is_refused() {
+        let _ = appended(&[("a", "// import: nonesuch\n")], "a");
+    }
 }

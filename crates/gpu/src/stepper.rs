@@ -6,7 +6,7 @@ use tilescope_core::{Parameters, Pattern, Run, Stage};
 
 use crate::adapter::Gpu;
 use crate::error::GpuError;
-use crate::layout::Name;
+use crate::layout::{Access, Name};
 
 /// What a pass did.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +19,8 @@ pub struct PassReport {
     pub workgroups: Option<[u32; 3]>,
     /// Invocations, where the host knows them.
     pub invocations: Option<u64>,
-    /// The buffers that it saw, with their lengths in bytes.
-    pub bindings: Vec<(Name, u64)>,
+    /// The buffers that it saw, what for, and their lengths in bytes.
+    pub bindings: Vec<(Name, Access, u64)>,
     /// Seconds on the device, where the adapter measures them.
     pub seconds: Option<f64>,
 }

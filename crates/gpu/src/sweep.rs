@@ -1,92 +1,351 @@
-//! A whole run as windows, band by band: the counterpart of core's `Sweep`, with the same result.
+//! A whole run as windows, band by band: the counterpart of core's `Sweep`, with the same result. Where the
+//! device can take it, the whole domain is one window.
 
 use std::sync::Arc;
 
-use tilescope_core::{Domain, Observer, Parameters, Pattern, Run, Sampled, Summary, SweepState};
+use tilescope_core::stages::blocks::split;
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::windows::Counts;
+use tilescope_core::{
+    Domain, Fate, Observer, Origin, Parameters, Pattern, Point, Progress, R, Rect, Run,
+    SampleError, Sampled, Samples, Source, Stage, Summary, SweepState,
+};
 
 use crate::adapter::Gpu;
 use crate::error::GpuError;
+use crate::execute::Device;
+use crate::fit::{longest_side, memory_of};
+use crate::plan::{Plan, Room};
+use crate::setup::Setup;
+use crate::work::{Outcome, Window, Work};
+
+/// Cells around a window that are computed with it at first: what depends on what lies beyond rarely comes
+/// half as far, and then the window is computed again with twice as many.
+pub(crate) const HALO: i32 = 24;
+
+/// The widest halo, in cells.
+const WIDEST_HALO: i32 = 768;
+
+/// The shortest side of a window, in cells.
+const SHORTEST_SIDE: u32 = 8;
+
+/// How often a window may ask for more room before that counts as a fault.
+const MOST_TRIES: usize = 8;
 
 /// What a run may use and is asked to keep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// The most bytes of device memory to use at once; a share of what the adapter allows, if not given.
+    /// The most bytes of device memory to use at once; by the kind of adapter, if not given.
     pub memory: Option<u64>,
     /// Whether samples say where they come from.
     pub sources: bool,
 }
 
-/// A run in progress on a GPU, band by band. The bands, one after the other, are the result in
-/// canonical order, equal to every other engine's.
+/// A run in progress on a GPU, band by band.
+///
+/// The bands, one after the other, are the result in canonical order, equal to every other engine's,
+/// bit for bit.
 pub struct GpuSweep {
-    domain: Domain,
+    gpu: Arc<Gpu>,
+    setup: Arc<Setup>,
+    memory: u64,
+    /// Cells along the side of a window.
+    side: u32,
+    /// Rows of cells that have been computed.
+    done: u32,
+    counts: Counts,
+    count: u64,
+    /// Buffers of the window before.
+    idle: Option<Device>,
 }
 
 impl GpuSweep {
     /// Returns a run at its beginning.
+    ///
+    /// Fails when the parameters cannot be sampled, ask for Algorithm 4 as printed, or when not even a small window fits
+    /// the device.
+    #[allow(clippy::unused_async)] // A browser may one day have to ask the adapter.
     pub async fn new(
-        _gpu: Arc<Gpu>,
+        gpu: Arc<Gpu>,
         parameters: &Parameters,
-        _pattern: &Arc<Pattern>,
-        _options: Options,
+        pattern: &Arc<Pattern>,
+        options: Options,
     ) -> Result<Self, GpuError> {
+        let setup = Arc::new(Setup::new(parameters, pattern, options.sources)?);
+        let memory = memory_of(gpu.report(), options.memory);
+        let side = longest_side(&setup, &gpu.report().limits, memory)?;
         Ok(Self {
-            domain: parameters.validate()?,
+            gpu,
+            setup,
+            memory,
+            side,
+            done: 0,
+            counts: Counts::default(),
+            count: 0,
+            idle: None,
         })
     }
 
     /// Returns the domain.
     #[must_use]
-    pub const fn domain(&self) -> &Domain {
-        &self.domain
+    pub fn domain(&self) -> &Domain {
+        &self.setup.domain
+    }
+
+    /// Returns how many cells there are along the longest side of a window.
+    #[must_use]
+    pub const fn window_side(&self) -> u32 {
+        self.side
+    }
+
+    /// Returns the bytes of device memory that the run may use at once.
+    #[must_use]
+    pub const fn memory(&self) -> u64 {
+        self.memory
+    }
+
+    /// Returns the bytes that the buffers of the window before hold.
+    #[must_use]
+    pub fn held_bytes(&self) -> u64 {
+        self.idle.as_ref().map_or(0, Device::held_bytes)
     }
 
     /// Returns how many rows of cells have been computed, of how many.
     #[must_use]
     pub fn rows(&self) -> (u32, u32) {
-        todo!()
+        (self.done, self.cells()[1])
+    }
+
+    fn cells(&self) -> [u32; 2] {
+        let max = self.setup.domain.rect().max;
+        [max.x, max.y].map(|side| ((side - 1) / R + 1) as u32)
     }
 
     /// Returns where the run is, to go on from there in another process, with any engine.
     #[must_use]
     pub fn state(&self) -> SweepState {
-        todo!()
+        SweepState {
+            rows: self.done,
+            count: self.count,
+            counts: self.counts.clone(),
+        }
     }
 
-    /// Goes on from a state of a run of the same parameters and pattern.
-    pub fn restore(&mut self, _state: &SweepState) {
-        todo!()
+    /// Goes on from a state of a run of the same parameters and pattern, as if the bands below had been computed.
+    pub fn restore(&mut self, state: &SweepState) {
+        self.done = state.rows.min(self.cells()[1]);
+        self.count = state.count;
+        self.counts = state.counts.clone();
     }
 
     /// Returns the counts of all bands so far.
     #[must_use]
     pub fn summary(&self) -> Summary {
-        todo!()
+        self.counts.summary(self.count)
     }
 
     /// Computes the next band and returns its samples, or `None` at the end.
-    pub async fn step(
-        &mut self,
-        _observer: &mut dyn Observer,
-    ) -> Result<Option<Sampled>, GpuError> {
-        todo!()
+    ///
+    /// Fails when `observer`, asked before each window, stops the run, or the device fails.
+    pub async fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Sampled>, GpuError> {
+        let (done, rows) = self.rows();
+        ask(observer, done.into(), rows.into())?;
+        if done == rows {
+            return Ok(None);
+        }
+        loop {
+            match self.band(observer).await {
+                // Other programs use the device, too: smaller windows may still fit.
+                Err(GpuError::OutOfMemory) if self.side > SHORTEST_SIDE => {
+                    self.idle = None;
+                    self.side = (self.side / 2).max(SHORTEST_SIDE);
+                }
+                other => return other.map(Some),
+            }
+        }
     }
 
-    /// Runs to the end and returns the samples of all bands that are left, and the run's summary.
+    async fn band(&mut self, observer: &mut dyn Observer) -> Result<Sampled, GpuError> {
+        let [columns, rows] = self.cells();
+        // Windows of about the same size.
+        let side = |cells: u32| cells.div_ceil(cells.div_ceil(self.side));
+        let (width, height) = (side(columns), side(rows));
+        let max = self.setup.domain.rect().max;
+        let units = |cells: u32, max: i32| (i64::from(cells) * i64::from(R)).min(max.into()) as i32;
+        let top = (self.done + height).min(rows);
+        let mut windows = Vec::new();
+        for left in (0..columns).step_by(width as usize) {
+            ask(observer, self.done.into(), rows.into())?;
+            let window = Rect {
+                min: Point::new(units(left, max.x), units(self.done, max.y)),
+                max: Point::new(units(left + width, max.x), units(top, max.y)),
+            };
+            windows.push(self.window(&window).await?);
+        }
+        for window in &windows {
+            self.counts.add(&window.counts);
+            self.count += window.points.len() as u64;
+        }
+        self.done = top;
+        Ok(join(windows, self.setup.sources))
+    }
+
+    /// Computes a window: with a wider halo where one proves too narrow, with more room where that is needed.
+    async fn window(&mut self, window: &Rect) -> Result<Window, GpuError> {
+        let (mut halo, mut room, mut tries) = (HALO, None, 0);
+        loop {
+            match self.attempt(window, halo, room).await? {
+                Outcome::Known(window) => return Ok(window),
+                Outcome::Unsure if halo >= WIDEST_HALO => {
+                    return Err(SampleError::Entangled {
+                        radii: f64::from(halo),
+                    }
+                    .into());
+                }
+                Outcome::Unsure => {
+                    halo *= 2;
+                    room = None;
+                }
+                Outcome::TooSmall(_) if tries == MOST_TRIES => return Err(GpuError::OutOfMemory),
+                Outcome::TooSmall(wanted) => {
+                    tries += 1;
+                    room = Some(wanted);
+                }
+            }
+        }
+    }
+
+    async fn attempt(
+        &mut self,
+        window: &Rect,
+        halo: i32,
+        room: Option<Room>,
+    ) -> Result<Outcome, GpuError> {
+        let plan = Plan::new(&self.setup, window, halo, room)?;
+        let mut work = Work::new(&self.gpu, &self.setup, plan, self.idle.take(), false)?;
+        let early = work.run().await?;
+        let outcome = match early {
+            Some(outcome) => outcome,
+            None => Outcome::Known(work.result().await?),
+        };
+        self.idle = Some(work.device);
+        Ok(outcome)
+    }
+
+    /// Runs to the end and returns the samples of all bands that are left, and the whole run's summary.
     pub async fn finish(
-        self,
-        _observer: &mut dyn Observer,
+        mut self,
+        observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary), GpuError> {
-        todo!()
+        let mut all = Sampled {
+            points: Vec::new(),
+            sources: self.setup.sources.then(Vec::new),
+        };
+        while let Some(mut band) = self.step(observer).await? {
+            all.points.append(&mut band.points);
+            if let (Some(all), Some(band)) = (&mut all.sources, &mut band.sources) {
+                all.append(band);
+            }
+        }
+        Ok((all, self.summary()))
     }
 
     /// Returns a finished run that knows its blocks, its result and its counts, as core's `Sweep::run`.
+    ///
+    /// Fails as [`Self::new`] and [`Self::step`].
     pub async fn run(
-        _gpu: Arc<Gpu>,
-        _parameters: &Parameters,
-        _pattern: &Arc<Pattern>,
-        _observer: &mut dyn Observer,
+        gpu: Arc<Gpu>,
+        parameters: &Parameters,
+        pattern: &Arc<Pattern>,
+        observer: &mut dyn Observer,
     ) -> Result<Run, GpuError> {
-        todo!()
+        let options = Options {
+            sources: true,
+            ..Options::default()
+        };
+        let sweep = Self::new(gpu, parameters, pattern, options).await?;
+        let setup = Arc::clone(&sweep.setup);
+        let (sampled, summary) = sweep.finish(observer).await?;
+        Ok(run_of(&setup, pattern, sampled, summary)?)
     }
+}
+
+/// Returns a finished run of a result alone.
+fn run_of(
+    setup: &Setup,
+    pattern: &Arc<Pattern>,
+    sampled: Sampled,
+    summary: Summary,
+) -> Result<Run, SampleError> {
+    let leaf = setup.parameters.leaf_units()?;
+    let blocks = split(&setup.domain, leaf, setup.key);
+    let sources = sampled.sources.unwrap_or_default();
+    let origin = |(point, source): (&Point, &Source)| match *source {
+        Source::Tiled { block, pattern } => Origin::Tiled {
+            block,
+            pattern,
+            own: blocks.leaves[block as usize].rect.contains(*point),
+        },
+        Source::Inserted { iteration } => Origin::Inserted {
+            iteration,
+            sites: Sites::Unrecorded,
+        },
+    };
+    let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
+    let count = origins.len();
+    Ok(Run {
+        parameters: setup.parameters,
+        domain: setup.domain,
+        pattern: Arc::clone(pattern),
+        blocks,
+        tiles: Vec::new(),
+        samples: Samples {
+            points: sampled.points,
+            origins,
+            fates: vec![Fate::Kept; count],
+        },
+        iterations: Vec::new(),
+        result: (0..count as u32).collect(),
+        counted: Some(summary),
+    })
+}
+
+/// Asks whether to go on.
+fn ask(observer: &mut dyn Observer, done: u64, total: u64) -> Result<(), SampleError> {
+    let stage = Stage::Regions;
+    if observer.observe(Progress { stage, done, total }).is_break() {
+        return Err(SampleError::Cancelled { stage });
+    }
+    Ok(())
+}
+
+/// Joins windows that lie side by side, row of cells by row of cells.
+fn join(mut windows: Vec<Window>, with_sources: bool) -> Sampled {
+    if windows.len() == 1 {
+        let window = windows.remove(0);
+        return Sampled {
+            points: window.points,
+            sources: with_sources.then_some(window.sources),
+        };
+    }
+    let mut joined = Sampled {
+        points: Vec::new(),
+        sources: with_sources.then(Vec::new),
+    };
+    let row_of = |p: &Point| p.y / R;
+    let mut firsts = vec![0; windows.len()];
+    let last = windows.iter().filter_map(|w| w.points.last()).map(row_of).max();
+    let first = windows.iter().filter_map(|w| w.points.first()).map(row_of).min();
+    for row in first.unwrap_or(0)..=last.unwrap_or(-1) {
+        for (window, first) in windows.iter().zip(&mut firsts) {
+            let rest = &window.points[*first..];
+            let count = rest.partition_point(|p| row_of(p) <= row);
+            joined.points.extend_from_slice(&rest[..count]);
+            if let Some(sources) = &mut joined.sources {
+                sources.extend_from_slice(&window.sources[*first..*first + count]);
+            }
+            *first += count;
+        }
+    }
+    joined
 }

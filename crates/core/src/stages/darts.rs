@@ -17,7 +17,7 @@ use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
 
 /// Cumulative probabilities, times 2^32, of 0, 1, 2, ... darts for a mean of 0.85 per active cell
 /// (the value of Ebeida et al.).
-const POISSON: [u32; 11] = [
+pub const POISSON: [u32; 11] = [
     0x6d6b_10a3,
     0xca6c_7860,
     0xf1f3_77aa,
@@ -32,7 +32,7 @@ const POISSON: [u32; 11] = [
 ];
 
 /// The last level, whose cells have sides of one unit; level 0 has sides of R.
-pub(crate) const LAST_LEVEL: u32 = R.ilog2();
+pub const LAST_LEVEL: u32 = R.ilog2();
 
 /// Throws at level 0, whose cells hardly any sample covers: as many darts to an area as one throw at the
 /// level below, in portions, so that most darts that come too late are found covered in the cheap
@@ -167,7 +167,8 @@ impl DartProcess {
 }
 
 /// Returns the key of a throw of a level.
-pub(crate) fn throw_key(key: Key, level: u32, throw: u32) -> Key {
+#[must_use]
+pub fn throw_key(key: Key, level: u32, throw: u32) -> Key {
     key.derive(Stream::Level, level)
         .derive(Stream::Throw, throw)
 }

@@ -33,7 +33,7 @@ use crate::stages::voronoi::RelaxedCell;
 pub const DETECTOR_REACH: i32 = 2 * R + 4;
 
 /// By how much, in squared units, a sample may be nearer to a candidate than the candidate's own.
-pub(crate) const NEARER_SLACK: i64 = 12 * R as i64;
+pub const NEARER_SLACK: i64 = 12 * R as i64;
 
 /// The samples that make a candidate. The lowest of several such sets is recorded; ids are of one run,
 /// but the sequence of samples that they stand for is the same in every run over the same plane.

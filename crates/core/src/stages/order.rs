@@ -24,6 +24,17 @@ impl Ranking {
         }
     }
 
+    /// Returns the numbers from which ranks are made.
+    #[must_use]
+    pub const fn numbers(&self) -> RankNumbers {
+        RankNumbers {
+            key: self.key,
+            cell: self.phases.cell,
+            count: self.phases.count,
+            sequence: self.phases.sequence,
+        }
+    }
+
     /// Returns the rank of a tiled sample: lower ranks claim their disks first.
     #[must_use]
     pub fn rank(&self, point: Point, own: bool) -> u32 {
@@ -34,6 +45,19 @@ impl Ranking {
             Order::PhaseGroup => self.phases.group(point),
         }
     }
+}
+
+/// What a ranking is made of, for those who compute ranks elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RankNumbers {
+    /// The key of random ranks: the first word drawn for a place is the rank.
+    pub key: Key,
+    /// Sides of the phase groups' cells, in units.
+    pub cell: [i32; 2],
+    /// How many such cells there are on each axis; the last one takes the remainder of the side.
+    pub count: [i32; 2],
+    /// The turn of each group, by the lowest bits of the cell's row (2) and column (1).
+    pub sequence: [u32; 4],
 }
 
 /// The phase groups: cells at least 2r wide, an even number on each axis, in a 2 x 2 scheme. Cells

@@ -9,7 +9,7 @@ use crate::stages::detect::DETECTOR_REACH;
 use crate::stages::disks::{Cell, DiskGrid};
 
 /// Units beyond r within which an eliminated sample's disk is taken to have covered a place.
-pub(crate) const SLACK: i32 = DETECTOR_REACH - 2 * R;
+pub const SLACK: i32 = DETECTOR_REACH - 2 * R;
 
 /// Returns the dart process that fills the gaps which eliminated and dropped samples left.
 ///
@@ -38,7 +38,8 @@ pub fn gap_process(domain: Domain, samples: &Samples, key: Key) -> DartProcess {
 
 /// Returns the key of uniform insertion under a run's key. The iterations' stream keeps its draws
 /// apart from the reference sampler's of equal seed.
-pub(crate) fn gap_key(key: Key) -> Key {
+#[must_use]
+pub fn gap_key(key: Key) -> Key {
     key.derive(Stream::Iteration, 0)
 }
 

@@ -11,18 +11,23 @@ use crate::stages::tile::clip_start;
 use super::frame::{CELL_BITS, Frame};
 
 /// The pattern under one symmetry, by cells: rows of cells, then columns.
-pub(crate) struct CellPattern {
+pub struct CellPattern {
     /// Sides and boundary; its samples are those below.
-    shape: Variant,
-    columns: usize,
+    pub shape: Variant,
+    /// Cells in a row.
+    pub columns: usize,
     /// Index of each cell's first sample; one more at the end.
-    starts: Vec<u32>,
-    points: Vec<Point>,
-    ids: Vec<u32>,
+    pub starts: Vec<u32>,
+    /// Positions, cell by cell.
+    pub points: Vec<Point>,
+    /// The samples' indices in the pattern.
+    pub ids: Vec<u32>,
 }
 
 impl CellPattern {
-    pub(crate) fn new(mut shape: Variant) -> Self {
+    /// Returns a variant of a pattern, sorted into cells.
+    #[must_use]
+    pub fn new(mut shape: Variant) -> Self {
         let cells = |side: i32| ((side - 1) >> CELL_BITS) as usize + 1;
         let (columns, rows) = (cells(shape.width), cells(shape.height));
         let cell = |p: Point| (p.y >> CELL_BITS) as usize * columns + (p.x >> CELL_BITS) as usize;
@@ -101,7 +106,7 @@ impl CellPattern {
 
 /// A block, or an image of it, that reaches into a frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub struct Placed {
     /// Its rectangle in the frame's coordinates, which may be far outside 32 bits.
     pub rect: Rect64,
     /// The place of the block in the sequence of the blocks met, equal for all images of a block:
@@ -109,27 +114,34 @@ pub(crate) struct Placed {
     pub sequence: u32,
     /// The block's index, where the clipper counts blocks; else 0.
     pub index: u32,
-    symmetry: u8,
+    /// The symmetry under which it clips.
+    pub symmetry: u8,
     /// Where in the pattern the lowest corner of the block, enlarged by r, lies.
-    start: Point,
+    pub start: Point,
 }
 
 /// A rectangle in 64 bits, half open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Rect64 {
+pub struct Rect64 {
+    /// The lowest point inside.
     pub min: [i64; 2],
+    /// The first point beyond, on both axes.
     pub max: [i64; 2],
 }
 
 impl Rect64 {
-    pub(crate) fn grown(&self, below: i64, above: i64) -> Self {
+    /// Returns the rectangle grown by `below` and `above` units on both axes.
+    #[must_use]
+    pub fn grown(&self, below: i64, above: i64) -> Self {
         Self {
             min: self.min.map(|v| v - below),
             max: self.max.map(|v| v + above),
         }
     }
 
-    fn within(&self, other: &Rect) -> Option<Rect> {
+    /// Returns what it has in common with `other`, or `None`.
+    #[must_use]
+    pub fn within(&self, other: &Rect) -> Option<Rect> {
         let axis = |a: usize, low: i32, high: i32| {
             let low = self.min[a].max(i64::from(low));
             let high = self.max[a].min(i64::from(high));
@@ -145,7 +157,7 @@ impl Rect64 {
 }
 
 /// Knows the tree of blocks and the pattern.
-pub(crate) struct Clipper {
+pub struct Clipper {
     domain: Domain,
     leaf: i32,
     key: Key,
@@ -157,7 +169,9 @@ pub(crate) struct Clipper {
 type Visit = (Node, u32, u32);
 
 impl Clipper {
-    pub(crate) fn new(
+    /// Returns the clipper of a run: of `domain`, with blocks of `leaf` units under the run's `key`.
+    #[must_use]
+    pub fn new(
         domain: Domain,
         leaf: i32,
         key: Key,
@@ -176,8 +190,14 @@ impl Clipper {
         }
     }
 
+    /// Returns the pattern's variants, by symmetry.
+    #[must_use]
+    pub fn variants(&self) -> &[CellPattern] {
+        &self.variants
+    }
+
     /// Counts the blocks, so that from now on blocks carry their index.
-    pub(crate) fn count_blocks(&mut self) {
+    pub fn count_blocks(&mut self) {
         if self.counts.is_none() {
             let mut counts = Vec::new();
             count(&Node::root(&self.domain, self.key), self.leaf, &mut counts);
@@ -187,7 +207,7 @@ impl Clipper {
 
     /// Fills `out` with the blocks that, enlarged by r, reach into the frame, in the sequence of their
     /// indices, the images of a block one after the other.
-    pub(crate) fn blocks(&self, frame: &Frame, out: &mut Vec<Placed>) -> Result<(), SampleError> {
+    pub fn blocks(&self, frame: &Frame, out: &mut Vec<Placed>) -> Result<(), SampleError> {
         out.clear();
         let target = frame.tiled();
         let mut stack: Vec<Visit> = vec![(Node::root(&self.domain, self.key), 0, 0)];

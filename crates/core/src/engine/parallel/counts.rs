@@ -10,7 +10,7 @@ use super::region::{Loss, Region};
 
 /// Counts of a window or of several.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Counts {
+pub struct Counts {
     /// Blocks whose lowest corner lies in the window.
     pub blocks: u64,
     /// Samples that were eliminated.
@@ -22,7 +22,8 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    pub(super) fn add(&mut self, other: &Self) {
+    /// Adds the counts of another window.
+    pub fn add(&mut self, other: &Self) {
         self.blocks += other.blocks;
         self.eliminated += other.eliminated;
         self.dropped += other.dropped;
@@ -31,7 +32,8 @@ impl Counts {
         }
     }
 
-    fn insert(&mut self, index: usize, n: u64) {
+    /// Counts `n` samples inserted in the iteration `index`, from 0.
+    pub fn insert(&mut self, index: usize, n: u64) {
         if self.inserted.len() <= index {
             self.inserted.resize(index + 1, 0);
         }
@@ -39,7 +41,8 @@ impl Counts {
     }
 
     /// Returns the summary of a run with `count` samples.
-    pub(super) fn summary(&self, count: u64) -> Summary {
+    #[must_use]
+    pub fn summary(&self, count: u64) -> Summary {
         let inserted: u64 = self.inserted.iter().sum();
         Summary {
             blocks: self.blocks as usize,

@@ -5,14 +5,14 @@
 use crate::lattice::{Domain, Point, R, Rect};
 
 /// Cells have sides of 2^15 units, one radius.
-pub(crate) const CELL_BITS: u32 = 15;
+pub const CELL_BITS: u32 = 15;
 
 /// Cells around a frame that exist but hold no samples: the widest search, 4 cells, never leaves them.
-pub(crate) const PAD: i32 = 4;
+pub const PAD: i32 = 4;
 
 /// Where a region lies.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Frame {
+pub struct Frame {
     /// The lattice point of the plane that is (0, 0) here.
     pub origin: [i64; 2],
     /// Cells on each axis, without the padding.
@@ -32,7 +32,8 @@ pub(crate) struct Frame {
 impl Frame {
     /// Returns the frame of `window`, a rectangle of lattice points of `domain`, with a halo of
     /// `halo` cells around the cells that it touches.
-    pub(crate) fn new(domain: &Domain, window: &Rect, halo: i32) -> Self {
+    #[must_use] 
+    pub fn new(domain: &Domain, window: &Rect, halo: i32) -> Self {
         let sides = [domain.width(), domain.height()];
         let end = [domain.rect().max.x, domain.rect().max.y];
         let periodic = domain.is_periodic();
@@ -74,36 +75,42 @@ impl Frame {
 
     /// Returns the cells from one row to the next, with the padding.
     #[inline(always)]
-    pub(crate) fn stride(&self) -> usize {
+    #[must_use] 
+    pub fn stride(&self) -> usize {
         (self.cells[0] + 2 * PAD) as usize
     }
 
     /// Returns how many cells there are, with the padding.
-    pub(crate) fn cell_count(&self) -> usize {
+    #[must_use] 
+    pub fn cell_count(&self) -> usize {
         self.stride() * (self.cells[1] + 2 * PAD) as usize
     }
 
     /// Returns the index of the cell (column, row), which may lie in the padding.
     #[inline(always)]
-    pub(crate) fn cell(&self, column: i32, row: i32) -> usize {
+    #[must_use] 
+    pub fn cell(&self, column: i32, row: i32) -> usize {
         (row + PAD) as usize * self.stride() + (column + PAD) as usize
     }
 
     /// Returns the index of the cell that holds (x, y).
     #[inline(always)]
-    pub(crate) fn cell_at(&self, x: i32, y: i32) -> usize {
+    #[must_use] 
+    pub fn cell_at(&self, x: i32, y: i32) -> usize {
         self.cell(x >> CELL_BITS, y >> CELL_BITS)
     }
 
     /// Returns the column and row of a cell.
     #[inline(always)]
-    pub(crate) fn column_row(&self, cell: usize) -> (i32, i32) {
+    #[must_use] 
+    pub fn column_row(&self, cell: usize) -> (i32, i32) {
         let stride = self.stride();
         ((cell % stride) as i32 - PAD, (cell / stride) as i32 - PAD)
     }
 
     /// Returns the cells that the window touches: columns, then rows, half open.
-    pub(crate) fn window_cells(&self) -> Rect {
+    #[must_use] 
+    pub fn window_cells(&self) -> Rect {
         let cell = |x: i32| x >> CELL_BITS;
         Rect {
             min: Point::new(cell(self.window.min.x), cell(self.window.min.y)),
@@ -116,7 +123,8 @@ impl Frame {
 
     /// Returns the lattice point of the domain at (x, y).
     #[inline]
-    pub(crate) fn point(&self, x: i32, y: i32) -> Point {
+    #[must_use] 
+    pub fn point(&self, x: i32, y: i32) -> Point {
         let axis = |x: i32, axis: usize| {
             let at = self.origin[axis] + i64::from(x);
             if self.periodic {
@@ -130,13 +138,15 @@ impl Frame {
 
     /// Returns whether (x, y) is a place of the frame: inside a bounded domain, and not beyond the frame.
     #[inline(always)]
-    pub(crate) fn holds(&self, x: i32, y: i32) -> bool {
+    #[must_use] 
+    pub fn holds(&self, x: i32, y: i32) -> bool {
         (x as u32) < self.end[0] as u32 && (y as u32) < self.end[1] as u32
     }
 
     /// Returns the rectangle from which tiled samples are taken: the frame, and one radius beyond
     /// the closed borders of the domain.
-    pub(crate) fn tiled(&self) -> Rect {
+    #[must_use] 
+    pub fn tiled(&self) -> Rect {
         let reach = |axis: usize| {
             let [below, above] = self.goes_on[axis];
             (

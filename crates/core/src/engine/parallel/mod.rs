@@ -7,10 +7,10 @@
 #![allow(clippy::inline_always)]
 
 mod claim;
-mod clip;
-mod counts;
-mod frame;
-mod gaps;
+pub(crate) mod clip;
+pub(crate) mod counts;
+pub(crate) mod frame;
+pub(crate) mod gaps;
 pub(crate) mod instructions;
 mod near;
 pub(crate) mod plane;

@@ -255,7 +255,8 @@ fn pieces(part: &Rect) -> Vec<Rect> {
 
 /// Returns how many cells away from a lost sample places may lie that no sample covers and that the
 /// sequential engine would find.
-fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i32 {
+#[must_use]
+pub fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i32 {
     match insertion {
         // What a lost sample covered.
         _ if pattern.covers_lattice() => 1,

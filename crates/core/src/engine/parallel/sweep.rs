@@ -63,7 +63,8 @@ pub struct SweepState {
     pub rows: u32,
     /// Samples in them.
     pub count: u64,
-    counts: Counts,
+    /// What happened in them.
+    pub counts: Counts,
 }
 
 /// A run in progress, band by band.

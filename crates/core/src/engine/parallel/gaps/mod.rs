@@ -203,6 +203,7 @@ pub(crate) const fn inserted_in(tag: u64) -> Option<u32> {
 
 /// Returns how many cells away a sample may be from a candidate that it makes or unmakes: 2r and 16
 /// units, or 3.5r where borders are closed.
-pub(crate) const fn reach_cells(periodic: bool) -> i32 {
+#[must_use]
+pub const fn reach_cells(periodic: bool) -> i32 {
     if periodic { 3 } else { 4 }
 }

@@ -1,0 +1,155 @@
+// Finds candidates, by core's definition (stages/detect.rs): one invocation a row of pixels of an open cell.
+// import: sites
+// import: circumcentre
+// import: propose
+
+fn within(d: vec2<i32>, reach: i32) -> bool {
+    return !wide_less(wide_multiply(reach, reach), wide_norm_squared(d));
+}
+
+// Returns whether a detector is so near a closed border that it looks farther.
+fn is_near_border(p: vec2<i32>) -> bool {
+    if frame.periodic != 0u {
+        return false;
+    }
+    let at = vec2<i32>(domain_place(p));
+    let away = min(at, vec2<i32>(i32(frame.side_x), i32(frame.side_y)) + 1 - at);
+    return min(away.x, away.y) <= 9 * R / 2;
+}
+
+// Returns whether the site `k` is a detector that finds the place `c` by the sites `a` and `b`.
+fn finds(k: u32, c: vec2<i32>, a: u32, b: u32) -> bool {
+    if (site_keys[k] & SITE_DETECTOR) == 0u {
+        return false;
+    }
+    let p = site_places[k];
+    let near = is_near_border(p);
+    let radius = select(2 * R + 16, 7 * R / 2, near);
+    let search = select(frame.search, frame.search_border, near);
+    return within(c - p, radius) && within(site_places[a] - p, search) && within(site_places[b] - p, search);
+}
+
+// Returns whether no sample covers `c`, and none is much nearer to it than the nearest of its sites.
+fn is_clear(c: vec2<i32>, at: vec2<i32>, nearest: vec2<u32>) -> bool {
+    let covering = wide_from(R * R + 1);
+    var limit = wide_sub(nearest, wide_from(NEARER_SLACK));
+    if wide_less(limit, covering) {
+        limit = covering;
+    }
+    let reach = select(widest(), 2, !wide_less(wide_multiply(2 * R, 2 * R), nearest));
+    for (var row = at.y - reach; row <= at.y + reach; row++) {
+        for (var column = at.x - reach; column <= at.x + reach; column++) {
+            let first = 4u * cell_index(column, row);
+            let count = grid_word(first + 3u) & COUNT_MASK;
+            for (var k = 0u; k < count; k++) {
+                let d = unpack(grid_word(first + k), vec2<i32>(column, row)) - c;
+                if wide_less(wide_norm_squared(d), limit) {
+                    return false;
+                }
+            }
+        }
+    }
+    return true;
+}
+
+// Judges the place `c` made by the sites `a`, `b` and `n`, some of them perhaps the same.
+fn judge(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
+    // Another pixel's places are that pixel's.
+    if any((c >> vec2<u32>(PIXEL_BITS)) != (low >> vec2<u32>(PIXEL_BITS))) || !holds(c) {
+        return;
+    }
+    if !(finds(a, c, b, n) || finds(b, c, a, n) || finds(n, c, a, b)) {
+        return;
+    }
+    var nearest = wide_norm_squared(site_places[a] - c);
+    let second = wide_norm_squared(site_places[b] - c);
+    let third = wide_norm_squared(site_places[n] - c);
+    if wide_less(second, nearest) {
+        nearest = second;
+    }
+    if wide_less(third, nearest) {
+        nearest = third;
+    }
+    if is_clear(c, cell_of(c), nearest) {
+        let key = vec3<u32>(site_keys[a], site_keys[b], site_keys[n]) & vec3<u32>(~SITE_DETECTOR);
+        propose(c, 0u, vec3<u32>(key.x, select(key.y, NO_SITE, b == a), select(key.z, NO_SITE, n == a)));
+    }
+}
+
+// Judges the circumcentres of all triples with a detector.
+fn judge_triples(low: vec2<i32>) {
+    for (var a = 0u; a + 2u < sites; a++) {
+        for (var b = a + 1u; b + 1u < sites; b++) {
+            for (var n = b + 1u; n < sites; n++) {
+                if ((site_keys[a] | site_keys[b] | site_keys[n]) & SITE_DETECTOR) == 0u {
+                    continue;
+                }
+                let origin = site_places[a];
+                let centre = circumcentre(site_places[b] - origin, site_places[n] - origin);
+                if centre.exists {
+                    judge(origin + centre.offset, low, a, b, n);
+                }
+            }
+        }
+    }
+}
+
+// Judges the places of a border line, by its axis, as far from two samples.
+fn judge_line(low: vec2<i32>, axis: u32, line: i32) {
+    let other = 1u - axis;
+    if line < low[axis] || line >= low[axis] + PIXEL_SIDE {
+        return;
+    }
+    for (var a = 0u; a + 1u < sites; a++) {
+        for (var b = a + 1u; b < sites; b++) {
+            let origin = site_places[a];
+            let m = site_places[b] - origin;
+            let place = on_line(line - origin[axis], vec2<i32>(m[axis], m[other]));
+            if place.exists {
+                var c = vec2<i32>(line, line);
+                c[other] = origin[other] + place.value;
+                judge(c, low, a, b, a);
+            }
+        }
+    }
+}
+
+fn judge_borders(low: vec2<i32>) {
+    let first = -vec2<i32>(i32(frame.origin_x), i32(frame.origin_y));
+    let last = first + vec2<i32>(i32(frame.side_x), i32(frame.side_y));
+    judge_line(low, 0u, first.x);
+    judge_line(low, 0u, last.x);
+    judge_line(low, 1u, first.y);
+    judge_line(low, 1u, last.y);
+    for (var a = 0u; a < sites; a++) {
+        judge(vec2<i32>(first.x, first.y), low, a, a, a);
+        judge(vec2<i32>(last.x, first.y), low, a, a, a);
+        judge(vec2<i32>(first.x, last.y), low, a, a, a);
+        judge(vec2<i32>(last.x, last.y), low, a, a, a);
+    }
+}
+
+fn run(index: u32) {
+    let entry = index / 8u;
+    if entry >= min(atomicLoad(&counters[COUNTER_OPEN]), frame.list_capacity) {
+        return;
+    }
+    let cell = list[entry];
+    if (grid_word(4u * cell + 3u) & FLAG_UNSURE) != 0u {
+        return;
+    }
+    let at = column_row(cell);
+    let row = index % 8u;
+    let pixels = open_pixels(at);
+    var open = (select(pixels.upper, pixels.lower, row < 4u) >> (8u * (row % 4u))) & 255u;
+    while open != 0u {
+        let column = countTrailingZeros(open);
+        open &= open - 1u;
+        let low = (at << vec2<u32>(CELL_BITS)) + vec2<i32>(i32(column), i32(row)) * PIXEL_SIDE;
+        find_sites(low + PIXEL_SIDE / 2, at);
+        judge_triples(low);
+        if frame.periodic == 0u {
+            judge_borders(low);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+// Counts the samples tiled in each cell.
+// import: clip
+
+fn run(index: u32) {
+    if index > frame.cells {
+        return;
+    }
+    if index == frame.cells {
+        // One more, so that every cell knows where the next one begins.
+        starts[index] = 0u;
+        return;
+    }
+    clip_cell(column_row(index));
+    if found >= MOST_FOUND {
+        atomicStore(&counters[COUNTER_FAULT], FAULT_CROWDED);
+    }
+    starts[index] = found;
+}

@@ -1,0 +1,63 @@
+// A round of elimination: a sample of whose conflicts before it none is undecided is decided. What is
+// decided never changes, so a round may see decisions of the same round.
+// import: turn
+// import: lattice
+
+struct Before {
+    kept: bool,
+    undecided: bool,
+    unknown: bool,
+}
+
+// Looks at the samples before `turn` that cover `p`.
+fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
+    var before = Before(false, false, false);
+    for (var row = at.y - 1; row <= at.y + 1; row++) {
+        for (var column = at.x - 1; column <= at.x + 1; column++) {
+            let cell = cell_index(column, row);
+            let end = starts[cell + 1u];
+            for (var k = starts[cell]; k < end; k++) {
+                let word = atomicLoad(&places[k]);
+                let fate = word & FATE_MASK;
+                if k == me || fate == FATE_LOST {
+                    continue;
+                }
+                let q = unpack(word, vec2<i32>(column, row));
+                if covers_offset(q - p) && is_before(turn_of(q, origins[k * frame.origin_words]), turn) {
+                    before.kept |= fate == FATE_KEPT;
+                    before.undecided |= fate == FATE_UNDECIDED;
+                    before.unknown |= fate == FATE_UNKNOWN;
+                }
+            }
+        }
+    }
+    return before;
+}
+
+fn run(index: u32) {
+    if index >= atomicLoad(&counters[COUNTER_CONTESTED]) {
+        return;
+    }
+    let cell = list[index];
+    let at = column_row(cell);
+    let edge = is_edge(at);
+    for (var k = starts[cell]; k < starts[cell + 1u]; k++) {
+        let word = atomicLoad(&places[k]);
+        if (word & FATE_MASK) != FATE_UNDECIDED {
+            continue;
+        }
+        let p = unpack(word, at);
+        let before = look_before(k, p, turn_of(p, origins[k * frame.origin_words]), at);
+        var fate = FATE_KEPT;
+        if before.kept {
+            fate = FATE_LOST;
+        } else if before.undecided {
+            atomicStore(&counters[COUNTER_UNDECIDED], 1u);
+            continue;
+        } else if before.unknown || edge {
+            // Beyond the edge nothing is known.
+            fate = FATE_UNKNOWN;
+        }
+        atomicStore(&places[k], word | fate);
+    }
+}

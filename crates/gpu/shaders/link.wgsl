@@ -1,0 +1,18 @@
+// Gives each proposal its turn and lists it with its cell. The sequence within a cell is left to chance, and
+// nothing depends on it.
+// import: frame
+// import: random
+
+fn run(index: u32) {
+    let count = atomicLoad(&counters[COUNTER_PROPOSALS]);
+    if index >= count || count > frame.proposal_capacity {
+        return;
+    }
+    let p = vec2<i32>(proposals[index].x, proposals[index].y);
+    // Darts bring their ranks.
+    if job.c == 0u {
+        proposals[index].rank = threefry(vec2<u32>(job.a, job.b), domain_place(p)).x;
+    }
+    let at = cell_of(p);
+    proposals[index].next = atomicExchange(&heads[cell_index(at.x, at.y)], index + 1u);
+}

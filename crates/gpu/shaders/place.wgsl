@@ -1,0 +1,33 @@
+// Inserts the proposals that were kept, and notes those of which nothing is known.
+// import: proposal
+// import: unsure
+
+fn run(index: u32) {
+    let count = atomicLoad(&counters[COUNTER_PROPOSALS]);
+    if index >= count || count > frame.proposal_capacity {
+        return;
+    }
+    let state = state_of(index);
+    let p = proposed_at(index);
+    let at = cell_of(p);
+    let cell = cell_index(at.x, at.y);
+    if state == PROPOSAL_UNKNOWN {
+        make_hot(cell, at);
+        set_state(index, PROPOSAL_NOTED);
+    }
+    if state != PROPOSAL_KEPT {
+        return;
+    }
+    set_state(index, PROPOSAL_PLACED);
+    let slot = atomicAdd(&grid[4u * cell + 3u], 1u) & COUNT_MASK;
+    if slot == 3u {
+        atomicStore(&counters[COUNTER_FAULT], FAULT_FULL);
+        return;
+    }
+    atomicStore(&grid[4u * cell + slot], pack(p) | DETECTOR);
+    atomicOr(&grid[4u * cell + 3u], min(job.a, 255u) << (8u + 8u * slot));
+    atomicAdd(&counters[COUNTER_INSERTED], 1u);
+    if in_window(p) {
+        atomicAdd(&counters[COUNTER_INSERTED_IN_WINDOW], 1u);
+    }
+}

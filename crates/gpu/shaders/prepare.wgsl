@@ -1,0 +1,30 @@
+// Turns counters into the workgroups of the dispatches to come.
+
+// Writes the workgroups for `count` invocations. Those beyond do nothing.
+fn set_workgroups(argument: u32, count: u32) {
+    let groups = (count + WORKGROUP - 1u) / WORKGROUP;
+    let columns = min(groups, GROUP_COLUMNS);
+    arguments[3u * argument] = columns;
+    arguments[3u * argument + 1u] = select((groups + GROUP_COLUMNS - 1u) / GROUP_COLUMNS, 0u, groups == 0u);
+    arguments[3u * argument + 2u] = 1u;
+}
+
+fn run(index: u32) {
+    if index > 0u {
+        return;
+    }
+    if (job.a & PREPARE_SPREAD) != 0u {
+        counters[COUNTER_SPREAD] = min(counters[COUNTER_UNSURE], frame.unsure_capacity);
+    }
+    if (job.a & PREPARE_LEVEL) != 0u {
+        counters[COUNTER_ACTIVE] = counters[COUNTER_NEXT_ACTIVE];
+        counters[COUNTER_NEXT_ACTIVE] = 0u;
+    }
+    set_workgroups(ARGUMENT_CONTESTED, counters[COUNTER_CONTESTED]);
+    let open = min(counters[COUNTER_OPEN], frame.list_capacity);
+    set_workgroups(ARGUMENT_OPEN, open);
+    set_workgroups(ARGUMENT_OPEN_ROWS, 8u * open);
+    set_workgroups(ARGUMENT_PROPOSALS, min(counters[COUNTER_PROPOSALS], frame.proposal_capacity));
+    set_workgroups(ARGUMENT_UNSURE, min(counters[COUNTER_UNSURE], frame.unsure_capacity) - counters[COUNTER_SPREAD]);
+    set_workgroups(ARGUMENT_ACTIVE, min(counters[COUNTER_ACTIVE], frame.active_capacity));
+}

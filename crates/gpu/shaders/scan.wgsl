@@ -1,0 +1,39 @@
+// Sums up: each workgroup turns its part of a list into the sums of what comes before, within the
+// part, and keeps the part's own sum.
+
+var<workgroup> totals: array<u32, WORKGROUP>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let part = group.y * groups.x + group.x;
+    let first = part * SCAN_PART + local * SCAN_EACH;
+    let length = job.a;
+    var total = 0u;
+    for (var k = first; k < min(first + SCAN_EACH, length); k++) {
+        total += data[k];
+    }
+    totals[local] = total;
+    workgroupBarrier();
+    for (var step = 1u; step < WORKGROUP; step *= 2u) {
+        var before = 0u;
+        if local >= step {
+            before = totals[local - step];
+        }
+        workgroupBarrier();
+        totals[local] += before;
+        workgroupBarrier();
+    }
+    var sum = totals[local] - total;
+    for (var k = first; k < min(first + SCAN_EACH, length); k++) {
+        let value = data[k];
+        data[k] = sum;
+        sum += value;
+    }
+    if local == WORKGROUP - 1u && part * SCAN_PART < length {
+        sums[part] = totals[local];
+    }
+}

@@ -1,0 +1,35 @@
+// Sums up the sums of the parts, with one workgroup; the sum of all goes to a counter.
+
+var<workgroup> totals: array<u32, WORKGROUP>;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(local_invocation_index) local: u32) {
+    let length = (job.a + SCAN_PART - 1u) / SCAN_PART;
+    let each = (length + WORKGROUP - 1u) / WORKGROUP;
+    let first = local * each;
+    let last = min(first + each, length);
+    var total = 0u;
+    for (var k = first; k < last; k++) {
+        total += sums[k];
+    }
+    totals[local] = total;
+    workgroupBarrier();
+    for (var step = 1u; step < WORKGROUP; step *= 2u) {
+        var before = 0u;
+        if local >= step {
+            before = totals[local - step];
+        }
+        workgroupBarrier();
+        totals[local] += before;
+        workgroupBarrier();
+    }
+    var sum = totals[local] - total;
+    for (var k = first; k < last; k++) {
+        let value = sums[k];
+        sums[k] = sum;
+        sum += value;
+    }
+    if local == WORKGROUP - 1u {
+        counters[job.b] = totals[local];
+    }
+}

@@ -1,0 +1,70 @@
+// The samples that may make a candidate in a pixel: those about as near to it as the nearest one.
+// import: grid
+// import: coverage
+
+var<private> site_places: array<vec2<i32>, MOST_SITES>;
+// Cell times four plus slot, and the mark of a detector.
+var<private> site_keys: array<u32, MOST_SITES>;
+var<private> sites: u32;
+
+// How many cells away samples may be that make candidates.
+fn widest() -> i32 {
+    return select(4, 3, frame.periodic != 0u);
+}
+
+// Returns the squared distance of the nearest sample within some cells.
+fn nearest_to(centre: vec2<i32>, at: vec2<i32>, reach: i32) -> f32 {
+    var nearest = 1e30;
+    for (var row = at.y - reach; row <= at.y + reach; row++) {
+        for (var column = at.x - reach; column <= at.x + reach; column++) {
+            let first = 4u * cell_index(column, row);
+            let count = grid_word(first + 3u) & COUNT_MASK;
+            for (var k = 0u; k < count; k++) {
+                let d = vec2<f32>(unpack(grid_word(first + k), vec2<i32>(column, row)) - centre);
+                nearest = min(nearest, dot(d, d));
+            }
+        }
+    }
+    return nearest;
+}
+
+fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
+    sites = 0u;
+    for (var row = at.y - reach; row <= at.y + reach; row++) {
+        for (var column = at.x - reach; column <= at.x + reach; column++) {
+            let first = 4u * cell_index(column, row);
+            let count = grid_word(first + 3u) & COUNT_MASK;
+            for (var k = 0u; k < count; k++) {
+                let word = grid_word(first + k);
+                let place = unpack(word, vec2<i32>(column, row));
+                let d = vec2<f32>(place - centre);
+                if dot(d, d) <= limit * limit {
+                    if sites == MOST_SITES {
+                        atomicStore(&counters[COUNTER_FAULT], FAULT_SITES);
+                        return;
+                    }
+                    site_places[sites] = place;
+                    site_keys[sites] = (first + k) | ((word & DETECTOR) << 1u);
+                    sites++;
+                }
+            }
+        }
+    }
+}
+
+// Fills the lists above for a pixel of the cell `at`; leaves them empty where no candidate can be.
+fn find_sites(centre: vec2<i32>, at: vec2<i32>) {
+    sites = 0u;
+    // f32 holds offsets exactly and distances to 2^-22 of them: less than a tenth of a unit here, while a place
+    // of the pixel is HALF_DIAGONAL from its centre at most and SITE_SLACK allows for the rounding of candidates.
+    var reach = 2;
+    var nearest = sqrt(nearest_to(centre, at, reach));
+    if nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK >= f32(2 * R) {
+        reach = widest();
+        nearest = sqrt(nearest_to(centre, at, reach));
+    }
+    let farthest = f32(select(7 * R / 2, 2 * R + 16, frame.periodic != 0u));
+    if nearest - HALF_DIAGONAL - 1.0 <= farthest {
+        gather_sites(centre, at, reach, nearest + 2.0 * HALF_DIAGONAL + SITE_SLACK);
+    }
+}

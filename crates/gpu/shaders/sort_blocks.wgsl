@@ -1,0 +1,18 @@
+// Puts the images that reach a tile into the sequence of their blocks.
+
+fn run(index: u32) {
+    if index >= frame.tiles {
+        return;
+    }
+    let first = index * TILE_WORDS + 1u;
+    let count = min(tile_images[index * TILE_WORDS], TILE_WORDS - 1u);
+    for (var k = 1u; k < count; k++) {
+        let image = tile_images[first + k];
+        var place = k;
+        while place > 0u && tile_images[first + place - 1u] > image {
+            tile_images[first + place] = tile_images[first + place - 1u];
+            place--;
+        }
+        tile_images[first + place] = image;
+    }
+}

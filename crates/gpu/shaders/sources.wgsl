@@ -1,0 +1,34 @@
+// Says of each sample of the result where it comes from: block and pattern index, or all ones and the
+// iteration.
+// import: frame
+
+fn source_of(place: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
+    let last = grid[4u * index + 3u];
+    for (var k = 0u; k < (last & COUNT_MASK); k++) {
+        let iteration = (last >> (8u + 8u * k)) & 255u;
+        if (grid[4u * index + k] & PLACE_MASK) == place && iteration > 0u {
+            return vec2<u32>(0xffffffffu, iteration);
+        }
+    }
+    for (var k = starts[index]; k < starts[index + 1u]; k++) {
+        if places[k] == (place | FATE_KEPT) {
+            let origin = k * frame.origin_words;
+            return vec2<u32>(images[origins[origin]].block, origins[origin + 1u]);
+        }
+    }
+    return vec2<u32>(0xffffffffu, 0u);
+}
+
+fn run(index: u32) {
+    if index >= frame.cells {
+        return;
+    }
+    let at = column_row(index);
+    let window_end = heads[index + 1u];
+    for (var to = heads[index]; to < min(window_end, frame.result_capacity); to++) {
+        // The result holds places of the domain; the cells of both begin together.
+        let p = result[to];
+        let place = ((p.y & LOW) << CELL_BITS) | (p.x & LOW);
+        tags[to] = source_of(place, index, at);
+    }
+}

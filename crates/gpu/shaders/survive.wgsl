@@ -1,0 +1,55 @@
+// Puts the survivors into the grid, and notes where samples were lost and where nothing is known.
+// import: frame
+
+fn run(index: u32) {
+    if index >= frame.cells {
+        return;
+    }
+    let at = column_row(index);
+    var slots = array<u32, 3>(FREE, FREE, FREE);
+    var count = 0u;
+    var flags = 0u;
+    var eliminated = 0u;
+    for (var k = starts[index]; k < starts[index + 1u]; k++) {
+        let word = places[k];
+        let fate = word & FATE_MASK;
+        if fate == FATE_KEPT {
+            if count == 3u {
+                atomicStore(&counters[COUNTER_FAULT], FAULT_FULL);
+            } else {
+                slots[count] = word & PLACE_MASK;
+                count++;
+            }
+        } else if fate == FATE_LOST {
+            flags |= FLAG_LOST;
+            let p = unpack(word, at);
+            if holds(p) {
+                eliminated += u32(in_window(p));
+            } else {
+                atomicAdd(&counters[COUNTER_DROPPED], 1u);
+            }
+        } else {
+            flags |= FLAG_UNSURE;
+        }
+    }
+    let inside = at.x >= 0 && at.y >= 0 && at.x < frame.columns && at.y < frame.rows;
+    if inside && is_edge(at) {
+        flags |= FLAG_UNSURE;
+    }
+    grid[4u * index] = slots[0];
+    grid[4u * index + 1u] = slots[1];
+    grid[4u * index + 2u] = slots[2];
+    grid[4u * index + 3u] = count | flags;
+    if eliminated > 0u {
+        atomicAdd(&counters[COUNTER_ELIMINATED], eliminated);
+    }
+    if (flags & FLAG_UNSURE) != 0u {
+        let place = atomicAdd(&counters[COUNTER_UNSURE], 1u);
+        if place < frame.unsure_capacity {
+            unsure[place] = index;
+        }
+        if touches_window(at) {
+            atomicAdd(&counters[COUNTER_UNSURE_IN_WINDOW], 1u);
+        }
+    }
+}

@@ -1,0 +1,26 @@
+// How a cell becomes unsure.
+// import: frame
+
+fn make_unsure(cell: u32, at: vec2<i32>) {
+    let before = atomicOr(&grid[4u * cell + 3u], FLAG_UNSURE);
+    if (before & FLAG_UNSURE) != 0u {
+        return;
+    }
+    let place = atomicAdd(&counters[COUNTER_UNSURE], 1u);
+    if place < frame.unsure_capacity {
+        unsure[place] = cell;
+    }
+    if touches_window(at) {
+        atomicAdd(&counters[COUNTER_UNSURE_IN_WINDOW], 1u);
+    }
+}
+
+// Makes a cell unsure in which samples may be inserted that are not known.
+fn make_hot(cell: u32, at: vec2<i32>) {
+    make_unsure(cell, at);
+    for (var row = at.y - 1; row <= at.y + 1; row++) {
+        for (var column = at.x - 1; column <= at.x + 1; column++) {
+            atomicOr(&grid[4u * cell_index(column, row) + 3u], FLAG_HOT);
+        }
+    }
+}

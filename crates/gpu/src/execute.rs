@@ -1,0 +1,355 @@
+//! The buffers of a window on a device, and the execution of recorded commands on them.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use tilescope_core::Stage;
+
+use crate::adapter::Gpu;
+use crate::constants::{GROUP_COLUMNS, WORKGROUP};
+use crate::error::GpuError;
+use crate::layout::{Job, Name};
+use crate::passes::{Command, Pass, Size};
+use crate::plan::Plan;
+use crate::setup::Setup;
+use crate::stepper::PassReport;
+
+/// The place of a job in its buffer: what every device allows.
+const JOB_STRIDE: u64 = 256;
+
+/// The most passes that are timed in one go.
+const MOST_TIMED: u32 = 1024;
+
+/// A window's buffers.
+pub(crate) struct Device {
+    gpu: Arc<Gpu>,
+    buffers: BTreeMap<Name, (wgpu::Buffer, u64)>,
+    jobs: wgpu::Buffer,
+    /// The passes so far, if they are to be reported.
+    pub reports: Option<Vec<PassReport>>,
+    times: Option<Times>,
+}
+
+/// Times of passes, where the adapter measures them.
+struct Times {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    /// Places in the reports of the passes timed since the last reading.
+    pending: Vec<usize>,
+    period_ns: f64,
+}
+
+impl Device {
+    /// Returns buffers for a plan: those of `before` where they are long enough.
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        setup: &Setup,
+        plan: &Plan,
+        before: Option<Self>,
+        looks: bool,
+    ) -> Result<Self, GpuError> {
+        let mut device = match before {
+            Some(device) => device,
+            None => Self::empty(gpu, looks)?,
+        };
+        let mut lengths = plan.lengths(setup, looks);
+        lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
+        let fits = |device: &Self, name: Name, length: u64| {
+            device.buffers.get(&name).is_some_and(|(_, have)| *have >= length)
+        };
+        // First let go of what is too short, so that memory is there for what is longer.
+        device
+            .buffers
+            .retain(|name, (_, have)| !lengths.iter().any(|(n, length)| n == name && &*have < length));
+        for &(name, length) in &lengths {
+            if !fits(&device, name, length) {
+                device.allocate(name, length)?;
+            }
+        }
+        device.write(Name::Frame, bytemuck::bytes_of(&plan.uniform));
+        device.write(Name::Images, bytemuck::cast_slice(&plan.images));
+        device.write(Name::Pieces, bytemuck::cast_slice(&plan.pieces));
+        device.write(Name::Pattern, bytemuck::cast_slice(&setup.pattern));
+        gpu.check()?;
+        Ok(device)
+    }
+
+    fn empty(gpu: &Arc<Gpu>, looks: bool) -> Result<Self, GpuError> {
+        let jobs = gpu.buffer(
+            "jobs",
+            JOB_STRIDE * u64::from(MOST_TIMED),
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        )?;
+        let times = looks && gpu.report().has_timestamps;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            buffers: BTreeMap::new(),
+            jobs,
+            reports: looks.then(Vec::new),
+            times: times.then(|| Times::new(gpu)).transpose()?,
+        })
+    }
+
+    fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
+        // No buffer is empty: shaders may not see such a one.
+        let length = length.max(32).next_multiple_of(4);
+        let usage = if name == Name::Frame {
+            wgpu::BufferUsages::UNIFORM
+        } else if name == Name::Arguments {
+            wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT
+        } else {
+            wgpu::BufferUsages::STORAGE
+        };
+        let copies = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.gpu.buffer(name.as_str(), length, usage | copies)?;
+        self.gpu.check()?;
+        self.buffers.insert(name, (buffer, length));
+        Ok(())
+    }
+
+    /// Writes the beginning of a buffer.
+    pub(crate) fn write(&self, name: Name, bytes: &[u8]) {
+        if let Some((buffer, _)) = self.buffers.get(&name) {
+            self.gpu.queue.write_buffer(buffer, 0, bytes);
+        }
+    }
+
+    /// Returns a buffer's length in bytes, or 0 where there is none.
+    pub(crate) fn length(&self, name: Name) -> u64 {
+        self.buffers.get(&name).map_or(0, |(_, length)| *length)
+    }
+
+    /// Returns the bytes of all buffers.
+    pub(crate) fn held_bytes(&self) -> u64 {
+        self.buffers.values().map(|(_, length)| length).sum()
+    }
+
+    /// Returns bytes of a buffer.
+    pub(crate) async fn bytes(&self, name: Name, range: Range<u64>) -> Result<Vec<u8>, GpuError> {
+        let Some((buffer, length)) = self.buffers.get(&name) else {
+            return Ok(Vec::new());
+        };
+        self.gpu.read(buffer, range.start..range.end.min(*length)).await
+    }
+
+    /// Returns words of a buffer.
+    pub(crate) async fn words(&self, name: Name, range: Range<u64>) -> Result<Vec<u32>, GpuError> {
+        let bytes = self.bytes(name, 4 * range.start..4 * range.end).await?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// Submits commands.
+    pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
+        self.gpu.check()?;
+        for part in commands.chunks(MOST_TIMED as usize / 2) {
+            self.write_jobs(part);
+            let mut encoder = self
+                .gpu
+                .device
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for (command, place) in part.iter().zip(0..) {
+                self.encode(&mut encoder, command, place, stage);
+            }
+            self.gpu.queue.submit([encoder.finish()]);
+        }
+        Ok(())
+    }
+
+    fn write_jobs(&self, commands: &[Command]) {
+        let mut bytes = vec![0_u8; commands.len() * JOB_STRIDE as usize];
+        for (command, to) in commands.iter().zip(bytes.chunks_mut(JOB_STRIDE as usize)) {
+            if let Command::Dispatch { job, .. } = command {
+                to[..size_of::<Job>()].copy_from_slice(bytemuck::bytes_of(job));
+            }
+        }
+        self.gpu.queue.write_buffer(&self.jobs, 0, &bytes);
+    }
+
+    fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        command: &Command,
+        place: u64,
+        stage: Stage,
+    ) {
+        match *command {
+            Command::Clear(name, words) => {
+                if let Some((buffer, _)) = self.buffers.get(&name) {
+                    let (first, length) = words.map_or((0, None), |(a, b)| {
+                        (4 * u64::from(a), Some(4 * u64::from(b - a)))
+                    });
+                    encoder.clear_buffer(buffer, first, length);
+                }
+            }
+            Command::SwapActive => {
+                let [active, next] = [Name::Active, Name::NextActive].map(|n| self.buffers.remove(&n));
+                self.buffers.extend(active.map(|buffer| (Name::NextActive, buffer)));
+                self.buffers.extend(next.map(|buffer| (Name::Active, buffer)));
+            }
+            Command::Dispatch { pass, size, .. } => self.dispatch(encoder, pass, size, place, stage),
+        }
+    }
+
+    fn dispatch(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        pass: &'static Pass,
+        size: Size,
+        place: u64,
+        stage: Stage,
+    ) {
+        let kernel = self.gpu.kernels.get(&self.gpu, pass);
+        let group = self.bind(&kernel.layout, pass, place);
+        let times = self.times.as_mut().and_then(|times| times.next());
+        self.report(pass, size, stage);
+        let timestamp_writes = times.and_then(|first| {
+            self.times.as_ref().map(|times| wgpu::ComputePassTimestampWrites {
+                query_set: &times.queries,
+                beginning_of_pass_write_index: Some(first),
+                end_of_pass_write_index: Some(first + 1),
+            })
+        });
+        let mut encoded = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(pass.name),
+            timestamp_writes,
+        });
+        encoded.set_pipeline(&kernel.pipeline);
+        encoded.set_bind_group(0, &group, &[]);
+        match size {
+            Size::Indirect(argument) => {
+                if let Some((buffer, _)) = self.buffers.get(&Name::Arguments) {
+                    encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
+                }
+            }
+            _ => {
+                let [x, y, z] = workgroups(size);
+                encoded.dispatch_workgroups(x, y, z);
+            }
+        }
+    }
+
+    fn bind(&self, layout: &wgpu::BindGroupLayout, pass: &Pass, place: u64) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = pass
+            .bindings
+            .iter()
+            .zip(0..)
+            .filter_map(|(binding, number)| {
+                let resource = if binding.name == Name::Job {
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: &self.jobs,
+                        offset: place * JOB_STRIDE,
+                        size: std::num::NonZeroU64::new(size_of::<Job>() as u64),
+                    })
+                } else {
+                    self.buffers.get(&binding.name)?.0.as_entire_binding()
+                };
+                Some(wgpu::BindGroupEntry {
+                    binding: number,
+                    resource,
+                })
+            })
+            .collect();
+        self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(pass.name),
+            layout,
+            entries: &entries,
+        })
+    }
+
+    fn report(&mut self, pass: &'static Pass, size: Size, stage: Stage) {
+        let bindings = pass
+            .bindings
+            .iter()
+            .map(|binding| (binding.name, binding.access, self.length(binding.name)))
+            .collect();
+        let Some(reports) = &mut self.reports else {
+            return;
+        };
+        let workgroups = match size {
+            Size::Indirect(_) => None,
+            _ => Some(workgroups(size)),
+        };
+        if let Some(times) = &mut self.times {
+            times.pending.push(reports.len());
+        }
+        reports.push(PassReport {
+            stage,
+            name: pass.name,
+            workgroups,
+            invocations: workgroups.map(|groups| {
+                groups.iter().map(|&n| u64::from(n)).product::<u64>() * u64::from(WORKGROUP)
+            }),
+            bindings,
+            seconds: None,
+        });
+    }
+
+    /// Reads the times of the passes since the last reading into their reports.
+    pub(crate) async fn read_times(&mut self) -> Result<(), GpuError> {
+        let Some(times) = &mut self.times else {
+            return Ok(());
+        };
+        let pending = std::mem::take(&mut times.pending);
+        let count = (2 * pending.len() as u32).min(MOST_TIMED);
+        if count == 0 {
+            return Ok(());
+        }
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.resolve_query_set(&times.queries, 0..count, &times.resolved, 0);
+        self.gpu.queue.submit([encoder.finish()]);
+        let bytes = self.gpu.read(&times.resolved, 0..8 * u64::from(count)).await?;
+        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        if let Some(reports) = &mut self.reports {
+            for (place, pair) in pending.iter().zip(ticks.chunks_exact(2)) {
+                let elapsed = pair[1].saturating_sub(pair[0]) as f64;
+                // A device may decline to measure; then both are 0.
+                reports[*place].seconds =
+                    (pair[1] > 0).then_some(elapsed * times.period_ns * 1e-9);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Times {
+    fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("times"),
+            ty: wgpu::QueryType::Timestamp,
+            count: MOST_TIMED,
+        });
+        let resolved = gpu.buffer(
+            "times",
+            8 * u64::from(MOST_TIMED),
+            wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+        )?;
+        Ok(Self {
+            queries,
+            resolved,
+            pending: Vec::new(),
+            period_ns: f64::from(gpu.queue.get_timestamp_period()),
+        })
+    }
+
+    /// Returns the place of the next pass' two times, or `None` where there is no more room.
+    fn next(&mut self) -> Option<u32> {
+        let first = 2 * self.pending.len() as u32;
+        (first + 2 <= MOST_TIMED).then_some(first)
+    }
+}
+
+/// Returns the workgroups of a dispatch that the host sizes.
+pub(crate) fn workgroups(size: Size) -> [u32; 3] {
+    let groups = match size {
+        Size::Invocations(count) => count.div_ceil(WORKGROUP.into()),
+        Size::Workgroups(count) => count,
+        Size::Indirect(_) => 0,
+    };
+    let columns = groups.min(GROUP_COLUMNS.into());
+    let rows = groups.div_ceil(GROUP_COLUMNS.into());
+    [columns as u32, rows as u32, 1]
+}

@@ -1,0 +1,76 @@
+//! Pipelines: a pass' shader compiled, with the layout that its bindings make. Each is made once a device.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::adapter::Gpu;
+use crate::layout::{Access, Binding};
+use crate::passes::Pass;
+use crate::shader::compose;
+
+/// The pipelines of a device.
+#[derive(Default)]
+pub(crate) struct Kernels(Mutex<HashMap<&'static str, Arc<Kernel>>>);
+
+/// A pass ready to be run.
+pub(crate) struct Kernel {
+    pub pipeline: wgpu::ComputePipeline,
+    pub layout: wgpu::BindGroupLayout,
+}
+
+impl Kernels {
+    /// Returns a pass' pipeline, made now if this is its first use.
+    pub(crate) fn get(&self, gpu: &Gpu, pass: &'static Pass) -> Arc<Kernel> {
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let kernel = known
+            .entry(pass.name)
+            .or_insert_with(|| Arc::new(Kernel::new(&gpu.device, pass)));
+        Arc::clone(kernel)
+    }
+}
+
+impl Kernel {
+    fn new(device: &wgpu::Device, pass: &Pass) -> Self {
+        let entries: Vec<_> = pass.bindings.iter().zip(0..).map(entry).collect();
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(pass.name),
+            entries: &entries,
+        });
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(pass.name),
+            source: wgpu::ShaderSource::Wgsl(compose(pass.shader, pass.bindings).into()),
+        });
+        let all = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(pass.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(pass.name),
+            layout: Some(&all),
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Self { pipeline, layout }
+    }
+}
+
+fn entry((binding, place): (&Binding, u32)) -> wgpu::BindGroupLayoutEntry {
+    let ty = match binding.access {
+        Access::Uniform => wgpu::BufferBindingType::Uniform,
+        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        Access::Write | Access::Atomic => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding: place,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}

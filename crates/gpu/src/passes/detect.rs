@@ -1,0 +1,124 @@
+//! Gap detection (paper, Theorem 3.2 and Algorithm 3): which samples are detectors, which cells may hold gaps,
+//! and the candidates in them.
+
+use super::{
+    Command, Pass, Size, argument, atomic, clear_counter, prepare, read, run, run_with,
+    uniform_of, write,
+};
+use crate::constants::PREPARE_SPREAD;
+use crate::layout::{Job, Name, counter};
+use crate::plan::Plan;
+
+pub(super) const DETECTORS: Pass = Pass {
+    name: "detectors",
+    shader: "detectors",
+    bindings: &[
+        uniform_of(Name::Frame),
+        read(Name::Starts),
+        read(Name::Places),
+        write(Name::Grid),
+    ],
+};
+
+pub(super) const SPREAD: Pass = Pass {
+    name: "spread",
+    shader: "spread",
+    bindings: &[
+        uniform_of(Name::Frame),
+        uniform_of(Name::Job),
+        read(Name::Unsure),
+        atomic(Name::Grid),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const OPEN: Pass = Pass {
+    name: "open",
+    shader: "open",
+    bindings: &[
+        uniform_of(Name::Frame),
+        atomic(Name::Grid),
+        write(Name::List),
+        write(Name::Unsure),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const REOPEN: Pass = Pass {
+    name: "reopen",
+    shader: "reopen",
+    bindings: &[
+        uniform_of(Name::Frame),
+        atomic(Name::Grid),
+        read(Name::List),
+        write(Name::Unsure),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const CANDIDATES: Pass = Pass {
+    name: "candidates",
+    shader: "candidates",
+    bindings: &[
+        uniform_of(Name::Frame),
+        read(Name::Grid),
+        read(Name::List),
+        write(Name::Proposals),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const SETTLE: Pass = Pass {
+    name: "settle",
+    shader: "settle",
+    bindings: &[
+        uniform_of(Name::Frame),
+        write(Name::Grid),
+        read(Name::Counters),
+    ],
+};
+
+/// Records the detection of iteration 1. What is unsure matters `reach` cells away.
+pub(crate) fn detect(plan: &Plan, reach: u32) -> Vec<Command> {
+    let mut commands = vec![run(&DETECTORS, Size::Invocations(plan.cells()))];
+    commands.extend(spread(reach));
+    commands.push(run(&OPEN, Size::Invocations(plan.inner_cells())));
+    commands.extend(candidates(plan));
+    commands
+}
+
+/// Records the detection of a later iteration.
+pub(crate) fn redetect(plan: &Plan, reach: u32) -> Vec<Command> {
+    let mut commands = spread(reach);
+    commands.push(run(&REOPEN, argument("ARGUMENT_OPEN")));
+    commands.extend(candidates(plan));
+    commands
+}
+
+/// Records how unsure cells let their surroundings know.
+pub(super) fn spread(reach: u32) -> Vec<Command> {
+    let job = Job {
+        a: reach,
+        ..Job::default()
+    };
+    vec![
+        prepare(0),
+        run_with(&SPREAD, job, argument("ARGUMENT_UNSURE")),
+        prepare(PREPARE_SPREAD),
+    ]
+}
+
+/// Records the opening of cells, for whoever only wants to know which are unsure.
+pub(super) fn open(plan: &Plan) -> Command {
+    run(&OPEN, Size::Invocations(plan.inner_cells()))
+}
+
+fn candidates(plan: &Plan) -> Vec<Command> {
+    vec![
+        prepare(0),
+        clear_counter(counter::PROPOSALS),
+        run(&CANDIDATES, argument("ARGUMENT_OPEN_ROWS")),
+        prepare(0),
+        run(&SETTLE, Size::Invocations(plan.cells())),
+    ]
+}

@@ -1,0 +1,92 @@
+//! Insertion (paper, Algorithm 4, second loop): the greedy independent set of the proposals, in rounds.
+
+use super::{
+    Command, Pass, argument, atomic, clear_counter, read, run, run_with, uniform_of, write,
+};
+use crate::layout::{Job, Name, counter};
+
+/// Rounds between two looks at what is left.
+const ROUNDS: usize = 6;
+
+pub(super) const LINK: Pass = Pass {
+    name: "link",
+    shader: "link",
+    bindings: &[
+        uniform_of(Name::Frame),
+        uniform_of(Name::Job),
+        write(Name::Proposals),
+        atomic(Name::Heads),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const CHOOSE: Pass = Pass {
+    name: "choose",
+    shader: "choose",
+    bindings: &[
+        uniform_of(Name::Frame),
+        atomic(Name::Proposals),
+        atomic(Name::Heads),
+        read(Name::Grid),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const PLACE: Pass = Pass {
+    name: "place",
+    shader: "place",
+    bindings: &[
+        uniform_of(Name::Frame),
+        uniform_of(Name::Job),
+        atomic(Name::Proposals),
+        atomic(Name::Grid),
+        write(Name::Unsure),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const UNLINK: Pass = Pass {
+    name: "unlink",
+    shader: "unlink",
+    bindings: &[
+        uniform_of(Name::Frame),
+        read(Name::Proposals),
+        write(Name::Heads),
+        read(Name::Counters),
+    ],
+};
+
+/// Records the insertion of `iteration`, whose ranks are drawn under `key`, or come with the proposals.
+pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
+    let [a, b] = key.unwrap_or_default();
+    let job = Job {
+        a,
+        b,
+        c: u32::from(key.is_none()),
+        d: 0,
+    };
+    let mut commands = vec![
+        Command::Clear(Name::Counters, Some((counter::INSERTED, counter::INSERTED_IN_WINDOW + 1))),
+        run_with(&LINK, job, argument("ARGUMENT_PROPOSALS")),
+    ];
+    commands.extend(choose(iteration));
+    commands
+}
+
+/// Records rounds, and the insertion of what is decided after them.
+pub(crate) fn choose(iteration: u32) -> Vec<Command> {
+    let proposals = argument("ARGUMENT_PROPOSALS");
+    let round = [clear_counter(counter::UNDECIDED), run(&CHOOSE, proposals)];
+    let mut commands: Vec<Command> = std::iter::repeat_n(round, ROUNDS).flatten().collect();
+    let job = Job {
+        a: iteration,
+        ..Job::default()
+    };
+    commands.push(run_with(&PLACE, job, proposals));
+    commands
+}
+
+/// Records the end of an iteration.
+pub(crate) fn unlink() -> Command {
+    run(&UNLINK, argument("ARGUMENT_PROPOSALS"))
+}

@@ -1,0 +1,179 @@
+//! The compute passes, in the sequence of the stages: each names its shader and the buffers it sees. A stage is
+//! recorded as a list of commands, which needs no device.
+
+mod blocks;
+mod detect;
+mod eliminate;
+mod finish;
+mod insert;
+mod tile;
+mod uniform;
+
+use crate::layout::{Access, Binding, Job, Name};
+
+pub(crate) use blocks::blocks;
+pub(crate) use detect::{detect, redetect};
+pub(crate) use eliminate::{eliminate, rounds, survive};
+pub(crate) use finish::finish;
+pub(crate) use insert::{choose, insert, unlink};
+pub(crate) use tile::tile;
+pub(crate) use uniform::{level, split, start};
+
+/// A compute pass.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Its name in reports.
+    pub name: &'static str,
+    /// The shader file with its entry point.
+    pub shader: &'static str,
+    /// The buffers that it sees, numbered in this sequence.
+    pub bindings: &'static [Binding],
+}
+
+/// How many invocations a dispatch has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// As many as elements.
+    Invocations(u64),
+    /// So many workgroups.
+    Workgroups(u64),
+    /// As many as `prepare` computed for an argument, by its place in `ARGUMENTS`.
+    Indirect(u32),
+}
+
+/// A step of a recorded list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// A pass is run.
+    Dispatch {
+        /// Which.
+        pass: &'static Pass,
+        /// Its numbers.
+        job: Job,
+        /// On how much.
+        size: Size,
+    },
+    /// Words of a buffer become 0: those from the first to before the second, or all.
+    Clear(Name, Option<(u32, u32)>),
+    /// The active cells of the next level take the place of the level's.
+    SwapActive,
+}
+
+/// Every pass, each once, in the sequence of the stages.
+pub const ALL: &[&Pass] = &[
+    &PREPARE,
+    &blocks::BLOCKS,
+    &blocks::SORT_BLOCKS,
+    &tile::COUNT,
+    &tile::SCAN_STARTS,
+    &tile::SCAN_SUMS,
+    &tile::ADD_STARTS,
+    &tile::TILE,
+    &eliminate::ELIMINATE,
+    &eliminate::ATTRIBUTE,
+    &eliminate::SURVIVE,
+    &detect::DETECTORS,
+    &detect::SPREAD,
+    &detect::OPEN,
+    &detect::REOPEN,
+    &detect::CANDIDATES,
+    &detect::SETTLE,
+    &insert::LINK,
+    &insert::CHOOSE,
+    &insert::PLACE,
+    &insert::UNLINK,
+    &uniform::GAP_CELLS,
+    &uniform::THROW,
+    &uniform::SPLIT,
+    &finish::TALLY,
+    &finish::SCAN_HEADS,
+    &finish::ADD_HEADS,
+    &finish::GATHER,
+    &finish::SOURCES,
+];
+
+/// Turns counters into workgroups.
+pub(crate) const PREPARE: Pass = Pass {
+    name: "prepare",
+    shader: "prepare",
+    bindings: &[
+        uniform_of(Name::Frame),
+        uniform_of(Name::Job),
+        write(Name::Counters),
+        write(Name::Arguments),
+    ],
+};
+
+pub(crate) const fn uniform_of(name: Name) -> Binding {
+    Binding {
+        name,
+        access: Access::Uniform,
+        alias: None,
+    }
+}
+
+pub(crate) const fn read(name: Name) -> Binding {
+    Binding {
+        name,
+        access: Access::Read,
+        alias: None,
+    }
+}
+
+pub(crate) const fn write(name: Name) -> Binding {
+    Binding {
+        name,
+        access: Access::Write,
+        alias: None,
+    }
+}
+
+pub(crate) const fn write_as(name: Name, alias: &'static str) -> Binding {
+    Binding {
+        name,
+        access: Access::Write,
+        alias: Some(alias),
+    }
+}
+
+pub(crate) const fn atomic(name: Name) -> Binding {
+    Binding {
+        name,
+        access: Access::Atomic,
+        alias: None,
+    }
+}
+
+pub(crate) fn run(pass: &'static Pass, size: Size) -> Command {
+    run_with(pass, Job::default(), size)
+}
+
+pub(crate) const fn run_with(pass: &'static Pass, job: Job, size: Size) -> Command {
+    Command::Dispatch { pass, job, size }
+}
+
+/// Returns the command that brings the workgroups of indirect dispatches up to date.
+pub(crate) fn prepare(flags: u32) -> Command {
+    let job = Job {
+        a: flags,
+        ..Job::default()
+    };
+    run_with(&PREPARE, job, Size::Workgroups(1))
+}
+
+/// Returns the command that sets a counter to 0.
+pub(crate) const fn clear_counter(counter: u32) -> Command {
+    Command::Clear(Name::Counters, Some((counter, counter + 1)))
+}
+
+/// Returns the place of an argument of indirect dispatches.
+///
+/// # Panics
+///
+/// When there is none of this name, which a test of the lists finds.
+pub(crate) fn argument(name: &str) -> Size {
+    let place = crate::constants::ARGUMENTS
+        .iter()
+        .position(|argument| *argument == name);
+    Size::Indirect(place.expect("arguments are named in constants.rs") as u32)
+}

@@ -1,0 +1,94 @@
+//! Clip and tile (paper, Algorithm 2): the samples of each cell are counted, the counts summed up, the samples
+//! written. No atomic decides where a sample lies.
+
+use super::{Command, Pass, Size, atomic, read, run, run_with, uniform_of, write, write_as};
+use crate::constants::SCAN_PART;
+use crate::layout::{Job, Name, counter};
+use crate::plan::Plan;
+
+pub(super) const COUNT: Pass = Pass {
+    name: "count",
+    shader: "count",
+    bindings: &[
+        uniform_of(Name::Frame),
+        read(Name::Images),
+        read(Name::TileImages),
+        read(Name::Pattern),
+        write(Name::Starts),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const SCAN_STARTS: Pass = Pass {
+    name: "scan starts",
+    shader: "scan",
+    bindings: &[
+        uniform_of(Name::Job),
+        write_as(Name::Starts, "data"),
+        write(Name::Sums),
+    ],
+};
+
+pub(super) const SCAN_SUMS: Pass = Pass {
+    name: "scan sums",
+    shader: "scan_sums",
+    bindings: &[
+        uniform_of(Name::Job),
+        write(Name::Sums),
+        write(Name::Counters),
+    ],
+};
+
+pub(super) const ADD_STARTS: Pass = Pass {
+    name: "add starts",
+    shader: "scan_add",
+    bindings: &[
+        uniform_of(Name::Job),
+        write_as(Name::Starts, "data"),
+        read(Name::Sums),
+    ],
+};
+
+pub(super) const TILE: Pass = Pass {
+    name: "tile",
+    shader: "tile",
+    bindings: &[
+        uniform_of(Name::Frame),
+        read(Name::Images),
+        read(Name::TileImages),
+        read(Name::Pattern),
+        read(Name::Starts),
+        write(Name::Places),
+        write(Name::Origins),
+        write(Name::List),
+        atomic(Name::Counters),
+    ],
+};
+
+/// Records the stage.
+pub(crate) fn tile(plan: &Plan) -> Vec<Command> {
+    let mut commands = vec![run(&COUNT, Size::Invocations(plan.cells() + 1))];
+    commands.extend(sum(&SCAN_STARTS, &ADD_STARTS, plan.cells() + 1, counter::TILED));
+    commands.push(run(&TILE, Size::Invocations(plan.cells())));
+    commands
+}
+
+/// Records the summing up of a list of `length` elements; the sum of all goes to a counter.
+pub(super) fn sum(
+    scan: &'static Pass,
+    add: &'static Pass,
+    length: u64,
+    counter: u32,
+) -> [Command; 3] {
+    let job = Job {
+        a: length as u32,
+        b: counter,
+        ..Job::default()
+    };
+    let parts = length.div_ceil(SCAN_PART.into());
+    [
+        run_with(scan, job, Size::Workgroups(parts)),
+        run_with(&SCAN_SUMS, job, Size::Workgroups(1)),
+        run_with(add, job, Size::Invocations(length)),
+    ]
+}

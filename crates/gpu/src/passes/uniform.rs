@@ -1,0 +1,94 @@
+//! Uniform insertion: the keyed dart process in the gaps, level by level.
+
+use super::detect::{open, spread};
+use super::{
+    Command, Pass, Size, argument, atomic, clear_counter, insert, prepare, read, run, run_with,
+    uniform_of, unlink, write,
+};
+use crate::constants::PREPARE_LEVEL;
+use crate::layout::{Job, Name, counter};
+use crate::plan::Plan;
+
+pub(super) const GAP_CELLS: Pass = Pass {
+    name: "gap cells",
+    shader: "gap_cells",
+    bindings: &[
+        uniform_of(Name::Frame),
+        read(Name::Starts),
+        read(Name::Places),
+        read(Name::Grid),
+        write(Name::Active),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const THROW: Pass = Pass {
+    name: "throw",
+    shader: "throw",
+    bindings: &[
+        uniform_of(Name::Frame),
+        uniform_of(Name::Job),
+        read(Name::Grid),
+        read(Name::Active),
+        write(Name::Proposals),
+        atomic(Name::Counters),
+    ],
+};
+
+pub(super) const SPLIT: Pass = Pass {
+    name: "split",
+    shader: "split",
+    bindings: &[
+        uniform_of(Name::Frame),
+        uniform_of(Name::Job),
+        read(Name::Grid),
+        read(Name::Active),
+        write(Name::NextActive),
+        atomic(Name::Counters),
+    ],
+};
+
+/// Records the beginning: the cells of the first level. What is unsure matters `reach` cells away.
+pub(crate) fn start(plan: &Plan, reach: u32) -> Vec<Command> {
+    let mut commands = spread(reach);
+    commands.extend([
+        open(plan),
+        run(&GAP_CELLS, Size::Invocations(plan.inner_cells())),
+        prepare(0),
+    ]);
+    commands
+}
+
+/// Records the throw of a level whose cells have sides of two to the power of `side_bits`, under its `key`, and
+/// the insertion of its darts.
+pub(crate) fn level(level: u32, side_bits: u32, key: [u32; 2]) -> Vec<Command> {
+    let [a, b] = key;
+    let job = Job {
+        a,
+        b,
+        c: side_bits,
+        d: 0,
+    };
+    let mut commands = vec![
+        clear_counter(counter::PROPOSALS),
+        run_with(&THROW, job, argument("ARGUMENT_ACTIVE")),
+        prepare(0),
+    ];
+    commands.extend(insert(level, None));
+    commands
+}
+
+/// Records the step to the next level.
+pub(crate) fn split(side_bits: u32) -> Vec<Command> {
+    let job = Job {
+        c: side_bits,
+        ..Job::default()
+    };
+    vec![
+        unlink(),
+        clear_counter(counter::NEXT_ACTIVE),
+        run_with(&SPLIT, job, argument("ARGUMENT_ACTIVE")),
+        prepare(PREPARE_LEVEL),
+        Command::SwapActive,
+    ]
+}

@@ -1,0 +1,291 @@
+//! The plan of a window: the frame around it, the blocks that reach it, and how long every buffer must be.
+//! Nothing here needs a device.
+
+use tilescope_core::windows::{Frame as CoreFrame, PAD, Placed};
+use tilescope_core::{Point, R, Rect, SampleError};
+
+use crate::constants::{SCAN_PART, TILE_SIDE, TILE_WORDS, WORKGROUP};
+use crate::layout::{Frame, Image, Name, Proposal, counter};
+use crate::setup::Setup;
+
+/// The most cells of a frame, with the padding: slots are numbered in 31 bits.
+pub(crate) const MOST_CELLS: u64 = 1 << 28;
+
+/// Room for what cannot be known before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Room {
+    pub tiled: u32,
+    pub unsure: u32,
+    pub proposals: u32,
+    pub active: u32,
+}
+
+/// A window's plan.
+pub(crate) struct Plan {
+    pub frame: CoreFrame,
+    pub uniform: Frame,
+    /// The images of blocks, as core and as shaders see them; one is one.
+    pub placed: Vec<Placed>,
+    pub images: Vec<Image>,
+    pub pieces: Vec<[u32; 4]>,
+}
+
+impl Plan {
+    /// Returns the plan of a window with `halo` cells around it, with room as expected, or as given.
+    ///
+    /// Fails when a bounded pattern is too small for a block.
+    pub(crate) fn new(
+        setup: &Setup,
+        window: &Rect,
+        halo: i32,
+        room: Option<Room>,
+    ) -> Result<Self, SampleError> {
+        let frame = CoreFrame::new(&setup.domain, window, halo);
+        let mut placed = Vec::new();
+        setup.clipper.blocks(&frame, &mut placed)?;
+        let target = frame.tiled();
+        placed.retain(|block| enlarged(block).within(&target).is_some());
+        let images: Vec<Image> = placed
+            .iter()
+            .filter_map(|block| image(setup, block, &target))
+            .collect();
+        let mut uniform = uniform(setup, &frame);
+        let room = room.unwrap_or_else(|| expected(setup, &uniform, &images));
+        uniform.tiled_capacity = room.tiled;
+        uniform.unsure_capacity = room.unsure;
+        uniform.proposal_capacity = room.proposals;
+        uniform.active_capacity = room.active;
+        let pieces = pieces(&uniform, &images);
+        Ok(Self {
+            frame,
+            uniform,
+            placed,
+            images,
+            pieces,
+        })
+    }
+
+    /// Returns the room that the plan provides.
+    pub(crate) const fn room(&self) -> Room {
+        Room {
+            tiled: self.uniform.tiled_capacity,
+            unsure: self.uniform.unsure_capacity,
+            proposals: self.uniform.proposal_capacity,
+            active: self.uniform.active_capacity,
+        }
+    }
+
+    /// Returns the number of cells, with the padding.
+    pub(crate) const fn cells(&self) -> u64 {
+        self.uniform.cells as u64
+    }
+
+    /// Returns the number of cells without the padding.
+    pub(crate) const fn inner_cells(&self) -> u64 {
+        self.uniform.columns as u64 * self.uniform.rows as u64
+    }
+
+    /// Returns every buffer's length in bytes. With `by` there is one for who eliminated whom.
+    pub(crate) fn lengths(&self, setup: &Setup, by: bool) -> Vec<(Name, u64)> {
+        let inputs = [
+            (Name::Images, bytes_of(&self.images)),
+            (Name::Pieces, bytes_of(&self.pieces)),
+            (Name::Pattern, bytes_of(&setup.pattern)),
+        ];
+        let mut lengths = lengths(&self.uniform, setup.sources, by);
+        lengths.extend(inputs);
+        lengths
+    }
+}
+
+fn bytes_of<T>(items: &[T]) -> u64 {
+    size_of_val(items) as u64
+}
+
+/// Returns the lengths in bytes of the buffers that grow with the frame.
+pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)> {
+    let cells = u64::from(frame.cells);
+    let tiled = u64::from(frame.tiled_capacity);
+    let active = u64::from(frame.active_capacity) * 8;
+    let result = u64::from(frame.result_capacity) * 8;
+    let mut lengths = vec![
+        (Name::TileImages, 4 * u64::from(frame.tiles * TILE_WORDS)),
+        (Name::Starts, 4 * (cells + 1)),
+        (Name::Sums, 4 * (cells + 1).div_ceil(SCAN_PART.into())),
+        (Name::Places, 4 * tiled),
+        (Name::Origins, 4 * tiled * u64::from(frame.origin_words)),
+        (Name::Grid, 16 * cells),
+        (Name::Heads, 4 * (cells + 1)),
+        (Name::List, 4 * u64::from(frame.list_capacity)),
+        (Name::Unsure, 4 * u64::from(frame.unsure_capacity)),
+        (
+            Name::Proposals,
+            u64::from(frame.proposal_capacity) * size_of::<Proposal>() as u64,
+        ),
+        (Name::Active, active),
+        (Name::NextActive, active),
+        (Name::Counters, 4 * u64::from(counter::COUNT)),
+        (
+            Name::Arguments,
+            12 * crate::constants::ARGUMENTS.len() as u64,
+        ),
+        (Name::Result, result),
+    ];
+    if by {
+        lengths.push((Name::By, 4 * tiled));
+    }
+    if sources {
+        lengths.push((Name::Tags, result));
+    }
+    lengths
+}
+
+fn enlarged(block: &Placed) -> tilescope_core::windows::Rect64 {
+    block.rect.grown(R.into(), R.into())
+}
+
+/// Returns an image as shaders see it, or `None` where it does not reach the target.
+fn image(setup: &Setup, block: &Placed, target: &Rect) -> Option<Image> {
+    let clip = enlarged(block).within(target)?;
+    let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;
+    let corner = block.rect.min.map(|v| v - i64::from(R));
+    // The corner of the clip, seen from the corner of the enlarged block, in the repeated pattern.
+    let start = |axis: usize, start: i32, low: i32, period: i32| {
+        (i64::from(start) + i64::from(low) - corner[axis]).rem_euclid(period.into()) as i32
+    };
+    // Far beyond any frame, where 32 bits and a few radii end.
+    let cut = |v: i64| v.clamp(-(1 << 30), 1 << 30) as i32;
+    Some(Image {
+        own_min_x: cut(block.rect.min[0]),
+        own_min_y: cut(block.rect.min[1]),
+        own_max_x: cut(block.rect.max[0]),
+        own_max_y: cut(block.rect.max[1]),
+        clip_min_x: clip.min.x,
+        clip_min_y: clip.min.y,
+        clip_max_x: clip.max.x,
+        clip_max_y: clip.max.y,
+        corner_x: corner[0] as u32,
+        corner_y: corner[1] as u32,
+        start_x: start(0, block.start.x, clip.min.x, shape.width),
+        start_y: start(1, block.start.y, clip.min.y, shape.height),
+        shape: Setup::shape_of(block.symmetry),
+        sequence: block.sequence,
+        block: block.index,
+        unused: 0,
+    })
+}
+
+fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
+    let domain = &setup.domain;
+    let [columns, rows] = frame.cells;
+    let cells = frame.cell_count() as u32;
+    let tiles = [columns, rows].map(|n| ((n + 2 * PAD) as u32).div_ceil(TILE_SIDE));
+    let sides = [domain.width(), domain.height()];
+    let origin = |axis: usize| {
+        if domain.is_periodic() {
+            frame.origin[axis].rem_euclid(sides[axis].into()) as u32
+        } else {
+            frame.origin[axis] as u32
+        }
+    };
+    let [[left, right], [below, above]] = frame.goes_on.map(|sides| sides.map(u32::from));
+    let ranks = &setup.ranks;
+    let [key_x, key_y] = ranks.key.words();
+    let [search, search_border] = setup.search();
+    let groups = ranks.sequence;
+    let window = &frame.window;
+    let window_cells = frame.window_cells();
+    // No four samples, conflict-free, lie in a square of one radius.
+    let result = 3 * (window_cells.width() as u64) * (window_cells.height() as u64);
+    let expected = 0.75 * f64::from(window.width()) * f64::from(window.height())
+        / (f64::from(R) * f64::from(R))
+        + 2.0 * f64::from(window_cells.width() + window_cells.height())
+        + 64.0;
+    Frame {
+        columns,
+        rows,
+        stride: frame.stride() as u32,
+        cells,
+        end_x: frame.end[0],
+        end_y: frame.end[1],
+        window_min_x: window.min.x,
+        window_min_y: window.min.y,
+        window_max_x: window.max.x,
+        window_max_y: window.max.y,
+        origin_x: origin(0),
+        origin_y: origin(1),
+        side_x: sides[0] as u32,
+        side_y: sides[1] as u32,
+        periodic: domain.is_periodic().into(),
+        goes_on: left | right << 1 | below << 2 | above << 3,
+        tile_columns: tiles[0],
+        tiles: tiles[0] * tiles[1],
+        order: setup.order(),
+        order_key_x: key_x,
+        order_key_y: key_y,
+        phase_cell_x: ranks.cell[0],
+        phase_cell_y: ranks.cell[1],
+        phase_count_x: ranks.count[0],
+        phase_count_y: ranks.count[1],
+        phase_sequence: groups.iter().rev().fold(0, |all, group| all << 4 | group),
+        origin_words: if setup.sources { 2 } else { 1 },
+        lost_reach: setup.lost_reach,
+        search,
+        search_border,
+        list_capacity: cells,
+        result_capacity: result.min(expected as u64) as u32,
+        ..Frame::default()
+    }
+}
+
+/// Returns the room that a run is expected to need, with some to spare. What needs more is run again.
+fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
+    let area = |image: &Image| {
+        f64::from(image.clip_max_x - image.clip_min_x)
+            * f64::from(image.clip_max_y - image.clip_min_y)
+    };
+    let clipped: f64 = images.iter().map(area).sum::<f64>() / (f64::from(R) * f64::from(R));
+    let uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
+    let rim = 2 * (frame.columns + frame.rows) as u32;
+    Room {
+        tiled: (clipped * setup.density * 1.02) as u32 + rim + 1024,
+        unsure: 2 * rim + frame.cells / 16 + 1024,
+        proposals: frame.cells / 10 + 1024,
+        active: if uniform { frame.cells / 2 + 1024 } else { 1 },
+    }
+}
+
+/// Cuts images into pieces of at most 8 x 8 tiles: image, first column, first row, columns and rows.
+fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
+    // A workgroup's invocations take a tile each.
+    const SIDE: u32 = WORKGROUP.isqrt();
+    let ends = [frame.tile_columns, frame.tiles / frame.tile_columns];
+    // Samples are in conflict across r, so a tile wants to know of images within r, enlarged by r.
+    let tiles = |low: i32, high: i32, end: u32| {
+        let tile = |v: i64| (v.div_euclid(R.into()) + i64::from(PAD)).div_euclid(TILE_SIDE.into());
+        let reach = 2 * i64::from(R);
+        let first = tile(i64::from(low) - reach).max(0) as u32;
+        let last = tile(i64::from(high) + reach - 1).min(i64::from(end) - 1);
+        (first, (last + 1).max(first.into()) as u32)
+    };
+    let mut pieces = Vec::with_capacity(images.len() * 2);
+    for (image, index) in images.iter().zip(0..) {
+        let (left, right) = tiles(image.own_min_x, image.own_max_x, ends[0]);
+        let (bottom, top) = tiles(image.own_min_y, image.own_max_y, ends[1]);
+        for row in (bottom..top).step_by(SIDE as usize) {
+            for column in (left..right).step_by(SIDE as usize) {
+                let size = (right - column).min(SIDE) | (top - row).min(SIDE) << 16;
+                pieces.push([index, column, row, size]);
+            }
+        }
+    }
+    pieces
+}
+
+/// Returns the window that is the whole domain.
+pub(crate) fn whole(setup: &Setup) -> Rect {
+    Rect {
+        min: Point::new(0, 0),
+        max: setup.domain.rect().max,
+    }
+}

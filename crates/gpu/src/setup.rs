@@ -1,0 +1,129 @@
+//! What all windows of a run share: the domain, the blocks' tree, the pattern as the device sees it, the
+//! numbers of the orders and of detection.
+
+use tilescope_core::stages::order::{RankNumbers, Ranking};
+use tilescope_core::windows::{CellPattern, Clipper, lost_reach, reach_cells};
+use tilescope_core::{
+    Boundary, Domain, Insertion, Key, Order, ParameterError, Parameters, Pattern, R, SampleError,
+    Search, Variant,
+};
+
+/// Words of a pattern's shape: sides, columns, where its cells and its points begin, whether it repeats.
+const SHAPE_WORDS: u32 = 6;
+
+/// What a run is, apart from windows.
+pub(crate) struct Setup {
+    pub parameters: Parameters,
+    pub domain: Domain,
+    pub key: Key,
+    pub clipper: Clipper,
+    pub ranks: RankNumbers,
+    /// How many cells away a lost sample matters to a place.
+    pub lost_reach: i32,
+    /// The pattern's variants as words.
+    pub pattern: Vec<u32>,
+    /// Samples to a squared radius in the pattern.
+    pub density: f64,
+    /// Whether samples say where they come from.
+    pub sources: bool,
+}
+
+impl Setup {
+    /// Returns the setup of a run.
+    ///
+    /// Fails when the parameters cannot be sampled or ask for Algorithm 4 as printed.
+    pub(crate) fn new(
+        parameters: &Parameters,
+        pattern: &Pattern,
+        sources: bool,
+    ) -> Result<Self, SampleError> {
+        let domain = parameters.validate()?;
+        if parameters.variant == Variant::AsPrinted {
+            return Err(ParameterError::AsPrintedParallel.into());
+        }
+        let key = Key::from_seed(parameters.seed);
+        let leaf = parameters.leaf_units()?;
+        let mut clipper = Clipper::new(domain, leaf, key, pattern, parameters.dihedral);
+        if sources {
+            clipper.count_blocks();
+        }
+        Ok(Self {
+            parameters: *parameters,
+            domain,
+            key,
+            ranks: Ranking::new(parameters.order, &domain, key).numbers(),
+            lost_reach: lost_reach(pattern, &domain, parameters.insertion),
+            pattern: pattern_words(clipper.variants()),
+            density: pattern.samples().len() as f64 / pattern.domain().area_radii(),
+            clipper,
+            sources,
+        })
+    }
+
+    /// Returns how many cells away what is unsure matters to the detection of iteration 1: candidates are
+    /// 2r + 16 units from their samples, 3.5r in bounded domains, and a lost sample 2r + 4 units further
+    /// makes those detectors. In uniform insertion only what covered a place matters.
+    pub(crate) fn first_reach(&self) -> u32 {
+        match self.parameters.insertion {
+            Insertion::Circumcentre if self.domain.is_periodic() => 5.max(self.lost_reach as u32),
+            Insertion::Circumcentre => 6.max(self.lost_reach as u32),
+            Insertion::Uniform => self.lost_reach as u32,
+        }
+    }
+
+    /// Returns the same for later iterations.
+    pub(crate) fn later_reach(&self) -> u32 {
+        reach_cells(self.domain.is_periodic()) as u32
+    }
+
+    /// Returns how far detectors look for other samples: far from closed borders, and near them.
+    pub(crate) fn search(&self) -> [i32; 2] {
+        match self.parameters.search {
+            Search::Complete => [4 * R + 32, 7 * R],
+            Search::TwoRadii => [2 * R, 2 * R],
+        }
+    }
+
+    pub(crate) const fn is_bounded(&self) -> bool {
+        matches!(self.domain.boundary(), Boundary::Bounded)
+    }
+
+    /// Returns the order as shaders number it.
+    pub(crate) const fn order(&self) -> u32 {
+        match self.parameters.order {
+            Order::Index => 0,
+            Order::Random => 1,
+            Order::OwnBlockFirst => 2,
+            Order::PhaseGroup => 3,
+        }
+    }
+
+    /// Returns the word at which a variant's shape begins.
+    pub(crate) const fn shape_of(symmetry: u8) -> u32 {
+        symmetry as u32 * SHAPE_WORDS
+    }
+}
+
+/// Returns the variants as words: their shapes, then of each the starts of its cells and its points.
+fn pattern_words(variants: &[CellPattern]) -> Vec<u32> {
+    let mut words = vec![0; variants.len() * SHAPE_WORDS as usize];
+    for (variant, shape) in variants.iter().zip((0..).step_by(SHAPE_WORDS as usize)) {
+        let starts_at = words.len() as u32;
+        words.extend(&variant.starts);
+        let points_at = words.len() as u32;
+        for (point, id) in variant.points.iter().zip(&variant.ids) {
+            words.extend([point.x as u32, point.y as u32, *id]);
+        }
+        let form = &variant.shape;
+        let described = [
+            form.width as u32,
+            form.height as u32,
+            variant.columns as u32,
+            starts_at,
+            points_at,
+            u32::from(form.periodic),
+        ];
+        words[shape..shape + described.len()].copy_from_slice(&described);
+    }
+    words
+}

@@ -1,0 +1,389 @@
+//! A window on the device: its buffers, and the sequence of its stages. The host records a stage, submits it, and
+//! reads counters only where it must know whether a loop ends.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use tilescope_core::stages::darts::{LAST_LEVEL, throw_key};
+use tilescope_core::stages::uniform::gap_key;
+use tilescope_core::windows::Counts;
+use tilescope_core::{Insertion, Point, Source, Stage, Stream};
+
+use crate::adapter::Gpu;
+use crate::constants::{FAULT_TILED, FAULTS};
+use crate::error::GpuError;
+use crate::execute::Device;
+use crate::layout::{Name, counter};
+use crate::passes::{self, Command};
+use crate::plan::{Plan, Room};
+use crate::setup::Setup;
+
+/// What comes next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Blocks,
+    Tile,
+    Eliminate,
+    EliminateMore,
+    Survive,
+    /// Detection and insertion of an iteration.
+    Iterate(u32),
+    /// The first cells of uniform insertion.
+    Start,
+    /// A level's darts.
+    Level(u32),
+    /// More rounds of an iteration's insertion.
+    ChooseMore(u32),
+    /// The cells of the level after this one.
+    Split(u32),
+    Finish,
+    Done,
+}
+
+/// How a window ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// All is known.
+    Known(Window),
+    /// Something in the window depends on what lies beyond the frame.
+    Unsure,
+    /// More room is needed.
+    TooSmall(Room),
+}
+
+/// The samples of a window, in canonical order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Window {
+    pub points: Vec<Point>,
+    pub sources: Vec<Source>,
+    pub counts: Counts,
+}
+
+/// What is kept of an iteration for those who look at stages.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kept {
+    /// The proposals, as words.
+    pub proposals: Vec<u8>,
+    /// The active cells, as words.
+    pub active: Vec<u8>,
+}
+
+/// A window in progress.
+pub(crate) struct Work {
+    pub setup: Arc<Setup>,
+    pub plan: Plan,
+    pub device: Device,
+    step: Step,
+    stage: Stage,
+    queue: VecDeque<Command>,
+    counters: [u32; counter::COUNT as usize],
+    /// Whether the counters are to be read when the queue is empty.
+    reads: bool,
+    /// What happens next once they were read.
+    pending: Option<Step>,
+    inserted: Vec<u64>,
+    /// By iteration, if stages are to be looked at.
+    pub kept: Option<BTreeMap<u32, Kept>>,
+}
+
+impl Work {
+    /// Returns the work on a planned window, with buffers of its own or those of a window before.
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        setup: &Arc<Setup>,
+        plan: Plan,
+        before: Option<Device>,
+        looks: bool,
+    ) -> Result<Self, GpuError> {
+        let device = Device::new(gpu, setup, &plan, before, looks)?;
+        Ok(Self {
+            setup: Arc::clone(setup),
+            plan,
+            device,
+            step: Step::Blocks,
+            stage: Stage::Blocks,
+            queue: VecDeque::new(),
+            counters: [0; counter::COUNT as usize],
+            reads: false,
+            pending: None,
+            inserted: Vec::new(),
+            kept: looks.then(BTreeMap::new),
+        })
+    }
+
+    /// Begins after elimination, with the grid and the tiled samples as they were uploaded.
+    pub(crate) fn begin_at(&mut self, step: Stage) {
+        self.step = match step {
+            Stage::Eliminate => Step::Eliminate,
+            Stage::Iterate(_) => Step::Survive,
+            _ => Step::Blocks,
+        };
+    }
+
+    /// Returns the stage at work.
+    pub(crate) const fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// Returns a counter as it was read last.
+    pub(crate) const fn counter(&self, counter: u32) -> u32 {
+        self.counters[counter as usize]
+    }
+
+    /// Returns whether nothing is left to be done.
+    pub(crate) fn is_done(&self) -> bool {
+        self.step == Step::Done && self.queue.is_empty()
+    }
+
+    /// Returns whether the next command begins another stage.
+    pub(crate) fn is_between_stages(&self) -> bool {
+        self.queue.is_empty() && self.pending.is_none() && self.stage_of(self.step) != self.stage
+    }
+
+    /// Runs to the end.
+    pub(crate) async fn run(&mut self) -> Result<Option<Outcome>, GpuError> {
+        while !self.is_done() {
+            self.record();
+            let commands: Vec<Command> = self.queue.drain(..).collect();
+            self.device.submit(&commands, self.stage)?;
+            if let Some(outcome) = self.settle().await? {
+                return Ok(Some(outcome));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Runs one pass, and what host work belongs behind it. Returns how the window ended, if it did early.
+    pub(crate) async fn run_pass(&mut self) -> Result<Option<Outcome>, GpuError> {
+        if self.queue.is_empty() {
+            self.record();
+        }
+        while let Some(command) = self.queue.pop_front() {
+            self.device.submit(&[command], self.stage)?;
+            if matches!(command, Command::Dispatch { .. }) {
+                break;
+            }
+        }
+        // What no pass follows belongs to the one before.
+        while matches!(self.queue.front(), Some(Command::SwapActive)) {
+            if let Some(command) = self.queue.pop_front() {
+                self.device.submit(&[command], self.stage)?;
+            }
+        }
+        if self.queue.is_empty() {
+            return self.settle().await;
+        }
+        Ok(None)
+    }
+
+    /// Returns the finished window.
+    pub(crate) async fn result(&self) -> Result<Window, GpuError> {
+        let count = u64::from(self.counter(counter::KEPT));
+        let words = self.device.words(Name::Result, 0..2 * count).await?;
+        let points = words
+            .chunks_exact(2)
+            .map(|p| Point::new(p[0] as i32, p[1] as i32))
+            .collect();
+        let mut sources = Vec::new();
+        if self.setup.sources {
+            let words = self.device.words(Name::Tags, 0..2 * count).await?;
+            sources = words.chunks_exact(2).map(source).collect();
+        }
+        Ok(Window {
+            points,
+            sources,
+            counts: self.counts(),
+        })
+    }
+
+    fn counts(&self) -> Counts {
+        let window = &self.plan.frame.window;
+        let starts_here = |placed: &&tilescope_core::windows::Placed| {
+            let [x, y] = placed.rect.min;
+            let inside = |v: i64, low: i32, high: i32| (low.into()..high.into()).contains(&v);
+            inside(x, window.min.x, window.max.x) && inside(y, window.min.y, window.max.y)
+        };
+        let mut counts = Counts {
+            blocks: self.plan.placed.iter().filter(starts_here).count() as u64,
+            eliminated: self.counter(counter::ELIMINATED).into(),
+            dropped: self.counter(counter::DROPPED).into(),
+            inserted: Vec::new(),
+        };
+        for (index, &count) in self.inserted.iter().enumerate() {
+            if count > 0 {
+                counts.insert(index, count);
+            }
+        }
+        counts
+    }
+
+    fn stage_of(&self, step: Step) -> Stage {
+        match step {
+            Step::Blocks => Stage::Blocks,
+            Step::Tile => Stage::Tile,
+            Step::Eliminate | Step::EliminateMore | Step::Survive => Stage::Eliminate,
+            Step::Iterate(k) | Step::ChooseMore(k) | Step::Level(k) => Stage::Iterate(k),
+            Step::Start => Stage::Iterate(1),
+            Step::Split(k) => Stage::Iterate(k),
+            Step::Finish => Stage::Finish,
+            Step::Done => self.stage,
+        }
+    }
+
+    /// Puts the next step's commands into the queue.
+    fn record(&mut self) {
+        let uniform = self.setup.parameters.insertion == Insertion::Uniform;
+        let looks = self.kept.is_some();
+        self.stage = self.stage_of(self.step);
+        let (commands, next, reads) = match self.step {
+            Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
+            Step::Tile => (passes::tile(&self.plan), Step::Eliminate, looks),
+            Step::Eliminate => (passes::eliminate(), Step::EliminateMore, true),
+            Step::EliminateMore => (passes::rounds(), Step::EliminateMore, true),
+            Step::Survive => {
+                let next = if uniform { Step::Start } else { Step::Iterate(1) };
+                (passes::survive(&self.plan, looks), next, looks)
+            }
+            Step::Iterate(k) => (self.iteration(k), Step::ChooseMore(k), true),
+            Step::ChooseMore(k) => (passes::choose(k), Step::ChooseMore(k), true),
+            Step::Start => {
+                let reach = self.setup.first_reach();
+                (passes::start(&self.plan, reach), Step::Level(1), true)
+            }
+            Step::Level(k) => {
+                let key = throw_key(gap_key(self.setup.key), k, 0).words();
+                (passes::level(k, LAST_LEVEL - k, key), Step::ChooseMore(k), true)
+            }
+            Step::Split(k) => (passes::split(LAST_LEVEL - k), Step::Level(k + 1), true),
+            Step::Finish => (passes::finish(&self.plan, self.setup.sources), Step::Done, true),
+            Step::Done => (Vec::new(), Step::Done, false),
+        };
+        self.queue.extend(commands);
+        self.step = next;
+        self.reads = reads;
+        self.pending = reads.then_some(next);
+    }
+
+    fn iteration(&self, k: u32) -> Vec<Command> {
+        let key = self.setup.key.derive(Stream::Iteration, k).words();
+        let mut commands = if k == 1 {
+            passes::detect(&self.plan, self.setup.first_reach())
+        } else {
+            let mut commands = vec![passes::unlink()];
+            commands.extend(passes::redetect(&self.plan, self.setup.later_reach()));
+            commands
+        };
+        commands.extend(passes::insert(k, Some(key)));
+        commands
+    }
+
+    /// Reads the counters where the recorded step asks for it, and decides how to go on.
+    async fn settle(&mut self) -> Result<Option<Outcome>, GpuError> {
+        if !self.reads {
+            return Ok(None);
+        }
+        self.reads = false;
+        self.pending = None;
+        let words = self
+            .device
+            .words(Name::Counters, 0..counter::COUNT.into())
+            .await?;
+        self.counters.copy_from_slice(&words);
+        self.device.read_times().await?;
+        if let Some(outcome) = self.judge()? {
+            return Ok(Some(outcome));
+        }
+        self.decide().await?;
+        Ok(None)
+    }
+
+    /// Returns how the window ends where it cannot go on.
+    fn judge(&self) -> Result<Option<Outcome>, GpuError> {
+        let room = self.plan.room();
+        let needed = |count: u32, room: u32| if count > room { count + count / 8 } else { room };
+        let wanted = Room {
+            tiled: needed(self.counter(counter::TILED), room.tiled),
+            unsure: needed(self.counter(counter::UNSURE), room.unsure),
+            proposals: needed(self.counter(counter::PROPOSALS), room.proposals),
+            active: needed(
+                self.counter(counter::ACTIVE).max(self.counter(counter::NEXT_ACTIVE)),
+                room.active,
+            ),
+        };
+        if wanted != room {
+            return Ok(Some(Outcome::TooSmall(wanted)));
+        }
+        match self.counter(counter::FAULT) {
+            0 => {}
+            FAULT_TILED => return Ok(Some(Outcome::TooSmall(wanted))),
+            code => {
+                let pass = FAULTS
+                    .iter()
+                    .find(|(_, known)| *known == code)
+                    .map_or("of an unknown fault", |(name, _)| name);
+                return Err(GpuError::Fault { pass, code });
+            }
+        }
+        if self.counter(counter::UNSURE_IN_WINDOW) > 0 {
+            return Ok(Some(Outcome::Unsure));
+        }
+        Ok(None)
+    }
+
+    /// Decides what follows a step whose counters were read.
+    async fn decide(&mut self) -> Result<(), GpuError> {
+        let undecided = self.counter(counter::UNDECIDED) > 0;
+        match self.step {
+            Step::EliminateMore if !undecided => self.step = Step::Survive,
+            Step::ChooseMore(k) if !undecided => {
+                self.keep(k).await?;
+                self.inserted
+                    .push(self.counter(counter::INSERTED_IN_WINDOW).into());
+                self.step = self.after_iteration(k);
+            }
+            Step::Level(k) => {
+                if self.counter(counter::ACTIVE) == 0 {
+                    self.step = Step::Finish;
+                } else if let Some(kept) = &mut self.kept {
+                    let active = u64::from(self.counters[counter::ACTIVE as usize]);
+                    let cells = self.device.bytes(Name::Active, 0..8 * active).await?;
+                    kept.entry(k).or_default().active = cells;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    async fn keep(&mut self, k: u32) -> Result<(), GpuError> {
+        if let Some(kept) = &mut self.kept {
+            let count = u64::from(self.counters[counter::PROPOSALS as usize]);
+            let proposals = self.device.bytes(Name::Proposals, 0..32 * count).await?;
+            kept.entry(k).or_default().proposals = proposals;
+        }
+        Ok(())
+    }
+
+    fn after_iteration(&self, k: u32) -> Step {
+        if self.setup.parameters.insertion == Insertion::Uniform {
+            return if k == LAST_LEVEL { Step::Finish } else { Step::Split(k) };
+        }
+        let spread = self.counter(counter::UNSURE) == self.counter(counter::SPREAD);
+        if self.counter(counter::INSERTED) == 0 && spread {
+            Step::Finish
+        } else {
+            Step::Iterate(k + 1)
+        }
+    }
+}
+
+fn source(tag: &[u32]) -> Source {
+    if tag[0] == u32::MAX {
+        Source::Inserted { iteration: tag[1] }
+    } else {
+        Source::Tiled {
+            block: tag[0],
+            pattern: tag[1],
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! A harness that runs one WGSL function on a device for many inputs, and the inputs.
+
+pub mod inputs;
+
+use std::sync::OnceLock;
+
+use tilescope_gpu::shader::compose;
+use tilescope_gpu::{Choice, Gpu, GpuError};
+
+/// The arguments or the answer of a function: four words, those not needed 0.
+pub type Words = [u32; 4];
+
+/// Inputs of one dispatch: 2^14 workgroups, a quarter of what every device allows on one axis.
+const BATCH: usize = 1 << 20;
+
+/// What every test shader ends with. The function under test is called by `answer`.
+const MAIN: &str = "
+@group(0) @binding(0) var<storage, read> inputs: array<vec4<u32>>;
+@group(0) @binding(1) var<storage, read_write> answers: array<vec4<u32>>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < arrayLength(&inputs) {
+        answers[id.x] = answer(inputs[id.x]);
+    }
+}
+";
+
+/// Opens a device.
+///
+/// # Panics
+///
+/// When there is none: a test without a device proves nothing and must not pass.
+pub fn open(choice: &Choice) -> Gpu {
+    demand(pollster::block_on(Gpu::open(choice)))
+}
+
+fn demand<T>(found: Result<T, GpuError>) -> T {
+    found.unwrap_or_else(|error| {
+        panic!(
+            "these tests need a GPU adapter, and cannot pass without one; a software one will do \
+             (Mesa's lavapipe, for instance): {error}"
+        )
+    })
+}
+
+/// Returns the device that all tests of a file share: the fastest there is, a software one at worst.
+pub fn gpu() -> &'static Gpu {
+    static GPU: OnceLock<Result<Gpu, GpuError>> = OnceLock::new();
+    let opened = GPU.get_or_init(|| {
+        pollster::block_on(Gpu::open(&Choice {
+            software: true,
+            ..Choice::default()
+        }))
+    });
+    demand(opened.as_ref().map_err(Clone::clone))
+}
+
+/// Returns the source of a test shader: the file `file` with all that it imports, and the body of
+/// `fn answer(w: vec4<u32>) -> vec4<u32>`.
+pub fn source(file: &str, body: &str) -> String {
+    let library = compose(file, &[]);
+    format!("{library}\nfn answer(w: vec4<u32>) -> vec4<u32> {{\n{body}\n}}\n{MAIN}")
+}
+
+/// Returns the source with one part of it, which must be there once, made another.
+pub fn spoilt(source: &str, part: &str, other: &str) -> String {
+    assert_eq!(source.matches(part).count(), 1, "{part}");
+    source.replace(part, other)
+}
+
+/// Runs a test shader on the device and compares its answers with those expected. Returns how many
+/// inputs there were, or a sentence about the first difference.
+pub fn compare(
+    source: &str,
+    inputs: &[Words],
+    expected: impl Fn(Words) -> Words,
+) -> Result<usize, String> {
+    check(source, inputs, |input, answer| {
+        let expected = expected(input);
+        let message = || format!("of {input:x?} came {answer:x?}, not {expected:x?}");
+        (expected == answer).then_some(()).ok_or_else(message)
+    })
+}
+
+/// Runs a test shader on the device and judges each of its answers. Returns how many inputs there
+/// were, or the first complaint.
+pub fn check(
+    source: &str,
+    inputs: &[Words],
+    judge: impl Fn(Words, Words) -> Result<(), String>,
+) -> Result<usize, String> {
+    let gpu = gpu();
+    let (device, _) = gpu.device();
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("test"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("test"),
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    for batch in inputs.chunks(BATCH) {
+        for (input, answer) in batch.iter().zip(answers(gpu, &pipeline, batch)) {
+            judge(*input, answer)?;
+        }
+    }
+    Ok(inputs.len())
+}
+
+/// Returns the answers to one batch of inputs.
+fn answers(gpu: &Gpu, pipeline: &wgpu::ComputePipeline, batch: &[Words]) -> Vec<Words> {
+    let (device, queue) = gpu.device();
+    let bytes = size_of_val(batch) as u64;
+    let buffer = |usage| {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("test"),
+            size: bytes,
+            usage: wgpu::BufferUsages::STORAGE | usage,
+            mapped_at_creation: false,
+        })
+    };
+    let inputs = buffer(wgpu::BufferUsages::COPY_DST);
+    let outputs = buffer(wgpu::BufferUsages::COPY_SRC);
+    queue.write_buffer(&inputs, 0, bytemuck::cast_slice(batch));
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("test"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[entry(0, &inputs), entry(1, &outputs)],
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(batch.len().div_ceil(64) as u32, 1, 1);
+    drop(pass);
+    queue.submit([encoder.finish()]);
+    let read = pollster::block_on(gpu.read(&outputs, 0..bytes)).expect("the device answers");
+    bytemuck::pod_collect_to_vec(&read)
+}
+
+fn entry(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry {
+        binding,
+        resource: buffer.as_entire_binding(),
+    }
+}
