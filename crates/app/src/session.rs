@@ -18,7 +18,7 @@ use crate::jobs::Monitor;
 pub const MOST_STAGED: f64 = 500_000.0;
 
 /// The first stage that a GPU runs of a run that is kept stage by stage.
-const FIRST_GPU_STAGE: Stage = Stage::Tile;
+const FIRST_GPU_STAGE: Stage = Stage::Blocks;
 
 /// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
 fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {

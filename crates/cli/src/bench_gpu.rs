@@ -17,7 +17,7 @@ use crate::progress::Bar;
 use crate::{make, output, verdict_code};
 
 /// The first stage that the device runs of a run that is timed pass by pass.
-const FIRST_STAGE: Stage = Stage::Tile;
+const FIRST_STAGE: Stage = Stage::Blocks;
 
 /// A leaf size and its rounds.
 struct Row {
