@@ -17,6 +17,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(session) = &state.session else {
         return;
     };
+    let engine = format!("engine: {}", session.engine);
+    ui.label(egui::RichText::new(engine).color(palette.muted).small());
     ui.spacing_mut().item_spacing.y = 1.0;
     row(ui, ["", "change", "samples"], false, palette, false);
     for (place, &stage) in session.stages.iter().enumerate() {
@@ -34,13 +36,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::ShowStage(place));
         }
     }
-    ui.add_space(4.0);
-    let engine = format!("engine: {}", session.engine);
-    ui.label(egui::RichText::new(engine).color(palette.muted).small());
     if !session.has_stages() {
         let most = grouped(MOST_STAGED as usize);
         let text =
             format!("Above {most} samples only the result is kept: the stages between are not.");
+        ui.add_space(4.0);
         ui.label(egui::RichText::new(text).color(palette.muted).small());
     }
 }
