@@ -107,7 +107,7 @@ impl Device {
     pub fn failed(&mut self, error: &GpuError) {
         match error {
             GpuError::NotInOneGo { .. } | GpuError::TooLittleMemory { .. } => {}
-            GpuError::DeviceLost { .. } | GpuError::OutOfMemory { .. } => *self = Self::Unknown,
+            GpuError::DeviceLost { .. } | GpuError::OutOfMemory => *self = Self::Unknown,
             error => *self = Self::Refused(sentence(&error.to_string())),
         }
     }
