@@ -6,6 +6,7 @@ use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use tilescope_formats::Precision;
 
 use crate::canvas::layers::{Colouring, Layer};
+use crate::device::Engine;
 
 /// A parameter that is typed as a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,6 +66,11 @@ pub enum Command {
     Choose(Choice),
     /// Returns to the parameters of the default session.
     ResetParameters,
+    /// Chooses who samples. The first choice of the GPU opens and tests it.
+    Engine(Engine),
+    /// Names the GPU adapter by a part of its name, or returns to the fastest. It counts from the next choice of the
+    /// GPU on.
+    NameAdapter(Option<String>),
     /// Samples with the parameters of the panel.
     Run,
     /// Stops the sampling.

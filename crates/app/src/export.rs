@@ -56,12 +56,7 @@ pub use native::{browse, write};
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
-    use std::future::Future;
     use std::path::{Path, PathBuf};
-    use std::pin::pin;
-    use std::sync::Arc;
-    use std::task::{Context, Poll, Waker};
-    use std::thread::Thread;
 
     use tilescope_formats::{ExportContext, ExportError, Exported, Format, export};
 
@@ -108,27 +103,7 @@ mod native {
         // The dialog must be made on the window's thread; waiting for it must not.
         let answer = dialog.save_file();
         Job::start(wake, move |_| {
-            block_on(answer).map(|file| file.path().to_owned())
+            pollster::block_on(answer).map(|file| file.path().to_owned())
         })
-    }
-
-    struct Unpark(Thread);
-
-    impl std::task::Wake for Unpark {
-        fn wake(self: Arc<Self>) {
-            self.0.unpark();
-        }
-    }
-
-    fn block_on<F: Future>(future: F) -> F::Output {
-        let mut future = pin!(future);
-        let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
-        let mut context = Context::from_waker(&waker);
-        loop {
-            match future.as_mut().poll(&mut context) {
-                Poll::Ready(output) => return output,
-                Poll::Pending => std::thread::park(),
-            }
-        }
     }
 }

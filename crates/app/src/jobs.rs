@@ -1,14 +1,27 @@
-//! Background work: a job runs on its own thread natively and at once on the web, reports progress,
-//! can be cancelled, and hands over its result when asked. It never touches the window but to wake it.
+//! Background work: a job runs on its own thread natively; on the web a function runs at once and a
+//! future beside the window. It reports progress, can be cancelled, and hands over its result when asked.
+//! It never touches the window but to wake it.
 
+use std::future::Future;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Asks the window for a new frame; called from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// What can be handed to a job: on the web, where there are no threads, everything.
+#[cfg(not(target_arch = "wasm32"))]
+pub trait Portable: Send + 'static {}
+#[cfg(not(target_arch = "wasm32"))]
+impl<T: Send + 'static> Portable for T {}
+/// What can be handed to a job: on the web, where there are no threads, everything.
+#[cfg(target_arch = "wasm32")]
+pub trait Portable: 'static {}
+#[cfg(target_arch = "wasm32")]
+impl<T: 'static> Portable for T {}
 
 /// What a job and its owner share while it runs.
 pub struct Monitor {
@@ -57,10 +70,42 @@ pub struct Job<T> {
     result: Receiver<Result<T, String>>,
 }
 
-impl<T: Send + 'static> Job<T> {
+impl<T: Portable> Job<T> {
     /// Starts `work`.
     #[must_use]
-    pub fn start(wake: &Wake, work: impl FnOnce(&Monitor) -> T + Send + 'static) -> Self {
+    pub fn start(wake: &Wake, work: impl FnOnce(&Monitor) -> T + Portable) -> Self {
+        let (job, sender) = Self::begun(wake);
+        let monitor = Arc::clone(&job.monitor);
+        spawn(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(|| work(&monitor)));
+            hand_over(&sender, outcome, &monitor);
+        });
+        job
+    }
+
+    /// Starts the work of the future that `work` returns: natively on a thread of its own that drives it, on
+    /// the web between the window's frames.
+    #[must_use]
+    pub fn start_future<F: Future<Output = T> + 'static>(
+        wake: &Wake,
+        work: impl FnOnce(Arc<Monitor>) -> F + Portable,
+    ) -> Self {
+        let (job, sender) = Self::begun(wake);
+        let monitor = Arc::clone(&job.monitor);
+        #[cfg(not(target_arch = "wasm32"))]
+        spawn(move || {
+            let drive = || pollster::block_on(work(Arc::clone(&monitor)));
+            hand_over(&sender, catch_unwind(AssertUnwindSafe(drive)), &monitor);
+        });
+        #[cfg(target_arch = "wasm32")]
+        wasm_bindgen_futures::spawn_local(async move {
+            let outcome = work(Arc::clone(&monitor)).await;
+            hand_over(&sender, Ok(outcome), &monitor);
+        });
+        job
+    }
+
+    fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
         let monitor = Arc::new(Monitor {
             cancelled: AtomicBool::new(false),
             fraction_bits: AtomicU32::new(0),
@@ -68,15 +113,7 @@ impl<T: Send + 'static> Job<T> {
             wake: Arc::clone(wake),
         });
         let (sender, result) = channel();
-        let shared = Arc::clone(&monitor);
-        let body = move || {
-            let outcome = catch_unwind(AssertUnwindSafe(|| work(&shared)));
-            // An owner that is gone does not want the result.
-            let _ = sender.send(outcome.map_err(|panic| panic_sentence(&*panic)));
-            (shared.wake)();
-        };
-        spawn(body);
-        Self { monitor, result }
+        (Self { monitor, result }, sender)
     }
 
     /// Asks the job to stop; it ends soon after.
@@ -128,10 +165,20 @@ impl<T> Drop for Job<T> {
     }
 }
 
+fn hand_over<T>(
+    sender: &Sender<Result<T, String>>,
+    outcome: std::thread::Result<T>,
+    monitor: &Monitor,
+) {
+    // An owner that is gone does not want the result.
+    let _ = sender.send(outcome.map_err(|panic| panic_sentence(&*panic)));
+    (monitor.wake)();
+}
+
 const NO_THREAD: &str = "the system gave no thread to work in the background";
 
 #[cfg(not(target_arch = "wasm32"))]
-fn spawn(body: impl FnOnce() + Send + 'static) {
+fn spawn(body: impl FnOnce() + Portable) {
     // Without a thread the body is dropped, and the job reports it on the next poll.
     let _ = std::thread::Builder::new()
         .name("tilescope job".to_owned())
@@ -139,7 +186,7 @@ fn spawn(body: impl FnOnce() + Send + 'static) {
 }
 
 #[cfg(target_arch = "wasm32")]
-fn spawn(body: impl FnOnce() + Send + 'static) {
+fn spawn(body: impl FnOnce() + Portable) {
     body();
 }
 
@@ -170,6 +217,18 @@ mod tests {
         assert_eq!(job.wait(), Ok(42));
         assert!((job.fraction() - 0.5).abs() < f32::EPSILON);
         assert_eq!(job.activity(), "counting");
+    }
+
+    #[test]
+    fn a_future_is_driven_to_its_end_and_its_panic_becomes_a_sentence() {
+        let job = Job::start_future(&no_window(), |monitor| async move {
+            monitor.set_activity("waiting");
+            std::future::ready(7).await
+        });
+        assert_eq!(job.wait(), Ok(7));
+        assert_eq!(job.activity(), "waiting");
+        let job: Job<()> = Job::start_future(&no_window(), |_| async { panic!("out of time") });
+        assert!(job.wait().unwrap_err().contains("out of time"));
     }
 
     #[test]

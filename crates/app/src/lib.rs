@@ -8,6 +8,7 @@ mod app;
 pub mod camera;
 pub mod canvas;
 pub mod command;
+pub mod device;
 pub mod draft;
 pub mod export;
 pub mod jobs;

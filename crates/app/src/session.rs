@@ -2,11 +2,13 @@
 //! conflicts that elimination resolved. Immutable once built; it is built in the background.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use tilescope_core::{
     MAXIMAL_DENSITY, Observer, Parameters, Pattern, Progress, R, Run, SampleError, SampleGrid,
     Sequential, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
+use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
 use crate::canvas::index::SampleIndex;
 use crate::jobs::Monitor;
@@ -14,6 +16,9 @@ use crate::jobs::Monitor;
 /// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
 /// 105 bytes for each sample and ten times as long.
 pub const MOST_STAGED: f64 = 500_000.0;
+
+/// The first stage that a GPU runs of a run that is kept stage by stage.
+const FIRST_GPU_STAGE: Stage = Stage::Blocks;
 
 /// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
 fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
@@ -35,10 +40,25 @@ pub struct Session {
     pub conflicts: Vec<[u32; 2]>,
     /// Changes with every session, so that pictures made from an old one are not reused.
     pub generation: u64,
+    /// Who made it: "CPU", or "GPU" with the adapter's name.
+    pub engine: String,
+    /// What befell the GPU that was to make it, until somebody has been told.
+    pub failure: Option<Failure>,
+}
+
+/// A device that failed, so that the CPU had to make a session.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// The adapter's name.
+    pub name: String,
+    /// What befell it.
+    pub error: GpuError,
 }
 
 impl Session {
-    /// Samples with `parameters` and prepares the result.
+    /// Samples with `parameters` on the CPU and prepares the result.
+    ///
+    /// Fails as the engines of the core, and when the monitor's owner cancels.
     pub fn sample(
         parameters: &Parameters,
         generation: u64,
@@ -52,10 +72,48 @@ impl Session {
         } else {
             Sweep::run(parameters, &pattern, &mut observer)?
         };
-        observer.report(Stage::Finish, 0.5).map_or_else(
-            || Ok(Self::from_run(run, generation)),
-            |stage| Err(SampleError::Cancelled { stage }),
-        )
+        Self::prepared(run, generation, &mut observer)
+    }
+
+    /// Samples with `parameters` on `gpu` and prepares the result: with all its stages where the CPU would keep
+    /// them, too. If the device fails, the CPU makes the same session, which then knows of the failure.
+    ///
+    /// Fails as [`Self::sample`], never because of the device.
+    pub async fn sample_on(
+        gpu: Arc<Gpu>,
+        parameters: &Parameters,
+        generation: u64,
+        monitor: &Monitor,
+    ) -> Result<Self, SampleError> {
+        let name = gpu.report().name.clone();
+        let mut observer = Reporter { monitor };
+        let error = match run_on(gpu, parameters, &mut observer).await {
+            Ok(run) => {
+                let session = Self::prepared(run, generation, &mut observer)?;
+                return Ok(Self {
+                    engine: format!("GPU ({name})"),
+                    ..session
+                });
+            }
+            Err(GpuError::Sample(error)) => return Err(error),
+            Err(error) => error,
+        };
+        Ok(Self {
+            failure: Some(Failure { name, error }),
+            ..Self::sample(parameters, generation, monitor)?
+        })
+    }
+
+    /// Prepares a finished run, unless it is cancelled.
+    fn prepared(
+        run: Run,
+        generation: u64,
+        observer: &mut Reporter<'_>,
+    ) -> Result<Self, SampleError> {
+        match observer.report(Stage::Finish, 0.5) {
+            None => Ok(Self::from_run(run, generation)),
+            Some(stage) => Err(SampleError::Cancelled { stage }),
+        }
     }
 
     /// Returns whether every sample's fate was kept, so that every stage can be visited.
@@ -64,7 +122,7 @@ impl Session {
         self.run.counted.is_none()
     }
 
-    /// Prepares a finished run.
+    /// Prepares a finished run of the CPU.
     #[must_use]
     pub fn from_run(run: Run, generation: u64) -> Self {
         let index = SampleIndex::new(&run.domain, &run.samples.points);
@@ -78,6 +136,8 @@ impl Session {
             index,
             conflicts,
             generation,
+            engine: "CPU".to_owned(),
+            failure: None,
             run,
         }
     }
@@ -138,6 +198,26 @@ impl Session {
     pub fn exists(&self, id: u32, stage: Stage) -> bool {
         self.run.standing(id, stage) != Standing::Absent
     }
+}
+
+/// Runs `parameters` on a device: to the last stage with all of them kept, or for the result alone.
+async fn run_on(
+    gpu: Arc<Gpu>,
+    parameters: &Parameters,
+    observer: &mut Reporter<'_>,
+) -> Result<Run, GpuError> {
+    parameters.validate_sequential()?;
+    let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
+    if !keeps_everything(parameters)? {
+        return GpuSweep::run(gpu, parameters, &pattern, observer).await;
+    }
+    let mut stepper = Stepper::new(gpu, parameters, &pattern, FIRST_GPU_STAGE).await?;
+    while let Some(stage) = stepper.step().await? {
+        if let Some(stage) = observer.report(stage, 1.0) {
+            return Err(SampleError::Cancelled { stage }.into());
+        }
+    }
+    stepper.run().await
 }
 
 /// Returns lattice units in r.

@@ -10,6 +10,7 @@ use tilescope_core::{SampleError, Stage};
 use crate::camera::{Camera, Flight};
 use crate::canvas::layers::{Colouring, Layers};
 use crate::command::{Command, Witness};
+use crate::device::{Device, Engine};
 use crate::draft::{Draft, sentence};
 use crate::export::ExportForm;
 use crate::jobs::{Job, Wake};
@@ -44,6 +45,10 @@ pub struct Notice {
 pub struct State {
     /// The parameters as typed.
     pub draft: Draft,
+    /// Who samples.
+    pub engine: Engine,
+    /// What is known of the GPU.
+    pub device: Device,
     /// What is being looked at; stays until the next one is ready.
     pub session: Option<Arc<Session>>,
     /// The run at work.
@@ -87,6 +92,8 @@ pub struct State {
     /// While the pattern, which has a domain of its own, is shown: the camera to return to, and
     /// whether it was fitted.
     before_pattern: Option<(Camera, bool)>,
+    /// Part of the name of the adapter to open; the fastest, if not given.
+    adapter: Option<String>,
     generation: u64,
     wake: Wake,
 }
@@ -97,6 +104,8 @@ impl State {
     pub fn new(wake: Wake) -> Self {
         let mut state = Self {
             draft: Draft::default(),
+            engine: Engine::default(),
+            device: Device::default(),
             session: None,
             sampling: None,
             verification: Verification::Nothing,
@@ -119,6 +128,7 @@ impl State {
             browsing: None,
             fitted: true,
             before_pattern: None,
+            adapter: None,
             generation: 0,
             wake,
         };
@@ -144,8 +154,12 @@ impl State {
     /// Returns why the draft cannot be run now, or `None` if it can.
     #[must_use]
     pub fn run_refusal(&self) -> Option<String> {
-        let refusal = self.draft.refusals().into_iter().next()?;
-        Some(refusal.reason)
+        let refusal = self.draft.refusals().into_iter().next();
+        let waiting = || match self.device {
+            Device::Testing(_) if self.engine == Engine::Gpu => self.device.said(),
+            _ => None,
+        };
+        refusal.map(|refusal| refusal.reason).or_else(waiting)
     }
 
     /// Carries out a command: the only way in which the state changes for a user.
@@ -159,6 +173,8 @@ impl State {
             Command::Type(field, text) => self.draft.set_text(field, text),
             Command::Choose(choice) => self.draft.choose(choice),
             Command::ResetParameters => self.draft = Draft::default(),
+            Command::Engine(engine) => self.choose_engine(engine),
+            Command::NameAdapter(name) => self.name_adapter(name),
             Command::Run => self.run(),
             Command::Cancel => {
                 if let Some(job) = &self.sampling {
@@ -359,16 +375,12 @@ impl State {
     }
 
     fn run(&mut self) {
-        if !self.draft.refusals().is_empty() {
+        if self.run_refusal().is_some() {
             return;
         }
-        let parameters = self.draft.parameters;
         self.generation += 1;
-        let generation = self.generation;
         self.notice = None;
-        self.sampling = Some(Job::start(&self.wake, move |monitor| {
-            Session::sample(&parameters, generation, monitor)
-        }));
+        self.start_sampling(self.generation);
     }
 
     /// Goes on by `dt_secs`: takes what jobs have finished, moves the camera, plays. Returns whether
@@ -398,6 +410,11 @@ impl State {
     }
 
     fn poll(&mut self) {
+        if let Device::Testing(job) = &self.device
+            && let Some(outcome) = job.poll()
+        {
+            self.finish_test(outcome);
+        }
         if let Some(outcome) = self.sampling.as_ref().and_then(Job::poll) {
             self.finish_sampling(outcome);
         }
@@ -413,7 +430,7 @@ impl State {
     fn finish_sampling(&mut self, outcome: Result<Result<Session, SampleError>, String>) {
         self.sampling = None;
         match outcome {
-            Ok(Ok(session)) => self.show(session),
+            Ok(Ok(session)) => self.show_made(session),
             Ok(Err(SampleError::Cancelled { stage })) => {
                 let kept = if self.session.is_some() {
                     " The session before it is still here."
@@ -530,6 +547,7 @@ impl State {
     /// calls [`Self::advance`] with every frame.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
+        self.settle_device();
         if let Some(job) = self.sampling.take() {
             let outcome = job.wait();
             self.finish_sampling(outcome);
@@ -545,5 +563,6 @@ impl State {
     }
 }
 
+mod engine;
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::layers::Layer;
 use tilescope_app::command::{Choice, Field};
+use tilescope_app::device::Engine;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
 
@@ -223,4 +224,50 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
     harness.drop_at(at + egui::vec2(50.0, 0.0));
     harness.run();
     assert!(harness.state().state.camera.center[0] < center[0]);
+}
+
+#[test]
+fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
+    let mut harness = opened();
+    harness.get_by_label("engine: CPU");
+    let missing = Command::NameAdapter(Some("no such adapter".to_owned()));
+    harness.state_mut().state.apply(missing);
+    harness
+        .get_by_role_and_label(Role::ComboBox, "Engine")
+        .click();
+    harness.run();
+    harness.get_by_label("auto (CPU)");
+    harness.get_by_label("GPU").click();
+    harness.step();
+    harness.step();
+    settle(&mut harness);
+    harness.get_by_label_contains("The GPU cannot serve.");
+    assert_eq!(harness.state().state.engine, Engine::Auto);
+    harness.get_by_label("Dismiss").click();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::ComboBox, "Engine")
+        .click();
+    harness.run();
+    let entry = harness.get_by_label("GPU");
+    assert!(entry.accesskit_node().is_disabled());
+    assert!(!harness.get_by_label("Run").accesskit_node().is_disabled());
+}
+
+#[test]
+fn the_gpu_shows_its_name_and_its_verdict() {
+    let mut harness = opened();
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Engine(Engine::Gpu));
+    harness.step();
+    assert!(harness.get_by_label("Run").accesskit_node().is_disabled());
+    settle(&mut harness);
+    harness.get_by_label_contains("self-test passed");
+    harness.get_by_label("Run").click();
+    harness.step();
+    settle(&mut harness);
+    harness.get_by_label_contains("engine: GPU (");
+    harness.get_by_label("Verdict: verified");
 }

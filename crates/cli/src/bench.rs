@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tilescope_analysis::Report;
@@ -15,48 +15,64 @@ use tilescope_core::{
     radius_estimate, reference_sample,
 };
 
+use crate::engine::AdapterArguments;
 use crate::options::region;
 use crate::progress::Bar;
-use crate::{interrupt, make, output, verdict_code, window};
+use crate::{bench_gpu, interrupt, make, output, verdict_code, window};
 
 /// Arguments of `tilescope bench`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]
 pub struct BenchArguments {
+    /// What is measured: the CPU's engines against the reference sampler, or a GPU against all threads
+    #[arg(long, value_enum, default_value = "cpu")]
+    engine: Measured,
+    #[command(flatten)]
+    pub adapter: AdapterArguments,
     /// Samples of each set, about
     #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    samples: u64,
+    pub samples: u64,
     /// Leaf sizes of KDRT, in radii
     #[arg(long, value_name = "LEAF", num_args = 1.., default_values_t = [20.0, 40.0, 80.0])]
-    leaf: Vec<f64>,
+    pub leaf: Vec<f64>,
     /// Numbers of threads of the parallel engine; one and as many as there are cores, if not given
     #[arg(long, value_name = "N", num_args = 1..)]
-    threads: Vec<usize>,
+    pub threads: Vec<usize>,
     /// Measure the sequential engine, too
     #[arg(long)]
-    sequential: bool,
+    pub sequential: bool,
     /// Rounds; in each, every method runs once, and the median round is shown
     #[arg(long, value_name = "K", default_value_t = 5)]
-    rounds: usize,
+    pub rounds: usize,
     /// Seed of the first round; each round has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
     /// Samples of the plane of which windows of 10,000 samples are taken
     #[arg(long, value_name = "N", default_value_t = 1_000_000_000)]
     plane: u64,
     /// Print one JSON object
     #[arg(long)]
-    json: bool,
+    pub json: bool,
+}
+
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Measured {
+    /// The engines of the CPU
+    Cpu,
+    /// A GPU
+    Gpu,
 }
 
 const EXAMPLES: &str = "\
 A rate is that of making the whole set in memory, on the lattice and in canonical order, with the
 pattern ready-made. The ratio is to the reference sampler in the same round, and the median over the
-rounds; so is the ratio of threads, to one thread.
+rounds; so is the ratio of threads, to one thread. With --engine gpu it is to all threads.
 
 Examples:
   tilescope bench --samples 1000000 --leaf 20 40 80
-  tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential";
+  tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential
+  tilescope bench --engine gpu --samples 100000000 --leaf 40";
 
 /// Samples of a window.
 const WINDOW_SAMPLES: f64 = 10_000.0;
@@ -100,6 +116,13 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         "--rounds is {}; it must be between 1 and 1000",
         arguments.rounds
     );
+    if arguments.engine == Measured::Gpu {
+        return bench_gpu::run(arguments);
+    }
+    ensure!(
+        arguments.adapter.gpu_adapter.is_none(),
+        "--gpu-adapter needs --engine gpu"
+    );
     let base = parameters(arguments, arguments.samples)?;
     let domain = base.validate_sequential()?;
     for &leaf in &arguments.leaf {
@@ -129,7 +152,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     Ok(verdict_code(valid))
 }
 
-fn parameters(arguments: &BenchArguments, samples: u64) -> Result<Parameters> {
+pub fn parameters(arguments: &BenchArguments, samples: u64) -> Result<Parameters> {
     let base = Parameters {
         leaf: 40.0,
         seed: arguments.seed,
@@ -228,7 +251,7 @@ fn measure(
     Ok(rows)
 }
 
-fn stop_on_interrupt(_: tilescope_core::Progress) -> std::ops::ControlFlow<()> {
+pub fn stop_on_interrupt(_: tilescope_core::Progress) -> std::ops::ControlFlow<()> {
     interrupt::flow()
 }
 
@@ -237,7 +260,7 @@ fn sequential(parameters: &Parameters, pattern: &Arc<Pattern>) -> Result<Vec<Poi
     Ok(engine.finish(&mut stop_on_interrupt)?.points())
 }
 
-fn parallel(parameters: &Parameters, pattern: &Pattern) -> Result<Vec<Point>, SampleError> {
+pub fn parallel(parameters: &Parameters, pattern: &Pattern) -> Result<Vec<Point>, SampleError> {
     let sweep = Sweep::new(parameters, pattern, false)?;
     Ok(sweep.finish(&mut stop_on_interrupt)?.0.points)
 }
@@ -272,7 +295,7 @@ fn measure_windows(
     Ok(windows)
 }
 
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_unstable_by(f64::total_cmp);
     values[values.len() / 2]
@@ -383,7 +406,7 @@ fn to_text(
     out
 }
 
-const fn yes(is: bool) -> &'static str {
+pub const fn yes(is: bool) -> &'static str {
     if is { "yes" } else { "NO" }
 }
 

@@ -1,11 +1,14 @@
 //! The command line of Tilescope: commands and their arguments, progress bars, exit codes.
 //! It joins the crates below and computes nothing itself; the window is another crate's.
 
+mod bands;
 mod bench;
+mod bench_gpu;
 mod completions;
 mod convert;
 mod draw;
 mod engine;
+mod gpu;
 mod headless;
 mod interrupt;
 mod make;
@@ -55,12 +58,14 @@ pub enum Command {
     Convert(convert::ConvertArguments),
     /// Draw a point set as PNG or SVG
     Draw(draw::DrawArguments),
-    /// Measure KDRT against the reference sampler
+    /// Measure KDRT against the reference sampler, or a GPU against the threads
     Bench(bench::BenchArguments),
     /// Sample at random parameters, with both engines, and verify everything
     Soak(soak::SoakArguments),
     /// Run the default session without a window and save pictures of its stages
     Headless(headless::HeadlessArguments),
+    /// List the GPU adapters and test each: small sets, compared with the CPU's
+    Gpu(gpu::GpuArguments),
     /// Print a shell's completion script
     Completions(completions::CompletionsArguments),
 }
@@ -74,6 +79,7 @@ Examples:
   tilescope convert set.csv set.npy
   tilescope draw set.csv set.svg
   tilescope bench --samples 1000000 --leaf 20 40 80
+  tilescope gpu                                        which adapters there are, tested
 
 Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
 
@@ -88,6 +94,7 @@ pub fn run(command: &Command) -> ExitCode {
         Command::Bench(arguments) => bench::run(arguments),
         Command::Soak(arguments) => soak::run(arguments),
         Command::Headless(arguments) => headless::run(arguments),
+        Command::Gpu(arguments) => gpu::run(arguments),
         Command::Completions(arguments) => {
             completions::run(arguments, &mut Arguments::command());
             Ok(EXIT_FINE)

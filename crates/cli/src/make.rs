@@ -1,4 +1,4 @@
-//! Sets made in memory, by either method and either engine, as the output and the exports want them.
+//! Sets made in memory, by either method and any engine, as the output and the exports want them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,6 +14,8 @@ use tilescope_core::{
 };
 use tilescope_formats::{ExportContext, PointSet, Provenance, bytes_digest};
 
+use crate::bands::Bands;
+use crate::engine::{Chosen, Engine, Told};
 use crate::options::region;
 use crate::parameters::RunArguments;
 use crate::progress::{Stopwatch, verifying};
@@ -21,6 +23,8 @@ use crate::progress::{Stopwatch, verifying};
 /// What is to be told of a set, apart from its points.
 pub struct Facts {
     pub method: &'static str,
+    /// Who computed it, where there is a choice.
+    pub engine: Option<Told>,
     pub parameters: BTreeMap<String, Value>,
     pub region: Region,
     pub radius: f64,
@@ -47,6 +51,7 @@ impl Facts {
         }
         Ok(Self {
             method: "kdrt",
+            engine: None,
             parameters: stated,
             region: region(domain),
             radius: domain.radius(),
@@ -66,8 +71,15 @@ impl Facts {
     }
 }
 
-/// Makes a set with the sequential engine.
-pub fn sequential(arguments: &RunArguments) -> Result<Made> {
+/// Makes a set with the engine that was chosen.
+pub fn with(chosen: &Chosen, arguments: &RunArguments) -> Result<Made> {
+    match chosen.engine {
+        Engine::Sequential => sequential(arguments, chosen.told()),
+        Engine::Gpu(_) | Engine::Parallel => banded(arguments, chosen),
+    }
+}
+
+fn sequential(arguments: &RunArguments, told: Told) -> Result<Made> {
     let mut watch = Stopwatch::start();
     let parameters = arguments.parameters();
     if arguments.count.is_none() {
@@ -79,6 +91,7 @@ pub fn sequential(arguments: &RunArguments) -> Result<Made> {
         None => Sequential::new(&parameters, Arc::clone(&pattern))?.finish(&mut watch)?,
     };
     let mut facts = Facts::of_run(&run.parameters, &run.domain, Some(arguments))?;
+    facts.engine = Some(told);
     facts.seconds = watch.take();
     Ok(from_run(&run, facts))
 }
@@ -104,14 +117,16 @@ pub fn from_run(run: &Run, facts: Facts) -> Made {
     }
 }
 
-/// Makes a set with the parallel engine.
-pub fn parallel(arguments: &RunArguments) -> Result<Made> {
+/// Makes a set from bands.
+fn banded(arguments: &RunArguments, chosen: &Chosen) -> Result<Made> {
     let mut watch = Stopwatch::start();
     let pattern = arguments.pattern(&mut watch)?;
     let parameters = with_radius(arguments, &pattern, &mut watch)?;
     let domain = parameters.validate_sequential()?;
-    let (sampled, summary) = Sweep::new(&parameters, &pattern, true)?.finish(&mut watch)?;
+    let bands = Bands::new(&parameters, &pattern, true, chosen)?;
+    let (sampled, summary, told) = bands.finish(&mut watch)?;
     let mut facts = Facts::of_run(&parameters, &domain, Some(arguments))?;
+    facts.engine = Some(told);
     facts.seconds = watch.take();
     facts.summary = Some(summary);
     Ok(Made {
@@ -209,7 +224,8 @@ fn search(
     })
 }
 
-/// Returns how many samples a set has.
+/// Returns how many samples a set has. The threads count, whoever makes the set: a search is mostly of sets too
+/// small for a GPU.
 fn count_of(
     parameters: &Parameters,
     pattern: &Pattern,
@@ -235,6 +251,7 @@ pub fn reference(arguments: &RunArguments) -> Result<Made> {
     Ok(Made {
         facts: Facts {
             method: "reference",
+            engine: None,
             parameters: stated,
             region: region(&domain),
             radius: domain.radius(),

@@ -58,6 +58,10 @@ pub fn json(outcome: &Outcome<'_>) -> Value {
                 ("verified".to_owned(), json!(false)),
             ]),
         }
+        if let Some(told) = &facts.engine {
+            map.insert("engine".into(), json!(told.engine));
+            map.insert("engine_reason".into(), json!(told.reason));
+        }
         if let Some(s) = &facts.summary {
             map.insert("blocks".into(), json!(s.blocks));
             map.insert("tiled".into(), json!(s.tiled));
@@ -111,6 +115,9 @@ pub fn text(outcome: &Outcome<'_>) -> String {
         region_text(&facts.region),
         facts.radius
     );
+    if let Some(told) = &facts.engine {
+        let _ = writeln!(out, "engine         {}: {}", told.engine, told.reason);
+    }
     out.push('\n');
     out.push_str(&stage_table(facts.summary.as_ref(), &facts.seconds));
     out.push('\n');

@@ -6,10 +6,10 @@ use std::time::Duration;
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::Report;
-use tilescope_core::MAXIMAL_DENSITY;
+use tilescope_core::{MAXIMAL_DENSITY, radius_estimate};
 use tilescope_formats::{ExportContext, Exported, Format, Precision};
 
-use crate::engine::EngineArguments;
+use crate::engine::{Chosen, EngineArguments};
 use crate::make::{self, Made};
 use crate::output::{self, Outcome};
 use crate::parameters::RunArguments;
@@ -69,6 +69,7 @@ Examples:
   tilescope sample --count 100000 --seed 7 --out set.npy
   tilescope sample --radius 0.02 --width 2 --boundary bounded --insertion uniform --out set.csv
   tilescope sample --count 100000000 --leaf 40 --out huge.npy
+  tilescope sample --count 100000000 --engine gpu --out huge.npy
   tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
   tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
   tilescope sample --count 5000 --method reference --json";
@@ -97,16 +98,17 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
     }
-    if arguments.streams()? {
-        return stream(arguments);
-    }
-    let parameters = arguments.run.parameters();
-    let made = match arguments.method {
-        Method::Reference => make::reference(&arguments.run)?,
-        Method::Kdrt if arguments.engine.is_parallel(&parameters) => {
-            make::parallel(&arguments.run)?
+    let expected = arguments.expected()?;
+    let streams = arguments.streams(expected)?;
+    let made = if arguments.method == Method::Reference {
+        make::reference(&arguments.run)?
+    } else {
+        let parameters = arguments.run.parameters();
+        let chosen = arguments.engine.choose(&parameters, expected)?;
+        if streams {
+            return stream(arguments, &chosen);
         }
-        Method::Kdrt => make::sequential(&arguments.run)?,
+        make::with(&chosen, &arguments.run)?
     };
     let facts = &made.facts;
     let (report, certificate, warnings) = match &arguments.out {
@@ -132,7 +134,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
 }
 
 /// Makes and saves a set without ever holding it.
-fn stream(arguments: &SampleArguments) -> Result<u8> {
+fn stream(arguments: &SampleArguments, chosen: &Chosen) -> Result<u8> {
     let target = stream::Target {
         out: arguments.out.as_deref(),
         complete: &|context| arguments.complete(context),
@@ -140,10 +142,11 @@ fn stream(arguments: &SampleArguments) -> Result<u8> {
         resume: arguments.resume,
         checkpoint: Duration::from_secs(arguments.checkpoint),
     };
-    let passed = stream::pass(&arguments.run, &target).map_err(|error| match &arguments.out {
-        Some(path) => error.context(path.display().to_string()),
-        None => error,
-    })?;
+    let passed =
+        stream::pass(&arguments.run, chosen, &target).map_err(|error| match &arguments.out {
+            Some(path) => error.context(path.display().to_string()),
+            None => error,
+        })?;
     let outcome = Outcome {
         facts: &passed.facts,
         count: passed.facts.summary.as_ref().map_or(0, |s| s.count as u64),
@@ -175,17 +178,29 @@ impl SampleArguments {
         self.format.or_else(named)
     }
 
-    /// Returns whether the set is to be made band by band: when it is large, and when what was asked
+    /// Returns about how many samples the set will have.
+    fn expected(&self) -> Result<f64> {
+        Ok(match self.run.count {
+            Some(count) => {
+                // No device is opened for a count that cannot be.
+                radius_estimate(&self.run.parameters(), count)?;
+                count as f64
+            }
+            None => self.run.parameters().validate()?.area_radii() * MAXIMAL_DENSITY,
+        })
+    }
+
+    /// Returns whether the set is to be passed on band by band: when it is large, and when what was asked
     /// for exists only there.
-    fn streams(&self) -> Result<bool> {
+    fn streams(&self, expected: f64) -> Result<bool> {
         let asked = self.resume || self.no_verify;
         let parameters = self.run.parameters();
-        let engine = self.method == Method::Kdrt && self.engine.is_parallel(&parameters);
+        let engine = self.method == Method::Kdrt && self.engine.makes_bands(&parameters);
         let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
         if asked {
             ensure!(
                 engine,
-                "--resume and --no-verify need the parallel engine, which makes sets band by band"
+                "--resume and --no-verify need the parallel engine or a GPU, which make sets band by band"
             );
             ensure!(
                 format,
@@ -198,10 +213,6 @@ impl SampleArguments {
                     .join(", ")
             );
         }
-        let expected = match self.run.count {
-            Some(count) => count as f64,
-            None => parameters.validate()?.area_radii() * MAXIMAL_DENSITY,
-        };
         Ok(asked || engine && format && expected > LARGE)
     }
 

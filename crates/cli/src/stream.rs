@@ -8,12 +8,14 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::{Report, StreamVerifier, VerifyOptions};
-use tilescope_core::{Domain, Sampled, Sweep, SweepState};
+use tilescope_core::{Domain, Sampled, SweepState};
 use tilescope_formats::{
     ExportContext, Exported, Format, Provenance, StreamExport, StreamOptions, Streamed, Warning,
     checkpoint_token, resume_path,
 };
 
+use crate::bands::Bands;
+use crate::engine::Chosen;
 use crate::interrupt;
 use crate::make::{self, Facts};
 use crate::parameters::RunArguments;
@@ -81,8 +83,8 @@ fn verified(streamed: &Streamed) -> Option<&Exported> {
     streamed.verified.as_ref()
 }
 
-/// Makes a set with the parallel engine and hands it on as it comes.
-pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
+/// Makes a set with an engine that makes bands, and hands it on as it comes.
+pub fn pass(arguments: &RunArguments, chosen: &Chosen, target: &Target<'_>) -> Result<Passed> {
     let mut watch = Stopwatch::start();
     let pattern = arguments.pattern(&mut watch)?;
     let parameters = make::with_radius(arguments, &pattern, &mut watch)?;
@@ -96,18 +98,19 @@ pub fn pass(arguments: &RunArguments, target: &Target<'_>) -> Result<Passed> {
     };
     let sink = Sink::open(target, &context)?;
     let sources = target.out.is_some() && context.format.is_some_and(Format::carries_provenance);
-    let mut sweep = Sweep::new(&parameters, &pattern, sources)?;
+    let mut bands = Bands::new(&parameters, &pattern, sources, chosen)?;
     if let Some(state) = &state {
-        sweep.restore(state);
+        bands.restore(state);
     }
     let parameters = serde_json::to_value(&facts.parameters)?;
     let verify = target.verify;
     let token =
         |state: &SweepState| json!({ "parameters": parameters, "verify": verify, "state": state });
-    let end = sweep_into(&mut sweep, sink, (&domain, &token), &mut watch)
+    let end = pass_into(&mut bands, sink, (&domain, &token), &mut watch)
         .map_err(|error| with_hint(error, target.out))?;
     facts.seconds = watch.take();
-    facts.summary = Some(sweep.summary());
+    facts.engine = Some(bands.told());
+    facts.summary = Some(bands.summary());
     Ok(Passed { facts, end })
 }
 
@@ -152,9 +155,9 @@ fn state_of(path: &Path, facts: &Facts, verify: bool) -> Result<SweepState> {
 /// What a checkpoint must know of a run that was there.
 type Token<'a> = dyn Fn(&SweepState) -> Value + Sync + 'a;
 
-/// Computes on this thread (and the pool's) while another one writes and verifies.
-fn sweep_into(
-    sweep: &mut Sweep,
+/// Computes on this thread (and the pool's, or a device) while another one writes and verifies.
+fn pass_into(
+    bands: &mut Bands,
     sink: Sink,
     (domain, token): (&Domain, &Token<'_>),
     watch: &mut Stopwatch,
@@ -163,8 +166,8 @@ fn sweep_into(
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || sink.take_all(domain, token, &receiver));
         let computed = loop {
-            let word = match sweep.step(watch) {
-                Ok(Some(sampled)) => Word::Band(sampled, sweep.state()),
+            let word = match bands.step(watch) {
+                Ok(Some(sampled)) => Word::Band(sampled, bands.state()),
                 Ok(None) => Word::End,
                 // Without a last word the writer finishes nothing.
                 Err(error) => break Err(error),
@@ -179,8 +182,8 @@ fn sweep_into(
         let written = writer.join().map_err(|_| anyhow!("the writer failed"))?;
         // A run that was stopped leaves the writer nothing to say but that.
         match (computed, written) {
-            (Err(error), Ok(_)) => Err(error.into()),
-            (Err(error), Err(why)) if why.is::<CutShort>() => Err(error.into()),
+            (Err(error), Ok(_)) => Err(error),
+            (Err(error), Err(why)) if why.is::<CutShort>() => Err(error),
             (_, written) => written,
         }
     })

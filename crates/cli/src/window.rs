@@ -108,8 +108,8 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
 fn plane(arguments: &SampleArguments) -> Result<(BTreeMap<String, Value>, Plane)> {
     ensure!(
         arguments.method == Method::Kdrt
-            && arguments.engine.is_parallel(&arguments.run.parameters()),
-        "--window needs the parallel engine: the others make whole sets"
+            && arguments.engine.makes_windows(&arguments.run.parameters()),
+        "--window needs the parallel engine: the others, the GPU's too, make whole sets"
     );
     let mut watch = Stopwatch::start();
     let pattern = arguments.run.pattern(&mut watch)?;

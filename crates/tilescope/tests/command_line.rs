@@ -505,7 +505,7 @@ fn help_has_examples_and_completions_are_printed() {
         .assert()
         .success()
         .stdout(contains("Examples:"));
-    for command in ["sample", "verify", "convert", "draw", "bench"] {
+    for command in ["sample", "verify", "convert", "draw", "bench", "gpu"] {
         tilescope(&folder)
             .args([command, "--help"])
             .assert()

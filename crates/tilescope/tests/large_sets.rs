@@ -1,15 +1,16 @@
 //! Engines, windows and sets written as they come, end to end: the real binary, real files, real
 //! interruptions.
 
+#[path = "support/runs.rs"]
+mod runs;
 mod support;
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Child, Command as Process, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Child, Command as Process};
 
 use predicates::prelude::*;
 use predicates::str::contains;
+use runs::{json, partial, read};
 use serde_json::Value;
 use support::{names, tilescope};
 use tempfile::{TempDir, tempdir};
@@ -18,18 +19,6 @@ use tempfile::{TempDir, tempdir};
 const LARGE: [&str; 7] = [
     "sample", "--count", "1300000", "--leaf", "40", "--seed", "5",
 ];
-
-fn json(folder: &TempDir, arguments: &[&str]) -> Value {
-    let mut command = tilescope(folder);
-    let output = command.args(arguments).arg("--json").output().unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {errors}");
-    serde_json::from_slice(&output.stdout).expect("one JSON object")
-}
-
-fn read(folder: &TempDir, name: &str) -> Vec<u8> {
-    fs::read(folder.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
-}
 
 #[test]
 fn engines_write_the_same_bytes() {
@@ -140,31 +129,13 @@ fn without_verification_there_is_no_certificate_and_the_file_is_the_same() {
     );
 }
 
-/// Starts a run that makes checkpoints as often as it can, and waits for the first.
+/// Starts a large run and waits for its first checkpoint.
 fn started(folder: &TempDir, name: &str) -> Child {
-    let binary = assert_cmd::cargo::cargo_bin("tilescope");
-    let mut child = Process::new(binary)
-        .current_dir(folder.path())
-        .env("TILESCOPE_CACHE", "")
-        .args(LARGE)
-        .args(["--threads", "1", "--checkpoint", "0", "--out", name])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let checkpoint = folder.path().join(format!("{name}.resume.json"));
-    let began = Instant::now();
-    while !checkpoint.exists() {
-        assert!(
-            child.try_wait().unwrap().is_none(),
-            "it ended before a checkpoint"
-        );
-        assert!(
-            began.elapsed() < Duration::from_mins(2),
-            "no checkpoint came"
-        );
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    let mut child = runs::started(folder, &LARGE, name);
+    assert!(
+        child.try_wait().unwrap().is_none(),
+        "it ended before a checkpoint"
+    );
     child
 }
 
@@ -174,10 +145,6 @@ fn signal(child: &Child, name: &str) {
         .args([format!("-{name}"), child.id().to_string()])
         .status();
     assert!(status.unwrap().success());
-}
-
-fn partial(folder: &TempDir, name: &str) -> PathBuf {
-    folder.path().join(format!("{name}.partial"))
 }
 
 #[test]

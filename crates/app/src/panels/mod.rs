@@ -1,5 +1,6 @@
 //! The panels around the canvas. Each reads the state and pushes commands; none changes anything.
 
+mod engine;
 mod export;
 mod inspector;
 mod layers;

@@ -3,7 +3,7 @@
 use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 
-use super::divide;
+use super::{divide, engine};
 use crate::command::{Choice, Command, Field};
 use crate::draft::{Refusal, sentence};
 use crate::sentence::grouped;
@@ -14,7 +14,7 @@ use crate::widgets::{heading, primary_button};
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 100.0;
 /// How wide a field is with its frame.
-const FIELD_WIDTH: f32 = 132.0;
+pub(super) const FIELD_WIDTH: f32 = 132.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -67,6 +67,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         commands.push(Command::Choose(Choice::Dihedral(chosen)));
     }
     algorithm(ui, state, commands);
+    engine::show(ui, state, commands);
     for refusal in refusals.iter().filter(|r| r.field.is_none()) {
         trouble(ui, &refusal.reason, palette);
     }
@@ -131,7 +132,13 @@ fn expected(ui: &mut Ui, state: &State, palette: &Palette) {
     });
 }
 
-fn labelled(ui: &mut Ui, name: &str, palette: &Palette, add: impl FnOnce(&mut Ui, egui::Id)) {
+/// A line with a name before what `add` shows, which receives the name's id.
+pub(super) fn labelled(
+    ui: &mut Ui,
+    name: &str,
+    palette: &Palette,
+    add: impl FnOnce(&mut Ui, egui::Id),
+) {
     ui.horizontal(|ui| {
         let start = ui.cursor().left();
         let label = ui.label(RichText::new(name).color(palette.muted));

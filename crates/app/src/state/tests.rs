@@ -203,3 +203,118 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
         }
     }
 }
+
+/// Chooses the GPU, which must be there, if only as the software adapter llvmpipe.
+fn on_the_gpu() -> State {
+    let mut state = settled();
+    state.apply(Command::Engine(Engine::Gpu));
+    state.settle();
+    assert!(
+        state.device.ready().is_some(),
+        "a GPU adapter is needed (Debian and Ubuntu: apt-get install mesa-vulkan-drivers): {:?}",
+        state.device.said()
+    );
+    state
+}
+
+#[test]
+fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
+    let mut state = on_the_gpu();
+    assert_eq!(state.engine, Engine::Gpu);
+    let said = state.device.said().unwrap();
+    assert!(said.contains("self-test passed"), "{said}");
+    let before = state.session.clone().unwrap();
+    assert_eq!(before.engine, "CPU");
+    state.apply(Command::Run);
+    state.settle();
+    let session = state.session.as_ref().unwrap();
+    let name = state.device.name().unwrap();
+    assert_eq!(session.engine, format!("GPU ({name})"));
+    assert_eq!(state.notice, None);
+    assert_eq!(session.stages, before.stages);
+    assert_eq!(session.summary, before.summary);
+    assert_eq!(session.conflicts, before.conflicts);
+    let (mine, theirs) = (&session.run, &before.run);
+    assert_eq!(mine.points(), theirs.points());
+    assert_eq!(mine.samples, theirs.samples);
+    assert_eq!(mine.iterations, theirs.iterations);
+}
+
+#[test]
+fn a_large_session_on_the_gpu_keeps_the_result_alone() {
+    let mut state = on_the_gpu();
+    type_in(&mut state, Field::Radius, "0.0011");
+    state.apply(Command::Run);
+    state.settle();
+    let session = state.session.clone().unwrap();
+    assert!(!session.has_stages() && session.engine.starts_with("GPU"));
+    assert!(state.verdict().unwrap().report.valid());
+    state.apply(Command::Engine(Engine::Cpu));
+    state.apply(Command::Run);
+    state.settle();
+    let of_cpu = state.session.as_ref().unwrap();
+    assert_eq!(of_cpu.engine, "CPU");
+    assert_eq!(of_cpu.run.samples, session.run.samples);
+    assert_eq!(of_cpu.summary, session.summary);
+}
+
+#[test]
+fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
+    let mut state = settled();
+    state.apply(Command::NameAdapter(Some("no such adapter".to_owned())));
+    state.apply(Command::Engine(Engine::Gpu));
+    assert!(state.run_refusal().unwrap().contains("tested"));
+    state.settle();
+    assert_eq!(state.engine, Engine::Auto);
+    let notice = state.notice.clone().unwrap();
+    assert!(
+        notice.is_error && notice.text.contains("o GPU adapter"),
+        "{}",
+        notice.text
+    );
+    state.apply(Command::Engine(Engine::Gpu));
+    assert_eq!(state.engine, Engine::Auto);
+    assert_eq!(state.run_refusal(), None);
+    state.apply(Command::Run);
+    state.settle();
+    assert_eq!(state.session.as_ref().unwrap().engine, "CPU");
+    // Another name may be asked for.
+    state.apply(Command::NameAdapter(None));
+    assert_eq!(state.device.refusal(), None);
+}
+
+#[test]
+fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
+    let mut state = settled();
+    state.engine = Engine::Gpu;
+    let monitor = crate::jobs::Job::start(&state.wake, |monitor| {
+        Session::sample(&tilescope_core::Parameters::default(), 2, monitor)
+    });
+    let session = monitor.wait().unwrap().unwrap();
+    state.show_made(Session {
+        failure: Some(crate::session::Failure {
+            name: "Some GPU".to_owned(),
+            error: tilescope_gpu::GpuError::DeviceLost {
+                reason: "the driver was reset".to_owned(),
+            },
+        }),
+        ..session
+    });
+    state.settle();
+    let notice = state.notice.clone().unwrap();
+    assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));
+    assert!(notice.text.contains("CPU"));
+    assert_eq!(state.engine, Engine::Auto);
+    assert!(state.verdict().unwrap().report.valid());
+}
+
+#[test]
+fn the_variant_as_printed_is_made_by_the_cpu_whoever_is_chosen() {
+    let mut state = on_the_gpu();
+    state.apply(Command::Choose(Choice::Variant(
+        tilescope_core::Variant::AsPrinted,
+    )));
+    state.apply(Command::Run);
+    state.settle();
+    assert_eq!(state.session.as_ref().unwrap().engine, "CPU");
+}

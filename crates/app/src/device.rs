@@ -1,0 +1,149 @@
+//! The GPU as the window knows it: who is to sample, whether the device was opened and passed its test, and
+//! what a failure means for the next run. What is tested and computed is `tilescope_gpu`'s business.
+
+use std::sync::Arc;
+
+use tilescope_gpu::{Choice, Gpu, GpuError, SelfTest, self_test};
+
+use crate::draft::sentence;
+use crate::jobs::Job;
+
+/// Who makes sessions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// Whoever is best at hand: the CPU.
+    #[default]
+    Auto,
+    /// The CPU.
+    Cpu,
+    /// The GPU.
+    Gpu,
+}
+
+/// A device that was opened, and its test.
+pub struct Tried {
+    /// The device.
+    pub gpu: Arc<Gpu>,
+    /// What its test found.
+    pub test: SelfTest,
+}
+
+/// What is known of the GPU.
+#[derive(Default)]
+pub enum Device {
+    /// Nobody has asked for it.
+    #[default]
+    Unknown,
+    /// It is being opened and tested.
+    Testing(Job<Result<Tried, GpuError>>),
+    /// It passed its test.
+    Ready(Tried),
+    /// It cannot serve, and why.
+    Refused(String),
+}
+
+impl Device {
+    /// Returns the device that passed its test.
+    #[must_use]
+    pub const fn ready(&self) -> Option<&Arc<Gpu>> {
+        match self {
+            Self::Ready(tried) => Some(&tried.gpu),
+            _ => None,
+        }
+    }
+
+    /// Returns its name, once it is known.
+    #[must_use]
+    pub fn name(&self) -> Option<&str> {
+        self.ready().map(|gpu| gpu.report().name.as_str())
+    }
+
+    /// Returns why it cannot be chosen, if so.
+    #[must_use]
+    pub fn refusal(&self) -> Option<&str> {
+        match self {
+            Self::Refused(reason) => Some(reason),
+            _ => None,
+        }
+    }
+
+    /// Returns what there is to say of it, in a sentence, if anything.
+    #[must_use]
+    pub fn said(&self) -> Option<String> {
+        match self {
+            Self::Unknown => None,
+            Self::Testing(_) => Some("The GPU is being opened and tested.".to_owned()),
+            Self::Ready(tried) => {
+                let report = tried.gpu.report();
+                let on = if report.is_software {
+                    ", which computes on the CPU"
+                } else {
+                    ""
+                };
+                let verdict = sentence(&tried.test.verdict);
+                Some(format!("{}{on}: self-test passed. {verdict}", report.name))
+            }
+            Self::Refused(reason) => Some(reason.clone()),
+        }
+    }
+
+    /// Returns what is known after the opening and the test.
+    #[must_use]
+    pub fn from_test(outcome: Result<Result<Tried, GpuError>, String>) -> Self {
+        match outcome {
+            Ok(Ok(tried)) if tried.test.passed => Self::Ready(tried),
+            Ok(Ok(tried)) => Self::Refused(format!(
+                "{}: self-test failed. {}",
+                tried.gpu.report().name,
+                sentence(&tried.test.verdict)
+            )),
+            Ok(Err(error)) => Self::Refused(sentence(&error.to_string())),
+            Err(failure) => Self::Refused(sentence(&failure)),
+        }
+    }
+
+    /// Takes note that it failed in a run. A lost device may be opened anew; a run that did not fit says nothing
+    /// against it; anything else is a fault, after which it is not asked again.
+    pub fn failed(&mut self, error: &GpuError) {
+        match error {
+            GpuError::NotInOneGo { .. } | GpuError::TooLittleMemory { .. } => {}
+            GpuError::DeviceLost { .. } | GpuError::OutOfMemory => *self = Self::Unknown,
+            error => *self = Self::Refused(sentence(&error.to_string())),
+        }
+    }
+}
+
+/// Opens the adapter called `name`, or the fastest, one that computes on the CPU if there is no other, and tests it.
+pub async fn open_and_test(name: Option<String>) -> Result<Tried, GpuError> {
+    let choice = Choice {
+        name,
+        software: true,
+        limits: None,
+    };
+    let gpu = Arc::new(Gpu::open(&choice).await?);
+    let test = self_test(&gpu).await?;
+    Ok(Tried { gpu, test })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_device_may_be_asked_again_and_a_faulty_one_may_not() {
+        let reason = "gone".to_owned();
+        let mut device = Device::Refused("before".to_owned());
+        device.failed(&GpuError::DeviceLost {
+            reason: reason.clone(),
+        });
+        assert!(matches!(device, Device::Unknown));
+        device.failed(&GpuError::NotInOneGo {
+            needed: 2,
+            allowed: 1,
+        });
+        assert!(matches!(device, Device::Unknown));
+        device.failed(&GpuError::Refused { reason });
+        assert!(device.refusal().unwrap().contains("gone"));
+        assert_eq!(device.said().as_deref(), device.refusal());
+    }
+}

@@ -1,0 +1,97 @@
+//! The commands that choose who samples, and what becomes of a device.
+
+use std::sync::Arc;
+
+use tilescope_core::Variant;
+use tilescope_gpu::{Gpu, GpuError};
+
+use super::State;
+use crate::device::{Device, Engine, Tried, open_and_test};
+use crate::draft::sentence;
+use crate::jobs::Job;
+use crate::session::{Failure, Session};
+
+impl State {
+    /// Chooses who samples. The GPU is opened and tested first, unless it was already.
+    pub(super) fn choose_engine(&mut self, engine: Engine) {
+        if engine == Engine::Gpu {
+            match self.device {
+                Device::Refused(_) => return,
+                Device::Unknown => self.test_device(),
+                Device::Testing(_) | Device::Ready(_) => {}
+            }
+        }
+        self.engine = engine;
+    }
+
+    /// Names the adapter to be opened with the next choice of the GPU.
+    pub(super) fn name_adapter(&mut self, name: Option<String>) {
+        self.adapter = name;
+        self.device = Device::Unknown;
+        if self.engine == Engine::Gpu {
+            self.engine = Engine::Auto;
+        }
+    }
+
+    fn test_device(&mut self) {
+        let name = self.adapter.clone();
+        self.device = Device::Testing(Job::start_future(&self.wake, |_| open_and_test(name)));
+    }
+
+    /// Takes the verdict of a device's test. One that failed is left for the CPU.
+    pub(super) fn finish_test(&mut self, outcome: Result<Result<Tried, GpuError>, String>) {
+        self.device = Device::from_test(outcome);
+        if let Some(reason) = self.device.refusal() {
+            let text = format!("The GPU cannot serve. {reason} The CPU engine samples instead.");
+            self.engine = Engine::Auto;
+            self.tell(text, true);
+        }
+    }
+
+    /// Starts a run with whoever is chosen.
+    pub(super) fn start_sampling(&mut self, generation: u64) {
+        let parameters = self.draft.parameters;
+        let job = match self.device_for_run() {
+            Some(gpu) => Job::start_future(&self.wake, move |monitor| async move {
+                Session::sample_on(gpu, &parameters, generation, &monitor).await
+            }),
+            None => Job::start(&self.wake, move |monitor| {
+                Session::sample(&parameters, generation, monitor)
+            }),
+        };
+        self.sampling = Some(job);
+    }
+
+    /// Algorithm 4 as printed is for the CPU, whoever is chosen.
+    fn device_for_run(&self) -> Option<Arc<Gpu>> {
+        let is_chosen =
+            self.engine == Engine::Gpu && self.draft.parameters.variant == Variant::Staged;
+        self.device.ready().filter(|_| is_chosen).map(Arc::clone)
+    }
+
+    /// Shows a session and says if the CPU had to stand in for the GPU.
+    pub(super) fn show_made(&mut self, mut session: Session) {
+        let failure = session.failure.take();
+        self.show(session);
+        if let Some(Failure { name, error }) = failure {
+            self.device.failed(&error);
+            if !matches!(self.device, Device::Ready(_)) {
+                self.engine = Engine::Auto;
+            }
+            let why = sentence(&error.to_string());
+            let text = format!(
+                "{name} failed. {why} The CPU engine made this session instead; the points are the same."
+            );
+            self.tell(text, true);
+        }
+    }
+
+    /// Waits for the test of a device.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle_device(&mut self) {
+        if let Device::Testing(job) = &self.device {
+            let outcome = job.wait();
+            self.finish_test(outcome);
+        }
+    }
+}
