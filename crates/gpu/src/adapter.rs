@@ -43,6 +43,9 @@ pub(crate) const MOST_STORAGE_BUFFERS: u32 = 8;
 /// The rows of workgroups, `GROUP_COLUMNS` wide, that the largest frame takes.
 const MOST_GROUP_ROWS: u64 = 4_096;
 
+/// Bytes that are read back at a time.
+const STAGING: u64 = 64 << 20;
+
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
@@ -137,7 +140,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
         has_timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
         limits: Limits {
             max_buffer_size: limits.max_buffer_size,
-            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size.into(),
+            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
             max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
             max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
         },
@@ -210,7 +213,12 @@ impl Gpu {
 
     /// Fails when the device is gone or has refused something; memory that it lacked once may be there later.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        let mut trouble = self.trouble.lock().unwrap_or_else(PoisonError::into_inner);
+        // A lost device refuses everything, and may do so before it says that it is lost.
+        #[cfg(not(target_arch = "wasm32"))]
+        if matches!(*self.trouble(), Some(Trouble::Refused(_))) {
+            let _ = self.device.poll(wgpu::PollType::Poll);
+        }
+        let mut trouble = self.trouble();
         match &*trouble {
             None => Ok(()),
             Some(Trouble::Lost(reason)) => Err(GpuError::DeviceLost {
@@ -226,6 +234,10 @@ impl Gpu {
         }
     }
 
+    fn trouble(&self) -> std::sync::MutexGuard<'_, Option<Trouble>> {
+        self.trouble.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Returns the bytes of a buffer, which must be a source of copies. The device is drained first.
     pub async fn read(
         &self,
@@ -233,16 +245,26 @@ impl Gpu {
         range: std::ops::Range<u64>,
     ) -> Result<Vec<u8>, GpuError> {
         self.check()?;
-        let length = range.end - range.start;
-        if length == 0 {
-            return Ok(Vec::new());
+        let mut bytes = Vec::with_capacity((range.end - range.start) as usize);
+        for start in range.clone().step_by(STAGING as usize) {
+            let end = (start + STAGING).min(range.end);
+            self.read_part(buffer, start..end, &mut bytes).await?;
         }
-        let staging = self.buffer(
-            "staging",
-            length,
-            wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        )?;
-        let mut encoder = self.device.create_command_encoder(&Default::default());
+        Ok(bytes)
+    }
+
+    async fn read_part(
+        &self,
+        buffer: &wgpu::Buffer,
+        range: std::ops::Range<u64>,
+        bytes: &mut Vec<u8>,
+    ) -> Result<(), GpuError> {
+        let length = range.end - range.start;
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let staging = self.buffer("staging", length, usage)?;
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, range.start, &staging, 0, length);
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = futures_channel::oneshot::channel();
@@ -260,7 +282,8 @@ impl Gpu {
         let view = staging
             .get_mapped_range(..)
             .map_err(|error| refused(error.to_string()))?;
-        Ok(view.to_vec())
+        bytes.extend_from_slice(&view);
+        Ok(())
     }
 
     /// Waits for the device where waiting is possible; in a browser the event loop brings the answers.

@@ -11,7 +11,7 @@ use crate::constants::{GROUP_COLUMNS, WORKGROUP};
 use crate::error::GpuError;
 use crate::layout::{Job, Name};
 use crate::passes::{Command, Pass, Size};
-use crate::plan::Plan;
+use crate::plan::{Plan, RELEASED};
 use crate::setup::Setup;
 use crate::stepper::PassReport;
 
@@ -26,6 +26,7 @@ pub(crate) struct Device {
     gpu: Arc<Gpu>,
     buffers: BTreeMap<Name, (wgpu::Buffer, u64)>,
     jobs: wgpu::Buffer,
+    highest_bytes: u64,
     /// The passes so far, if they are to be reported.
     pub reports: Option<Vec<PassReport>>,
     times: Option<Times>,
@@ -91,9 +92,27 @@ impl Device {
             gpu: Arc::clone(gpu),
             buffers: BTreeMap::new(),
             jobs,
+            highest_bytes: 0,
             reports: looks.then(Vec::new),
             times: times.then(|| Times::new(gpu)).transpose()?,
         })
+    }
+
+    /// Lets go of what is no longer needed and makes the result's buffer.
+    pub(crate) fn make_room(&mut self, plan: &Plan) -> Result<(), GpuError> {
+        self.highest_bytes = self.highest_bytes.max(self.held_bytes());
+        self.buffers.retain(|name, _| !RELEASED.contains(name));
+        let length = plan.result_length();
+        if self.length(Name::Result) < length {
+            self.buffers.remove(&Name::Result);
+            self.allocate(Name::Result, length)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the most bytes that the buffers have held at once.
+    pub(crate) fn highest_bytes(&self) -> u64 {
+        self.highest_bytes.max(self.held_bytes())
     }
 
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
@@ -117,6 +136,17 @@ impl Device {
     pub(crate) fn write(&self, name: Name, bytes: &[u8]) {
         if let Some((buffer, _)) = self.buffers.get(&name) {
             self.gpu.queue.write_buffer(buffer, 0, bytes);
+        }
+    }
+
+    /// Writes a word of a buffer.
+    pub(crate) fn set_word(&self, name: Name, place: u64, word: u32) {
+        if let Some((buffer, length)) = self.buffers.get(&name)
+            && place < length / 4
+        {
+            self.gpu
+                .queue
+                .write_buffer(buffer, 4 * place, &word.to_le_bytes());
         }
     }
 
@@ -206,7 +236,7 @@ impl Device {
                     .extend(next.map(|buffer| (Name::Active, buffer)));
             }
             Command::Dispatch { pass, size, .. } => {
-                self.dispatch(encoder, pass, size, place, stage)
+                self.dispatch(encoder, pass, size, place, stage);
             }
         }
     }
@@ -221,7 +251,7 @@ impl Device {
     ) {
         let kernel = self.gpu.kernels.get(&self.gpu, pass);
         let group = self.bind(&kernel.layout, pass, place);
-        let times = self.times.as_mut().and_then(|times| times.next());
+        let times = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);
         let timestamp_writes = times.and_then(|first| {
             self.times
@@ -238,16 +268,13 @@ impl Device {
         });
         encoded.set_pipeline(&kernel.pipeline);
         encoded.set_bind_group(0, &group, &[]);
-        match size {
-            Size::Indirect(argument) => {
-                if let Some((buffer, _)) = self.buffers.get(&Name::Arguments) {
-                    encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
-                }
+        if let Size::Indirect(argument) = size {
+            if let Some((buffer, _)) = self.buffers.get(&Name::Arguments) {
+                encoded.dispatch_workgroups_indirect(buffer, 12 * u64::from(argument));
             }
-            _ => {
-                let [x, y, z] = workgroups(size);
-                encoded.dispatch_workgroups(x, y, z);
-            }
+        } else {
+            let [x, y, z] = workgroups(size);
+            encoded.dispatch_workgroups(x, y, z);
         }
     }
 

@@ -36,14 +36,11 @@ struct Excess {
 pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Result<u32, GpuError> {
     let max = setup.domain.rect().max;
     let whole = (max.x.max(max.y) - 1) as u32 / R as u32 + 1;
-    let (mut side, mut fits) = (whole, None);
+    let mut side = whole;
     // From the whole domain down, a quarter at a time: a plan costs what the tree's visit costs.
     loop {
         match excess(setup, side, limits, memory)? {
-            None => {
-                fits = Some(side);
-                break;
-            }
+            None => return Ok(side),
             Some(_) if side > SHORTEST => side = (side * 3 / 4).max(SHORTEST),
             Some(excess) => {
                 return Err(GpuError::TooLittleMemory {
@@ -55,7 +52,6 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
             }
         }
     }
-    Ok(fits.unwrap_or(side))
 }
 
 /// Returns what a window of so many cells along its sides needs beyond what the device has.
@@ -92,8 +88,9 @@ fn excess(
     };
     let plan = Plan::new(setup, &window, HALO, None)?;
     let lengths = plan.lengths(setup, false);
-    let total: u64 = lengths.iter().map(|(_, length)| length).sum();
+    let total = plan.peak(setup);
     let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
+    let longest = longest.max(plan.result_length());
     let binding = limits.max_storage_buffer_binding_size;
     Ok(least(longest, "maxStorageBufferBindingSize", binding)
         .or_else(|| least(longest, "maxBufferSize", limits.max_buffer_size))

@@ -3,6 +3,9 @@
 
 use std::fmt::Write as _;
 
+/// A structure's fields: names, byte offsets, types.
+pub type Fields = &'static [(&'static str, usize, &'static str)];
+
 /// Declares a structure of 32-bit scalars once for Rust and WGSL.
 macro_rules! shared {
     ($(#[$attributes:meta])* $name:ident { $($(#[$field_attributes:meta])* $field:ident: $kind:ident,)* }) => {
@@ -13,7 +16,7 @@ macro_rules! shared {
 
         impl $name {
             /// The structure's name, and its fields with their byte offsets and types.
-            pub const FIELDS: (&'static str, &'static [(&'static str, usize, &'static str)]) = (
+            pub const FIELDS: (&'static str, Fields) = (
                 stringify!($name),
                 &[$((stringify!($field), std::mem::offset_of!($name, $field), stringify!($kind)),)*],
             );
@@ -174,7 +177,7 @@ shared! {
 }
 
 /// Every shared structure.
-pub const STRUCTURES: &[(&str, &[(&str, usize, &str)])] =
+pub const STRUCTURES: &[(&str, Fields)] =
     &[Frame::FIELDS, Job::FIELDS, Image::FIELDS, Proposal::FIELDS];
 
 /// Returns the WGSL declarations of the shared structures.
@@ -274,9 +277,9 @@ pub enum Name {
     By,
     /// Valid samples: for each cell three slots and a word of counts and flags.
     Grid,
-    /// For each cell its first proposal, plus one.
+    /// Contested cells; then for each cell its first proposal, plus one; then its first sample of the result.
     Heads,
-    /// Contested cells, then open cells.
+    /// Open cells.
     List,
     /// Unsure cells.
     Unsure,

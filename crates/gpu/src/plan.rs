@@ -11,10 +11,24 @@ use crate::setup::Setup;
 /// The most cells of a frame, with the padding: slots are numbered in 31 bits.
 pub(crate) const MOST_CELLS: u64 = 1 << 28;
 
+/// Buffers that are let go of before the result is gathered, unless samples say where they come from.
+pub(crate) const RELEASED: &[Name] = &[
+    Name::Pieces,
+    Name::TileImages,
+    Name::Places,
+    Name::Origins,
+    Name::List,
+    Name::Unsure,
+    Name::Proposals,
+    Name::Active,
+    Name::NextActive,
+];
+
 /// Room for what cannot be known before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Room {
     pub tiled: u32,
+    pub open: u32,
     pub unsure: u32,
     pub proposals: u32,
     pub active: u32,
@@ -52,6 +66,7 @@ impl Plan {
         let mut uniform = uniform(setup, &frame);
         let room = room.unwrap_or_else(|| expected(setup, &uniform, &images));
         uniform.tiled_capacity = room.tiled;
+        uniform.list_capacity = room.open;
         uniform.unsure_capacity = room.unsure;
         uniform.proposal_capacity = room.proposals;
         uniform.active_capacity = room.active;
@@ -65,10 +80,19 @@ impl Plan {
         })
     }
 
+    /// Doubles the room, and leaves as many open cells as there are.
+    pub(crate) const fn double_room(&mut self) {
+        self.uniform.list_capacity = self.uniform.cells;
+        self.uniform.proposal_capacity *= 2;
+        self.uniform.unsure_capacity *= 2;
+        self.uniform.active_capacity *= 2;
+    }
+
     /// Returns the room that the plan provides.
     pub(crate) const fn room(&self) -> Room {
         Room {
             tiled: self.uniform.tiled_capacity,
+            open: self.uniform.list_capacity,
             unsure: self.uniform.unsure_capacity,
             proposals: self.uniform.proposal_capacity,
             active: self.uniform.active_capacity,
@@ -85,7 +109,25 @@ impl Plan {
         self.uniform.columns as u64 * self.uniform.rows as u64
     }
 
-    /// Returns every buffer's length in bytes. With `by` there is one for who eliminated whom.
+    /// Returns the length in bytes of the result.
+    pub(crate) const fn result_length(&self) -> u64 {
+        8 * self.uniform.result_capacity as u64
+    }
+
+    /// Returns the length in bytes of all buffers at the time when they are longest.
+    pub(crate) fn peak(&self, setup: &Setup) -> u64 {
+        let lengths = self.lengths(setup, false);
+        let total: u64 = lengths.iter().map(|(_, length)| length).sum();
+        if setup.sources {
+            return total;
+        }
+        let released = |name: &Name| RELEASED.contains(name);
+        let last = lengths.iter().filter(|(name, _)| !released(name));
+        let last: u64 = last.map(|(_, length)| length).sum();
+        total.max(last + self.result_length())
+    }
+
+    /// Returns every buffer's length in bytes, but the result's where others make room for it. With `by` there is one for who eliminated whom.
     pub(crate) fn lengths(&self, setup: &Setup, by: bool) -> Vec<(Name, u64)> {
         let inputs = [
             (Name::Images, bytes_of(&self.images)),
@@ -129,10 +171,13 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
             Name::Arguments,
             12 * crate::constants::ARGUMENTS.len() as u64,
         ),
-        (Name::Result, result),
     ];
     if by {
         lengths.push((Name::By, 4 * tiled));
+    }
+    // Otherwise what is no longer needed makes room for the result.
+    if sources || by {
+        lengths.push((Name::Result, result));
     }
     if sources {
         lengths.push((Name::Tags, result));
@@ -232,7 +277,6 @@ fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
         lost_reach: setup.lost_reach,
         search,
         search_border,
-        list_capacity: cells,
         result_capacity: result.min(expected as u64) as u32,
         ..Frame::default()
     }
@@ -253,10 +297,12 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     };
     let rim = 2 * (frame.columns + frame.rows) as u32;
     Room {
-        tiled: (clipped * setup.density * 1.02) as u32 + rim + 1024,
-        unsure: 2 * rim + frame.cells / 16 + 1024,
-        proposals: share(0.2, 1.0),
-        active: if uniform { share(1.0, 8.0) } else { 1 },
+        tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
+        // Uniform insertion only asks whether cells are open.
+        open: if uniform { 1 } else { share(0.8, 7.0) },
+        unsure: 2 * rim + frame.cells / 64 + 1024,
+        proposals: share(0.15, 0.75),
+        active: if uniform { share(0.6, 3.2) } else { 1 },
     }
 }
 
@@ -292,5 +338,88 @@ pub(crate) fn whole(setup: &Setup) -> Rect {
     Rect {
         min: Point::new(0, 0),
         max: setup.domain.rect().max,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::{Boundary, Insertion, Parameters, Pattern, Unobserved};
+
+    fn setup(parameters: &Parameters) -> Setup {
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+        Setup::new(parameters, &pattern, false).unwrap()
+    }
+
+    /// Returns the bytes of all buffers for each sample of a run in one go.
+    fn bytes_a_sample(leaf: f64, insertion: Insertion) -> f64 {
+        let parameters = Parameters {
+            radius: 3.6e-4,
+            leaf,
+            insertion,
+            ..Parameters::default()
+        };
+        let setup = setup(&parameters);
+        let plan = Plan::new(&setup, &whole(&setup), 24, None).unwrap();
+        plan.peak(&setup) as f64 / (0.6985 * setup.domain.area_radii())
+    }
+
+    #[test]
+    fn a_run_in_one_go_takes_at_most_64_bytes_a_sample() {
+        for leaf in [6.0, 10.0, 20.0, 40.0, 80.0] {
+            let bytes = bytes_a_sample(leaf, Insertion::Circumcentre);
+            assert!((40.0..64.0).contains(&bytes), "{bytes} with leaf {leaf}");
+            // Uniform insertion has its active cells besides.
+            let bytes = bytes_a_sample(leaf, Insertion::Uniform);
+            assert!(
+                (40.0..if leaf < 8.0 { 74.0 } else { 64.0 }).contains(&bytes),
+                "{bytes} with leaf {leaf}"
+            );
+        }
+    }
+
+    #[test]
+    fn pieces_tell_every_tile_of_the_images_that_reach_it() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let parameters = Parameters {
+                radius: 0.01,
+                leaf: 7.0,
+                boundary,
+                ..Parameters::default()
+            };
+            let setup = setup(&parameters);
+            let plan = Plan::new(&setup, &whole(&setup), 24, None).unwrap();
+            let frame = &plan.uniform;
+            let (side, pad) = (TILE_SIDE as i32, PAD);
+            for tile in 0..frame.tiles {
+                let at = [tile % frame.tile_columns, tile / frame.tile_columns];
+                let low = at.map(|n| (n as i32 * side - pad - 2) * R);
+                let high = at.map(|n| ((n as i32 + 1) * side - pad + 2) * R);
+                let reach = |image: &Image| {
+                    image.own_min_x < high[0]
+                        && image.own_max_x > low[0]
+                        && image.own_min_y < high[1]
+                        && image.own_max_y > low[1]
+                };
+                let wanted: Vec<u32> = (0..)
+                    .zip(&plan.images)
+                    .filter(|(_, image)| reach(image))
+                    .map(|(index, _)| index)
+                    .collect();
+                let covers = |piece: &&[u32; 4]| {
+                    let [_, column, row, size] = **piece;
+                    (column..column + (size & 0xffff)).contains(&at[0])
+                        && (row..row + (size >> 16)).contains(&at[1])
+                };
+                let told: Vec<u32> = plan
+                    .pieces
+                    .iter()
+                    .filter(covers)
+                    .map(|piece| piece[0])
+                    .collect();
+                assert_eq!(told, wanted);
+                assert!(told.len() < TILE_WORDS as usize - 1);
+            }
+        }
     }
 }

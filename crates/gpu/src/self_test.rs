@@ -56,7 +56,10 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             return Ok(SelfTest {
                 passed: false,
                 samples,
-                verdict: format!("with {order:?}, {:?} and {:?}: {verdict}", parameters.insertion, parameters.boundary),
+                verdict: format!(
+                    "with {order:?}, {:?} and {:?}: {verdict}",
+                    parameters.insertion, parameters.boundary
+                ),
             });
         }
         samples += cpu_set.points.len();
@@ -121,7 +124,11 @@ mod tests {
         assert!(difference(&other, &cpu).unwrap().contains("sample 7"));
         let mut other = cpu.clone();
         other.points.pop();
-        assert!(difference(&other, &cpu).unwrap().contains("samples, the CPU"));
+        assert!(
+            difference(&other, &cpu)
+                .unwrap()
+                .contains("samples, the CPU")
+        );
         let mut other = cpu.clone();
         other.sources = None;
         assert!(difference(&other, &cpu).unwrap().contains("elsewhere"));

@@ -4,8 +4,8 @@
 use tilescope_core::stages::order::{RankNumbers, Ranking};
 use tilescope_core::windows::{CellPattern, Clipper, lost_reach, reach_cells};
 use tilescope_core::{
-    Boundary, Domain, Insertion, Key, Order, ParameterError, Parameters, Pattern, R, SampleError,
-    Search, Variant,
+    Domain, Insertion, Key, Order, ParameterError, Parameters, Pattern, R, SampleError, Search,
+    Variant,
 };
 
 /// Words of a pattern's shape: sides, columns, where its cells and its points begin, whether it repeats.
@@ -82,10 +82,6 @@ impl Setup {
             Search::Complete => [4 * R + 32, 7 * R],
             Search::TwoRadii => [2 * R, 2 * R],
         }
-    }
-
-    pub(crate) const fn is_bounded(&self) -> bool {
-        matches!(self.domain.boundary(), Boundary::Bounded)
     }
 
     /// Returns the order as shaders number it.

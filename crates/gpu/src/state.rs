@@ -240,7 +240,7 @@ impl State {
         let detectors = match run.iterations.last() {
             _ if uniform => Vec::new(),
             Some(before) => before.inserted.clone().collect(),
-            None => self.detectors(work, &kept.grid, ids),
+            None => Self::detectors(work, &kept.grid, ids),
         };
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
@@ -292,7 +292,7 @@ impl State {
     }
 
     /// Returns the detectors of iteration 1 by id.
-    fn detectors(&self, work: &Work, grid: &[u8], ids: &HashMap<Point, u32>) -> Vec<u32> {
+    fn detectors(work: &Work, grid: &[u8], ids: &HashMap<Point, u32>) -> Vec<u32> {
         let grid: Vec<u32> = bytemuck::pod_collect_to_vec(grid);
         let mut detectors = Vec::new();
         for (cell, slots) in grid.chunks_exact(4).enumerate() {

@@ -47,6 +47,8 @@ pub struct Stepper {
     first: Stage,
     halo: i32,
     room: Option<Room>,
+    /// The last stage of which [`Self::step`] told.
+    reached: Option<Stage>,
     work: Work,
 }
 
@@ -56,6 +58,7 @@ impl Stepper {
     ///
     /// Fails when the parameters cannot be sampled, when the run does not fit the device in one go, and when a
     /// run ends before `first_gpu_stage`.
+    #[allow(clippy::unused_async)] // As GpuSweep's, for those who drive either.
     pub async fn new(
         gpu: Arc<Gpu>,
         parameters: &Parameters,
@@ -81,25 +84,32 @@ impl Stepper {
             first,
             halo: HALO,
             room: None,
+            reached: None,
             work,
         })
     }
 
     /// Runs one pass and reports it, or returns `None` when the run is finished.
     pub async fn step_pass(&mut self) -> Result<Option<PassReport>, GpuError> {
-        if self.work.is_done() {
-            return Ok(None);
+        while !self.work.is_done() {
+            let outcome = self.work.run_pass().await?;
+            self.begin_anew(outcome.as_ref())?;
+            // A run that began anew has no report yet.
+            if let Some(report) = self.reports().last() {
+                return Ok(Some(report.clone()));
+            }
         }
-        let outcome = self.work.run_pass().await?;
-        self.begin_anew(outcome)?;
-        Ok(self.reports().last().cloned())
+        Ok(None)
     }
 
     /// Runs to the end of a stage and returns it, or `None` when the run is finished.
     pub async fn step(&mut self) -> Result<Option<Stage>, GpuError> {
         while self.step_pass().await?.is_some() {
-            if self.work.is_done() || self.work.is_between_stages() {
-                return Ok(Some(self.work.stage()));
+            let is_at_end = self.work.is_done() || self.work.is_between_stages();
+            // A run that began anew passes stages again.
+            if is_at_end && self.reached < Some(self.work.stage()) {
+                self.reached = Some(self.work.stage());
+                return Ok(self.reached);
             }
         }
         Ok(None)
@@ -109,13 +119,13 @@ impl Stepper {
     pub async fn finish(&mut self) -> Result<(), GpuError> {
         while !self.work.is_done() {
             let outcome = self.work.run().await?;
-            self.begin_anew(outcome)?;
+            self.begin_anew(outcome.as_ref())?;
         }
         Ok(())
     }
 
     /// Begins anew where the halo or the room proved too small.
-    fn begin_anew(&mut self, outcome: Option<Outcome>) -> Result<(), GpuError> {
+    fn begin_anew(&mut self, outcome: Option<&Outcome>) -> Result<(), GpuError> {
         match outcome {
             None | Some(Outcome::Known(_)) => return Ok(()),
             Some(Outcome::Unsure) if self.halo >= WIDEST_HALO => {
@@ -128,7 +138,7 @@ impl Stepper {
                 self.halo *= 2;
                 self.room = None;
             }
-            Some(Outcome::TooSmall(room)) => self.room = Some(room),
+            Some(Outcome::TooSmall(room)) => self.room = Some(*room),
         }
         let (halo, room) = (self.halo, self.room);
         self.work = begin(
@@ -161,6 +171,11 @@ impl Stepper {
         Table::read(&self.work.device, name, rows).await
     }
 
+    /// Writes a word into a buffer between two passes: what if it were another? A place beyond the end is left alone.
+    pub fn set_word(&self, name: Name, place: u64, word: u32) {
+        self.work.device.set_word(name, place, word);
+    }
+
     /// Returns the buffers of the run with their lengths in bytes.
     #[must_use]
     pub fn buffers(&self) -> Vec<(Name, u64)> {
@@ -189,7 +204,11 @@ fn begin(
     halo: i32,
     room: Option<Room>,
 ) -> Result<Work, GpuError> {
-    let plan = Plan::new(setup, &whole(setup), halo, room)?;
+    let mut plan = Plan::new(setup, &whole(setup), halo, room)?;
+    if room.is_none() {
+        // Runs that are looked at are small; beginning anew would confuse who looks.
+        plan.double_room();
+    }
     let mut work = Work::new(gpu, setup, plan, None, true)?;
     if first != Stage::Blocks {
         let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;

@@ -112,10 +112,10 @@ impl GpuSweep {
         self.memory
     }
 
-    /// Returns the bytes that the buffers of the window before hold.
+    /// Returns the most bytes of device memory that the buffers have held at once so far, readbacks apart.
     #[must_use]
-    pub fn held_bytes(&self) -> u64 {
-        self.idle.as_ref().map_or(0, Device::held_bytes)
+    pub fn highest_bytes(&self) -> u64 {
+        self.idle.as_ref().map_or(0, Device::highest_bytes)
     }
 
     /// Returns how many rows of cells have been computed, of how many.

@@ -102,7 +102,7 @@ fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) {
     device.write(Name::Starts, bytes(&starts));
     device.write(Name::Places, bytes(&places));
     device.write(Name::Origins, bytes(&origins));
-    device.write(Name::List, bytes(&contested));
+    device.write(Name::Heads, bytes(&contested));
 }
 
 /// Cell, image, place in the cell, fate, pattern index.

@@ -188,7 +188,7 @@ impl Work {
     /// Runs to the end.
     pub(crate) async fn run(&mut self) -> Result<Option<Outcome>, GpuError> {
         while !self.is_done() {
-            self.record();
+            self.record()?;
             let commands: Vec<Command> = self.queue.drain(..).collect();
             self.device.submit(&commands, self.stage)?;
             if let Some(outcome) = self.settle().await? {
@@ -201,7 +201,7 @@ impl Work {
     /// Runs one pass, and what host work belongs behind it. Returns how the window ended, if it did early.
     pub(crate) async fn run_pass(&mut self) -> Result<Option<Outcome>, GpuError> {
         if self.queue.is_empty() {
-            self.record();
+            self.record()?;
         }
         while let Some(command) = self.queue.pop_front() {
             self.device.submit(&[command], self.stage)?;
@@ -276,10 +276,13 @@ impl Work {
     }
 
     /// Puts the next step's commands into the queue.
-    fn record(&mut self) {
+    fn record(&mut self) -> Result<(), GpuError> {
         let uniform = self.setup.parameters.insertion == Insertion::Uniform;
         let looks = self.kept.is_some();
         self.stage = self.stage_of(self.step);
+        if self.step == Step::Finish && !looks && !self.setup.sources {
+            self.device.make_room(&self.plan)?;
+        }
         let (commands, next, reads) = match self.step {
             Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
             Step::Tile => (passes::tile(&self.plan), Step::Eliminate, looks),
@@ -319,6 +322,7 @@ impl Work {
         self.queue.extend(commands);
         self.step = next;
         self.reads = reads;
+        Ok(())
     }
 
     fn iteration(&self, k: u32) -> Vec<Command> {
@@ -365,6 +369,10 @@ impl Work {
         };
         let wanted = Room {
             tiled: needed(self.counter(counter::TILED), room.tiled),
+            open: match self.setup.parameters.insertion {
+                Insertion::Circumcentre => needed(self.counter(counter::OPEN), room.open),
+                Insertion::Uniform => room.open,
+            },
             unsure: needed(self.counter(counter::UNSURE), room.unsure),
             proposals: needed(self.counter(counter::PROPOSALS), room.proposals),
             active: needed(

@@ -3,15 +3,15 @@
 
 mod support;
 
+use support::device::demand;
 use support::inputs::{
     Numbers, OFFSET_LIMIT, halves, joined, lines, offset, offsets, quotients, rim, triangles, words,
 };
-use support::device::{gpu, open};
 use support::{Words, check, compare, source, spoilt};
 use tilescope_core::{
     R_SQUARED, below, circumcentre, covers_offset, on_line, round_half_up, threefry2x32_20,
 };
-use tilescope_gpu::Choice;
+use tilescope_gpu::{Choice, Gpu};
 
 /// Random inputs of one function.
 const MANY: usize = 2_000_000;
@@ -279,7 +279,7 @@ fn wrong_words_are_caught() {
     let inputs = words(15, MANY / 10);
     let carries = [(" - excess", ""), (" + (carried >> 16u)", "")];
     catch(("wide", MULTIPLY), &inputs, product, &carries);
-    let rounds = [("24u", "23u"), ("key.y + 3u", "key.y + 2u")];
+    let rounds = [("16u), 24u)", "16u), 23u)"), ("key.y + 3u", "key.y + 2u")];
     catch(("random", DRAW), &inputs, drawn, &rounds);
 }
 
@@ -303,8 +303,8 @@ fn wrong_rims_are_caught() {
 #[test]
 #[should_panic(expected = "these tests need a GPU adapter")]
 fn a_missing_adapter_fails_the_tests() {
-    let _ = open(&Choice {
+    let _ = demand(pollster::block_on(Gpu::open(&Choice {
         name: Some("no adapter has this name".to_owned()),
         ..Choice::default()
-    });
+    })));
 }

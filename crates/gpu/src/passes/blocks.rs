@@ -27,7 +27,6 @@ pub(crate) fn blocks(plan: &Plan) -> Vec<Command> {
     vec![
         Command::Clear(Name::Counters, None),
         Command::Clear(Name::TileImages, None),
-        Command::Clear(Name::Heads, None),
         run(&BLOCKS, Size::Workgroups(plan.pieces.len() as u64)),
         run(&SORT_BLOCKS, Size::Invocations(plan.uniform.tiles.into())),
     ]

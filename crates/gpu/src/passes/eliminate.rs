@@ -1,6 +1,8 @@
 //! Elimination (paper, Algorithm 4, first loop), in rounds, and the grid of the survivors.
 
-use super::{Command, Pass, Size, alternating, atomic, prepare, read, run, uniform_of, write};
+use super::{
+    Command, Pass, Size, alternating, atomic, prepare, read, read_as, run, uniform_of, write,
+};
 use crate::layout::Name;
 use crate::plan::Plan;
 
@@ -17,7 +19,7 @@ pub(super) const ELIMINATE: Pass = Pass {
         read(Name::Starts),
         atomic(Name::Places),
         read(Name::Origins),
-        read(Name::List),
+        read_as(Name::Heads, "list"),
         atomic(Name::Counters),
     ],
 };
@@ -68,5 +70,7 @@ pub(crate) fn survive(plan: &Plan, by: bool) -> Vec<Command> {
         commands.push(run(&ATTRIBUTE, cells));
     }
     commands.push(run(&SURVIVE, cells));
+    // Its contested cells are no longer needed; proposals are listed there next.
+    commands.push(Command::Clear(Name::Heads, None));
     commands
 }

@@ -1,8 +1,6 @@
 //! Insertion (paper, Algorithm 4, second loop): the greedy independent set of the proposals, in rounds.
 
-use super::{
-    Command, Pass, alternating, argument, atomic, read, run, run_with, uniform_of, write,
-};
+use super::{Command, Pass, alternating, argument, atomic, read, run, run_with, uniform_of, write};
 use crate::layout::{Job, Name, counter};
 
 /// Rounds between two looks at what is left.

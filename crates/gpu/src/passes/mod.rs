@@ -120,6 +120,14 @@ pub(crate) const fn read(name: Name) -> Binding {
     }
 }
 
+pub(crate) const fn read_as(name: Name, alias: &'static str) -> Binding {
+    Binding {
+        name,
+        access: Access::Read,
+        alias: Some(alias),
+    }
+}
+
 pub(crate) const fn write(name: Name) -> Binding {
     Binding {
         name,

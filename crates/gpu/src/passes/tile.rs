@@ -60,7 +60,7 @@ pub(super) const TILE: Pass = Pass {
         read(Name::Starts),
         write(Name::Places),
         write(Name::Origins),
-        write(Name::List),
+        write_as(Name::Heads, "list"),
         atomic(Name::Counters),
     ],
 };

@@ -4,16 +4,12 @@ use std::sync::{Arc, OnceLock};
 
 use tilescope_gpu::{Choice, Gpu, GpuError};
 
-/// Opens a device.
+/// Returns the device or what else was found.
 ///
 /// # Panics
 ///
 /// When there is none: a test without a device proves nothing and must not pass.
-pub fn open(choice: &Choice) -> Gpu {
-    demand(pollster::block_on(Gpu::open(choice)))
-}
-
-fn demand<T>(found: Result<T, GpuError>) -> T {
+pub fn demand<T>(found: Result<T, GpuError>) -> T {
     found.unwrap_or_else(|error| {
         panic!(
             "these tests need a GPU adapter, and cannot pass without one; a software one will do \
