@@ -21,6 +21,17 @@ const JOB_STRIDE: u64 = 256;
 /// The most passes that are timed in one go.
 const MOST_TIMED: u32 = 1024;
 
+/// What is kept for those who look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Looks {
+    /// Nothing.
+    Away,
+    /// Reports of passes.
+    AtPasses,
+    /// Everything: reports, and what stages leave behind.
+    AtStages,
+}
+
 /// A window's buffers.
 pub(crate) struct Device {
     gpu: Arc<Gpu>,
@@ -48,13 +59,13 @@ impl Device {
         setup: &Setup,
         plan: &Plan,
         before: Option<Self>,
-        looks: bool,
+        looks: Looks,
     ) -> Result<Self, GpuError> {
         let mut device = match before {
             Some(device) => device,
             None => Self::empty(gpu, looks)?,
         };
-        let mut lengths = plan.lengths(setup, looks);
+        let mut lengths = plan.lengths(setup, looks == Looks::AtStages);
         lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
         let fits = |device: &Self, name: Name, length: u64| {
             device
@@ -81,19 +92,20 @@ impl Device {
         Ok(device)
     }
 
-    fn empty(gpu: &Arc<Gpu>, looks: bool) -> Result<Self, GpuError> {
+    fn empty(gpu: &Arc<Gpu>, looks: Looks) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
             JOB_STRIDE * u64::from(MOST_TIMED),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         )?;
-        let times = looks && gpu.report().has_timestamps;
+        let reports = looks != Looks::Away;
+        let times = reports && gpu.report().has_timestamps;
         Ok(Self {
             gpu: Arc::clone(gpu),
             buffers: BTreeMap::new(),
             jobs,
             highest_bytes: 0,
-            reports: looks.then(Vec::new),
+            reports: reports.then(Vec::new),
             times: times.then(|| Times::new(gpu)).transpose()?,
         })
     }

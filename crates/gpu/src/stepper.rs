@@ -6,6 +6,7 @@ use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 
 use crate::adapter::Gpu;
 use crate::error::GpuError;
+use crate::execute::Looks;
 use crate::fit::longest_side;
 use crate::layout::{Access, Name};
 use crate::plan::{Plan, Room, whole};
@@ -34,6 +35,20 @@ pub struct PassReport {
     pub bindings: Vec<(Name, Access, u64)>,
     /// Seconds on the device, where the adapter measures them.
     pub seconds: Option<f64>,
+}
+
+impl PassReport {
+    /// Returns the bytes that the pass moves at least if it goes over all that it sees: every buffer once, those that
+    /// it both reads and writes twice. Passes over lists, whose workgroups the device computed, move less.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let moved = |&(_, access, length): &(Name, Access, u64)| match access {
+            Access::Uniform => 0,
+            Access::Read | Access::Write => length,
+            Access::Atomic => 2 * length,
+        };
+        self.bindings.iter().map(moved).sum()
+    }
 }
 
 /// A run on a GPU between two passes.
@@ -209,7 +224,7 @@ fn begin(
         // Runs that are looked at are small; beginning anew would confuse who looks.
         plan.double_room();
     }
-    let mut work = Work::new(gpu, setup, plan, None, true)?;
+    let mut work = Work::new(gpu, setup, plan, None, Looks::AtStages)?;
     if first != Stage::Blocks {
         let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;
         while engine.next().is_some_and(|next| next < first) {

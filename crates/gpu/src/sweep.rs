@@ -13,10 +13,11 @@ use tilescope_core::{
 
 use crate::adapter::Gpu;
 use crate::error::GpuError;
-use crate::execute::Device;
+use crate::execute::{Device, Looks};
 use crate::fit::{longest_side, memory_of};
 use crate::plan::{Plan, Room};
 use crate::setup::Setup;
+use crate::stepper::PassReport;
 use crate::work::{Outcome, Window, Work};
 
 /// Cells around a window that are computed with it at first: what depends on what lies beyond rarely comes
@@ -39,6 +40,8 @@ pub struct Options {
     pub memory: Option<u64>,
     /// Whether samples say where they come from.
     pub sources: bool,
+    /// Whether every pass is reported, and timed where the adapter can.
+    pub timed: bool,
     /// Cells around a window that are computed with it at first, at least 1; narrower ones are repaired more often. For
     /// experiments: the result is the same.
     pub halo: Option<u32>,
@@ -52,6 +55,8 @@ pub struct GpuSweep {
     gpu: Arc<Gpu>,
     setup: Arc<Setup>,
     memory: u64,
+    /// Whether passes are reported.
+    timed: bool,
     /// Cells around a window at first.
     halo: i32,
     /// Cells along the side of a window.
@@ -83,6 +88,7 @@ impl GpuSweep {
             gpu,
             setup,
             memory,
+            timed: options.timed,
             halo: options
                 .halo
                 .map_or(HALO, |halo| halo.clamp(1, HALO as u32) as i32),
@@ -116,6 +122,24 @@ impl GpuSweep {
     #[must_use]
     pub fn highest_bytes(&self) -> u64 {
         self.idle.as_ref().map_or(0, Device::highest_bytes)
+    }
+
+    /// Returns the passes so far, where they are reported.
+    #[must_use]
+    pub fn reports(&self) -> &[PassReport] {
+        let reports = self
+            .idle
+            .as_ref()
+            .and_then(|device| device.reports.as_deref());
+        reports.unwrap_or_default()
+    }
+
+    const fn looks(&self) -> Looks {
+        if self.timed {
+            Looks::AtPasses
+        } else {
+            Looks::Away
+        }
     }
 
     /// Returns how many rows of cells have been computed, of how many.
@@ -230,7 +254,7 @@ impl GpuSweep {
         room: Option<Room>,
     ) -> Result<Outcome, GpuError> {
         let plan = Plan::new(&self.setup, window, halo, room)?;
-        let mut work = Work::new(&self.gpu, &self.setup, plan, self.idle.take(), false)?;
+        let mut work = Work::new(&self.gpu, &self.setup, plan, self.idle.take(), self.looks())?;
         let early = work.run().await?;
         let outcome = match early {
             Some(outcome) => outcome,

@@ -12,7 +12,7 @@ use tilescope_core::{Insertion, Point, Run, Source, Stage, Stream};
 use crate::adapter::Gpu;
 use crate::constants::{FAULT_TILED, FAULTS};
 use crate::error::GpuError;
-use crate::execute::Device;
+use crate::execute::{Device, Looks};
 use crate::layout::{Name, counter};
 use crate::passes::{self, Command};
 use crate::plan::{Plan, Room};
@@ -97,7 +97,7 @@ impl Work {
         setup: &Arc<Setup>,
         plan: Plan,
         before: Option<Device>,
-        looks: bool,
+        looks: Looks,
     ) -> Result<Self, GpuError> {
         let device = Device::new(gpu, setup, &plan, before, looks)?;
         Ok(Self {
@@ -111,7 +111,7 @@ impl Work {
             reads: false,
             inserted: Vec::new(),
             base: None,
-            kept: looks.then(BTreeMap::new),
+            kept: (looks == Looks::AtStages).then(BTreeMap::new),
         })
     }
 

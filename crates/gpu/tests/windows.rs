@@ -53,6 +53,7 @@ fn assert_equal(parameters: &Parameters, options: Options) -> u32 {
 const SOURCES: Options = Options {
     memory: None,
     sources: true,
+    timed: false,
     halo: None,
 };
 
