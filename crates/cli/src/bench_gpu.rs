@@ -9,15 +9,17 @@ use anyhow::{Context, Result, ensure};
 use pollster::block_on;
 use serde_json::{Value, json};
 use tilescope_core::{Domain, Parameters, Pattern, Point, Stage};
-use tilescope_gpu::{Gpu, GpuError, GpuSweep, Options, PassReport, Stepper};
+use tilescope_gpu::{Gpu, GpuError, GpuSweep, Options, PassReport};
 
 use crate::bench::{BenchArguments, median, parallel, parameters, stop_on_interrupt, yes};
 use crate::options::region;
 use crate::progress::Bar;
 use crate::{make, output, verdict_code};
 
-/// The first stage that the device runs of a run that is timed pass by pass.
-const FIRST_STAGE: Stage = Stage::Blocks;
+/// Bytes copied at a time to see what the device's memory can do, and how often: long enough for its start not to
+/// matter.
+const COPIED: u64 = 64 << 20;
+const COPIES: u32 = 32;
 
 /// A leaf size and its rounds.
 struct Row {
@@ -36,8 +38,20 @@ struct Pass {
     stage: &'static str,
     name: &'static str,
     times: usize,
+    /// Bytes that it moves if it goes over all that it sees.
+    bytes: u64,
     /// Seconds on the device, where it measures them.
     seconds: Option<f64>,
+}
+
+/// A run, pass by pass.
+struct Timed {
+    passes: Vec<Pass>,
+    samples: usize,
+    /// The most bytes that its buffers held at once.
+    held_bytes: u64,
+    /// Bytes a second that the device copies, read and written.
+    copy_rate: f64,
 }
 
 /// All that was measured.
@@ -46,8 +60,7 @@ struct Found<'a> {
     rows: Vec<Row>,
     /// Seconds of the run before all others, which compiles the passes.
     first_seconds: f64,
-    /// The passes, or why there are none.
-    passes: Result<Vec<Pass>, GpuError>,
+    timed: Timed,
 }
 
 pub fn run(arguments: &BenchArguments) -> Result<u8> {
@@ -72,7 +85,7 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
     let found = Found {
         rows: measure(arguments, (&base, &domain), &pattern, &gpu)?,
         first_seconds,
-        passes: block_on(passes(&gpu, &first, &pattern)),
+        timed: block_on(timed(&gpu, &first, &pattern))?,
         gpu: &gpu,
     };
     output::emit(&if arguments.json {
@@ -138,19 +151,35 @@ fn measure(
     Ok(rows)
 }
 
-/// Runs once, pass by pass, and returns what the passes of each name took, in the sequence of their
-/// first.
-async fn passes(
+/// Runs once, with every pass timed, and adds up what the passes of each name took, in the sequence of their first.
+async fn timed(
     gpu: &Arc<Gpu>,
     parameters: &Parameters,
     pattern: &Arc<Pattern>,
-) -> Result<Vec<Pass>, GpuError> {
-    let mut stepper = Stepper::new(Arc::clone(gpu), parameters, pattern, FIRST_STAGE).await?;
-    let mut passes: Vec<Pass> = Vec::new();
-    while let Some(report) = stepper.step_pass().await? {
-        add(&mut passes, &report);
+) -> Result<Timed, GpuError> {
+    let options = Options {
+        timed: true,
+        ..Options::default()
+    };
+    let mut sweep = GpuSweep::new(Arc::clone(gpu), parameters, pattern, options).await?;
+    let mut samples = 0;
+    while let Some(band) = sweep.step(&mut stop_on_interrupt).await? {
+        samples += band.points.len();
     }
-    Ok(passes)
+    let mut passes = Vec::new();
+    for report in sweep.reports() {
+        add(&mut passes, report);
+    }
+    gpu.copy(COPIED, 1).await?;
+    let began = Instant::now();
+    gpu.copy(COPIED, COPIES).await?;
+    let copied = 2.0 * COPIED as f64 * f64::from(COPIES);
+    Ok(Timed {
+        passes,
+        samples,
+        held_bytes: sweep.highest_bytes(),
+        copy_rate: copied / began.elapsed().as_secs_f64(),
+    })
 }
 
 fn add(passes: &mut Vec<Pass>, report: &PassReport) {
@@ -169,12 +198,14 @@ fn add(passes: &mut Vec<Pass>, report: &PassReport) {
     match known {
         Some(pass) => {
             pass.times += 1;
+            pass.bytes += report.bytes();
             pass.seconds = pass.seconds.zip(report.seconds).map(|(a, b)| a + b);
         }
         None => passes.push(Pass {
             stage,
             name: report.name,
             times: 1,
+            bytes: report.bytes(),
             seconds: report.seconds,
         }),
     }
@@ -238,38 +269,49 @@ fn to_text(found: &Found<'_>, arguments: &BenchArguments) -> String {
         found.gpu.report().name,
         found.first_seconds * 1e3
     );
-    out.push_str(&passes_text(&found.passes));
+    out.push_str(&passes_text(&found.timed));
     out
 }
 
-fn passes_text(passes: &Result<Vec<Pass>, GpuError>) -> String {
-    let passes = match passes {
-        Ok(passes) => passes,
-        Err(error) => return format!("time of passes: not known, since {error}\n"),
-    };
+fn passes_text(timed: &Timed) -> String {
     let mut out = format!(
-        "{:<10} {:<24} {:>6} {:>10} {:>6}\n",
-        "stage", "pass", "times", "ms", "share"
+        "{:<10} {:<14} {:>5} {:>10} {:>6} {:>9} {:>8}\n",
+        "stage", "pass", "times", "ms", "share", "MB", "GB/s"
     );
+    let passes = &timed.passes;
     let total: Option<f64> = passes.iter().map(|pass| pass.seconds).sum();
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
     for pass in passes {
-        let known = pass.seconds.zip(total);
+        let megabytes = pass.bytes as f64 / 1e6;
+        let share = pass
+            .seconds
+            .zip(total)
+            .map(|(s, all)| format!("{:.1}%", s / all * 100.0));
         let _ = writeln!(
             out,
-            "{:<10} {:<24} {:>6} {:>10} {:>6}",
+            "{:<10} {:<14} {:>5} {:>10} {:>6} {megabytes:>9.1} {:>8}",
             pass.stage,
             pass.name,
             pass.times,
-            known.map_or("-".to_owned(), |(s, _)| format!("{:.3}", s * 1e3)),
-            known.map_or("-".to_owned(), |(s, all)| format!(
-                "{:.1}%",
-                s / all * 100.0
-            )),
+            or_dash(pass.seconds.map(|s| format!("{:.3}", s * 1e3))),
+            or_dash(share),
+            or_dash(pass.seconds.map(|s| format!("{:.1}", megabytes / 1e3 / s))),
         );
     }
     let times: usize = passes.iter().map(|pass| pass.times).sum();
-    let total = total.map_or("-".to_owned(), |s| format!("{:.3}", s * 1e3));
-    let _ = writeln!(out, "{:<10} {:<24} {times:>6} {total:>10}", "all", "");
+    let all = or_dash(total.map(|s| format!("{:.3}", s * 1e3)));
+    let _ = writeln!(out, "{:<10} {:<14} {times:>5} {all:>10}\n", "all", "");
+    let alone = or_dash(total.map(|s| format!("{:.3}", timed.samples as f64 / s / 1e6)));
+    let _ = writeln!(
+        out,
+        "passes alone: {alone} Msamples/s; buffers: {:.1} bytes a sample; copies: {:.1} GB/s (read and written)",
+        timed.held_bytes as f64 / timed.samples.max(1) as f64,
+        timed.copy_rate / 1e9,
+    );
+    out.push_str(
+        "MB: what the buffers hold that a pass sees, once, or twice where it reads and writes them; passes over \
+         lists move less\n",
+    );
     out
 }
 
@@ -292,18 +334,21 @@ fn to_json(found: &Found<'_>) -> Value {
             "stage": pass.stage,
             "pass": pass.name,
             "times": pass.times,
+            "bytes": pass.bytes,
             "seconds": pass.seconds,
         })
     };
-    let passes = found.passes.as_ref();
+    let timed = &found.timed;
     json!({
         "engine": "gpu",
         "adapter": found.gpu.report().name,
         "threads": rayon::current_num_threads(),
         "first_seconds": found.first_seconds,
         "rows": found.rows.iter().map(row).collect::<Vec<_>>(),
-        "passes": passes.ok().map(|passes| passes.iter().map(pass).collect::<Vec<_>>()),
-        "passes_refused": passes.err().map(ToString::to_string),
+        "passes": timed.passes.iter().map(pass).collect::<Vec<_>>(),
+        "timed_samples": timed.samples,
+        "held_bytes": timed.held_bytes,
+        "copied_bytes_per_second": timed.copy_rate,
     })
 }
 
@@ -322,6 +367,15 @@ mod tests {
         }
     }
 
+    fn timed(passes: Vec<Pass>) -> Timed {
+        Timed {
+            passes,
+            samples: 750_000,
+            held_bytes: 48 * 750_000,
+            copy_rate: 1e9,
+        }
+    }
+
     #[test]
     fn passes_of_a_name_are_added_up_and_unmeasured_ones_are_dashes() {
         let mut passes = Vec::new();
@@ -332,12 +386,16 @@ mod tests {
         ] {
             add(&mut passes, &report(stage, name, Some(0.25)));
         }
-        let text = passes_text(&Ok(passes));
+        let text = passes_text(&timed(passes));
         assert!(text.contains("500.000  66.7%"), "{text}");
         assert!(text.contains("750.000"), "{text}");
+        assert!(
+            text.contains("passes alone: 1.000 Msamples/s; buffers: 48.0 bytes"),
+            "{text}"
+        );
         let mut passes = Vec::new();
         add(&mut passes, &report(Stage::Tile, "scan", None));
-        let text = passes_text(&Ok(passes));
-        assert_eq!(text.matches(" -").count(), 3, "{text}");
+        let text = passes_text(&timed(passes));
+        assert_eq!(text.matches(" -").count(), 5, "{text}");
     }
 }

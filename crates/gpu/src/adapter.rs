@@ -286,6 +286,25 @@ impl Gpu {
         Ok(())
     }
 
+    /// Copies `bytes` bytes on the device `times` times and waits for the end: what its memory can do at best, to be
+    /// timed by the caller. Every copy reads and writes them.
+    pub async fn copy(&self, bytes: u64, times: u32) -> Result<(), GpuError> {
+        let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let length = bytes.min(self.report.limits.max_buffer_size) / 4 * 4;
+        let (from, to) = (
+            self.buffer("copy", length, usage)?,
+            self.buffer("copy", length, usage)?,
+        );
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for _ in 0..times {
+            encoder.copy_buffer_to_buffer(&from, 0, &to, 0, length);
+        }
+        self.queue.submit([encoder.finish()]);
+        self.read(&to, 0..4).await.map(|_| ())
+    }
+
     /// Waits for the device where waiting is possible; in a browser the event loop brings the answers.
     pub(crate) fn drain(&self) {
         // A failure shows in the answer that does not come.
