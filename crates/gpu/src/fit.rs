@@ -81,6 +81,12 @@ fn excess(
     ) {
         return Ok(Some(excess));
     }
+    // The grid, 16 bytes a cell, is the longest buffer or nearly so.
+    let binding = limits.max_storage_buffer_binding_size;
+    let grid = 16 * cells.min(square);
+    if let Some(excess) = least(grid, "maxStorageBufferBindingSize", binding) {
+        return Ok(Some(excess));
+    }
     let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
     let window = Rect {
         min: Point::new(0, 0),
@@ -91,7 +97,6 @@ fn excess(
     let total = plan.peak(setup);
     let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
     let longest = longest.max(plan.result_length());
-    let binding = limits.max_storage_buffer_binding_size;
     Ok(least(longest, "maxStorageBufferBindingSize", binding)
         .or_else(|| least(longest, "maxBufferSize", limits.max_buffer_size))
         .or_else(|| least(total, "the memory to be used", memory)))
