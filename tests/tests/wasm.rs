@@ -3,10 +3,9 @@
 
 mod support;
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::LazyLock;
 
+use support::module::build;
 use support::pinned::{PINNED, cases};
 use support::{difference, digest, run, shown};
 use tilescope_core::{
@@ -17,41 +16,13 @@ use tilescope_formats::bytes_digest;
 use tilescope_tests_wasm::Task;
 use wasmi::{Engine, Instance, Memory, Module, Store, WasmParams, WasmResults};
 
-const TARGET: &str = "wasm32-unknown-unknown";
-
 /// Both builds: the name of their instruction set, and the module. Built once for all tests.
 static BUILDS: LazyLock<[(&str, Vec<u8>); 2]> = LazyLock::new(|| {
     [
-        ("scalar", build("")),
-        ("simd128", build("-Ctarget-feature=+simd128")),
+        ("scalar", build("wasm", "")),
+        ("simd128", build("wasm", "-Ctarget-feature=+simd128")),
     ]
 });
-
-/// Builds the package in `tests/wasm`, in a target folder of its own: whoever runs this test may hold the
-/// other one's lock.
-fn build(flags: &str) -> Vec<u8> {
-    let target_dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("wasm");
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("wasm/Cargo.toml");
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args(["build", "--release", "--locked", "--target", TARGET])
-        .arg("--manifest-path")
-        .arg(manifest)
-        .env("CARGO_TARGET_DIR", &target_dir)
-        .env("CARGO_ENCODED_RUSTFLAGS", flags)
-        .env("CARGO_TERM_COLOR", "never")
-        .output()
-        .expect("cargo starts");
-    let log = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.success(),
-        "the build for {TARGET} failed; if the target is missing, run: rustup target add {TARGET}\n{log}"
-    );
-    let module = target_dir
-        .join(TARGET)
-        .join("release/tilescope_tests_wasm.wasm");
-    std::fs::read(module).expect("the module")
-}
 
 /// A running module.
 struct Wasm {

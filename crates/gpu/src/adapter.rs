@@ -144,7 +144,12 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
             max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
             max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
         },
-        name: info.name,
+        // Browsers keep it to themselves.
+        name: if info.name.is_empty() {
+            format!("{} adapter", info.backend)
+        } else {
+            info.name
+        },
     }
 }
 

@@ -1,7 +1,9 @@
 //! What the tests share.
 #![allow(dead_code, reason = "no test binary uses all of it")]
 
+pub mod browser;
 pub mod inexact;
+pub mod module;
 pub mod pinned;
 pub mod random;
 
