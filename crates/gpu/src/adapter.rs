@@ -49,7 +49,7 @@ const STAGING: u64 = 64 << 20;
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// Part of its name, in any case of letters; the fastest, if not given.
+    /// Its name or a part of it, in any case of letters; the fastest, if not given.
     pub name: Option<String>,
     /// Whether one that computes on the CPU may serve, where no name is given.
     pub software: bool,
@@ -413,10 +413,11 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
     let place = match &choice.name {
         Some(wanted) => {
             let lower = wanted.to_lowercase();
-            let named = |report: &AdapterReport| report.name.to_lowercase().contains(&lower);
-            reports
-                .iter()
-                .position(named)
+            let is = |report: &AdapterReport| report.name.to_lowercase() == lower;
+            let has = |report: &AdapterReport| report.name.to_lowercase().contains(&lower);
+            let whole = reports.iter().position(is);
+            whole
+                .or_else(|| reports.iter().position(has))
                 .ok_or_else(|| GpuError::NoSuchAdapter {
                     wanted: wanted.clone(),
                     found: reports.iter().map(|report| report.name.clone()).collect(),
