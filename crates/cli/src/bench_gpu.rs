@@ -38,8 +38,8 @@ struct Pass {
     stage: &'static str,
     name: &'static str,
     times: usize,
-    /// Bytes that it moves if it goes over all that it sees.
-    bytes: u64,
+    /// Bytes that it moves at least, where it goes over all that it sees.
+    bytes: Option<u64>,
     /// Seconds on the device, where it measures them.
     seconds: Option<f64>,
 }
@@ -198,7 +198,7 @@ fn add(passes: &mut Vec<Pass>, report: &PassReport) {
     match known {
         Some(pass) => {
             pass.times += 1;
-            pass.bytes += report.bytes();
+            pass.bytes = pass.bytes.zip(report.bytes()).map(|(a, b)| a + b);
             pass.seconds = pass.seconds.zip(report.seconds).map(|(a, b)| a + b);
         }
         None => passes.push(Pass {
@@ -282,20 +282,25 @@ fn passes_text(timed: &Timed) -> String {
     let total: Option<f64> = passes.iter().map(|pass| pass.seconds).sum();
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".to_owned());
     for pass in passes {
-        let megabytes = pass.bytes as f64 / 1e6;
+        let megabytes = pass.bytes.map(|bytes| bytes as f64 / 1e6);
         let share = pass
             .seconds
             .zip(total)
             .map(|(s, all)| format!("{:.1}%", s / all * 100.0));
         let _ = writeln!(
             out,
-            "{:<10} {:<14} {:>5} {:>10} {:>6} {megabytes:>9.1} {:>8}",
+            "{:<10} {:<14} {:>5} {:>10} {:>6} {:>9} {:>8}",
             pass.stage,
             pass.name,
             pass.times,
             or_dash(pass.seconds.map(|s| format!("{:.3}", s * 1e3))),
             or_dash(share),
-            or_dash(pass.seconds.map(|s| format!("{:.1}", megabytes / 1e3 / s))),
+            or_dash(megabytes.map(|mb| format!("{mb:.1}"))),
+            or_dash(
+                pass.seconds
+                    .zip(megabytes)
+                    .map(|(s, mb)| format!("{:.1}", mb / 1e3 / s))
+            ),
         );
     }
     let times: usize = passes.iter().map(|pass| pass.times).sum();
@@ -309,8 +314,7 @@ fn passes_text(timed: &Timed) -> String {
         timed.copy_rate / 1e9,
     );
     out.push_str(
-        "MB: what the buffers hold that a pass sees, once, or twice where it reads and writes them; passes over \
-         lists move less\n",
+        "MB: what the buffers hold that a pass over all elements sees, twice where it reads and writes them\n",
     );
     out
 }

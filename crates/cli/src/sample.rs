@@ -9,7 +9,7 @@ use tilescope_analysis::Report;
 use tilescope_core::{MAXIMAL_DENSITY, radius_estimate};
 use tilescope_formats::{ExportContext, Exported, Format, Precision};
 
-use crate::engine::{Chosen, EngineArguments};
+use crate::engine::{Chosen, EngineArgument, EngineArguments};
 use crate::make::{self, Made};
 use crate::output::{self, Outcome};
 use crate::parameters::RunArguments;
@@ -101,6 +101,10 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     let expected = arguments.expected()?;
     let streams = arguments.streams(expected)?;
     let made = if arguments.method == Method::Reference {
+        ensure!(
+            arguments.engine.engine != EngineArgument::Gpu,
+            "--engine gpu computes KDRT: the reference sampler runs on the CPU alone"
+        );
         make::reference(&arguments.run)?
     } else {
         let parameters = arguments.run.parameters();

@@ -2,6 +2,10 @@
 // How they come in is left to chance; the next pass sorts them.
 
 fn run(index: u32) {
+    // The last row of workgroups may be longer than what is left.
+    if index / WORKGROUP >= job.a {
+        return;
+    }
     let piece = pieces[index / WORKGROUP];
     let local = index % WORKGROUP;
     let columns = piece.w & 0xffffu;

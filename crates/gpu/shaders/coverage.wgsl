@@ -16,7 +16,7 @@ fn is_open(pixels: OpenPixels) -> bool {
 fn open_in_row(s: vec2<i32>, row: i32) -> u32 {
     let low = row * PIXEL_SIDE;
     let away = max(abs(low - s.y), abs(low + PIXEL_SIDE - 1 - s.y));
-    if away > R {
+    if away >= R {
         return 255u;
     }
     // Half the chord. The root of an integer below 2^30 comes within 1/4 of a unit; one unit is given away.

@@ -1,5 +1,5 @@
-// Ends the detectors' turn, and their surroundings': what is inserted next are the next ones. Changes nothing where proposals did not
-// find room, so that detection can be run again.
+// Ends the detectors' turn, and their surroundings': what is inserted next are the next ones. Where
+// proposals did not find room there is nothing to do: the window begins anew.
 
 fn run(index: u32) {
     if index >= frame.cells || counters[COUNTER_PROPOSALS] > frame.proposal_capacity {

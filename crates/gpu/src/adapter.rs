@@ -40,8 +40,9 @@ pub struct Limits {
 /// The storage buffers that the widest pass sees: what WebGPU guarantees.
 pub(crate) const MOST_STORAGE_BUFFERS: u32 = 8;
 
-/// The rows of workgroups, `GROUP_COLUMNS` wide, that the largest frame takes.
-const MOST_GROUP_ROWS: u64 = 4_096;
+/// The rows of workgroups, `GROUP_COLUMNS` wide, that the largest frame takes: an invocation for each of the 8 rows of
+/// pixels of 2^28 open cells.
+const MOST_GROUP_ROWS: u64 = 32_769;
 
 /// Bytes that are read back at a time.
 const STAGING: u64 = 64 << 20;

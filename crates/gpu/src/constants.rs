@@ -80,6 +80,18 @@ pub const FATE_KEPT: u32 = 0x4000_0000;
 /// It was eliminated, or dropped.
 pub const FATE_LOST: u32 = 0x8000_0000;
 
+/// Flags of a cell of the grid: something in it is not known.
+pub const FLAG_UNSURE: u32 = 4;
+/// Next to a cell of which something is not known.
+pub const FLAG_HOT: u32 = 16;
+/// A sample was eliminated or dropped in it.
+pub const FLAG_LOST: u32 = 32;
+/// A sample inserted last may make candidates in it.
+pub const FLAG_FRESH: u32 = 64;
+
+/// The mark of a detector in a slot of the grid.
+pub const DETECTOR: u32 = 0x4000_0000;
+
 /// The number of samples in the last word of a cell of the grid.
 pub const COUNT_MASK: u32 = 3;
 
@@ -151,15 +163,15 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("FATE_LOST", FATE_LOST),
         ("FATE_UNKNOWN", FATE_MASK),
         ("FREE", u32::MAX),
-        ("DETECTOR", 0x4000_0000),
+        ("DETECTOR", DETECTOR),
         ("SITE_DETECTOR", 0x8000_0000),
         ("NO_SITE", NO_SITE),
         ("COUNT_MASK", COUNT_MASK),
-        ("FLAG_UNSURE", 4),
+        ("FLAG_UNSURE", FLAG_UNSURE),
         ("FLAG_REACHED", 8),
-        ("FLAG_HOT", 16),
-        ("FLAG_LOST", 32),
-        ("FLAG_FRESH", 64),
+        ("FLAG_HOT", FLAG_HOT),
+        ("FLAG_LOST", FLAG_LOST),
+        ("FLAG_FRESH", FLAG_FRESH),
         ("GAP_SIDE", GAP_SIDE as u32),
         ("POISSON_COUNT", POISSON.len() as u32),
         ("STREAM_DART", Stream::Dart as u32),

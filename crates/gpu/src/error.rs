@@ -72,7 +72,7 @@ pub enum GpuError {
         allowed: u32,
     },
     /// The driver has no memory left.
-    #[error("the device has no memory left; allow less of it, or choose another engine")]
+    #[error("the device has no memory left; choose another engine")]
     OutOfMemory,
     /// The device is gone: removed, reset, or taken away by the system.
     #[error("the device was lost: {reason}")]
@@ -87,11 +87,13 @@ pub enum GpuError {
         reason: String,
     },
     /// A pass met what cannot happen: a fault of the program or of the driver.
-    #[error("the pass {pass} met what cannot happen (code {code}); use another engine")]
+    #[error(
+        "the stage {stage} met on the device what cannot happen (fault {code}); use another engine"
+    )]
     Fault {
         /// The stage in which the counters showed it.
-        pass: &'static str,
-        /// What was met, as the shaders number it.
+        stage: tilescope_core::Stage,
+        /// What was met, as `FAULTS` in the crate's constants numbers it.
         code: u32,
     },
     /// A stage was asked for that the GPU does not run, or an order of stages that makes no sense.
@@ -112,9 +114,10 @@ impl From<ParameterError> for GpuError {
 }
 
 impl GpuError {
-    /// Returns whether another engine may well succeed: the device fails, not the run.
+    /// Returns whether another engine may well succeed: the device fails, not the run. That goes for samples that
+    /// depend on too much around them, too: other engines look farther.
     #[must_use]
     pub const fn is_of_the_device(&self) -> bool {
-        !matches!(self, Self::Sample(_))
+        !matches!(self, Self::Sample(error) if !matches!(error, SampleError::Entangled { .. }))
     }
 }

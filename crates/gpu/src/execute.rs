@@ -11,7 +11,7 @@ use crate::constants::{GROUP_COLUMNS, WORKGROUP};
 use crate::error::GpuError;
 use crate::layout::{Job, Name};
 use crate::passes::{Command, Pass, Size};
-use crate::plan::{Plan, RELEASED};
+use crate::plan::{Phase, Plan};
 use crate::setup::Setup;
 use crate::stepper::PassReport;
 
@@ -38,6 +38,7 @@ pub(crate) struct Device {
     buffers: BTreeMap<Name, (wgpu::Buffer, u64)>,
     jobs: wgpu::Buffer,
     highest_bytes: u64,
+    looks: Looks,
     /// The passes so far, if they are to be reported.
     pub reports: Option<Vec<PassReport>>,
     times: Option<Times>,
@@ -53,8 +54,10 @@ struct Times {
 }
 
 impl Device {
-    /// Returns buffers for a plan: those of `before` where they are long enough.
-    pub(crate) fn new(
+    /// Returns buffers for the beginning of a plan: those of `before` where they are long enough.
+    ///
+    /// Fails when the device has no room for them.
+    pub(crate) async fn new(
         gpu: &Arc<Gpu>,
         setup: &Setup,
         plan: &Plan,
@@ -65,31 +68,49 @@ impl Device {
             Some(device) => device,
             None => Self::empty(gpu, looks)?,
         };
-        let mut lengths = plan.lengths(setup, looks == Looks::AtStages);
-        lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
-        let fits = |device: &Self, name: Name, length: u64| {
-            device
-                .buffers
-                .get(&name)
-                .is_some_and(|(_, have)| *have >= length)
-        };
-        // First let go of what is too short, so that memory is there for what is longer.
-        device.buffers.retain(|name, (_, have)| {
-            !lengths
-                .iter()
-                .any(|(n, length)| n == name && &*have < length)
-        });
-        for &(name, length) in &lengths {
-            if !fits(&device, name, length) {
-                device.allocate(name, length)?;
-            }
-        }
-        device.write(Name::Frame, bytemuck::bytes_of(&plan.uniform));
-        device.write(Name::Images, bytemuck::cast_slice(&plan.images));
-        device.write(Name::Pieces, bytemuck::cast_slice(&plan.pieces));
-        device.write(Name::Pattern, bytemuck::cast_slice(&setup.pattern));
+        device.enter(setup, plan, Phase::Tile).await?;
+        device.write(Name::Frame, bytemuck::bytes_of(&plan.uniform))?;
+        device.write(Name::Images, bytemuck::cast_slice(&plan.images))?;
+        device.write(Name::Pieces, bytemuck::cast_slice(&plan.pieces))?;
+        device.write(Name::Pattern, bytemuck::cast_slice(&setup.pattern))?;
         gpu.check()?;
         Ok(device)
+    }
+
+    /// Lets go of the buffers that a phase no longer needs, and makes those that it needs and that are not there or
+    /// too short.
+    pub(crate) async fn enter(
+        &mut self,
+        setup: &Setup,
+        plan: &Plan,
+        phase: Phase,
+    ) -> Result<(), GpuError> {
+        let looks = self.looks == Looks::AtStages;
+        let mut lengths = plan.lengths(setup, looks);
+        lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
+        lengths.retain(|(name, _)| looks || phase.needs(*name, setup.sources));
+        // First let go, so that memory is there.
+        self.buffers.retain(|name, (_, have)| {
+            lengths
+                .iter()
+                .any(|(needed, length)| needed == name && *have >= *length)
+        });
+        // A browser tells later, and only to those who asked before.
+        let scope = self
+            .gpu
+            .device
+            .push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        for (name, length) in lengths {
+            if !self.buffers.contains_key(&name) {
+                self.allocate(name, length)?;
+            }
+        }
+        if scope.pop().await.is_some() {
+            self.buffers.clear();
+            return Err(GpuError::OutOfMemory);
+        }
+        self.highest_bytes = self.highest_bytes.max(self.held_bytes());
+        self.gpu.check()
     }
 
     fn empty(gpu: &Arc<Gpu>, looks: Looks) -> Result<Self, GpuError> {
@@ -105,26 +126,15 @@ impl Device {
             buffers: BTreeMap::new(),
             jobs,
             highest_bytes: 0,
+            looks,
             reports: reports.then(Vec::new),
             times: times.then(|| Times::new(gpu)).transpose()?,
         })
     }
 
-    /// Lets go of what is no longer needed and makes the result's buffer.
-    pub(crate) fn make_room(&mut self, plan: &Plan) -> Result<(), GpuError> {
-        self.highest_bytes = self.highest_bytes.max(self.held_bytes());
-        self.buffers.retain(|name, _| !RELEASED.contains(name));
-        let length = plan.result_length();
-        if self.length(Name::Result) < length {
-            self.buffers.remove(&Name::Result);
-            self.allocate(Name::Result, length)?;
-        }
-        Ok(())
-    }
-
     /// Returns the most bytes that the buffers have held at once.
-    pub(crate) fn highest_bytes(&self) -> u64 {
-        self.highest_bytes.max(self.held_bytes())
+    pub(crate) const fn highest_bytes(&self) -> u64 {
+        self.highest_bytes
     }
 
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
@@ -139,15 +149,18 @@ impl Device {
         };
         let copies = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let buffer = self.gpu.buffer(name.as_str(), length, usage | copies)?;
-        self.gpu.check()?;
         self.buffers.insert(name, (buffer, length));
         Ok(())
     }
 
-    /// Writes the beginning of a buffer.
-    pub(crate) fn write(&self, name: Name, bytes: &[u8]) {
-        if let Some((buffer, _)) = self.buffers.get(&name) {
-            self.gpu.queue.write_buffer(buffer, 0, bytes);
+    /// Writes the beginning of a buffer. Fails where it is too short.
+    pub(crate) fn write(&self, name: Name, bytes: &[u8]) -> Result<(), GpuError> {
+        match self.buffers.get(&name) {
+            Some((buffer, length)) if bytes.len() as u64 <= *length => {
+                self.gpu.queue.write_buffer(buffer, 0, bytes);
+                Ok(())
+            }
+            _ => Err(GpuError::OutOfMemory),
         }
     }
 

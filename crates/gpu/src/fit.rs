@@ -4,17 +4,14 @@ use tilescope_core::{Point, R, Rect};
 
 use crate::adapter::{AdapterReport, Limits};
 use crate::error::GpuError;
-use crate::plan::{MOST_CELLS, Plan};
+use crate::plan::{MOST_CELLS, MOST_SIDE, Plan, Room};
 use crate::setup::Setup;
-use crate::sweep::HALO;
+use crate::sweep::{HALO, SHORTEST_SIDE};
 
 /// Memory to use where nobody said how much: WebGPU does not tell what there is. A discrete GPU has more than the
 /// first, everything else than the second; where it has not, windows become smaller.
 const MEMORY_OF_DISCRETE: u64 = 6 << 30;
 const MEMORY_OF_OTHERS: u64 = 1 << 30;
-
-/// The shortest side that is tried, in cells.
-const SHORTEST: u32 = 8;
 
 /// Returns the bytes of memory to use.
 pub(crate) fn memory_of(report: &AdapterReport, wanted: Option<u64>) -> u64 {
@@ -25,11 +22,58 @@ pub(crate) fn memory_of(report: &AdapterReport, wanted: Option<u64>) -> u64 {
     })
 }
 
-/// What a window needs that is more than there is.
-struct Excess {
-    needed: u64,
-    limit: &'static str,
-    allowed: u64,
+/// Returns the plan of a window that the device can take.
+///
+/// Fails with [`GpuError::TooLittleMemory`] where it cannot.
+pub(crate) fn plan(
+    setup: &Setup,
+    window: &Rect,
+    halo: i32,
+    room: Option<Room>,
+    limits: &Limits,
+    memory: u64,
+) -> Result<Plan, GpuError> {
+    let cells = |low: i32, high: i32| ((high - 1) / R - low / R + 1) as u64;
+    let width = cells(window.min.x, window.max.x);
+    let height = cells(window.min.y, window.max.y);
+    let longer = width.max(height);
+    let check = |needed: u64, limit: &'static str, allowed: u64| {
+        if needed <= allowed {
+            return Ok(());
+        }
+        Err(GpuError::TooLittleMemory {
+            cells: longer as u32,
+            needed,
+            limit,
+            allowed,
+        })
+    };
+    // Before anything is computed that grows with the window.
+    let (bytes, around) = (16, 2 * halo as u64);
+    let binding = limits.max_storage_buffer_binding_size;
+    check(
+        bytes * (longer + around),
+        "a side of the engine's frames",
+        bytes * MOST_SIDE,
+    )?;
+    let max = setup.domain.rect().max;
+    let frame_side = |side: u64, domain: i32| {
+        if setup.domain.is_periodic() {
+            side + around
+        } else {
+            (side + around).min(cells(0, domain))
+        }
+    };
+    let frame = frame_side(width, max.x) * frame_side(height, max.y);
+    check(bytes * frame, "the engine's frames", bytes * MOST_CELLS)?;
+    check(bytes * frame, "maxStorageBufferBindingSize", binding)?;
+    let plan = Plan::new(setup, window, halo, room)?;
+    let lengths = plan.lengths(setup, false);
+    let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
+    check(longest, "maxStorageBufferBindingSize", binding)?;
+    check(longest, "maxBufferSize", limits.max_buffer_size)?;
+    check(plan.peak(setup), "the memory to be used", memory)?;
+    Ok(plan)
 }
 
 /// Returns the longest side of a window, in cells, that the device can take, at most the domain's longer side.
@@ -39,65 +83,19 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
     let mut side = whole;
     // From the whole domain down, a quarter at a time: a plan costs what the tree's visit costs.
     loop {
-        match excess(setup, side, limits, memory)? {
-            None => return Ok(side),
-            Some(_) if side > SHORTEST => side = (side * 3 / 4).max(SHORTEST),
-            Some(excess) => {
-                return Err(GpuError::TooLittleMemory {
-                    cells: side,
-                    needed: excess.needed,
-                    limit: excess.limit,
-                    allowed: excess.allowed,
-                });
+        let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
+        // In the middle, so that a bounded domain has a halo on all sides that it can have.
+        let low = |max: i32| (max - end(max)) / 2 / R * R;
+        let window = Rect {
+            min: Point::new(low(max.x), low(max.y)),
+            max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
+        };
+        match plan(setup, &window, HALO, None, limits, memory) {
+            Ok(_) => return Ok(side),
+            Err(GpuError::TooLittleMemory { .. }) if side > SHORTEST_SIDE => {
+                side = (side * 3 / 4).max(SHORTEST_SIDE);
             }
+            Err(error) => return Err(error),
         }
     }
-}
-
-/// Returns what a window of so many cells along its sides needs beyond what the device has.
-fn excess(
-    setup: &Setup,
-    side: u32,
-    limits: &Limits,
-    memory: u64,
-) -> Result<Option<Excess>, GpuError> {
-    // Before anything is computed that grows with the window.
-    let with_halo = u64::from(side) + 2 * HALO as u64;
-    let least = |needed: u64, limit: &'static str, allowed: u64| {
-        (needed > allowed).then_some(Excess {
-            needed,
-            limit,
-            allowed,
-        })
-    };
-    let domain = setup.domain.rect().max;
-    let cells = with_halo * with_halo;
-    let square = (u64::from(domain.x.unsigned_abs()) + 2 * 32 * R as u64) / R as u64
-        * ((u64::from(domain.y.unsigned_abs()) + 2 * 32 * R as u64) / R as u64);
-    if let Some(excess) = least(
-        cells.min(square),
-        "the engine's number of cells",
-        MOST_CELLS,
-    ) {
-        return Ok(Some(excess));
-    }
-    // The grid, 16 bytes a cell, is the longest buffer or nearly so.
-    let binding = limits.max_storage_buffer_binding_size;
-    let grid = 16 * cells.min(square);
-    if let Some(excess) = least(grid, "maxStorageBufferBindingSize", binding) {
-        return Ok(Some(excess));
-    }
-    let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
-    let window = Rect {
-        min: Point::new(0, 0),
-        max: Point::new(end(domain.x), end(domain.y)),
-    };
-    let plan = Plan::new(setup, &window, HALO, None)?;
-    let lengths = plan.lengths(setup, false);
-    let total = plan.peak(setup);
-    let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
-    let longest = longest.max(plan.result_length());
-    Ok(least(longest, "maxStorageBufferBindingSize", binding)
-        .or_else(|| least(longest, "maxBufferSize", limits.max_buffer_size))
-        .or_else(|| least(total, "the memory to be used", memory)))
 }

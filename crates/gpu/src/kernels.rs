@@ -61,7 +61,9 @@ fn entry((binding, place): (&Binding, u32)) -> wgpu::BindGroupLayoutEntry {
     let ty = match binding.access {
         Access::Uniform => wgpu::BufferBindingType::Uniform,
         Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
-        Access::Write | Access::Atomic => wgpu::BufferBindingType::Storage { read_only: false },
+        Access::Write | Access::Update | Access::Atomic => {
+            wgpu::BufferBindingType::Storage { read_only: false }
+        }
     };
     wgpu::BindGroupLayoutEntry {
         binding: place,

@@ -353,6 +353,8 @@ pub enum Access {
     Read,
     /// It is written, by one invocation an element.
     Write,
+    /// It is read and written, by one invocation an element.
+    Update,
     /// It is written by many: its elements are atomic 32-bit words.
     Atomic,
 }
@@ -379,7 +381,7 @@ pub fn declarations(bindings: &[Binding]) -> String {
                 "storage, read",
                 format!("array<{}>", binding.name.element()),
             ),
-            Access::Write => (
+            Access::Write | Access::Update => (
                 "storage, read_write",
                 format!("array<{}>", binding.name.element()),
             ),

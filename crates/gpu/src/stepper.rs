@@ -7,12 +7,12 @@ use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::Looks;
-use crate::fit::longest_side;
+use crate::fit::{longest_side, memory_of};
 use crate::layout::{Access, Name};
 use crate::plan::{Plan, Room, whole};
 use crate::setup::Setup;
 use crate::state::State;
-use crate::sweep::HALO;
+use crate::sweep::{HALO, MOST_TRIES};
 use crate::table::Table;
 use crate::upload;
 use crate::work::{Outcome, Work};
@@ -38,16 +38,17 @@ pub struct PassReport {
 }
 
 impl PassReport {
-    /// Returns the bytes that the pass moves at least if it goes over all that it sees: every buffer once, those that
-    /// it both reads and writes twice. Passes over lists, whose workgroups the device computed, move less.
+    /// Returns the bytes that a pass over all elements moves at least: every buffer that it sees once, those that it
+    /// both reads and writes twice. `None` of passes over lists, whose workgroups the device computed.
     #[must_use]
-    pub fn bytes(&self) -> u64 {
+    pub fn bytes(&self) -> Option<u64> {
         let moved = |&(_, access, length): &(Name, Access, u64)| match access {
             Access::Uniform => 0,
             Access::Read | Access::Write => length,
-            Access::Atomic => 2 * length,
+            Access::Update | Access::Atomic => 2 * length,
         };
-        self.bindings.iter().map(moved).sum()
+        self.workgroups
+            .map(|_| self.bindings.iter().map(moved).sum())
     }
 }
 
@@ -62,6 +63,8 @@ pub struct Stepper {
     first: Stage,
     halo: i32,
     room: Option<Room>,
+    /// How often it asked for more room.
+    tries: usize,
     /// The last stage of which [`Self::step`] told.
     reached: Option<Stage>,
     work: Work,
@@ -73,7 +76,6 @@ impl Stepper {
     ///
     /// Fails when the parameters cannot be sampled, when the run does not fit the device in one go, and when a
     /// run ends before `first_gpu_stage`.
-    #[allow(clippy::unused_async)] // As GpuSweep's, for those who drive either.
     pub async fn new(
         gpu: Arc<Gpu>,
         parameters: &Parameters,
@@ -91,7 +93,7 @@ impl Stepper {
             stage => stage,
         };
         check_size(&gpu, &setup)?;
-        let work = begin(&gpu, &setup, pattern, first, HALO, None)?;
+        let work = begin(&gpu, &setup, pattern, first, HALO, None).await?;
         Ok(Self {
             gpu,
             setup,
@@ -99,6 +101,7 @@ impl Stepper {
             first,
             halo: HALO,
             room: None,
+            tries: 0,
             reached: None,
             work,
         })
@@ -108,7 +111,7 @@ impl Stepper {
     pub async fn step_pass(&mut self) -> Result<Option<PassReport>, GpuError> {
         while !self.work.is_done() {
             let outcome = self.work.run_pass().await?;
-            self.begin_anew(outcome.as_ref())?;
+            self.begin_anew(outcome.as_ref()).await?;
             // A run that began anew has no report yet.
             if let Some(report) = self.reports().last() {
                 return Ok(Some(report.clone()));
@@ -133,14 +136,14 @@ impl Stepper {
     /// Runs to the end.
     pub async fn finish(&mut self) -> Result<(), GpuError> {
         while !self.work.is_done() {
-            let outcome = self.work.run().await?;
-            self.begin_anew(outcome.as_ref())?;
+            let outcome = self.work.run(|_| Ok(())).await?;
+            self.begin_anew(outcome.as_ref()).await?;
         }
         Ok(())
     }
 
     /// Begins anew where the halo or the room proved too small.
-    fn begin_anew(&mut self, outcome: Option<&Outcome>) -> Result<(), GpuError> {
+    async fn begin_anew(&mut self, outcome: Option<&Outcome>) -> Result<(), GpuError> {
         match outcome {
             None | Some(Outcome::Known(_)) => return Ok(()),
             Some(Outcome::Unsure) if self.halo >= WIDEST_HALO => {
@@ -153,7 +156,13 @@ impl Stepper {
                 self.halo *= 2;
                 self.room = None;
             }
-            Some(Outcome::TooSmall(room)) => self.room = Some(*room),
+            Some(Outcome::TooSmall(_)) if self.tries == MOST_TRIES => {
+                return Err(GpuError::OutOfMemory);
+            }
+            Some(Outcome::TooSmall(room)) => {
+                self.tries += 1;
+                self.room = Some(*room);
+            }
         }
         let (halo, room) = (self.halo, self.room);
         self.work = begin(
@@ -163,7 +172,8 @@ impl Stepper {
             self.first,
             halo,
             room,
-        )?;
+        )
+        .await?;
         Ok(())
     }
 
@@ -198,9 +208,10 @@ impl Stepper {
     }
 }
 
-/// Fails when a run with a halo does not fit the device.
+/// Fails when a run with a halo, and with all that is kept of it, does not fit the device.
 fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
-    let memory = crate::fit::memory_of(gpu.report(), None);
+    // What stages leave behind takes about as much again as their buffers.
+    let memory = memory_of(gpu.report(), None) / 2;
     let allowed = longest_side(setup, &gpu.report().limits, memory)?;
     let max = setup.domain.rect().max;
     let needed = (max.x.max(max.y) - 1) as u32 / tilescope_core::R as u32 + 1;
@@ -211,7 +222,7 @@ fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
 }
 
 /// Returns the work at its beginning, behind the stages that run on the CPU.
-fn begin(
+async fn begin(
     gpu: &Arc<Gpu>,
     setup: &Arc<Setup>,
     pattern: &Arc<Pattern>,
@@ -224,7 +235,7 @@ fn begin(
         // Runs that are looked at are small; beginning anew would confuse who looks.
         plan.double_room();
     }
-    let mut work = Work::new(gpu, setup, plan, None, Looks::AtStages)?;
+    let mut work = Work::new(gpu, setup, plan, None, Looks::AtStages).await?;
     if first != Stage::Blocks {
         let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;
         while engine.next().is_some_and(|next| next < first) {

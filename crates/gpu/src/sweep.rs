@@ -14,8 +14,8 @@ use tilescope_core::{
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::{Device, Looks};
-use crate::fit::{longest_side, memory_of};
-use crate::plan::{Plan, Room};
+use crate::fit::{self, longest_side, memory_of};
+use crate::plan::Room;
 use crate::setup::Setup;
 use crate::stepper::PassReport;
 use crate::work::{Outcome, Window, Work};
@@ -28,10 +28,10 @@ pub(crate) const HALO: i32 = 24;
 const WIDEST_HALO: i32 = 768;
 
 /// The shortest side of a window, in cells.
-const SHORTEST_SIDE: u32 = 8;
+pub(crate) const SHORTEST_SIDE: u32 = 8;
 
 /// How often a window may ask for more room before that counts as a fault.
-const MOST_TRIES: usize = 8;
+pub(crate) const MOST_TRIES: usize = 8;
 
 /// What a run may use and is asked to keep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -188,7 +188,9 @@ impl GpuSweep {
         loop {
             match self.band(observer).await {
                 // Other programs use the device, too: smaller windows may still fit.
-                Err(GpuError::OutOfMemory) if self.side > SHORTEST_SIDE => {
+                Err(GpuError::OutOfMemory | GpuError::TooLittleMemory { .. })
+                    if self.side > SHORTEST_SIDE =>
+                {
                     self.idle = None;
                     self.side = (self.side / 2).max(SHORTEST_SIDE);
                 }
@@ -212,7 +214,7 @@ impl GpuSweep {
                 min: Point::new(units(left, max.x), units(self.done, max.y)),
                 max: Point::new(units(left + width, max.x), units(top, max.y)),
             };
-            windows.push(self.window(&window).await?);
+            windows.push(self.window(&window, observer).await?);
         }
         for window in &windows {
             self.counts.add(&window.counts);
@@ -223,10 +225,14 @@ impl GpuSweep {
     }
 
     /// Computes a window: with a wider halo where one proves too narrow, with more room where that is needed.
-    async fn window(&mut self, window: &Rect) -> Result<Window, GpuError> {
+    async fn window(
+        &mut self,
+        window: &Rect,
+        observer: &mut dyn Observer,
+    ) -> Result<Window, GpuError> {
         let (mut halo, mut room, mut tries) = (self.halo, None, 0);
         loop {
-            match self.attempt(window, halo, room).await? {
+            match self.attempt(window, halo, room, observer).await? {
                 Outcome::Known(window) => return Ok(window),
                 Outcome::Unsure if halo >= WIDEST_HALO => {
                     return Err(SampleError::Entangled {
@@ -252,10 +258,26 @@ impl GpuSweep {
         window: &Rect,
         halo: i32,
         room: Option<Room>,
+        observer: &mut dyn Observer,
     ) -> Result<Outcome, GpuError> {
-        let plan = Plan::new(&self.setup, window, halo, room)?;
-        let mut work = Work::new(&self.gpu, &self.setup, plan, self.idle.take(), self.looks())?;
-        let early = work.run().await?;
+        let plan = fit::plan(
+            &self.setup,
+            window,
+            halo,
+            room,
+            &self.gpu.report().limits,
+            self.memory,
+        )?;
+        let height = f64::from(plan.frame.window.height()) / f64::from(R);
+        let (done, rows) = self.rows();
+        let idle = self.idle.take();
+        let mut work = Work::new(&self.gpu, &self.setup, plan, idle, self.looks()).await?;
+        let early = work
+            .run(|share| {
+                let now = u64::from(done) + (share * height) as u64;
+                Ok(ask(observer, now.min(rows.into()), rows.into())?)
+            })
+            .await?;
         let outcome = match early {
             Some(outcome) => outcome,
             None => Outcome::Known(work.result().await?),
@@ -274,6 +296,10 @@ impl GpuSweep {
             sources: self.setup.sources.then(Vec::new),
         };
         while let Some(mut band) = self.step(observer).await? {
+            if all.points.is_empty() {
+                all = band;
+                continue;
+            }
             all.points.append(&mut band.points);
             if let (Some(all), Some(band)) = (&mut all.sources, &mut band.sources) {
                 all.append(band);
@@ -388,4 +414,96 @@ fn join(mut windows: Vec<Window>, with_sources: bool) -> Sampled {
         }
     }
     joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::adapter::Choice;
+    use crate::plan::{Plan, whole};
+    use pollster::block_on;
+    use tilescope_core::{Insertion, Unobserved};
+
+    fn sweep(insertion: Insertion) -> GpuSweep {
+        let parameters = Parameters {
+            radius: 0.01,
+            leaf: 8.0,
+            insertion,
+            ..Parameters::default()
+        };
+        let choice = Choice {
+            software: true,
+            ..Choice::default()
+        };
+        let gpu = block_on(Gpu::open(&choice));
+        let gpu = gpu.expect("this test needs a GPU adapter; a software one (lavapipe) will do");
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+        let sweep = GpuSweep::new(Arc::new(gpu), &parameters, &pattern, Options::default());
+        block_on(sweep).unwrap()
+    }
+
+    #[test]
+    fn too_little_room_is_noticed_and_made_up_for() {
+        for insertion in [Insertion::Circumcentre, Insertion::Uniform] {
+            let mut sweep = sweep(insertion);
+            let window = whole(&sweep.setup);
+            let plan = Plan::new(&sweep.setup, &window, HALO, None).unwrap();
+            let room = plan.room();
+            let expected = block_on(sweep.attempt(&window, HALO, None, &mut Unobserved)).unwrap();
+            assert!(matches!(expected, Outcome::Known(_)));
+            let uniform = insertion == Insertion::Uniform;
+            let mut rooms = vec![
+                Room { tiled: 99, ..room },
+                Room { unsure: 9, ..room },
+                Room {
+                    proposals: 9,
+                    ..room
+                },
+                Room { result: 99, ..room },
+            ];
+            rooms.push(if uniform {
+                Room { active: 9, ..room }
+            } else {
+                Room { open: 9, ..room }
+            });
+            for small in rooms {
+                let mut wanted = small;
+                let mut tries = 0;
+                let found = loop {
+                    let mut go_on = Unobserved;
+                    let attempt = sweep.attempt(&window, HALO, Some(wanted), &mut go_on);
+                    match block_on(attempt).unwrap() {
+                        Outcome::TooSmall(more) => wanted = more,
+                        other => break other,
+                    }
+                    tries += 1;
+                };
+                assert!(
+                    tries > 0 && tries < MOST_TRIES,
+                    "{small:?} took {tries} tries"
+                );
+                assert!(found == expected, "{small:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn memory_that_is_not_there_makes_smaller_windows() {
+        let mut sweep = sweep(Insertion::Circumcentre);
+        let expected = block_on(sweep.step(&mut Unobserved)).unwrap();
+        sweep.restore(&SweepState {
+            rows: 0,
+            count: 0,
+            counts: Counts::default(),
+        });
+        // As if other programs had taken the rest.
+        sweep.memory = 600_000;
+        let side = sweep.side;
+        let mut points = Vec::new();
+        while let Some(band) = block_on(sweep.step(&mut Unobserved)).unwrap() {
+            points.extend(band.points);
+        }
+        assert!(sweep.side < side);
+        assert!(Some(points) == expected.map(|band| band.points));
+    }
 }

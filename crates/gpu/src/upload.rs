@@ -6,19 +6,12 @@ use std::collections::HashMap;
 use tilescope_core::windows::{CELL_BITS, PAD};
 use tilescope_core::{Fate, Insertion, Point, R, Run, Sequential, Stage, Unobserved};
 
-use crate::constants::{FATE_KEPT, FATE_LOST, TILE_WORDS};
+use crate::constants::{
+    DETECTOR, FATE_KEPT, FATE_LOST, FLAG_FRESH, FLAG_HOT, FLAG_LOST, FLAG_UNSURE, TILE_WORDS,
+};
 use crate::error::GpuError;
 use crate::layout::{Name, counter};
 use crate::work::Work;
-
-/// Flags of the grid, as shaders have them.
-const UNSURE: u32 = 4;
-const HOT: u32 = 16;
-const LOST: u32 = 32;
-const FRESH: u32 = 64;
-
-/// The mark of a detector in a slot.
-const DETECTOR: u32 = 1 << 30;
 
 /// Writes what `engine` has done before `first`, and lets the work begin there.
 pub(crate) fn upload(
@@ -28,16 +21,17 @@ pub(crate) fn upload(
 ) -> Result<(), GpuError> {
     let mut counters = [0_u32; counter::COUNT as usize];
     match first {
-        Stage::Tile => work
-            .device
-            .write(Name::TileImages, bytes(&tile_images(work))),
-        Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters),
+        Stage::Tile => {
+            let lists = tile_images(work);
+            work.device.write(Name::TileImages, bytes(&lists))?;
+        }
+        Stage::Eliminate | Stage::Iterate(1) => write_tiled(work, engine.run(), &mut counters)?,
         Stage::Iterate(_) | Stage::Finish => {
             if engine.next() != Some(first) && first != Stage::Finish {
                 return Err(GpuError::FirstStage { stage: first });
             }
-            write_tiled(work, engine.run(), &mut counters);
-            write_grid(work, engine.run(), first, &mut counters);
+            write_tiled(work, engine.run(), &mut counters)?;
+            write_grid(work, engine.run(), first, &mut counters)?;
         }
         _ => return Err(GpuError::FirstStage { stage: first }),
     }
@@ -47,7 +41,7 @@ pub(crate) fn upload(
     {
         write_work(work, &mut engine, k, &mut counters)?;
     }
-    work.device.write(Name::Counters, bytes(&counters));
+    work.device.write(Name::Counters, bytes(&counters))?;
     let inserted = base
         .iterations
         .iter()
@@ -80,7 +74,7 @@ fn tile_images(work: &Work) -> Vec<u32> {
 }
 
 /// Writes the tiled samples with their fates, all of which are contested where they are undecided.
-fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) {
+fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) -> Result<(), GpuError> {
     let tiled = tiled(work, run);
     let cells = work.plan.cells() as usize;
     let mut starts = vec![0_u32; cells + 1];
@@ -99,10 +93,10 @@ fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) {
     counters[counter::CONTESTED as usize] = contested.len() as u32;
     counters[counter::TILED as usize] = tiled.len() as u32;
     let device = &work.device;
-    device.write(Name::Starts, bytes(&starts));
-    device.write(Name::Places, bytes(&places));
-    device.write(Name::Origins, bytes(&origins));
-    device.write(Name::Heads, bytes(&contested));
+    device.write(Name::Starts, bytes(&starts))?;
+    device.write(Name::Places, bytes(&places))?;
+    device.write(Name::Origins, bytes(&origins))?;
+    device.write(Name::Heads, bytes(&contested))
 }
 
 /// Cell, image, place in the cell, fate, pattern index.
@@ -167,7 +161,12 @@ fn pack(x: i32, y: i32) -> u32 {
 }
 
 /// Writes the grid of all valid samples; those inserted last are the detectors.
-fn write_grid(work: &mut Work, run: &Run, first: Stage, counters: &mut [u32]) {
+fn write_grid(
+    work: &mut Work,
+    run: &Run,
+    first: Stage,
+    counters: &mut [u32],
+) -> Result<(), GpuError> {
     let frame = &work.plan.frame;
     let cells = work.plan.cells() as usize;
     let mut grid = vec![[u32::MAX, u32::MAX, u32::MAX, 0]; cells];
@@ -196,7 +195,7 @@ fn write_grid(work: &mut Work, run: &Run, first: Stage, counters: &mut [u32]) {
                 slots[count as usize] = pack(x, y) | detector;
                 slots[3] = (slots[3] + 1) | iteration << (8 + 8 * count);
             } else {
-                slots[3] |= LOST;
+                slots[3] |= FLAG_LOST;
             }
         }
     }
@@ -204,21 +203,21 @@ fn write_grid(work: &mut Work, run: &Run, first: Stage, counters: &mut [u32]) {
     for (cell, slots) in grid.iter_mut().enumerate() {
         let (column, row) = frame.column_row(cell);
         let rim = rim(work, column, row);
-        slots[3] |= FRESH;
+        slots[3] |= FLAG_FRESH;
         if rim == 0 {
-            slots[3] |= UNSURE;
+            slots[3] |= FLAG_UNSURE;
             unsure.push(cell as u32);
         }
         if rim <= 1 {
-            slots[3] |= HOT;
+            slots[3] |= FLAG_HOT;
         }
     }
     counters[counter::UNSURE as usize] = unsure.len() as u32;
     if work.setup.parameters.insertion == Insertion::Uniform || first == Stage::Finish {
         counters[counter::SPREAD as usize] = unsure.len() as u32;
     }
-    work.device.write(Name::Unsure, bytes(&unsure));
-    work.device.write(Name::Grid, bytemuck::cast_slice(&grid));
+    work.device.write(Name::Unsure, bytes(&unsure))?;
+    work.device.write(Name::Grid, bytemuck::cast_slice(&grid))
 }
 
 /// Returns how many cells a cell of the frame is away from the edges where the plane goes on; a large number in the
@@ -285,8 +284,7 @@ fn write_work(
             .map(|(column, row)| work.plan.frame.cell(column, row) as u32)
             .collect();
         counters[counter::OPEN as usize] = all.len() as u32;
-        work.device.write(Name::List, bytes(&all));
-        return Ok(());
+        return work.device.write(Name::List, bytes(&all));
     }
     // The level's cells are recorded as it runs.
     engine.step(&mut Unobserved)?;
@@ -304,7 +302,7 @@ fn write_work(
         .collect();
     counters[counter::ACTIVE as usize] = active.len() as u32;
     work.device
-        .write(Name::Active, bytemuck::cast_slice(&active));
+        .write(Name::Active, bytemuck::cast_slice(&active))?;
     work.set_counter(counter::ACTIVE, active.len() as u32);
     work.keep_active(k, &active);
     Ok(())

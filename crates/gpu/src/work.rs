@@ -10,12 +10,12 @@ use tilescope_core::windows::Counts;
 use tilescope_core::{Insertion, Point, Run, Source, Stage, Stream};
 
 use crate::adapter::Gpu;
-use crate::constants::{FAULT_TILED, FAULTS};
+use crate::constants::FAULT_TILED;
 use crate::error::GpuError;
 use crate::execute::{Device, Looks};
 use crate::layout::{Name, counter};
 use crate::passes::{self, Command};
-use crate::plan::{Plan, Room};
+use crate::plan::{Phase, Plan, Room};
 use crate::setup::Setup;
 
 /// What comes next.
@@ -92,14 +92,14 @@ pub(crate) struct Work {
 
 impl Work {
     /// Returns the work on a planned window, with buffers of its own or those of a window before.
-    pub(crate) fn new(
+    pub(crate) async fn new(
         gpu: &Arc<Gpu>,
         setup: &Arc<Setup>,
         plan: Plan,
         before: Option<Device>,
         looks: Looks,
     ) -> Result<Self, GpuError> {
-        let device = Device::new(gpu, setup, &plan, before, looks)?;
+        let device = Device::new(gpu, setup, &plan, before, looks).await?;
         Ok(Self {
             setup: Arc::clone(setup),
             plan,
@@ -185,12 +185,19 @@ impl Work {
         }
     }
 
-    /// Runs to the end.
-    pub(crate) async fn run(&mut self) -> Result<Option<Outcome>, GpuError> {
+    /// Runs to the end. Whenever the host has counters to look at, `ask` is told how far the window is, from 0 to 1, and
+    /// may stop the run by an error.
+    pub(crate) async fn run(
+        &mut self,
+        mut ask: impl FnMut(f64) -> Result<(), GpuError>,
+    ) -> Result<Option<Outcome>, GpuError> {
         while !self.is_done() {
-            self.record()?;
+            self.record().await?;
             let commands: Vec<Command> = self.queue.drain(..).collect();
             self.device.submit(&commands, self.stage)?;
+            if self.reads {
+                ask(self.share())?;
+            }
             if let Some(outcome) = self.settle().await? {
                 return Ok(Some(outcome));
             }
@@ -198,10 +205,21 @@ impl Work {
         Ok(None)
     }
 
+    /// Returns how far the window is: shares of time as seen on a software adapter.
+    const fn share(&self) -> f64 {
+        match self.stage {
+            Stage::Eliminate => 0.3,
+            Stage::Iterate(1) => 0.5,
+            Stage::Iterate(_) => 0.8,
+            Stage::Finish => 0.95,
+            _ => 0.1,
+        }
+    }
+
     /// Runs one pass, and what host work belongs behind it. Returns how the window ended, if it did early.
     pub(crate) async fn run_pass(&mut self) -> Result<Option<Outcome>, GpuError> {
         if self.queue.is_empty() {
-            self.record()?;
+            self.record().await?;
         }
         while let Some(command) = self.queue.pop_front() {
             self.device.submit(&[command], self.stage)?;
@@ -224,11 +242,9 @@ impl Work {
     /// Returns the finished window.
     pub(crate) async fn result(&self) -> Result<Window, GpuError> {
         let count = u64::from(self.counter(counter::KEPT));
-        let words = self.device.words(Name::Result, 0..2 * count).await?;
-        let points = words
-            .chunks_exact(2)
-            .map(|p| Point::new(p[0] as i32, p[1] as i32))
-            .collect();
+        let bytes = self.device.bytes(Name::Result, 0..8 * count).await?;
+        let points = bytes.chunks_exact(8).map(point).collect();
+        drop(bytes);
         let mut sources = Vec::new();
         if self.setup.sources {
             let words = self.device.words(Name::Tags, 0..2 * count).await?;
@@ -276,12 +292,18 @@ impl Work {
     }
 
     /// Puts the next step's commands into the queue.
-    fn record(&mut self) -> Result<(), GpuError> {
+    async fn record(&mut self) -> Result<(), GpuError> {
         let uniform = self.setup.parameters.insertion == Insertion::Uniform;
         let looks = self.kept.is_some();
         self.stage = self.stage_of(self.step);
-        if self.step == Step::Finish && !looks && !self.setup.sources {
-            self.device.make_room(&self.plan)?;
+        let phase = match self.step {
+            Step::Survive => Some(Phase::Fill),
+            Step::Level(1) => Some(Phase::Levels),
+            Step::Finish => Some(Phase::Finish),
+            _ => None,
+        };
+        if let Some(phase) = phase {
+            self.device.enter(&self.setup, &self.plan, phase).await?;
         }
         let (commands, next, reads) = match self.step {
             Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
@@ -380,6 +402,7 @@ impl Work {
                     .max(self.counter(counter::NEXT_ACTIVE)),
                 room.active,
             ),
+            result: needed(self.counter(counter::KEPT), room.result),
         };
         if wanted != room {
             return Ok(Some(Outcome::TooSmall(wanted)));
@@ -388,11 +411,8 @@ impl Work {
             0 => {}
             FAULT_TILED => return Ok(Some(Outcome::TooSmall(wanted))),
             code => {
-                let pass = FAULTS
-                    .iter()
-                    .find(|(_, known)| *known == code)
-                    .map_or("of an unknown fault", |(name, _)| name);
-                return Err(GpuError::Fault { pass, code });
+                let stage = self.stage;
+                return Err(GpuError::Fault { stage, code });
             }
         }
         if self.counter(counter::UNSURE_IN_WINDOW) > 0 {
@@ -457,6 +477,20 @@ impl Work {
             Step::Iterate(k + 1)
         }
     }
+}
+
+/// Returns the point of 8 bytes.
+fn point(bytes: &[u8]) -> Point {
+    let axis = |from: usize| {
+        let bytes = [
+            bytes[from],
+            bytes[from + 1],
+            bytes[from + 2],
+            bytes[from + 3],
+        ];
+        i32::from_le_bytes(bytes)
+    };
+    Point::new(axis(0), axis(4))
 }
 
 fn source(tag: &[u32]) -> Source {

@@ -185,7 +185,7 @@ proptest! {
     #[test]
     fn any_run_is_equal_at_every_stage(
         seed: u64,
-        (width, height) in (10.0_f64..60.0, 10.0_f64..60.0),
+        (width, height) in (6.0_f64..60.0, 6.0_f64..60.0),
         leaf in 6.0_f64..80.0,
         order in prop::sample::select(ORDERS.to_vec()),
         uniform: bool,
@@ -197,6 +197,8 @@ proptest! {
         // A bounded pattern holds blocks of less than twice the leaf, enlarged.
         let bounded_pattern = bounded_pattern && leaf < 22.0 && width.min(height) >= 2.0 * leaf;
         let boundary = if bounded { Boundary::Bounded } else { Boundary::Periodic };
+        let shortest = if bounded { 6.0 } else { 10.0 };
+        let (width, height) = (width.max(shortest), height.max(shortest));
         let parameters = Parameters {
             width,
             height,

@@ -145,7 +145,7 @@ fn a_run_goes_on_where_another_engine_stopped() {
     }
     let whole = Sweep::new(&parameters, &pattern, false).unwrap();
     let (whole, summary) = whole.finish(&mut Unobserved).unwrap();
-    assert_eq!(points, whole.points);
+    assert!(points == whole.points);
     assert_eq!(second.summary(), summary);
 }
 
@@ -176,12 +176,75 @@ fn a_run_can_be_cancelled_between_windows() {
     );
 }
 
+#[test]
+fn windows_of_many_blocks_after_windows_of_more_are_equal() {
+    // More pieces of blocks than a row of workgroups has, and buffers that hold more from the window before.
+    let parameters = Parameters {
+        width: 1.9,
+        height: 0.8,
+        radius: 0.002,
+        leaf: 6.0,
+        seed: 2,
+        ..Parameters::default()
+    };
+    let options = Options {
+        memory: Some(12_000_000),
+        ..SOURCES
+    };
+    let side = assert_equal(&parameters, options);
+    assert!((300..500).contains(&side), "{side}");
+}
+
+#[test]
+fn the_longest_domains_are_equal() {
+    for (width, height, boundary) in [
+        (32_800.0, 10.0, Boundary::Periodic),
+        (40_000.0, 6.0, Boundary::Bounded),
+        (65_520.0, 10.0, Boundary::Periodic),
+        (65_532.0, 6.0, Boundary::Bounded),
+        (10.0, 65_530.0, Boundary::Periodic),
+    ] {
+        let parameters = Parameters {
+            width,
+            height,
+            radius: 1.0,
+            boundary,
+            ..Parameters::default()
+        };
+        assert_equal(&parameters, Options::default());
+    }
+}
+
+#[test]
+fn dense_patterns_make_equal_sets() {
+    // A hexagonal pattern, two thirds denser than usual.
+    let positions: Vec<[f64; 2]> = (0..46)
+        .flat_map(|row| (0..40).map(move |column| (column, row)))
+        .map(|(column, row)| {
+            let shift = f64::from(row % 2) / 2.0;
+            [(f64::from(column) + shift) / 40.0, f64::from(row) / 46.0]
+        })
+        .collect();
+    let pattern = Pattern::from_positions(&positions, [1.0; 2], 0.0249, Boundary::Periodic);
+    let pattern = Arc::new(pattern.unwrap());
+    let parameters = Parameters {
+        radius: 0.005,
+        ..Parameters::default()
+    };
+    let cpu = Sweep::new(&parameters, &pattern, false).unwrap();
+    let (cpu, _) = cpu.finish(&mut Unobserved).unwrap();
+    let gpu = GpuSweep::new(Arc::clone(gpu()), &parameters, &pattern, Options::default());
+    let gpu = pollster::block_on(async { gpu.await?.finish(&mut Unobserved).await });
+    assert!(cpu.points.len() > 40_000);
+    assert!(gpu.unwrap().0.points == cpu.points);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 20, ..ProptestConfig::default() })]
     #[test]
     fn any_run_is_equal_in_any_windows(
         seed: u64,
-        (width, height) in (10.0_f64..220.0, 10.0_f64..220.0),
+        (width, height) in (6.0_f64..220.0, 6.0_f64..220.0),
         leaf in 6.0_f64..80.0,
         order in prop::sample::select(vec![Order::Index, Order::Random, Order::OwnBlockFirst, Order::PhaseGroup]),
         uniform: bool,
@@ -190,9 +253,10 @@ proptest! {
         halo in 1_u32..24,
         megabytes in 1_u64..8,
     ) {
+        let shortest = if bounded { 6.0 } else { 10.0 };
         let parameters = Parameters {
-            width,
-            height,
+            width: width.max(shortest),
+            height: height.max(shortest),
             radius: 1.0,
             seed,
             leaf,

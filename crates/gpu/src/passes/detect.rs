@@ -3,7 +3,7 @@
 
 use super::{
     Command, Pass, Size, argument, atomic, clear_counter, prepare, read, run, run_with, uniform_of,
-    write,
+    update, write,
 };
 use crate::constants::PREPARE_SPREAD;
 use crate::layout::{Job, Name, counter};
@@ -16,7 +16,7 @@ pub(super) const DETECTORS: Pass = Pass {
         uniform_of(Name::Frame),
         read(Name::Starts),
         read(Name::Places),
-        write(Name::Grid),
+        update(Name::Grid),
     ],
 };
 
@@ -74,7 +74,7 @@ pub(super) const SETTLE: Pass = Pass {
     shader: "settle",
     bindings: &[
         uniform_of(Name::Frame),
-        write(Name::Grid),
+        update(Name::Grid),
         read(Name::Counters),
     ],
 };

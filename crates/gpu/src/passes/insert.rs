@@ -1,6 +1,8 @@
 //! Insertion (paper, Algorithm 4, second loop): the greedy independent set of the proposals, in rounds.
 
-use super::{Command, Pass, alternating, argument, atomic, read, run, run_with, uniform_of, write};
+use super::{
+    Command, Pass, alternating, argument, atomic, read, run, run_with, uniform_of, update, write,
+};
 use crate::layout::{Job, Name, counter};
 
 /// Rounds between two looks at what is left.
@@ -12,7 +14,7 @@ pub(super) const LINK: Pass = Pass {
     bindings: &[
         uniform_of(Name::Frame),
         uniform_of(Name::Job),
-        write(Name::Proposals),
+        update(Name::Proposals),
         atomic(Name::Heads),
         atomic(Name::Counters),
     ],

@@ -99,7 +99,7 @@ pub(crate) const PREPARE: Pass = Pass {
     bindings: &[
         uniform_of(Name::Frame),
         uniform_of(Name::Job),
-        write(Name::Counters),
+        update(Name::Counters),
         write(Name::Arguments),
     ],
 };
@@ -133,6 +133,22 @@ pub(crate) const fn write(name: Name) -> Binding {
         name,
         access: Access::Write,
         alias: None,
+    }
+}
+
+pub(crate) const fn update(name: Name) -> Binding {
+    Binding {
+        name,
+        access: Access::Update,
+        alias: None,
+    }
+}
+
+pub(crate) const fn update_as(name: Name, alias: &'static str) -> Binding {
+    Binding {
+        name,
+        access: Access::Update,
+        alias: Some(alias),
     }
 }
 

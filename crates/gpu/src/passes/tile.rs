@@ -1,7 +1,10 @@
 //! Clip and tile (paper, Algorithm 2): the samples of each cell are counted, the counts summed up, the samples
 //! written. No atomic decides where a sample lies.
 
-use super::{Command, Pass, Size, atomic, read, run, run_with, uniform_of, write, write_as};
+use super::{
+    Command, Pass, Size, atomic, read, run, run_with, uniform_of, update, update_as, write,
+    write_as,
+};
 use crate::constants::SCAN_PART;
 use crate::layout::{Job, Name, counter};
 use crate::plan::Plan;
@@ -24,7 +27,7 @@ pub(super) const SCAN_STARTS: Pass = Pass {
     shader: "scan",
     bindings: &[
         uniform_of(Name::Job),
-        write_as(Name::Starts, "data"),
+        update_as(Name::Starts, "data"),
         write(Name::Sums),
     ],
 };
@@ -34,7 +37,7 @@ pub(super) const SCAN_SUMS: Pass = Pass {
     shader: "scan_sums",
     bindings: &[
         uniform_of(Name::Job),
-        write(Name::Sums),
+        update(Name::Sums),
         write(Name::Counters),
     ],
 };
@@ -44,7 +47,7 @@ pub(super) const ADD_STARTS: Pass = Pass {
     shader: "scan_add",
     bindings: &[
         uniform_of(Name::Job),
-        write_as(Name::Starts, "data"),
+        update_as(Name::Starts, "data"),
         read(Name::Sums),
     ],
 };
