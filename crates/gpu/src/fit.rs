@@ -90,12 +90,68 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
             min: Point::new(low(max.x), low(max.y)),
             max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
         };
-        match plan(setup, &window, HALO, None, limits, memory) {
+        // With a halo that had to be doubled.
+        match plan(setup, &window, 2 * HALO, None, limits, memory) {
             Ok(_) => return Ok(side),
             Err(GpuError::TooLittleMemory { .. }) if side > SHORTEST_SIDE => {
                 side = (side * 3 / 4).max(SHORTEST_SIDE);
             }
             Err(error) => return Err(error),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::{Parameters, Pattern, Unobserved};
+
+    const ROOMY: Limits = Limits {
+        max_buffer_size: u64::MAX,
+        max_storage_buffer_binding_size: u64::MAX,
+        max_compute_workgroups_per_dimension: u32::MAX,
+        max_storage_buffers_per_shader_stage: u32::MAX,
+    };
+
+    fn setup(width: f64, height: f64) -> Setup {
+        let parameters = Parameters {
+            width,
+            height,
+            radius: 1.0,
+            ..Parameters::default()
+        };
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+        Setup::new(&parameters, &pattern, false).unwrap()
+    }
+
+    #[test]
+    fn frames_stay_within_32_bits() {
+        let setup = setup(65_532.0, 10.0);
+        let side = longest_side(&setup, &ROOMY, u64::MAX).unwrap();
+        assert!((30_000..65_000).contains(&side), "{side}");
+        let whole = crate::plan::whole(&setup);
+        let refused = plan(&setup, &whole, HALO, None, &ROOMY, u64::MAX);
+        assert!(matches!(
+            refused,
+            Err(GpuError::TooLittleMemory { cells: 65_532, .. })
+        ));
+    }
+
+    #[test]
+    fn every_limit_makes_windows_smaller() {
+        let setup = setup(300.0, 200.0);
+        let side = |limits: &Limits, memory| longest_side(&setup, limits, memory).unwrap();
+        assert_eq!(side(&ROOMY, u64::MAX), 300);
+        let binding = Limits {
+            max_storage_buffer_binding_size: 1_000_000,
+            ..ROOMY
+        };
+        let buffer = Limits {
+            max_buffer_size: 1_000_000,
+            ..ROOMY
+        };
+        assert!(side(&binding, u64::MAX) < 200);
+        assert!(side(&buffer, u64::MAX) < 200);
+        assert!(side(&ROOMY, 2_500_000) < 200);
     }
 }

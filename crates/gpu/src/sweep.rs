@@ -185,24 +185,32 @@ impl GpuSweep {
         if done == rows {
             return Ok(None);
         }
+        let mut side = self.side;
         loop {
-            match self.band(observer).await {
-                // Other programs use the device, too: smaller windows may still fit.
-                Err(GpuError::OutOfMemory | GpuError::TooLittleMemory { .. })
-                    if self.side > SHORTEST_SIDE =>
-                {
+            match self.band(side, observer).await {
+                // Other programs use the device, too, and halos may have to be wider: smaller windows may still fit.
+                Err(GpuError::OutOfMemory) if side > SHORTEST_SIDE => {
+                    side = (side / 2).max(SHORTEST_SIDE);
                     self.idle = None;
-                    self.side = (self.side / 2).max(SHORTEST_SIDE);
+                    self.side = side;
+                }
+                Err(GpuError::TooLittleMemory { .. }) if side > SHORTEST_SIDE => {
+                    side = (side / 2).max(SHORTEST_SIDE);
                 }
                 other => return other.map(Some),
             }
         }
     }
 
-    async fn band(&mut self, observer: &mut dyn Observer) -> Result<Sampled, GpuError> {
+    /// Computes the next band in windows of at most `longest` cells.
+    async fn band(
+        &mut self,
+        longest: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Sampled, GpuError> {
         let [columns, rows] = self.cells();
         // Windows of about the same size.
-        let side = |cells: u32| cells.div_ceil(cells.div_ceil(self.side));
+        let side = |cells: u32| cells.div_ceil(cells.div_ceil(longest));
         let (width, height) = (side(columns), side(rows));
         let max = self.setup.domain.rect().max;
         let units = |cells: u32, max: i32| (i64::from(cells) * i64::from(R)).min(max.into()) as i32;
@@ -499,11 +507,16 @@ mod tests {
         // As if other programs had taken the rest.
         sweep.memory = 600_000;
         let side = sweep.side;
-        let mut points = Vec::new();
+        let (mut points, mut bands) = (Vec::new(), 0);
         while let Some(band) = block_on(sweep.step(&mut Unobserved)).unwrap() {
+            bands += 1;
             points.extend(band.points);
         }
-        assert!(sweep.side < side);
+        assert!(
+            sweep.rows().0 > 0 && side == sweep.side,
+            "the next run may have more"
+        );
+        assert!(bands > 1);
         assert!(Some(points) == expected.map(|band| band.points));
     }
 }
