@@ -364,6 +364,7 @@ mod tests {
         PassReport {
             stage,
             name,
+            indirect: false,
             workgroups: None,
             invocations: None,
             bindings: Vec::new(),

@@ -352,13 +352,33 @@ impl Device {
         reports.push(PassReport {
             stage,
             name: pass.name,
+            indirect: workgroups.is_none(),
             workgroups,
-            invocations: workgroups.map(|groups| {
-                groups.iter().map(|&n| u64::from(n)).product::<u64>() * u64::from(WORKGROUP)
-            }),
+            invocations: workgroups.map(invocations),
             bindings,
             seconds: None,
         });
+    }
+
+    /// Fills in how many workgroups the last pass had, where the device computed them.
+    pub(crate) async fn read_workgroups(&mut self, command: &Command) -> Result<(), GpuError> {
+        let Command::Dispatch {
+            size: Size::Indirect(argument),
+            ..
+        } = command
+        else {
+            return Ok(());
+        };
+        let first = 3 * u64::from(*argument);
+        let words = self.words(Name::Arguments, first..first + 3).await?;
+        let reports = self.reports.as_mut();
+        if let Some(report) = reports.and_then(|reports| reports.last_mut())
+            && let [x, y, z] = words[..]
+        {
+            report.workgroups = Some([x, y, z]);
+            report.invocations = Some(invocations([x, y, z]));
+        }
+        Ok(())
     }
 
     /// Reads the times of the passes since the last reading into their reports.
@@ -418,6 +438,10 @@ impl Times {
         let first = 2 * self.pending.len() as u32;
         (first + 2 <= MOST_TIMED).then_some(first)
     }
+}
+
+fn invocations(workgroups: [u32; 3]) -> u64 {
+    workgroups.map(u64::from).iter().product::<u64>() * u64::from(WORKGROUP)
 }
 
 /// Returns the workgroups of a dispatch that the host sizes.

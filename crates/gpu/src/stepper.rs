@@ -27,9 +27,11 @@ pub struct PassReport {
     pub stage: Stage,
     /// Its name: that of its shader.
     pub name: &'static str,
-    /// Workgroups on each axis; `None` where the device computed them.
+    /// Whether the device computed how many workgroups there are, from the length of a list.
+    pub indirect: bool,
+    /// Workgroups on each axis; `None` of indirect passes that ran without the host waiting for each.
     pub workgroups: Option<[u32; 3]>,
-    /// Invocations, where the host knows them.
+    /// Invocations, where the workgroups are known.
     pub invocations: Option<u64>,
     /// The buffers that it saw, what for, and their lengths in bytes.
     pub bindings: Vec<(Name, Access, u64)>,
@@ -39,7 +41,7 @@ pub struct PassReport {
 
 impl PassReport {
     /// Returns the bytes that a pass over all elements moves at least: every buffer that it sees once, those that it
-    /// both reads and writes twice. `None` of passes over lists, whose workgroups the device computed.
+    /// both reads and writes twice. `None` of indirect passes, which go over lists.
     #[must_use]
     pub fn bytes(&self) -> Option<u64> {
         let moved = |&(_, access, length): &(Name, Access, u64)| match access {
@@ -47,8 +49,7 @@ impl PassReport {
             Access::Read | Access::Write => length,
             Access::Update | Access::Atomic => 2 * length,
         };
-        self.workgroups
-            .map(|_| self.bindings.iter().map(moved).sum())
+        (!self.indirect).then(|| self.bindings.iter().map(moved).sum())
     }
 }
 

@@ -224,6 +224,7 @@ impl Work {
         while let Some(command) = self.queue.pop_front() {
             self.device.submit(&[command], self.stage)?;
             if matches!(command, Command::Dispatch { .. }) {
+                self.device.read_workgroups(&command).await?;
                 break;
             }
         }

@@ -150,6 +150,53 @@ fn every_stage_may_be_the_first_one_of_the_device() {
 }
 
 #[test]
+fn every_pass_tells_what_it_did() {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    };
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
+    let mut stepper = pollster::block_on(stepper).unwrap();
+    let mut names = Vec::new();
+    while let Some(report) = pollster::block_on(stepper.step_pass()).unwrap() {
+        let groups = report.workgroups.expect("a pass that was waited for");
+        let all: u64 = groups.iter().map(|&n| u64::from(n)).product();
+        assert_eq!(report.invocations, Some(64 * all), "{report:?}");
+        assert!(!report.bindings.is_empty());
+        names.push(report.name);
+    }
+    for name in [
+        "blocks",
+        "tile",
+        "eliminate",
+        "candidates",
+        "place",
+        "gather",
+    ] {
+        assert!(names.contains(&name), "{names:?}");
+    }
+    if gpu().report().has_timestamps {
+        let timed = stepper
+            .reports()
+            .iter()
+            .filter(|report| report.seconds.is_some());
+        assert!(timed.count() > names.len() / 2);
+    }
+    for (name, length) in stepper.buffers() {
+        let table = pollster::block_on(stepper.table(name, 3)).unwrap();
+        assert!(table.total > 0 && length > 0, "{name:?}");
+        assert!(
+            table
+                .rows
+                .iter()
+                .all(|row| row.len() == table.columns.len()),
+            "{name:?}"
+        );
+    }
+}
+
+#[test]
 fn a_first_stage_beyond_the_end_is_refused() {
     let parameters = Parameters {
         radius: 0.02,
