@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Fate, Moment, Point, Stage, Unobserved, Verdict, sample};
+use tilescope_core::{Fate, Moment, Parameters, Point, Stage, Unobserved, Verdict, sample};
 use tilescope_debugger::{DEFAULT_BUDGET, Event, Kind, Lines, Listings, Recording, State, Status};
 
 mod support;
@@ -48,7 +48,14 @@ fn the_last_state_is_the_engines_run() {
 fn every_line_of_pseudocode_is_reached_by_some_run() {
     let listings = Listings::shipped();
     let mut reached = vec![false; listings.lines().len()];
-    for parameters in variants() {
+    // Too flat to be cut across y, so that every turn of y is skipped.
+    let flat = Parameters {
+        height: 0.2,
+        radius: 1.0 / 60.0,
+        leaf: 6.5,
+        ..variants()[0]
+    };
+    for parameters in variants().into_iter().chain([flat]) {
         for event in record(&parameters, DEFAULT_BUDGET).tape().iter() {
             reached[usize::from(event.line().0)] = true;
         }
@@ -80,14 +87,17 @@ fn a_test_buffer_holds_as_many_samples_as_the_engine_found() {
 
 #[test]
 fn beyond_the_budget_only_tests_are_left_out_and_a_notice_says_so() {
-    let parameters = variants()[2];
+    let parameters = Parameters {
+        radius: 1.0 / 44.0,
+        ..variants()[2]
+    };
     let (whole, thin) = (
         record(&parameters, usize::MAX),
-        record(&parameters, 100_000),
+        record(&parameters, 200_000),
     );
     assert_eq!(whole.tape().left_out(), 0);
     assert!(thin.len() < whole.len());
-    assert!(thin.len() < 200_000, "{}", thin.len());
+    assert!((70_000..=200_000).contains(&thin.len()), "{}", thin.len());
     let notices: u64 = thin
         .tape()
         .iter()
