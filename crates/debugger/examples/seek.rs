@@ -68,7 +68,7 @@ fn seek(recording: &Recording) {
     });
     let step = |cursor, direction| moves::step(recording, cursor, Step::Out, direction);
     let out = best(1, || {
-        drop(std::hint::black_box(step(middle, Direction::Forwards)))
+        std::hint::black_box(step(middle, Direction::Forwards));
     });
     let scan = best(1, || {
         std::hint::black_box(moves::run_to(
@@ -79,11 +79,11 @@ fn seek(recording: &Recording) {
         ));
     });
     let history = best(1, || {
-        drop(std::hint::black_box(why::history_of_sample(recording, 0)))
+        std::hint::black_box(why::history_of_sample(recording, 0));
     });
     let query = Query::parse("insert iteration>1").expect("a query");
     let found = best(1, || {
-        drop(std::hint::black_box(query.find_all(recording, usize::MAX)))
+        std::hint::black_box(query.find_all(recording, usize::MAX));
     });
     println!("  step back {back:?}, step out {out:?}, run to nowhere {scan:?}");
     println!("  history of a sample {history:?}, query {found:?}");

@@ -112,7 +112,7 @@ impl Recording {
     fn index(&mut self) {
         let mut context = Context::default();
         for (index, event) in (0..).zip(self.tape.iter()) {
-            if index as usize % STRIDE == 0 {
+            if (index as usize).is_multiple_of(STRIDE) {
                 self.contexts.push(context);
             }
             context.apply(event, index);

@@ -65,6 +65,7 @@ impl Tape {
     }
 
     /// Returns all events.
+    #[must_use]
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Event> {
         self.chunks.iter().flatten()
     }
