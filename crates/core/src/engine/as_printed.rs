@@ -231,6 +231,7 @@ impl AsPrinted {
     }
 
     /// Inserts the place at `centre` from the pivot unless it is too far, outside or covered.
+    #[inline]
     fn insert<T: Recorder>(
         &mut self,
         samples: &mut Samples,
@@ -241,12 +242,14 @@ impl AsPrinted {
         recorder: &mut T,
     ) {
         let examined = self.examine(samples, samples.points[pivot as usize], centre);
-        recorder.record(Moment::Candidate {
-            detector: pivot,
-            sites,
-            offset: clamped(centre),
-            verdict: examined.err().unwrap_or(Verdict::Accepted),
-        });
+        if T::ENABLED {
+            recorder.record(Moment::Candidate {
+                detector: pivot,
+                sites,
+                offset: clamped(centre),
+                verdict: examined.err().unwrap_or(Verdict::Accepted),
+            });
+        }
         if let Ok(point) = examined {
             let sample = samples.len() as u32;
             self.grid.insert(sample, point);
@@ -258,6 +261,7 @@ impl AsPrinted {
 
     /// Returns the lattice point at `centre` from a pivot at `at` if it lies in a gap within reach, or
     /// why not.
+    #[inline]
     fn examine(&self, samples: &Samples, at: Point, centre: Offset) -> Result<Point, Verdict> {
         let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
         if centre.0.abs() > reach || centre.1.abs() > reach {
