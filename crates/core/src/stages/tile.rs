@@ -78,6 +78,7 @@ pub(crate) fn tile<T: Recorder>(
     Ok(tiles)
 }
 
+#[inline]
 fn place(
     domain: &Domain,
     block: &Rect,
