@@ -7,6 +7,7 @@ mod context;
 mod debugger;
 mod event;
 mod expression;
+mod kind;
 mod lines;
 mod listing;
 pub mod moves;
@@ -19,8 +20,9 @@ pub mod why;
 
 pub use context::{Context, Examined, Search};
 pub use debugger::{Breakpoint, Debugger, Stop};
-pub use event::{Event, Kind, NONE};
+pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
+pub use kind::Kind;
 pub use lines::Lines;
 pub use listing::{Line, LineId, Listing, ListingError, Listings};
 pub use moves::{Direction, Step, Target};

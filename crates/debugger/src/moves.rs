@@ -4,7 +4,8 @@
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Moment, Origin, R};
 
-use crate::event::{Event, Kind};
+use crate::event::Event;
+use crate::kind::Kind;
 use crate::listing::LineId;
 use crate::recording::Recording;
 

@@ -4,7 +4,8 @@
 use tilescope_core::{Moment, Origin, Verdict};
 
 use crate::context::Context;
-use crate::event::{Event, Kind};
+use crate::event::Event;
+use crate::kind::Kind;
 use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 

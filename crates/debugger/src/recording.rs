@@ -8,7 +8,8 @@ use tilescope_core::{
 };
 
 use crate::context::{Context, Search};
-use crate::event::{Event, Kind, NONE};
+use crate::event::{Event, NONE};
+use crate::kind::Kind;
 use crate::tape::Tape;
 
 /// Events between two contexts that are kept.

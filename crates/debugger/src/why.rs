@@ -3,7 +3,8 @@
 
 use tilescope_core::{Moment, Origin, Point, R, Rect};
 
-use crate::event::{Kind, NONE};
+use crate::event::NONE;
+use crate::kind::Kind;
 use crate::recording::Recording;
 
 /// How near a place an examined place must be to belong to its history: r / 8.
