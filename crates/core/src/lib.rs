@@ -14,6 +14,7 @@ mod parameters;
 mod pattern;
 mod progress;
 mod random;
+mod record;
 mod reference;
 mod run;
 pub mod stages;
@@ -33,7 +34,7 @@ pub use count::{radius_estimate, sample_count, search_radius};
 pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sampled, Source, Sweep, SweepState};
-pub use engine::sequential::{Sequential, sample};
+pub use engine::sequential::{Sequential, sample, sample_recorded};
 pub use error::SampleError;
 pub use grid::{Near, SampleGrid};
 pub use lattice::{
@@ -50,5 +51,6 @@ pub use pattern::{
 };
 pub use progress::{Observer, Progress, Stage, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
+pub use record::{Moment, Recorder, Unrecorded, Verdict};
 pub use reference::reference_sample;
 pub use run::{Fate, Iteration, Origin, Run, Samples, Standing, Summary};

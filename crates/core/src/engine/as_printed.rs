@@ -12,8 +12,10 @@ use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, covers_offset};
 use crate::parameters::Search;
 use crate::progress::Meter;
+use crate::record::{Moment, Recorder, Verdict};
 use crate::run::{Fate, Iteration, Origin, Samples};
-use crate::stages::detect::{Border, DETECTOR_REACH, Reach, Sites};
+use crate::stages::detect::{Border, DETECTOR_REACH, Reach, Sites, clamped};
+use crate::stages::eliminate::keep_rest;
 
 /// The state of Algorithm 4: the set `C` and the marks.
 pub struct AsPrinted {
@@ -54,33 +56,29 @@ impl AsPrinted {
     }
 
     /// Lines 2 to 12: the samples of the conflict area, in order.
-    pub fn first_loop(
+    pub fn first_loop<T: Recorder>(
         &mut self,
         samples: &mut Samples,
         contested: &[u32],
         mut meter: Meter<'_>,
+        recorder: &mut T,
     ) -> Result<Iteration, SampleError> {
         let first = samples.len() as u32;
         for &pivot in contested {
-            if matches!(samples.fates[pivot as usize], Fate::Undecided | Fate::Kept) {
+            let sample = pivot;
+            let valid = is_valid(samples.fates[pivot as usize]);
+            recorder.record(Moment::Take { sample, valid });
+            if valid {
                 samples.fates[pivot as usize] = Fate::Kept;
-                self.is_detector[pivot as usize] = true;
-                let at = samples.points[pivot as usize];
-                for conflict in self.radius_search(samples, at, R) {
-                    if conflict.id != pivot {
-                        samples.fates[conflict.id as usize] = Fate::Eliminated { by: pivot };
-                        self.fill_around(samples, pivot, conflict.id);
-                    }
-                }
+                let rest = false;
+                recorder.record(Moment::Keep { sample, rest });
+                self.mark(pivot, pivot, recorder);
+                self.claim(samples, pivot, recorder);
             }
             meter.tick()?;
         }
-        for fate in &mut samples.fates {
-            if *fate == Fate::Undecided {
-                *fate = Fate::Kept;
-            }
-        }
-        self.mark_around_dropped(samples);
+        keep_rest(samples, recorder);
+        self.mark_around_dropped(samples, recorder);
         meter.end()?;
         let inserted = first..samples.len() as u32;
         Ok(Iteration {
@@ -90,25 +88,33 @@ impl AsPrinted {
     }
 
     /// Lines 13 to 25, one round: every marked sample looks for gaps and fills them.
-    pub fn second_loop(
+    pub fn second_loop<T: Recorder>(
         &mut self,
         iteration: u32,
         samples: &mut Samples,
         mut meter: Meter<'_>,
+        recorder: &mut T,
     ) -> Result<Iteration, SampleError> {
         let first = samples.len() as u32;
         let detectors: Vec<u32> = (0..first)
             .filter(|&id| self.is_detector[id as usize] && samples.fates[id as usize] == Fate::Kept)
             .collect();
         meter.set_total(detectors.len() as u64);
+        recorder.record(Moment::Iteration {
+            number: iteration,
+            detectors: detectors.len() as u32,
+        });
         for &detector in &detectors {
             let at = samples.points[detector as usize];
-            let buffer = self.radius_search(
-                samples,
-                at,
-                Reach::new(&self.domain, self.search, at).search,
-            );
-            self.detect_and_insert(samples, &buffer, detector, iteration);
+            let radius = Reach::new(&self.domain, self.search, at).search;
+            recorder.record(Moment::Detect { sample: detector });
+            let buffer = self.radius_search(samples, at, radius);
+            record_search(detector, radius, &buffer, recorder);
+            recorder.record(Moment::Call {
+                pivot: detector,
+                iteration,
+            });
+            self.detect_and_insert(samples, &buffer, detector, iteration, recorder);
             meter.tick()?;
         }
         meter.end()?;
@@ -120,91 +126,161 @@ impl AsPrinted {
         })
     }
 
+    /// Lines 4 to 6: the pivot eliminates all that it covers, and each time fills what that opens.
+    fn claim<T: Recorder>(&mut self, samples: &mut Samples, pivot: u32, recorder: &mut T) {
+        let conflicts = self.radius_search(samples, samples.points[pivot as usize], R);
+        record_search(pivot, R, &conflicts, recorder);
+        for conflict in conflicts {
+            if conflict.id != pivot {
+                recorder.record(Moment::Test {
+                    pivot,
+                    other: conflict.id,
+                    covers: true,
+                });
+                samples.fates[conflict.id as usize] = Fate::Eliminated { by: pivot };
+                recorder.record(Moment::Eliminate {
+                    sample: conflict.id,
+                    by: pivot,
+                });
+                self.fill_around(samples, pivot, conflict.id, recorder);
+            }
+        }
+    }
+
+    fn mark<T: Recorder>(&mut self, sample: u32, because: u32, recorder: &mut T) {
+        if T::ENABLED && !self.is_detector[sample as usize] {
+            recorder.record(Moment::Mark { sample, because });
+        }
+        self.is_detector[sample as usize] = true;
+    }
+
     /// Lines 7 to 9: the test buffer of an eliminated sample, seen from the pivot.
-    fn fill_around(&mut self, samples: &mut Samples, pivot: u32, conflict: u32) {
+    fn fill_around<T: Recorder>(
+        &mut self,
+        samples: &mut Samples,
+        pivot: u32,
+        conflict: u32,
+        recorder: &mut T,
+    ) {
         let centre = samples.points[conflict as usize];
         let at = samples.points[pivot as usize];
         let mut buffer = self.radius_search(samples, centre, DETECTOR_REACH);
+        record_search(conflict, DETECTOR_REACH, &buffer, recorder);
         for member in &mut buffer {
-            self.is_detector[member.id as usize] = true;
+            self.mark(member.id, conflict, recorder);
             member.offset = self
                 .domain
                 .difference(at, samples.points[member.id as usize]);
         }
-        self.detect_and_insert(samples, &buffer, pivot, 1);
+        recorder.record(Moment::Call {
+            pivot,
+            iteration: 1,
+        });
+        self.detect_and_insert(samples, &buffer, pivot, 1, recorder);
     }
 
     /// Algorithm 3, with the border's candidates in a bounded domain.
-    fn detect_and_insert(
+    fn detect_and_insert<T: Recorder>(
         &mut self,
         samples: &mut Samples,
         buffer: &[Member],
         pivot: u32,
         iteration: u32,
+        recorder: &mut T,
     ) {
-        let at = samples.points[pivot as usize];
         let others: Vec<Member> = buffer.iter().copied().filter(|m| m.id != pivot).collect();
+        recorder.record(Moment::Pairs {
+            pivot,
+            others: others.len() as u32,
+        });
         for (k, m) in others.iter().enumerate() {
             for n in &others[k + 1..] {
                 if let Some(centre) = circumcentre(m.wide(), n.wide()) {
                     let mut ids = [pivot, m.id, n.id];
                     ids.sort_unstable();
-                    self.insert(samples, at, centre, Sites::Three(ids), iteration);
+                    let sites = Sites::Three(ids);
+                    self.insert(samples, pivot, centre, sites, iteration, recorder);
                 }
             }
         }
         if !self.domain.is_periodic() {
-            self.insert_on_border(samples, &others, pivot, iteration);
+            self.insert_on_border(samples, &others, pivot, iteration, recorder);
         }
     }
 
-    fn insert_on_border(
+    fn insert_on_border<T: Recorder>(
         &mut self,
         samples: &mut Samples,
         others: &[Member],
         pivot: u32,
         iteration: u32,
+        recorder: &mut T,
     ) {
         let at = samples.points[pivot as usize];
         let border = Border::around(&self.domain, at);
         for m in others {
             let sites = Sites::Border([pivot.min(m.id), pivot.max(m.id)]);
             for place in border.as_far_from(m.wide()) {
-                self.insert(samples, at, place, sites, iteration);
+                self.insert(samples, pivot, place, sites, iteration, recorder);
             }
         }
         for corner in border.corners() {
-            self.insert(samples, at, corner, Sites::Corner(pivot), iteration);
+            let sites = Sites::Corner(pivot);
+            self.insert(samples, pivot, corner, sites, iteration, recorder);
         }
     }
 
     /// Inserts the place at `centre` from the pivot unless it is too far, outside or covered.
-    fn insert(
+    #[inline]
+    fn insert<T: Recorder>(
         &mut self,
         samples: &mut Samples,
-        at: Point,
+        pivot: u32,
         centre: Offset,
         sites: Sites,
         iteration: u32,
+        recorder: &mut T,
     ) {
-        let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
-        if centre.0.abs() > reach || centre.1.abs() > reach {
-            return;
+        let examined = self.examine(samples, samples.points[pivot as usize], centre);
+        if T::ENABLED {
+            recorder.record(Moment::Candidate {
+                detector: pivot,
+                sites,
+                offset: clamped(centre),
+                verdict: examined.err().unwrap_or(Verdict::Accepted),
+            });
         }
-        if centre.0 * centre.0 + centre.1 * centre.1 > reach * reach {
-            return;
-        }
-        let place = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
-        let Some(point) = self.domain.wrap(place.0, place.1) else {
-            return;
-        };
-        let covered = self.grid.any_near(point, R, |near| {
-            is_valid(samples.fates[near.id as usize]) && covers_offset(near.offset.0, near.offset.1)
-        });
-        if !covered {
-            self.grid.insert(samples.len() as u32, point);
+        if let Ok(point) = examined {
+            let sample = samples.len() as u32;
+            self.grid.insert(sample, point);
             self.is_detector.push(true);
             samples.push(point, Origin::Inserted { iteration, sites }, Fate::Kept);
+            recorder.record(Moment::Insert { sample, iteration });
+        }
+    }
+
+    /// Returns the lattice point at `centre` from a pivot at `at` if it lies in a gap within reach, or
+    /// why not.
+    #[inline]
+    fn examine(&self, samples: &Samples, at: Point, centre: Offset) -> Result<Point, Verdict> {
+        let reach = i64::from(Reach::new(&self.domain, self.search, at).radius);
+        if centre.0.abs() > reach || centre.1.abs() > reach {
+            return Err(Verdict::TooFar);
+        }
+        if centre.0 * centre.0 + centre.1 * centre.1 > reach * reach {
+            return Err(Verdict::TooFar);
+        }
+        let place = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
+        let point = self.domain.wrap(place.0, place.1).ok_or(Verdict::Outside)?;
+        let mut by = u32::MAX;
+        let covered = self.grid.any_near(point, R, |near| {
+            by = near.id;
+            is_valid(samples.fates[near.id as usize]) && covers_offset(near.offset.0, near.offset.1)
+        });
+        if covered {
+            Err(Verdict::Covered { by })
+        } else {
+            Ok(point)
         }
     }
 
@@ -226,15 +302,23 @@ impl AsPrinted {
         members
     }
 
-    fn mark_around_dropped(&mut self, samples: &Samples) {
-        for (&point, &fate) in samples.points.iter().zip(&samples.fates) {
+    fn mark_around_dropped<T: Recorder>(&mut self, samples: &Samples, recorder: &mut T) {
+        for ((&point, &fate), because) in samples.points.iter().zip(&samples.fates).zip(0..) {
             if fate == Fate::Dropped {
                 for member in self.radius_search(samples, point, DETECTOR_REACH) {
-                    self.is_detector[member.id as usize] = true;
+                    self.mark(member.id, because, recorder);
                 }
             }
         }
     }
+}
+
+fn record_search<T: Recorder>(centre: u32, radius: i32, found: &[Member], recorder: &mut T) {
+    recorder.record(Moment::Search {
+        centre,
+        radius,
+        found: found.len() as u32,
+    });
 }
 
 const fn is_valid(fate: Fate) -> bool {

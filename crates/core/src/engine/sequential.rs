@@ -10,12 +10,13 @@ use crate::parameters::{Insertion, Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::progress::{Meter, Observer, Stage};
 use crate::random::Key;
+use crate::record::{Moment, Recorder, Unrecorded};
 use crate::run::{Fate, Iteration, Origin, Run, Samples};
-use crate::stages::blocks::{Blocks, split};
+use crate::stages::blocks::{Blocks, split_recorded};
 use crate::stages::darts::DartProcess;
-use crate::stages::detect::{Candidate, Detection, first_detectors};
+use crate::stages::detect::{Candidate, Detection, first_detectors_recorded};
 use crate::stages::eliminate::{contested, eliminate};
-use crate::stages::insert::{insert, unique};
+use crate::stages::insert::{insert_recorded, unique};
 use crate::stages::order::Ranking;
 use crate::stages::tile::tile;
 use crate::stages::uniform::gap_process;
@@ -39,6 +40,19 @@ pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Ru
     parameters.validate_sequential()?;
     let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
     Sequential::new(parameters, pattern)?.finish(observer)
+}
+
+/// Returns what [`sample`] returns and lets `recorder` hear of every moment of it. Recording changes nothing.
+pub fn sample_recorded<T: Recorder>(
+    parameters: &Parameters,
+    observer: &mut dyn Observer,
+    recorder: &mut T,
+) -> Result<Run, SampleError> {
+    parameters.validate_sequential()?;
+    let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
+    let mut engine = Sequential::new(parameters, pattern)?;
+    while engine.step_recorded(observer, recorder)?.is_some() {}
+    Ok(engine.run)
 }
 
 /// The engine between two stages.
@@ -104,20 +118,29 @@ impl Sequential {
     ///
     /// After an error the engine must be thrown away.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Stage>, SampleError> {
+        self.step_recorded(observer, &mut Unrecorded)
+    }
+
+    /// Does what [`Self::step`] does and lets `recorder` hear of it.
+    pub fn step_recorded<T: Recorder>(
+        &mut self,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<Option<Stage>, SampleError> {
         let Some(mut stage) = self.next else {
             return Ok(None);
         };
         match stage {
-            Stage::Pattern | Stage::Blocks => self.split(observer)?,
-            Stage::Tile => self.tile(observer)?,
-            Stage::Eliminate => self.eliminate(observer)?,
+            Stage::Pattern | Stage::Blocks => self.split(observer, recorder)?,
+            Stage::Tile => self.tile(observer, recorder)?,
+            Stage::Eliminate => self.eliminate(observer, recorder)?,
             Stage::Iterate(k) => {
-                if !self.iterate(k, observer)? {
+                if !self.iterate(k, observer, recorder)? {
                     stage = Stage::Finish;
-                    self.gather(observer)?;
+                    self.gather(observer, recorder)?;
                 }
             }
-            Stage::Regions | Stage::Finish => self.gather(observer)?,
+            Stage::Regions | Stage::Finish => self.gather(observer, recorder)?,
         }
         self.next = match stage {
             Stage::Pattern | Stage::Blocks => Some(Stage::Tile),
@@ -135,14 +158,24 @@ impl Sequential {
         Ok(self.run)
     }
 
-    fn split(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+    fn split<T: Recorder>(
+        &mut self,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<(), SampleError> {
+        recorder.record(Moment::Begin(Stage::Blocks));
         let meter = Meter::begin(observer, Stage::Blocks, 1)?;
         let leaf = self.run.parameters.leaf_units()?;
-        self.run.blocks = split(&self.run.domain, leaf, self.key);
+        self.run.blocks = split_recorded(&self.run.domain, leaf, self.key, recorder);
         meter.end()
     }
 
-    fn tile(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+    fn tile<T: Recorder>(
+        &mut self,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<(), SampleError> {
+        recorder.record(Moment::Begin(Stage::Tile));
         let Run {
             domain,
             blocks,
@@ -152,11 +185,24 @@ impl Sequential {
             ..
         } = &mut self.run;
         let meter = Meter::begin(observer, Stage::Tile, blocks.leaves.len() as u64)?;
-        self.run.tiles = tile(domain, blocks, pattern, parameters.dihedral, samples, meter)?;
+        self.run.tiles = tile(
+            domain,
+            blocks,
+            pattern,
+            parameters.dihedral,
+            samples,
+            meter,
+            recorder,
+        )?;
         Ok(())
     }
 
-    fn eliminate(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+    fn eliminate<T: Recorder>(
+        &mut self,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<(), SampleError> {
+        recorder.record(Moment::Begin(Stage::Eliminate));
         let run = &mut self.run;
         let Parameters {
             order,
@@ -171,21 +217,25 @@ impl Sequential {
         self.filling = match (variant, insertion) {
             (Variant::AsPrinted, _) => {
                 let mut printed = AsPrinted::new(run.domain, search, &run.samples);
-                run.iterations
-                    .push(printed.first_loop(&mut run.samples, &contested, meter)?);
+                run.iterations.push(printed.first_loop(
+                    &mut run.samples,
+                    &contested,
+                    meter,
+                    recorder,
+                )?);
                 Filling::AsPrinted(printed)
             }
             (Variant::Staged, Insertion::Circumcentre) => {
-                eliminate(&run.domain, &mut run.samples, &contested, meter)?;
+                eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
                 let survivors = survivors(run);
-                let detectors = first_detectors(&run.samples, &survivors);
+                let detectors = first_detectors_recorded(&run.samples, &survivors, recorder);
                 Filling::Circumcentres {
                     survivors,
                     detectors,
                 }
             }
             (Variant::Staged, Insertion::Uniform) => {
-                eliminate(&run.domain, &mut run.samples, &contested, meter)?;
+                eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
                 Filling::Uniform(gap_process(run.domain, &run.samples, self.key))
             }
         };
@@ -193,7 +243,12 @@ impl Sequential {
     }
 
     /// Runs iteration `k` and returns whether there was anything to fill.
-    fn iterate(&mut self, k: u32, observer: &mut dyn Observer) -> Result<bool, SampleError> {
+    fn iterate<T: Recorder>(
+        &mut self,
+        k: u32,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<bool, SampleError> {
         let run = &mut self.run;
         let iteration = match &mut self.filling {
             Filling::NotYet => return Ok(false),
@@ -202,8 +257,19 @@ impl Sequential {
                 detectors,
             } => {
                 let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
-                let candidates = detect(run, survivors, detectors, meter)?;
-                let inserted = insert(&mut run.samples, survivors, &candidates, k, self.key);
+                recorder.record(Moment::Iteration {
+                    number: k,
+                    detectors: detectors.len() as u32,
+                });
+                let candidates = detect(run, survivors, detectors, meter, recorder)?;
+                let inserted = insert_recorded(
+                    &mut run.samples,
+                    survivors,
+                    &candidates,
+                    k,
+                    self.key,
+                    recorder,
+                );
                 let detectors = std::mem::replace(detectors, inserted.clone().collect());
                 Iteration {
                     detectors,
@@ -213,12 +279,16 @@ impl Sequential {
                 }
             }
             Filling::Uniform(process) if process.is_finished() => return Ok(false),
-            Filling::Uniform(process) => uniform(process, k, &mut run.samples, observer)?,
+            Filling::Uniform(process) => uniform(process, k, &mut run.samples, observer, recorder)?,
             Filling::AsPrinted(printed) => {
                 let meter = Meter::begin(observer, Stage::Iterate(k), 1)?;
-                printed.second_loop(k, &mut run.samples, meter)?
+                printed.second_loop(k, &mut run.samples, meter, recorder)?
             }
         };
+        recorder.record(Moment::IterationEnd {
+            number: k,
+            inserted: iteration.inserted.len() as u32,
+        });
         let found = !iteration.inserted.is_empty() || !iteration.cells.is_empty();
         if found {
             run.iterations.push(iteration);
@@ -226,7 +296,12 @@ impl Sequential {
         Ok(found)
     }
 
-    fn gather(&mut self, observer: &mut dyn Observer) -> Result<(), SampleError> {
+    fn gather<T: Recorder>(
+        &mut self,
+        observer: &mut dyn Observer,
+        recorder: &mut T,
+    ) -> Result<(), SampleError> {
+        recorder.record(Moment::Begin(Stage::Finish));
         let samples = &self.run.samples;
         let meter = Meter::begin(observer, Stage::Finish, 1)?;
         let mut keyed: Vec<(u64, u32)> = (0..)
@@ -235,6 +310,9 @@ impl Sequential {
             .map(|(id, _): (u32, _)| (samples.points[id as usize].canonical(), id))
             .collect();
         keyed.sort_unstable();
+        recorder.record(Moment::Finish {
+            count: keyed.len() as u32,
+        });
         self.run.result = keyed.into_iter().map(|(_, id)| id).collect();
         meter.end()
     }
@@ -250,16 +328,22 @@ fn survivors(run: &Run) -> SampleGrid {
     grid
 }
 
-fn detect(
+fn detect<T: Recorder>(
     run: &Run,
     survivors: &SampleGrid,
     detectors: &[u32],
     mut meter: Meter<'_>,
+    recorder: &mut T,
 ) -> Result<Vec<Candidate>, SampleError> {
     let mut detection = Detection::new(run.domain, run.parameters.search, survivors);
     let mut candidates = Vec::new();
     for &id in detectors {
-        detection.find(id, run.samples.points[id as usize], &mut candidates);
+        detection.find_recorded(
+            id,
+            run.samples.points[id as usize],
+            &mut candidates,
+            recorder,
+        );
         meter.tick()?;
     }
     unique(&mut candidates);
@@ -267,15 +351,20 @@ fn detect(
     Ok(candidates)
 }
 
-fn uniform(
+fn uniform<T: Recorder>(
     process: &mut DartProcess,
     k: u32,
     samples: &mut Samples,
     observer: &mut dyn Observer,
+    recorder: &mut T,
 ) -> Result<Iteration, SampleError> {
-    let cells = process.active_cells().collect();
+    let cells: Vec<_> = process.active_cells().collect();
+    recorder.record(Moment::Iteration {
+        number: k,
+        detectors: cells.len() as u32,
+    });
     let first = samples.len() as u32;
-    for point in process.step(Stage::Iterate(k), observer)? {
+    for point in process.step_recorded(Stage::Iterate(k), observer, first, recorder)? {
         let sites = crate::stages::detect::Sites::Dart;
         samples.push(
             point,

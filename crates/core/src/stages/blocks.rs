@@ -3,6 +3,7 @@
 
 use crate::lattice::{Domain, Point, Rect};
 use crate::random::{Key, Stream, below};
+use crate::record::{Moment, Recorder, Unrecorded};
 
 /// An axis of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -63,12 +64,31 @@ pub struct Blocks {
 /// it promises; here an axis is split only while its extent is at least twice the leaf.
 #[must_use]
 pub fn split(domain: &Domain, leaf: i32, key: Key) -> Blocks {
+    split_recorded(domain, leaf, key, &mut Unrecorded)
+}
+
+/// Returns what [`split`] returns and lets `recorder` hear of it.
+pub(crate) fn split_recorded<T: Recorder>(
+    domain: &Domain,
+    leaf: i32,
+    key: Key,
+    recorder: &mut T,
+) -> Blocks {
     let mut blocks = Blocks::default();
     let mut stack = vec![Node::root(domain, key)];
     while let Some(node) = stack.pop() {
         match node.cut(leaf) {
-            None => blocks.leaves.push(node.block),
+            None => {
+                recorder.record(Moment::Leaf {
+                    block: blocks.leaves.len() as u32,
+                });
+                blocks.leaves.push(node.block);
+            }
             Some(cut) => {
+                recorder.record(Moment::Split {
+                    index: blocks.splits.len() as u32,
+                    turned: cut.axis != node.axis,
+                });
                 blocks.splits.push(Split {
                     rect: node.block.rect,
                     axis: cut.axis,

@@ -13,6 +13,7 @@ use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
 use crate::progress::{Meter, Observer, Stage};
 use crate::random::{Key, Stream};
+use crate::record::{Moment, Recorder, Unrecorded, Verdict};
 use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
 
 /// Cumulative probabilities, times 2^32, of 0, 1, 2, ... darts for a mean of 0.85 per active cell
@@ -107,36 +108,72 @@ impl DartProcess {
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<Vec<Point>, SampleError> {
+        self.step_recorded(stage, observer, 0, &mut Unrecorded)
+    }
+
+    /// Does what [`Self::step`] does and lets `recorder` hear of it; the first new sample has the id `first`.
+    pub(crate) fn step_recorded<T: Recorder>(
+        &mut self,
+        stage: Stage,
+        observer: &mut dyn Observer,
+        first: u32,
+        recorder: &mut T,
+    ) -> Result<Vec<Point>, SampleError> {
         let cells = self.active.len() as u64;
         let mut meter = Meter::begin(observer, stage, 3 * cells)?;
-        let darts = self.darts(&mut meter)?;
+        let darts = self.darts(&mut meter, recorder)?;
+        let iteration = match stage {
+            Stage::Iterate(k) => k,
+            _ => 0,
+        };
         let mut accepted = Vec::new();
         for dart in darts {
-            if !self.disks.covers(dart.point) {
+            let covered = self.disks.covers(dart.point);
+            recorder.record(Moment::Dart {
+                point: dart.point,
+                ranked: true,
+                verdict: verdict(true, covered),
+            });
+            if !covered {
                 // A grid cell of a conflict-free set never fills up.
                 let fits = self.disks.insert(dart.point);
                 debug_assert!(fits, "the set is conflict-free");
+                recorder.record(Moment::Insert {
+                    sample: first + accepted.len() as u32,
+                    iteration,
+                });
                 accepted.push(dart.point);
             }
             meter.tick()?;
         }
         self.throw += 1;
         if self.level > 0 || self.throw == FIRST_THROWS {
-            self.split(&mut meter)?;
+            self.split(&mut meter, recorder)?;
         }
         meter.end()?;
         Ok(accepted)
     }
 
     /// Returns the darts of this level that no sample of earlier levels covers, by rank.
-    fn darts(&self, meter: &mut Meter<'_>) -> Result<Vec<Dart>, SampleError> {
+    fn darts<T: Recorder>(
+        &self,
+        meter: &mut Meter<'_>,
+        recorder: &mut T,
+    ) -> Result<Vec<Dart>, SampleError> {
         let key = throw_key(self.key, self.level, self.throw);
         let side = self.side();
         let domain = self.disks.domain().rect();
         let mut darts = Vec::new();
         for &min in &self.active {
             for (rank, point) in cell_darts(key, Cell { min, side }) {
-                if domain.contains(point) && !self.disks.covers(point) {
+                let inside = domain.contains(point);
+                let covered = inside && self.disks.covers(point);
+                recorder.record(Moment::Dart {
+                    point,
+                    ranked: false,
+                    verdict: verdict(inside, covered),
+                });
+                if inside && !covered {
                     darts.push(Dart { rank, point });
                 }
             }
@@ -146,7 +183,11 @@ impl DartProcess {
         Ok(darts)
     }
 
-    fn split(&mut self, meter: &mut Meter<'_>) -> Result<(), SampleError> {
+    fn split<T: Recorder>(
+        &mut self,
+        meter: &mut Meter<'_>,
+        recorder: &mut T,
+    ) -> Result<(), SampleError> {
         let side = self.side();
         self.level += 1;
         self.throw = 0;
@@ -157,12 +198,27 @@ impl DartProcess {
         let mut next = Vec::with_capacity(self.active.len());
         let mut near = Vec::with_capacity(32);
         for &min in &self.active {
+            let before = next.len();
             self.disks
                 .uncovered_quarters(Cell { min, side }, &mut near, &mut next);
+            recorder.record(Moment::Cut {
+                cell: min,
+                side,
+                kept: (next.len() - before) as u32,
+            });
             meter.tick()?;
         }
         self.active = next;
         Ok(())
+    }
+}
+
+/// Returns what became of a dart; the process keeps no ids.
+const fn verdict(inside: bool, covered: bool) -> Verdict {
+    match (inside, covered) {
+        (false, _) => Verdict::Outside,
+        (true, true) => Verdict::Covered { by: u32::MAX },
+        (true, false) => Verdict::Accepted,
     }
 }
 

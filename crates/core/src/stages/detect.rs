@@ -26,6 +26,7 @@ use crate::circumcentre::{Offset, circumcentre, on_line};
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::Search;
+use crate::record::{Moment, Recorder, Unrecorded, Verdict};
 use crate::run::{Fate, Samples};
 use crate::stages::voronoi::RelaxedCell;
 
@@ -97,12 +98,27 @@ impl Reach {
 /// that was eliminated or dropped. `survivors` holds all kept samples.
 #[must_use]
 pub fn first_detectors(samples: &Samples, survivors: &SampleGrid) -> Vec<u32> {
+    first_detectors_recorded(samples, survivors, &mut Unrecorded)
+}
+
+/// Returns what [`first_detectors`] returns and lets `recorder` hear of each when it is first marked.
+pub(crate) fn first_detectors_recorded<T: Recorder>(
+    samples: &Samples,
+    survivors: &SampleGrid,
+    recorder: &mut T,
+) -> Vec<u32> {
     let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
     let mut is_detector = vec![false; samples.len()];
-    for (&point, &fate) in samples.points.iter().zip(&samples.fates) {
+    for ((&point, &fate), because) in samples.points.iter().zip(&samples.fates).zip(0..) {
         if matches!(fate, Fate::Eliminated { .. } | Fate::Dropped) {
             survivors.any_near(point, DETECTOR_REACH, |near| {
                 if norm_squared((near.offset.0.into(), near.offset.1.into())) <= limit {
+                    if T::ENABLED && !is_detector[near.id as usize] {
+                        recorder.record(Moment::Mark {
+                            sample: near.id,
+                            because,
+                        });
+                    }
                     is_detector[near.id as usize] = true;
                 }
                 false
@@ -154,15 +170,32 @@ impl<'a> Detection<'a> {
 
     /// Appends the candidates of detector `id` at `at`, some of them more than once.
     pub fn find(&mut self, id: u32, at: Point, out: &mut Vec<Candidate>) {
+        self.find_recorded(id, at, out, &mut Unrecorded);
+    }
+
+    /// Does what [`Self::find`] does and lets `recorder` hear of it.
+    pub(crate) fn find_recorded<T: Recorder>(
+        &mut self,
+        id: u32,
+        at: Point,
+        out: &mut Vec<Candidate>,
+        recorder: &mut T,
+    ) {
+        recorder.record(Moment::Detect { sample: id });
         self.reach = Reach::new(&self.domain, self.search, at);
         self.start_cell(at);
+        if T::ENABLED {
+            self.record_search(id, at, recorder);
+        }
         // Most detectors have no gap, and their neighbours within 2r prove it.
         self.clip_cell(id, at, 2 * R);
         if self.cell.is_covered() {
+            recorder.record(Moment::NoGap { sample: id });
             return;
         }
         self.clip_cell(id, at, 2 * self.reach.radius);
         if self.cell.is_covered() {
+            recorder.record(Moment::NoGap { sample: id });
             return;
         }
         let own = Site { offset: (0, 0), id };
@@ -176,11 +209,27 @@ impl<'a> Detection<'a> {
                     .cell
                     .may_concern((site.offset.0 as i32, site.offset.1 as i32))
         }));
-        self.find_circumcentres(own, at, out);
+        self.find_circumcentres(own, at, out, recorder);
         if !self.domain.is_periodic() {
-            self.find_on_border(own, at, out);
-            self.find_corners(own, at, out);
+            self.find_on_border(own, at, out, recorder);
+            self.find_corners(own, at, out, recorder);
         }
+    }
+
+    fn record_search<T: Recorder>(&self, centre: u32, at: Point, recorder: &mut T) {
+        let radius = self.reach.search;
+        let limit = i64::from(radius) * i64::from(radius);
+        let mut found = 0;
+        self.survivors.any_near(at, radius, |near| {
+            let offset = (near.offset.0.into(), near.offset.1.into());
+            found += u32::from(norm_squared(offset) <= limit);
+            false
+        });
+        recorder.record(Moment::Search {
+            centre,
+            radius,
+            found,
+        });
     }
 
     /// Starts the relaxed cell of a sample at `at` with all places that may be candidates.
@@ -213,63 +262,116 @@ impl<'a> Detection<'a> {
         });
     }
 
-    fn find_circumcentres(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
+    fn find_circumcentres<T: Recorder>(
+        &self,
+        own: Site,
+        at: Point,
+        out: &mut Vec<Candidate>,
+        recorder: &mut T,
+    ) {
         for (k, m) in self.concerned.iter().enumerate() {
             for n in &self.concerned[k + 1..] {
                 let Some(centre) = circumcentre(m.offset, n.offset) else {
                     continue;
                 };
-                if let Some(point) = self.accept(at, centre, &[own, *m, *n]) {
-                    let mut ids = [own.id, m.id, n.id];
-                    ids.sort_unstable();
-                    out.push(Candidate {
-                        point,
-                        sites: Sites::Three(ids),
-                    });
+                let examined = self.accept(at, centre, &[own, *m, *n]);
+                if !T::ENABLED && examined.is_err() {
+                    continue;
                 }
-            }
-        }
-    }
-
-    fn find_on_border(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
-        let border = Border::around(&self.domain, at);
-        for m in &self.concerned {
-            for place in border.as_far_from(m.offset) {
-                if let Some(point) = self.accept(at, place, &[own, *m]) {
-                    let sites = Sites::Border([own.id.min(m.id), own.id.max(m.id)]);
+                let mut ids = [own.id, m.id, n.id];
+                ids.sort_unstable();
+                let sites = Sites::Three(ids);
+                record_candidate(own.id, sites, centre, examined, recorder);
+                if let Ok(point) = examined {
                     out.push(Candidate { point, sites });
                 }
             }
         }
     }
 
-    fn find_corners(&self, own: Site, at: Point, out: &mut Vec<Candidate>) {
+    fn find_on_border<T: Recorder>(
+        &self,
+        own: Site,
+        at: Point,
+        out: &mut Vec<Candidate>,
+        recorder: &mut T,
+    ) {
+        let border = Border::around(&self.domain, at);
+        for m in &self.concerned {
+            for place in border.as_far_from(m.offset) {
+                let examined = self.accept(at, place, &[own, *m]);
+                let sites = Sites::Border([own.id.min(m.id), own.id.max(m.id)]);
+                record_candidate(own.id, sites, place, examined, recorder);
+                if let Ok(point) = examined {
+                    out.push(Candidate { point, sites });
+                }
+            }
+        }
+    }
+
+    fn find_corners<T: Recorder>(
+        &self,
+        own: Site,
+        at: Point,
+        out: &mut Vec<Candidate>,
+        recorder: &mut T,
+    ) {
         for corner in Border::around(&self.domain, at).corners() {
-            if let Some(point) = self.accept(at, corner, &[own]) {
-                let sites = Sites::Corner(own.id);
+            let examined = self.accept(at, corner, &[own]);
+            let sites = Sites::Corner(own.id);
+            record_candidate(own.id, sites, corner, examined, recorder);
+            if let Ok(point) = examined {
                 out.push(Candidate { point, sites });
             }
         }
     }
 
     /// Returns the lattice point at `centre` from the detector at `at` if it is a candidate made
-    /// by `sites`: the definition, word for word.
-    fn accept(&self, at: Point, centre: Offset, sites: &[Site]) -> Option<Point> {
+    /// by `sites`, the definition, word for word; or why it is none.
+    fn accept(&self, at: Point, centre: Offset, sites: &[Site]) -> Result<Point, Verdict> {
         let reach = i64::from(self.reach.radius);
         // Three samples nearly in line have a centre so far away that its square is no number.
         if centre.0.abs() > reach || centre.1.abs() > reach || norm_squared(centre) > reach * reach
         {
-            return None;
+            return Err(Verdict::TooFar);
         }
         let distance = |site: &Site| norm_squared(minus(site.offset, centre));
-        let nearest = sites.iter().map(distance).min()?;
+        let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
-        if self.near.iter().any(|site| distance(site) < limit) {
-            return None;
+        if let Some(site) = self.near.iter().find(|site| distance(site) < limit) {
+            return Err(if distance(site) <= R_SQUARED {
+                Verdict::Covered { by: site.id }
+            } else {
+                Verdict::NotNearest { nearer: site.id }
+            });
         }
         let (x, y) = (i64::from(at.x) + centre.0, i64::from(at.y) + centre.1);
-        self.domain.wrap(x, y)
+        self.domain.wrap(x, y).ok_or(Verdict::Outside)
     }
+}
+
+#[inline]
+fn record_candidate<T: Recorder>(
+    detector: u32,
+    sites: Sites,
+    centre: Offset,
+    examined: Result<Point, Verdict>,
+    recorder: &mut T,
+) {
+    if T::ENABLED {
+        recorder.record(Moment::Candidate {
+            detector,
+            sites,
+            offset: clamped(centre),
+            verdict: examined.err().unwrap_or(Verdict::Accepted),
+        });
+    }
+}
+
+/// Returns an offset in 32 bits; three samples nearly in line have centres farther away.
+pub(crate) fn clamped(offset: Offset) -> [i32; 2] {
+    let clamp = |x: i64| x.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+    [clamp(offset.0), clamp(offset.1)]
 }
 
 /// The border of a bounded domain as seen from one of its points.

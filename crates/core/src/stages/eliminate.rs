@@ -5,6 +5,7 @@ use crate::error::SampleError;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, R, covers_offset};
 use crate::progress::Meter;
+use crate::record::{Moment, Recorder};
 use crate::run::{Fate, Origin, Samples};
 use crate::stages::blocks::Blocks;
 use crate::stages::order::Ranking;
@@ -30,33 +31,57 @@ pub fn contested(samples: &Samples, blocks: &Blocks, ranking: &Ranking) -> Vec<u
 
 /// Decides the fate of every undecided sample: `Kept`, or `Eliminated` by the first kept sample
 /// that covers it. `contested` lists, in order, all that may be in conflict.
-pub(crate) fn eliminate(
+pub(crate) fn eliminate<T: Recorder>(
     domain: &Domain,
     samples: &mut Samples,
     contested: &[u32],
     mut meter: Meter<'_>,
+    recorder: &mut T,
 ) -> Result<(), SampleError> {
     let mut grid = SampleGrid::with_capacity(*domain, contested.len());
     for &id in contested {
         grid.insert(id, samples.points[id as usize]);
     }
     for &id in contested {
-        if samples.fates[id as usize] == Fate::Undecided {
+        let valid = samples.fates[id as usize] == Fate::Undecided;
+        recorder.record(Moment::Take { sample: id, valid });
+        if valid {
             samples.fates[id as usize] = Fate::Kept;
+            let rest = false;
+            recorder.record(Moment::Keep { sample: id, rest });
             grid.any_near(samples.points[id as usize], R, |near| {
                 let fate = &mut samples.fates[near.id as usize];
-                if *fate == Fate::Undecided && covers_offset(near.offset.0, near.offset.1) {
-                    *fate = Fate::Eliminated { by: id };
+                if *fate == Fate::Undecided {
+                    let covers = covers_offset(near.offset.0, near.offset.1);
+                    let (pivot, other) = (id, near.id);
+                    recorder.record(Moment::Test {
+                        pivot,
+                        other,
+                        covers,
+                    });
+                    if covers {
+                        *fate = Fate::Eliminated { by: id };
+                        recorder.record(Moment::Eliminate {
+                            sample: near.id,
+                            by: id,
+                        });
+                    }
                 }
                 false
             });
         }
         meter.tick()?;
     }
-    for fate in &mut samples.fates {
+    keep_rest(samples, recorder);
+    meter.end()
+}
+
+/// Keeps every sample that nothing contested.
+pub(crate) fn keep_rest<T: Recorder>(samples: &mut Samples, recorder: &mut T) {
+    for (fate, sample) in samples.fates.iter_mut().zip(0..) {
         if *fate == Fate::Undecided {
             *fate = Fate::Kept;
+            recorder.record(Moment::Keep { sample, rest: true });
         }
     }
-    meter.end()
 }

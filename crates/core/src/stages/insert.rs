@@ -2,7 +2,9 @@
 //! and place (paper, Algorithm 4, second loop). It never looks for gaps.
 
 use crate::grid::SampleGrid;
+use crate::lattice::{R, covers_offset};
 use crate::random::{Key, Stream};
+use crate::record::{Moment, Recorder, Unrecorded};
 use crate::run::{Fate, Origin, Samples};
 use crate::stages::detect::Candidate;
 
@@ -23,6 +25,28 @@ pub fn insert(
     iteration: u32,
     key: Key,
 ) -> std::ops::Range<u32> {
+    insert_recorded(
+        samples,
+        survivors,
+        candidates,
+        iteration,
+        key,
+        &mut Unrecorded,
+    )
+}
+
+/// Does what [`insert`] does and lets `recorder` hear of it.
+pub(crate) fn insert_recorded<T: Recorder>(
+    samples: &mut Samples,
+    survivors: &mut SampleGrid,
+    candidates: &[Candidate],
+    iteration: u32,
+    key: Key,
+    recorder: &mut T,
+) -> std::ops::Range<u32> {
+    recorder.record(Moment::Rank {
+        candidates: candidates.len() as u32,
+    });
     let key = key.derive(Stream::Iteration, iteration);
     let mut ranked: Vec<(u32, &Candidate)> = candidates
         .iter()
@@ -31,7 +55,17 @@ pub fn insert(
     ranked.sort_unstable_by_key(|(rank, c)| (*rank, c.point.row_major()));
     let first = samples.len() as u32;
     for (_, candidate) in ranked {
-        if !survivors.covers(candidate.point) {
+        let mut by = u32::MAX;
+        let covered = survivors.any_near(candidate.point, R, |near| {
+            by = near.id;
+            covers_offset(near.offset.0, near.offset.1)
+        });
+        if covered {
+            recorder.record(Moment::Pass {
+                point: candidate.point,
+                by,
+            });
+        } else {
             let id = samples.len() as u32;
             survivors.insert(id, candidate.point);
             let origin = Origin::Inserted {
@@ -39,6 +73,10 @@ pub fn insert(
                 sites: candidate.sites,
             };
             samples.push(candidate.point, origin, Fate::Kept);
+            recorder.record(Moment::Insert {
+                sample: id,
+                iteration,
+            });
         }
     }
     first..samples.len() as u32

@@ -6,6 +6,7 @@ use crate::lattice::{Domain, Point, R, Rect};
 use crate::pattern::{Pattern, PatternError, Symmetry, Variant};
 use crate::progress::Meter;
 use crate::random::{Stream, below};
+use crate::record::{Moment, Recorder};
 use crate::run::{Fate, Origin, Samples};
 use crate::stages::blocks::{Block, Blocks};
 
@@ -25,13 +26,14 @@ pub struct Tile {
 /// In a periodic domain positions wrap; in a bounded one samples outside are [`Fate::Dropped`].
 /// With each block enlarged by r the union of the tiles is maximal (paper, Theorem 3.1): a
 /// pattern sample farther than r from a block cannot cover a point of it.
-pub(crate) fn tile(
+pub(crate) fn tile<T: Recorder>(
     domain: &Domain,
     blocks: &Blocks,
     pattern: &Pattern,
     dihedral: bool,
     samples: &mut Samples,
     mut meter: Meter<'_>,
+    recorder: &mut T,
 ) -> Result<Vec<Tile>, SampleError> {
     let variants: Vec<Variant> = (0..if dihedral { 8 } else { 1 })
         .map(|s| pattern.variant(Symmetry(s)))
@@ -50,11 +52,19 @@ pub(crate) fn tile(
         variant.clip(start, width, height, |x, y, id| clip.push((y, x, id)));
         // A seam of the repeated pattern may break the order within a row.
         clip.sort_unstable();
+        recorder.record(Moment::Clip { block: index });
         let first = samples.len() as u32;
         for &(y, x, pattern) in &clip {
             let x = i64::from(block.rect.min.x) - i64::from(R) + i64::from(x);
             let y = i64::from(block.rect.min.y) - i64::from(R) + i64::from(y);
             place(domain, &block.rect, (x, y), index, pattern, samples);
+            if T::ENABLED {
+                recorder.record(Moment::Tiled {
+                    sample: samples.len() as u32 - 1,
+                    block: index,
+                    inside: samples.fates.last() != Some(&Fate::Dropped),
+                });
+            }
         }
         let samples = first..samples.len() as u32;
         tiles.push(Tile {
@@ -68,6 +78,7 @@ pub(crate) fn tile(
     Ok(tiles)
 }
 
+#[inline]
 fn place(
     domain: &Domain,
     block: &Rect,

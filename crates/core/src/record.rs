@@ -1,0 +1,219 @@
+//! What a run does, moment by moment, for whoever records it. A recorder hears of everything and
+//! changes nothing; the one that hears nothing, [`Unrecorded`], costs nothing, since engines ask
+//! [`Recorder::ENABLED`] before they gather what only a recording needs.
+
+use crate::lattice::Point;
+use crate::progress::Stage;
+use crate::stages::detect::Sites;
+
+/// What became of a place that was examined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It lies in a gap.
+    Accepted,
+    /// It is farther from its detector than detection reaches.
+    TooFar,
+    /// It lies outside a bounded domain.
+    Outside,
+    /// A valid sample covers it.
+    Covered {
+        /// That sample's id, or `u32::MAX` where the process keeps no ids.
+        by: u32,
+    },
+    /// Another sample is clearly nearer to it than the samples that made it.
+    NotNearest {
+        /// That sample's id.
+        nearer: u32,
+    },
+}
+
+/// One thing that a run does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moment {
+    /// A stage begins.
+    Begin(Stage),
+    /// A node of the KD-tree is cut.
+    Split {
+        /// Its index among the splits.
+        index: u32,
+        /// Whether it was too short across the axis whose turn it was.
+        turned: bool,
+    },
+    /// A node of the KD-tree is a block.
+    Leaf {
+        /// The block's index.
+        block: u32,
+    },
+    /// A block's clip is placed in the pattern.
+    Clip {
+        /// The block's index.
+        block: u32,
+    },
+    /// A sample is tiled.
+    Tiled {
+        /// Its id.
+        sample: u32,
+        /// Its block.
+        block: u32,
+        /// Whether it lies in the domain; otherwise it is dropped.
+        inside: bool,
+    },
+    /// Elimination takes a sample.
+    Take {
+        /// Its id.
+        sample: u32,
+        /// Whether it is still valid, so that its turn counts.
+        valid: bool,
+    },
+    /// A sample is kept.
+    Keep {
+        /// Its id.
+        sample: u32,
+        /// Whether it was never contested.
+        rest: bool,
+    },
+    /// A kept sample is compared with another.
+    Test {
+        /// The kept sample.
+        pivot: u32,
+        /// The other one.
+        other: u32,
+        /// Whether the first covers the second.
+        covers: bool,
+    },
+    /// A sample is eliminated.
+    Eliminate {
+        /// Its id.
+        sample: u32,
+        /// The kept sample that covers it.
+        by: u32,
+    },
+    /// A sample becomes a gap detector.
+    Mark {
+        /// Its id.
+        sample: u32,
+        /// The eliminated, dropped or inserted sample because of which it does.
+        because: u32,
+    },
+    /// An iteration of detection and insertion begins.
+    Iteration {
+        /// Its number, from 1.
+        number: u32,
+        /// How many detectors, or active cells, there are.
+        detectors: u32,
+    },
+    /// A detector begins to look for gaps.
+    Detect {
+        /// Its id.
+        sample: u32,
+    },
+    /// The valid samples around a sample are gathered.
+    Search {
+        /// The sample in the middle.
+        centre: u32,
+        /// How far the search goes, in units.
+        radius: i32,
+        /// How many it finds, the middle included where it is valid.
+        found: u32,
+    },
+    /// A detector's neighbours prove that it has no gap.
+    NoGap {
+        /// The detector.
+        sample: u32,
+    },
+    /// Gaps are looked for between a sample and all pairs of the test buffer.
+    Call {
+        /// That sample.
+        pivot: u32,
+        /// The iteration for which places are looked for.
+        iteration: u32,
+    },
+    /// The pairs of the test buffer are about to be gone through.
+    Pairs {
+        /// The sample that is one of every three.
+        pivot: u32,
+        /// How many others there are.
+        others: u32,
+    },
+    /// A place is examined.
+    Candidate {
+        /// The detector that examines it.
+        detector: u32,
+        /// The samples that make it.
+        sites: Sites,
+        /// The place as an offset from the detector, clamped to 32 bits.
+        offset: [i32; 2],
+        /// What became of it.
+        verdict: Verdict,
+    },
+    /// The candidates of an iteration are put in order.
+    Rank {
+        /// How many there are.
+        candidates: u32,
+    },
+    /// A candidate is passed over, since a sample inserted before it covers it.
+    Pass {
+        /// The place.
+        point: Point,
+        /// The inserted sample.
+        by: u32,
+    },
+    /// A sample is inserted.
+    Insert {
+        /// Its id.
+        sample: u32,
+        /// The iteration.
+        iteration: u32,
+    },
+    /// A dart is thrown.
+    Dart {
+        /// Where it lands.
+        point: Point,
+        /// Whether it was sorted by rank: it is then taken in its turn.
+        ranked: bool,
+        /// What became of it.
+        verdict: Verdict,
+    },
+    /// An active cell is cut in four.
+    Cut {
+        /// Its lowest point.
+        cell: Point,
+        /// Its side.
+        side: i32,
+        /// How many quarters are not covered.
+        kept: u32,
+    },
+    /// An iteration ends.
+    IterationEnd {
+        /// Its number.
+        number: u32,
+        /// How many samples it inserted.
+        inserted: u32,
+    },
+    /// The result is in canonical order.
+    Finish {
+        /// How many samples it has.
+        count: u32,
+    },
+}
+
+/// Hears what a run does.
+pub trait Recorder {
+    /// Whether anything is heard at all.
+    const ENABLED: bool = true;
+
+    /// Called at every moment, in sequence. Samples that a moment names exist when it is heard.
+    fn record(&mut self, moment: Moment);
+}
+
+/// The recorder that hears nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unrecorded;
+
+impl Recorder for Unrecorded {
+    const ENABLED: bool = false;
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "nothing must be left of it")]
+    fn record(&mut self, _: Moment) {}
+}

@@ -1,0 +1,127 @@
+//! What is current at a moment: phase, iteration, sample, search and the place under test.
+//! It follows from the last few events alone and never holds a set.
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Moment, Point, Stage, Verdict};
+
+use crate::event::Event;
+
+/// A search for the samples around one of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Search {
+    /// The sample in the middle.
+    pub centre: u32,
+    /// How far it goes, in units.
+    pub radius: i32,
+    /// How many samples it found.
+    pub found: u32,
+    /// The event that made it.
+    pub event: u32,
+}
+
+/// A place under test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Examined {
+    /// The detector that looks at it.
+    pub detector: u32,
+    /// The samples that make it.
+    pub sites: Sites,
+    /// Its offset from the detector in units, clamped to 32 bits.
+    pub offset: [i32; 2],
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+/// What is current.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Context {
+    /// The phase.
+    pub phase: Option<Stage>,
+    /// The iteration, from 1; 0 before the first.
+    pub iteration: u32,
+    /// The block that is being clipped.
+    pub block: Option<u32>,
+    /// The sample that is being tiled, taken or looks for gaps (p in the listings).
+    pub sample: Option<u32>,
+    /// The sample with which it is compared (conflictPoint).
+    pub other: Option<u32>,
+    /// The last search of that sample: its test buffer is [`crate::Recording::test_buffer`].
+    pub search: Option<Search>,
+    /// The place under test.
+    pub examined: Option<Examined>,
+    /// The dart under test.
+    pub dart: Option<(Point, Verdict)>,
+}
+
+impl Context {
+    /// Moves over an event, whose index is `index`.
+    pub fn apply(&mut self, event: &Event, index: u32) {
+        let Some(moment) = event.moment() else {
+            return;
+        };
+        match moment {
+            Moment::Begin(stage) => {
+                let iteration = self.iteration;
+                *self = Self {
+                    phase: Some(stage),
+                    iteration,
+                    ..Self::default()
+                };
+            }
+            Moment::Clip { block } => self.block = Some(block),
+            Moment::Tiled { sample, .. }
+            | Moment::Take { sample, .. }
+            | Moment::Detect { sample } => {
+                self.take(sample);
+            }
+            Moment::Keep { sample, rest: true } => self.take(sample),
+            Moment::Iteration { number, .. } => {
+                let phase = Some(Stage::Iterate(number));
+                *self = Self {
+                    phase,
+                    iteration: number,
+                    ..Self::default()
+                };
+            }
+            Moment::Call { iteration, .. } => self.iteration = iteration,
+            Moment::Search {
+                centre,
+                radius,
+                found,
+            } => {
+                self.examined = None;
+                self.search = Some(Search {
+                    centre,
+                    radius,
+                    found,
+                    event: index,
+                });
+            }
+            Moment::Test { other, .. } => self.other = Some(other),
+            Moment::Candidate {
+                detector,
+                sites,
+                offset,
+                verdict,
+            } => {
+                self.examined = Some(Examined {
+                    detector,
+                    sites,
+                    offset,
+                    verdict,
+                });
+            }
+            Moment::Rank { .. } => {
+                (self.sample, self.search, self.examined) = (None, None, None);
+            }
+            Moment::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
+            Moment::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
+            _ => {}
+        }
+    }
+
+    fn take(&mut self, sample: u32) {
+        self.sample = Some(sample);
+        (self.other, self.search, self.examined) = (None, None, None);
+    }
+}

@@ -1,0 +1,265 @@
+//! A debugging session: one cursor over a recording, with breakpoints, watches and bookmarks.
+//! Whoever shows it reads its state and calls its moves; it draws nothing.
+
+use std::sync::Arc;
+
+use tilescope_core::Observer;
+
+use crate::event::Event;
+use crate::expression::{Evaluator, Expression, ExpressionError};
+use crate::listing::{LineId, Listings};
+use crate::moves::{self, Direction, Step, Target};
+use crate::recording::Recording;
+use crate::session::{Bookmark, SavedBreakpoint, Session, SessionError, VERSION, digest};
+use crate::state::State;
+
+/// A breakpoint.
+#[derive(Clone, Debug)]
+pub struct Breakpoint {
+    /// The line.
+    pub line: LineId,
+    /// The text of the condition; empty for none.
+    pub condition: String,
+    /// Whether it stops a run.
+    pub enabled: bool,
+    parsed: Option<Result<Expression, ExpressionError>>,
+}
+
+impl Breakpoint {
+    /// Returns what is wrong with the condition's text.
+    #[must_use]
+    pub const fn error(&self) -> Option<&ExpressionError> {
+        match &self.parsed {
+            Some(Err(error)) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+/// Why a run of the cursor ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// It reached what it looked for.
+    Target,
+    /// It reached the breakpoint of this index.
+    Breakpoint(usize),
+    /// The condition of the breakpoint of this index could not be computed, which stops a run, too.
+    BadCondition(usize, ExpressionError),
+    /// There was nothing to reach: the cursor stands at the end, or at the start.
+    End,
+}
+
+/// A debugging session.
+pub struct Debugger {
+    recording: Arc<Recording>,
+    evaluator: Evaluator,
+    budget: usize,
+    state: State,
+    breakpoints: Vec<Breakpoint>,
+    watches: Vec<String>,
+    /// Events to come back to.
+    pub bookmarks: Vec<Bookmark>,
+}
+
+impl Debugger {
+    /// Returns a session at the start of a recording that was made with `budget`.
+    #[must_use]
+    pub fn new(recording: Arc<Recording>, budget: usize) -> Self {
+        Self {
+            evaluator: Evaluator::new(Arc::clone(&recording)),
+            state: State::start(&recording),
+            recording,
+            budget,
+            breakpoints: Vec::new(),
+            watches: Vec::new(),
+            bookmarks: Vec::new(),
+        }
+    }
+
+    /// Returns the recording.
+    #[must_use]
+    pub const fn recording(&self) -> &Arc<Recording> {
+        &self.recording
+    }
+
+    /// Returns the state at the cursor.
+    #[must_use]
+    pub const fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Returns the event about to happen.
+    #[must_use]
+    pub fn event(&self) -> Option<&Event> {
+        self.recording.event(self.state.cursor())
+    }
+
+    /// Returns the breakpoints.
+    #[must_use]
+    pub fn breakpoints(&self) -> &[Breakpoint] {
+        &self.breakpoints
+    }
+
+    /// Adds a breakpoint; an empty condition always holds. An unreadable one is kept with its error.
+    pub fn add_breakpoint(&mut self, line: LineId, condition: &str) {
+        let text = condition.trim();
+        let parsed = (!text.is_empty()).then(|| self.evaluator.parse(text));
+        self.breakpoints.push(Breakpoint {
+            line,
+            condition: text.to_owned(),
+            enabled: true,
+            parsed,
+        });
+    }
+
+    /// Removes a breakpoint; an index that there is not changes nothing.
+    pub fn remove_breakpoint(&mut self, index: usize) {
+        if index < self.breakpoints.len() {
+            self.breakpoints.remove(index);
+        }
+    }
+
+    /// Lets a breakpoint stop runs, or not.
+    pub fn enable_breakpoint(&mut self, index: usize, enabled: bool) {
+        if let Some(breakpoint) = self.breakpoints.get_mut(index) {
+            breakpoint.enabled = enabled;
+        }
+    }
+
+    /// Returns the watched expressions.
+    pub fn watches_mut(&mut self) -> &mut Vec<String> {
+        &mut self.watches
+    }
+
+    /// Returns every watched expression with its value here, or why it has none.
+    #[must_use]
+    pub fn watch_values(&self) -> Vec<(&str, Result<String, ExpressionError>)> {
+        let value = |text: &str| self.evaluate(text);
+        self.watches
+            .iter()
+            .map(|text| (text.as_str(), value(text)))
+            .collect()
+    }
+
+    /// Returns the value of an expression here.
+    pub fn evaluate(&self, text: &str) -> Result<String, ExpressionError> {
+        let expression = self.evaluator.parse(text)?;
+        self.evaluator.value(&expression, &self.state)
+    }
+
+    /// Moves to a cursor, at most the number of events.
+    pub fn jump(&mut self, cursor: usize) {
+        self.state.seek(&self.recording, cursor);
+    }
+
+    /// Makes a step.
+    pub fn step(&mut self, step: Step, direction: Direction) {
+        let cursor = moves::step(&self.recording, self.state.cursor(), step, direction);
+        self.jump(cursor);
+    }
+
+    /// Runs to the next (or last) event that `target` means; stays where it is when there is none.
+    pub fn run_to(&mut self, target: Target, direction: Direction) -> Stop {
+        let from = self.state.cursor();
+        match moves::run_to(&self.recording, from, target, direction) {
+            Some(cursor) => {
+                self.jump(cursor);
+                Stop::Target
+            }
+            None => Stop::End,
+        }
+    }
+
+    /// Runs to the next (or last) breakpoint whose condition holds, or to the end (or start).
+    pub fn run(&mut self, direction: Direction) -> Stop {
+        loop {
+            let from = self.state.cursor();
+            let armed = |event: &Event| {
+                let mut enabled = self.breakpoints.iter().filter(|b| b.enabled);
+                enabled.any(|b| b.line == event.line())
+            };
+            let hit = moves::find(&self.recording, from, direction, |_, event| armed(event));
+            let Some(cursor) = hit else {
+                let forwards = direction == Direction::Forwards;
+                self.jump(if forwards { self.recording.len() } else { 0 });
+                return Stop::End;
+            };
+            self.jump(cursor);
+            if let Some(stop) = self.stop_here() {
+                return stop;
+            }
+        }
+    }
+
+    fn stop_here(&self) -> Option<Stop> {
+        let line = self.event()?.line();
+        let here = self.breakpoints.iter().enumerate();
+        for (index, breakpoint) in here.filter(|(_, b)| b.enabled && b.line == line) {
+            let holds = match &breakpoint.parsed {
+                None => Ok(true),
+                Some(Err(error)) => Err(error.clone()),
+                Some(Ok(expression)) => self.evaluator.holds(expression, &self.state),
+            };
+            match holds {
+                Ok(true) => return Some(Stop::Breakpoint(index)),
+                Ok(false) => {}
+                Err(error) => return Some(Stop::BadCondition(index, error)),
+            }
+        }
+        None
+    }
+
+    /// Returns what is saved of this session.
+    #[must_use]
+    pub fn session(&self) -> Session {
+        let lines = Listings::shipped();
+        let saved = |b: &Breakpoint| SavedBreakpoint {
+            line: lines
+                .line(b.line)
+                .map_or_else(String::new, |line| line.id.clone()),
+            condition: (!b.condition.is_empty()).then(|| b.condition.clone()),
+            enabled: b.enabled,
+        };
+        Session {
+            version: VERSION,
+            parameters: self.recording.run().parameters,
+            budget: self.budget,
+            digest: digest(self.recording.run()),
+            cursor: self.state.cursor(),
+            breakpoints: self.breakpoints.iter().map(saved).collect(),
+            watches: self.watches.clone(),
+            bookmarks: self.bookmarks.clone(),
+        }
+    }
+
+    /// Computes a saved session's run again and returns the session where it was.
+    ///
+    /// The result is proved to be the saved one by its digest.
+    pub fn restore(session: &Session, observer: &mut dyn Observer) -> Result<Self, SessionError> {
+        let recording = Recording::new(&session.parameters, session.budget, observer)?;
+        let found = digest(recording.run());
+        if found != session.digest {
+            let expected = session.digest.clone();
+            return Err(SessionError::Different { expected, found });
+        }
+        let events = recording.len();
+        let named = session.bookmarks.iter().map(|bookmark| bookmark.event);
+        if let Some(event) = named.chain([session.cursor]).find(|&event| event > events) {
+            return Err(SessionError::NoSuchEvent { event, events });
+        }
+        let mut debugger = Self::new(Arc::new(recording), session.budget);
+        for saved in &session.breakpoints {
+            let line = Listings::shipped().find(&saved.line);
+            let line = line.ok_or_else(|| SessionError::UnknownLine {
+                line: saved.line.clone(),
+            })?;
+            debugger.add_breakpoint(line, saved.condition.as_deref().unwrap_or_default());
+            let index = debugger.breakpoints.len() - 1;
+            debugger.enable_breakpoint(index, saved.enabled);
+        }
+        debugger.watches.clone_from(&session.watches);
+        debugger.bookmarks.clone_from(&session.bookmarks);
+        debugger.jump(session.cursor);
+        Ok(debugger)
+    }
+}

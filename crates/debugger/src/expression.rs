@@ -1,0 +1,297 @@
+//! Expressions of conditions and watches, in the language of `rhai`, over what is in scope at a
+//! cursor. Operations, sizes and nesting are limited, and nothing outside the run can be reached.
+
+use std::sync::Arc;
+
+use rhai::packages::{BasicMathPackage, CorePackage, Package};
+use rhai::{AST, Dynamic, Engine, Scope};
+use tilescope_core::R;
+
+use crate::event::NONE;
+use crate::query::{block, verdict_name};
+use crate::recording::Recording;
+use crate::state::State;
+
+/// Operations after which an expression is given up.
+pub const MAX_OPERATIONS: u64 = 10_000;
+/// Characters of an expression at most.
+pub const MAX_LENGTH: usize = 1_000;
+/// How deep an expression may nest.
+pub const MAX_DEPTH: usize = 32;
+
+/// The names in scope, each with what it is. Lengths and positions are in r; what does not exist is `()`.
+pub const NAMES: [(&str, &str); 25] = [
+    ("event", "number of the event about to happen"),
+    ("kind", "its kind, a text such as \"insert\""),
+    (
+        "line",
+        "its line of pseudocode, a text such as \"insert.3\"",
+    ),
+    (
+        "depth",
+        "its depth: 0 phase, 1 iteration, 2 sample, 3 search, 4 test",
+    ),
+    ("block", "the block that it is about"),
+    ("verdict", "what becomes of the place it examines"),
+    ("a", "the first sample that it names"),
+    ("b", "the second sample that it names"),
+    ("distance", "from a to b"),
+    ("place_x", "position of what it examines or changes"),
+    ("place_y", "position of what it examines or changes"),
+    ("phase", "the phase, a text"),
+    ("iteration", "the iteration, from 1"),
+    ("p", "the current sample"),
+    ("x", "its position"),
+    ("y", "its position"),
+    ("conflict_point", "the sample that p was last compared with"),
+    ("search_radius", "of the last search"),
+    ("buffer_size", "samples in the test buffer"),
+    ("m", "first of the other samples of the last place tested"),
+    ("n", "second of them"),
+    ("undecided", "how many samples await their turn"),
+    ("kept", "how many samples stay"),
+    ("eliminated", "how many samples are eliminated"),
+    ("inserted", "how many samples are inserted"),
+];
+
+/// Why an expression has no value.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ExpressionError {
+    /// It is too long.
+    #[error("the expression has {length} characters, more than {maximum}")]
+    TooLong {
+        /// Its length.
+        length: usize,
+        /// The limit.
+        maximum: usize,
+    },
+    /// It cannot be read.
+    #[error("{message}")]
+    Syntax {
+        /// What is wrong, and where.
+        message: String,
+    },
+    /// It cannot be computed here.
+    #[error("{message}")]
+    Evaluation {
+        /// What is wrong.
+        message: String,
+    },
+    /// A condition must be true or false.
+    #[error("a condition must be true or false, not {found}")]
+    NotTruth {
+        /// What it is.
+        found: String,
+    },
+}
+
+/// A parsed expression.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    text: String,
+    tree: AST,
+}
+
+impl Expression {
+    /// Returns the text that it was made from.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+/// Evaluates expressions over a recording. Functions: `x_of(s)`, `y_of(s)` (in r), `distance(s, t)` (the shortest way,
+/// in r), `block_of(s)`.
+pub struct Evaluator {
+    engine: Engine,
+    recording: Arc<Recording>,
+}
+
+impl Evaluator {
+    /// Returns an evaluator of expressions over `recording`.
+    #[must_use]
+    pub fn new(recording: Arc<Recording>) -> Self {
+        let mut engine = Engine::new_raw();
+        CorePackage::new().register_into_engine(&mut engine);
+        BasicMathPackage::new().register_into_engine(&mut engine);
+        engine.disable_symbol("eval");
+        engine.set_max_operations(MAX_OPERATIONS);
+        engine.set_max_expr_depths(MAX_DEPTH, MAX_DEPTH);
+        engine.set_max_string_size(MAX_LENGTH);
+        engine.set_max_array_size(64);
+        engine.set_max_map_size(64);
+        engine.set_max_call_levels(8);
+        register(&mut engine, &recording);
+        Self { engine, recording }
+    }
+
+    /// Returns a parsed expression.
+    pub fn parse(&self, text: &str) -> Result<Expression, ExpressionError> {
+        if text.len() > MAX_LENGTH {
+            let (length, maximum) = (text.len(), MAX_LENGTH);
+            return Err(ExpressionError::TooLong { length, maximum });
+        }
+        let error = |e: rhai::ParseError| ExpressionError::Syntax {
+            message: e.to_string(),
+        };
+        let tree = self.engine.compile_expression(text).map_err(error)?;
+        Ok(Expression {
+            text: text.to_owned(),
+            tree,
+        })
+    }
+
+    /// Returns the value of an expression at a state, as text.
+    pub fn value(&self, expression: &Expression, state: &State) -> Result<String, ExpressionError> {
+        Ok(shown(&self.evaluate(expression, state)?))
+    }
+
+    /// Returns whether a condition holds at a state.
+    pub fn holds(&self, expression: &Expression, state: &State) -> Result<bool, ExpressionError> {
+        let value = self.evaluate(expression, state)?;
+        let not_truth = |found: &str| ExpressionError::NotTruth {
+            found: found.to_owned(),
+        };
+        value.as_bool().map_err(not_truth)
+    }
+
+    fn evaluate(&self, expression: &Expression, state: &State) -> Result<Dynamic, ExpressionError> {
+        let mut scope = scope(&self.recording, state);
+        let error = |e: Box<rhai::EvalAltResult>| ExpressionError::Evaluation {
+            message: e.to_string(),
+        };
+        self.engine
+            .eval_ast_with_scope(&mut scope, &expression.tree)
+            .map_err(error)
+    }
+}
+
+fn shown(value: &Dynamic) -> String {
+    match value.as_float() {
+        Ok(number) => format!("{number:.6}"),
+        Err(_) if value.is_unit() => "none".to_owned(),
+        Err(_) => value.to_string(),
+    }
+}
+
+fn radii(units: impl Into<f64>) -> f64 {
+    units.into() / f64::from(R)
+}
+
+fn distance(recording: &Recording, a: u32, b: u32) -> Option<f64> {
+    let (a, b) = (recording.point(a)?, recording.point(b)?);
+    Some(radii(
+        (recording.domain().distance_squared(a, b) as f64).sqrt(),
+    ))
+}
+
+fn maybe<T: Into<Dynamic>>(value: Option<T>) -> Dynamic {
+    value.map_or(Dynamic::UNIT, Into::into)
+}
+
+fn sample(id: u32) -> Option<i64> {
+    (id != NONE).then_some(i64::from(id))
+}
+
+fn register(engine: &mut Engine, recording: &Arc<Recording>) {
+    let id = |s: i64| u32::try_from(s).unwrap_or(NONE);
+    let run = Arc::clone(recording);
+    engine.register_fn("x_of", move |s: i64| {
+        maybe(run.point(id(s)).map(|p| radii(p.x)))
+    });
+    let run = Arc::clone(recording);
+    engine.register_fn("y_of", move |s: i64| {
+        maybe(run.point(id(s)).map(|p| radii(p.y)))
+    });
+    let run = Arc::clone(recording);
+    engine.register_fn("distance", move |s: i64, t: i64| {
+        maybe(distance(&run, id(s), id(t)))
+    });
+    let run = Arc::clone(recording);
+    engine.register_fn("block_of", move |s: i64| {
+        let life = run
+            .life(id(s))
+            .and_then(|life| run.event(life.born as usize));
+        maybe(life.and_then(|event| block(&run, event)).map(i64::from))
+    });
+}
+
+/// Returns everything in [`NAMES`] as it is at a state.
+fn scope(recording: &Recording, state: &State) -> Scope<'static> {
+    let mut scope = Scope::new();
+    event_scope(recording, state, &mut scope);
+    let (context, counts) = (state.context(), state.counts());
+    let mut put = |name: &'static str, value: Dynamic| {
+        scope.push_constant_dynamic(name, value);
+    };
+    put("phase", maybe(context.phase.map(|phase| phase.to_string())));
+    put("iteration", i64::from(context.iteration).into());
+    put("p", maybe(context.sample.map(i64::from)));
+    let at = context.sample.and_then(|sample| recording.point(sample));
+    put("x", maybe(at.map(|p| radii(p.x))));
+    put("y", maybe(at.map(|p| radii(p.y))));
+    put("conflict_point", maybe(context.other.map(i64::from)));
+    put(
+        "search_radius",
+        maybe(context.search.map(|search| radii(search.radius))),
+    );
+    put(
+        "buffer_size",
+        maybe(context.search.map(|search| i64::from(search.found))),
+    );
+    let others = context
+        .examined
+        .map_or([NONE; 2], |examined| others(&examined));
+    put("m", maybe(sample(others[0])));
+    put("n", maybe(sample(others[1])));
+    for (name, count) in [
+        ("undecided", counts.undecided),
+        ("kept", counts.kept),
+        ("eliminated", counts.eliminated),
+        ("inserted", counts.inserted),
+    ] {
+        put(name, (count as i64).into());
+    }
+    scope
+}
+
+fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>) {
+    let event = recording.event(state.cursor());
+    let lines = crate::listing::Listings::shipped();
+    let mut put = |name: &'static str, value: Dynamic| {
+        scope.push_constant_dynamic(name, value);
+    };
+    put("event", (state.cursor() as i64).into());
+    put("kind", maybe(event.map(|event| event.kind().name())));
+    let line = event.and_then(|event| lines.line(event.line()));
+    put("line", maybe(line.map(|line| line.id.clone())));
+    put("depth", maybe(event.map(|event| i64::from(event.depth()))));
+    put(
+        "block",
+        maybe(
+            event
+                .and_then(|event| block(recording, event))
+                .map(i64::from),
+        ),
+    );
+    put("verdict", maybe(event.and_then(verdict_name)));
+    let [a, b, ..] = event.map_or([NONE; 4], crate::event::Event::samples);
+    put("a", maybe(sample(a)));
+    put("b", maybe(sample(b)));
+    put("distance", maybe(distance(recording, a, b)));
+    let place = event.and_then(|event| recording.place(event));
+    put("place_x", maybe(place.map(|p| radii(p.x))));
+    put("place_y", maybe(place.map(|p| radii(p.y))));
+}
+
+fn others(examined: &crate::context::Examined) -> [u32; 2] {
+    use tilescope_core::stages::detect::Sites;
+    let mut sites = match examined.sites {
+        Sites::Three(ids) => ids.to_vec(),
+        Sites::Border(ids) => ids.to_vec(),
+        _ => Vec::new(),
+    };
+    sites.retain(|&id| id != examined.detector);
+    sites.resize(2, NONE);
+    [sites[0], sites[1]]
+}

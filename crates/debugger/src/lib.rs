@@ -1,0 +1,33 @@
+//! The debugger of a run: events, time travel, breakpoints, watches and the history of points.
+//!
+//! Architecture invariant: it knows no window, no GPU, no files and no clock, and it computes nothing
+//! of the algorithm. The sequential engine of `tilescope-core` runs; a recorder hears what it does.
+
+mod context;
+mod debugger;
+mod event;
+mod expression;
+mod kind;
+mod lines;
+mod listing;
+pub mod moves;
+pub mod query;
+mod recording;
+mod session;
+mod state;
+mod tape;
+pub mod why;
+
+pub use context::{Context, Examined, Search};
+pub use debugger::{Breakpoint, Debugger, Stop};
+pub use event::{Event, NONE};
+pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
+pub use kind::Kind;
+pub use lines::Lines;
+pub use listing::{Line, LineId, Listing, ListingError, Listings};
+pub use moves::{Direction, Step, Target};
+pub use query::{Query, QueryError};
+pub use recording::{Life, Recording, Status};
+pub use session::{Bookmark, SavedBreakpoint, Session, SessionError, VERSION, digest};
+pub use state::{Counts, State};
+pub use tape::{DEFAULT_BUDGET, Tape};

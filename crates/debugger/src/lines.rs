@@ -1,0 +1,152 @@
+//! Which line of pseudocode each moment executes. One table, by variant; a test elsewhere shows that
+//! every line of the listings is reached by some run.
+//! It knows ids only, never texts.
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Insertion, Moment, Parameters, Stage, Variant, Verdict};
+
+use crate::listing::{LineId, Listings};
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Program {
+    Staged,
+    Darts,
+    Printed,
+}
+
+/// Finds the lines of a run's moments.
+#[derive(Clone)]
+pub struct Lines {
+    program: Program,
+    starts: [(&'static str, u8); 9],
+}
+
+const NAMES: [&str; 9] = [
+    "blocks",
+    "tile",
+    "printed",
+    "gaps",
+    "eliminate",
+    "detect",
+    "insert",
+    "darts",
+    "finish",
+];
+
+impl Lines {
+    /// Returns the lines of runs of `parameters`.
+    #[must_use]
+    pub fn new(parameters: &Parameters) -> Self {
+        let program = match (parameters.variant, parameters.insertion) {
+            (Variant::AsPrinted, _) => Program::Printed,
+            (Variant::Staged, Insertion::Circumcentre) => Program::Staged,
+            (Variant::Staged, Insertion::Uniform) => Program::Darts,
+        };
+        let start = |name: &'static str| {
+            let listings = &Listings::shipped().listings;
+            let found = listings.iter().find(|listing| listing.name == name);
+            (name, found.map_or(0, |listing| listing.lines.start))
+        };
+        Self {
+            program,
+            starts: NAMES.map(start),
+        }
+    }
+
+    /// Returns the line that a moment executes.
+    #[must_use]
+    pub fn of(&self, moment: &Moment) -> LineId {
+        let (name, number) = self.name(moment);
+        let start = self.starts.iter().find(|(other, _)| *other == name);
+        LineId(start.map_or(0, |(_, start)| start + number - 1))
+    }
+
+    fn name(&self, moment: &Moment) -> (&'static str, u8) {
+        match *moment {
+            Moment::Begin(stage) => self.begin(stage),
+            Moment::Split { turned, .. } => ("blocks", if turned { 3 } else { 2 }),
+            Moment::Leaf { .. } => ("blocks", 4),
+            Moment::Clip { .. } => ("tile", 2),
+            Moment::Tiled { inside, .. } => ("tile", if inside { 3 } else { 4 }),
+            Moment::Finish { .. } => ("finish", 2),
+            Moment::Candidate { sites, verdict, .. } => self.candidate(sites, verdict),
+            Moment::Rank { .. } => ("insert", 1),
+            Moment::Pass { .. } => ("insert", 2),
+            Moment::NoGap { .. } => ("detect", 4),
+            Moment::Pairs { .. } => ("gaps", 1),
+            Moment::Dart { ranked: false, .. } => ("darts", 2),
+            Moment::Dart {
+                ranked: true,
+                verdict,
+                ..
+            } => ("darts", if verdict == Verdict::Accepted { 4 } else { 3 }),
+            Moment::Cut { .. } => ("darts", 6),
+            _ if self.program == Program::Printed => printed(moment),
+            _ => self.staged(moment),
+        }
+    }
+
+    const fn begin(&self, stage: Stage) -> (&'static str, u8) {
+        match (stage, self.program) {
+            (Stage::Blocks | Stage::Pattern, _) => ("blocks", 1),
+            (Stage::Tile, _) => ("tile", 1),
+            (Stage::Eliminate, Program::Printed) => ("printed", 1),
+            (Stage::Eliminate, _) => ("eliminate", 1),
+            _ => ("finish", 1),
+        }
+    }
+
+    fn candidate(&self, sites: Sites, verdict: Verdict) -> (&'static str, u8) {
+        let printed = self.program == Program::Printed;
+        match (sites, verdict) {
+            (Sites::Three(_), Verdict::Accepted) if printed => ("gaps", 4),
+            (Sites::Three(_), Verdict::Covered { .. }) if printed => ("gaps", 3),
+            (Sites::Three(_), _) if printed => ("gaps", 2),
+            _ if printed => ("gaps", 6),
+            (Sites::Three(_), Verdict::Accepted) => ("detect", 6),
+            (Sites::Three(_), _) => ("detect", 5),
+            _ => ("detect", 7),
+        }
+    }
+
+    fn staged(&self, moment: &Moment) -> (&'static str, u8) {
+        let darts = self.program == Program::Darts;
+        match *moment {
+            Moment::Take { .. } => ("eliminate", 2),
+            Moment::Keep { rest, .. } => ("eliminate", if rest { 6 } else { 3 }),
+            Moment::Test { .. } => ("eliminate", 4),
+            Moment::Eliminate { .. } => ("eliminate", 5),
+            Moment::Mark { .. } => ("eliminate", 7),
+            Moment::Iteration { .. } => (if darts { "darts" } else { "detect" }, 1),
+            Moment::Detect { .. } => ("detect", 2),
+            Moment::Insert { .. } if darts => ("darts", 5),
+            Moment::Insert { .. } => ("insert", 3),
+            Moment::IterationEnd { .. } if darts => ("darts", 7),
+            Moment::IterationEnd { inserted, .. } => ("insert", if inserted > 0 { 4 } else { 5 }),
+            _ => ("detect", 3),
+        }
+    }
+}
+
+const fn printed(moment: &Moment) -> (&'static str, u8) {
+    match *moment {
+        Moment::Take { .. } => ("printed", 2),
+        Moment::Keep { rest: false, .. } => ("printed", 3),
+        Moment::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
+        Moment::Search { radius, .. } if radius == tilescope_core::R => ("printed", 5),
+        Moment::Test { .. } => ("printed", 6),
+        Moment::Eliminate { .. } => ("printed", 7),
+        Moment::Search { radius, .. }
+            if radius == tilescope_core::stages::detect::DETECTOR_REACH =>
+        {
+            ("printed", 8)
+        }
+        Moment::Search { .. } => ("printed", 14),
+        Moment::Keep { .. } => ("printed", 11),
+        Moment::Iteration { .. } => ("printed", 12),
+        Moment::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),
+        Moment::Detect { .. } => ("printed", 13),
+        Moment::IterationEnd { inserted, .. } => ("printed", if inserted > 0 { 16 } else { 17 }),
+        _ => ("gaps", 5),
+    }
+}

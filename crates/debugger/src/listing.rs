@@ -1,0 +1,203 @@
+//! The pseudocode listings: lines with ids, explanations and errata, read from `assets/pseudocode`.
+//! Events name lines by number; breakpoints and saved sessions by id, which is stable.
+//! This module runs nothing.
+
+use std::sync::LazyLock;
+
+/// The number of a line among all listings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LineId(pub u8);
+
+/// A line of pseudocode.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// Its stable id, such as `eliminate.3`.
+    pub id: String,
+    /// How far it is indented.
+    pub indentation: u32,
+    /// The line.
+    pub text: String,
+    /// One sentence that explains it.
+    pub explanation: String,
+    /// What is wrong or silent in the paper here.
+    pub erratum: Option<String>,
+}
+
+/// A listing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listing {
+    /// Its name: that of its file.
+    pub name: String,
+    /// Its title.
+    pub title: String,
+    /// The numbers of its lines.
+    pub lines: std::ops::Range<u8>,
+}
+
+/// All listings.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listings {
+    /// The listings, in the sequence of the stages.
+    pub listings: Vec<Listing>,
+    lines: Vec<Line>,
+}
+
+/// What is wrong with a listing's text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ListingError {
+    /// It does not begin with a title.
+    #[error("listing {name} does not begin with \"# title\"")]
+    NoTitle {
+        /// The listing.
+        name: String,
+    },
+    /// A line does not have four or five parts, the second of them a number.
+    #[error(
+        "listing {name}: \"{line}\" is not \"number | indentation | text | explanation | erratum\""
+    )]
+    BadLine {
+        /// The listing.
+        name: String,
+        /// The line.
+        line: String,
+    },
+    /// There are more lines than a byte can number.
+    #[error("more than 255 lines of pseudocode")]
+    TooMany,
+}
+
+const TEXTS: [(&str, &str); 9] = [
+    (
+        "blocks",
+        include_str!("../../../assets/pseudocode/blocks.txt"),
+    ),
+    ("tile", include_str!("../../../assets/pseudocode/tile.txt")),
+    (
+        "printed",
+        include_str!("../../../assets/pseudocode/printed.txt"),
+    ),
+    ("gaps", include_str!("../../../assets/pseudocode/gaps.txt")),
+    (
+        "eliminate",
+        include_str!("../../../assets/pseudocode/eliminate.txt"),
+    ),
+    (
+        "detect",
+        include_str!("../../../assets/pseudocode/detect.txt"),
+    ),
+    (
+        "insert",
+        include_str!("../../../assets/pseudocode/insert.txt"),
+    ),
+    (
+        "darts",
+        include_str!("../../../assets/pseudocode/darts.txt"),
+    ),
+    (
+        "finish",
+        include_str!("../../../assets/pseudocode/finish.txt"),
+    ),
+];
+
+static SHIPPED: LazyLock<Listings> = LazyLock::new(|| Listings::parse(&TEXTS).unwrap_or_default());
+
+impl Listings {
+    /// Returns the listings that come with the program.
+    #[must_use]
+    pub fn shipped() -> &'static Self {
+        &SHIPPED
+    }
+
+    /// Returns the listings of named texts.
+    pub fn parse(texts: &[(&str, &str)]) -> Result<Self, ListingError> {
+        let mut all = Self::default();
+        for &(name, text) in texts {
+            let mut rows = text.lines().filter(|row| !row.trim().is_empty());
+            let title = rows.next().and_then(|row| row.strip_prefix("# "));
+            let title = title.ok_or_else(|| ListingError::NoTitle { name: name.into() })?;
+            let first = all.lines.len();
+            for row in rows {
+                let line = parse_line(name, row).ok_or_else(|| ListingError::BadLine {
+                    name: name.into(),
+                    line: row.into(),
+                })?;
+                all.lines.push(line);
+            }
+            let byte = |n: usize| u8::try_from(n).map_err(|_| ListingError::TooMany);
+            all.listings.push(Listing {
+                name: name.into(),
+                title: title.into(),
+                lines: byte(first)?..byte(all.lines.len())?,
+            });
+        }
+        Ok(all)
+    }
+
+    /// Returns all lines, by number.
+    #[must_use]
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+
+    /// Returns a line of these listings.
+    #[must_use]
+    pub fn line(&self, id: LineId) -> Option<&Line> {
+        self.lines.get(usize::from(id.0))
+    }
+
+    /// Returns the number of the line with a stable id.
+    #[must_use]
+    pub fn find(&self, id: &str) -> Option<LineId> {
+        let place = self.lines.iter().position(|line| line.id == id)?;
+        Some(LineId(place as u8))
+    }
+}
+
+fn parse_line(name: &str, row: &str) -> Option<Line> {
+    let parts: Vec<&str> = row.split(" | ").map(str::trim).collect();
+    let (&[number, indentation, text, explanation], rest) = parts.split_first_chunk()?;
+    let number: u32 = number.parse().ok()?;
+    if rest.len() > 1 || text.is_empty() {
+        return None;
+    }
+    Some(Line {
+        id: format!("{name}.{number}"),
+        indentation: indentation.parse().ok()?,
+        text: text.into(),
+        explanation: explanation.into(),
+        erratum: rest.first().map(|&erratum| erratum.to_owned()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_line_has_an_id_of_its_own_and_one_sentence_of_explanation() {
+        let listings = Listings::parse(&TEXTS).unwrap();
+        let ids: BTreeSet<&str> = listings
+            .lines()
+            .iter()
+            .map(|line| line.id.as_str())
+            .collect();
+        assert_eq!(ids.len(), listings.lines().len());
+        for line in listings.lines() {
+            assert!(line.explanation.ends_with('.'), "{}", line.id);
+            assert_eq!(listings.line(listings.find(&line.id).unwrap()), Some(line));
+        }
+        assert!(listings.lines().iter().any(|line| line.erratum.is_some()));
+    }
+
+    #[test]
+    fn a_broken_listing_is_refused_by_name() {
+        let error = Listings::parse(&[("x", "# X\n1 | 0 | text")]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "listing x: \"1 | 0 | text\" is not \"number | indentation | text | explanation | erratum\""
+        );
+        let error = Listings::parse(&[("x", "1 | 0 | text | why.")]).unwrap_err();
+        assert_eq!(error, ListingError::NoTitle { name: "x".into() });
+    }
+}

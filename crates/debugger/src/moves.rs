@@ -1,0 +1,158 @@
+//! Where to go: steps into, over and out, and runs to a line, a kind of event, a sample, both ways.
+//! Moves only find cursors; the state follows.
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Moment, Origin, R};
+
+use crate::event::Event;
+use crate::kind::Kind;
+use crate::listing::LineId;
+use crate::recording::Recording;
+
+/// Which way time runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// Towards the end.
+    Forwards,
+    /// Towards the start.
+    Backwards,
+}
+
+/// How far a step goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// To the next event.
+    Into,
+    /// To the next event that is not inside this one.
+    Over,
+    /// To the next event outside the one that holds this one.
+    Out,
+}
+
+/// What a run looks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// A line of pseudocode.
+    Line(LineId),
+    /// An event of a kind.
+    Kind(Kind),
+    /// Two samples found to be in conflict.
+    Conflict,
+    /// An elimination.
+    Elimination,
+    /// A place found to lie in a gap.
+    Gap,
+    /// An insertion.
+    Insertion,
+    /// An insertion beside an inserted sample: one of its sites was inserted, or, for a dart, a sample
+    /// inserted before it is within 2r.
+    SecondInsertion,
+    /// An event after which two samples that stay are within r of each other.
+    Violation,
+    /// An event that names a sample.
+    Sample(u32),
+}
+
+/// Returns where a step from `cursor` ends: the event at the returned cursor is about to happen. Forwards that
+/// is the end of the recording at the latest, backwards its start.
+#[must_use]
+pub fn step(recording: &Recording, cursor: usize, step: Step, direction: Direction) -> usize {
+    let depth = recording.event(cursor).map_or(0, Event::depth);
+    let stops = |event: &Event| match step {
+        Step::Into => true,
+        Step::Over => event.depth() <= depth,
+        Step::Out => event.depth() < depth,
+    };
+    let end = match direction {
+        Direction::Forwards => recording.len(),
+        Direction::Backwards => 0,
+    };
+    find(recording, cursor, direction, |_, event| stops(event)).unwrap_or(end)
+}
+
+/// Returns the nearest event after (or before) the one at `cursor` that `wanted` accepts.
+pub fn find(
+    recording: &Recording,
+    cursor: usize,
+    direction: Direction,
+    mut wanted: impl FnMut(usize, &Event) -> bool,
+) -> Option<usize> {
+    let found = |(index, event): &(usize, &Event)| wanted(*index, event);
+    let tape = recording.tape();
+    let hit = match direction {
+        Direction::Forwards => tape.from((cursor + 1).min(tape.len())).find(found),
+        Direction::Backwards => tape.before(cursor).find(found),
+    };
+    hit.map(|(index, _)| index)
+}
+
+/// Returns the nearest event after (or before) the one at `cursor` that is what `target` says.
+#[must_use]
+pub fn run_to(
+    recording: &Recording,
+    cursor: usize,
+    target: Target,
+    direction: Direction,
+) -> Option<usize> {
+    find(recording, cursor, direction, |index, event| {
+        matches_target(recording, index, event, target)
+    })
+}
+
+/// Returns whether an event is what `target` says.
+#[must_use]
+pub fn matches_target(recording: &Recording, index: usize, event: &Event, target: Target) -> bool {
+    match target {
+        Target::Line(line) => event.line() == line,
+        Target::Kind(kind) => event.kind() == kind,
+        Target::Conflict => matches!(event.moment(), Some(Moment::Test { covers: true, .. })),
+        Target::Elimination => event.kind() == Kind::Eliminate,
+        Target::Gap => Recording::is_gap(event),
+        Target::Insertion => event.kind() == Kind::Insert,
+        Target::SecondInsertion => is_second(recording, index, event),
+        Target::Violation => violates(recording, index, event),
+        Target::Sample(sample) => event.touches(sample),
+    }
+}
+
+fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
+    let Some(Moment::Insert { sample, .. }) = event.moment() else {
+        return false;
+    };
+    let origins = &recording.run().samples.origins;
+    let inserted = |id: &u32| matches!(origins[*id as usize], Origin::Inserted { .. });
+    match &origins[sample as usize] {
+        Origin::Inserted {
+            sites: Sites::Three(ids),
+            ..
+        } => ids.iter().any(inserted),
+        Origin::Inserted {
+            sites: Sites::Border(ids),
+            ..
+        } => ids.iter().any(inserted),
+        Origin::Inserted {
+            sites: Sites::Corner(id),
+            ..
+        } => inserted(id),
+        Origin::Inserted { .. } => recording.point(sample).is_some_and(|place| {
+            let near = recording.valid_near(place, 2 * R, index);
+            near.iter().any(inserted)
+        }),
+        Origin::Tiled { .. } => false,
+    }
+}
+
+/// Returns whether a sample that is kept or inserted here covers another that stays.
+fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
+    if !matches!(event.kind(), Kind::Keep | Kind::Insert) {
+        return false;
+    }
+    let sample = event.samples()[0];
+    let Some(place) = recording.point(sample) else {
+        return false;
+    };
+    let stays = |&id: &u32| {
+        id != sample && recording.status(id, index + 1) == crate::recording::Status::Kept
+    };
+    recording.valid_near(place, R, index + 1).iter().any(stays)
+}

@@ -1,0 +1,284 @@
+//! Queries of events: words that must all hold, such as `insert iteration>1 block=7`.
+//! A query never changes anything; what is wrong with it is said with the word.
+
+use tilescope_core::{Moment, Origin, Verdict};
+
+use crate::context::Context;
+use crate::event::Event;
+use crate::kind::Kind;
+use crate::listing::{LineId, Listings};
+use crate::recording::Recording;
+
+/// What is wrong with a query.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum QueryError {
+    /// A word is neither a kind of event nor a comparison.
+    #[error("\"{word}\" is neither a kind of event nor a comparison such as iteration>1")]
+    UnknownWord {
+        /// The word.
+        word: String,
+    },
+    /// Nothing has this name.
+    #[error(
+        "\"{word}\": there is no \"{name}\"; there are event, iteration, block, sample, depth, line, kind and verdict"
+    )]
+    UnknownName {
+        /// The word.
+        word: String,
+        /// The name.
+        name: String,
+    },
+    /// The value is no whole number.
+    #[error("\"{word}\": \"{value}\" is not a whole number")]
+    NotANumber {
+        /// The word.
+        word: String,
+        /// The value.
+        value: String,
+    },
+    /// The value of `kind`, `line` or `verdict` is unknown.
+    #[error("\"{word}\": \"{value}\" is not known here")]
+    UnknownValue {
+        /// The word.
+        word: String,
+        /// The value.
+        value: String,
+    },
+    /// The comparison makes no sense for what is compared.
+    #[error("\"{word}\": only = and != can be used here")]
+    NotOrdered {
+        /// The word.
+        word: String,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Comparison {
+    Equal,
+    Unequal,
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    Event,
+    Iteration,
+    Block,
+    Depth,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Term {
+    Kind(Kind, bool),
+    Line(LineId, bool),
+    Verdict(&'static str, bool),
+    Sample(u32, bool),
+    Number(Number, Comparison, i64),
+}
+
+/// A parsed query.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Query {
+    terms: Vec<Term>,
+}
+
+const COMPARISONS: [(&str, Comparison); 7] = [
+    ("!=", Comparison::Unequal),
+    ("<=", Comparison::LessOrEqual),
+    (">=", Comparison::GreaterOrEqual),
+    ("<", Comparison::Less),
+    (">", Comparison::Greater),
+    ("=", Comparison::Equal),
+    (":", Comparison::Equal),
+];
+
+const VERDICTS: [&str; 5] = ["accepted", "too-far", "outside", "covered", "not-nearest"];
+
+impl Query {
+    /// Returns the query of a text; an empty one accepts every event.
+    pub fn parse(text: &str) -> Result<Self, QueryError> {
+        let terms: Result<_, _> = text.split_whitespace().map(parse_word).collect();
+        Ok(Self { terms: terms? })
+    }
+
+    /// Returns whether an event is meant; `context` is what is current once it has happened.
+    #[must_use]
+    pub fn accepts(
+        &self,
+        recording: &Recording,
+        index: usize,
+        event: &Event,
+        context: &Context,
+    ) -> bool {
+        self.terms
+            .iter()
+            .all(|term| term.holds(recording, index, event, context))
+    }
+
+    /// Returns the events that are meant, in sequence, at most `limit` of them.
+    #[must_use]
+    pub fn find_all(&self, recording: &Recording, limit: usize) -> Vec<usize> {
+        let mut context = Context::default();
+        let meant = recording.tape().from(0).filter(|&(index, event)| {
+            context.apply(event, index as u32);
+            self.accepts(recording, index, event, &context)
+        });
+        meant.map(|(index, _)| index).take(limit).collect()
+    }
+}
+
+impl Term {
+    fn holds(self, recording: &Recording, index: usize, event: &Event, context: &Context) -> bool {
+        match self {
+            Self::Kind(kind, wanted) => (event.kind() == kind) == wanted,
+            Self::Line(line, wanted) => (event.line() == line) == wanted,
+            Self::Verdict(name, wanted) => (verdict_name(event) == Some(name)) == wanted,
+            Self::Sample(sample, wanted) => event.touches(sample) == wanted,
+            Self::Number(number, comparison, value) => {
+                let found = match number {
+                    Number::Event => Some(index as i64),
+                    Number::Iteration => Some(context.iteration.into()),
+                    Number::Depth => Some(event.depth().into()),
+                    Number::Block => block(recording, event).map(i64::from),
+                };
+                found.is_some_and(|found| comparison.holds(found, value))
+            }
+        }
+    }
+}
+
+impl Comparison {
+    const fn holds(self, found: i64, value: i64) -> bool {
+        match self {
+            Self::Equal => found == value,
+            Self::Unequal => found != value,
+            Self::Less => found < value,
+            Self::LessOrEqual => found <= value,
+            Self::Greater => found > value,
+            Self::GreaterOrEqual => found >= value,
+        }
+    }
+}
+
+/// Returns the block that an event is about: its own, that of its first sample, or the block in which an
+/// inserted sample lies.
+#[must_use]
+pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
+    if let Some(Moment::Leaf { block } | Moment::Clip { block }) = event.moment() {
+        return Some(block);
+    }
+    let sample = event.samples()[0];
+    match recording.run().samples.origins.get(sample as usize)? {
+        Origin::Tiled { block, .. } => Some(*block),
+        Origin::Inserted { .. } => {
+            let place = recording.point(sample)?;
+            let leaves = &recording.run().blocks.leaves;
+            leaves
+                .iter()
+                .position(|block| block.rect.contains(place))
+                .map(|k| k as u32)
+        }
+    }
+}
+
+/// Returns the name of the verdict of an event that examines a place.
+#[must_use]
+pub fn verdict_name(event: &Event) -> Option<&'static str> {
+    let (Moment::Candidate { verdict, .. } | Moment::Dart { verdict, .. }) = event.moment()? else {
+        return None;
+    };
+    Some(match verdict {
+        Verdict::Accepted => VERDICTS[0],
+        Verdict::TooFar => VERDICTS[1],
+        Verdict::Outside => VERDICTS[2],
+        Verdict::Covered { .. } => VERDICTS[3],
+        Verdict::NotNearest { .. } => VERDICTS[4],
+    })
+}
+
+fn parse_word(word: &str) -> Result<Term, QueryError> {
+    let named = |name: &str| Kind::ALL.iter().copied().find(|kind| kind.name() == name);
+    let signs = COMPARISONS.iter();
+    let split = signs.filter_map(|&(sign, c)| word.split_once(sign).map(|parts| (parts, c)));
+    let Some(((name, value), comparison)) = split.min_by_key(|((name, _), _)| name.len()) else {
+        let unknown = || QueryError::UnknownWord { word: word.into() };
+        return named(word)
+            .map(|kind| Term::Kind(kind, true))
+            .ok_or_else(unknown);
+    };
+    let unknown_value = || QueryError::UnknownValue {
+        word: word.into(),
+        value: value.into(),
+    };
+    let same = || match comparison {
+        Comparison::Equal => Ok(true),
+        Comparison::Unequal => Ok(false),
+        _ => Err(QueryError::NotOrdered { word: word.into() }),
+    };
+    let whole = || {
+        let error = |_| QueryError::NotANumber {
+            word: word.into(),
+            value: value.into(),
+        };
+        value.parse::<u32>().map_err(error)
+    };
+    let number = |number| Ok(Term::Number(number, comparison, whole()?.into()));
+    match name {
+        "kind" => Ok(Term::Kind(named(value).ok_or_else(unknown_value)?, same()?)),
+        "line" => {
+            let line = Listings::shipped().find(value).ok_or_else(unknown_value)?;
+            Ok(Term::Line(line, same()?))
+        }
+        "verdict" => {
+            let name = VERDICTS.into_iter().find(|&name| name == value);
+            Ok(Term::Verdict(name.ok_or_else(unknown_value)?, same()?))
+        }
+        "sample" => Ok(Term::Sample(whole()?, same()?)),
+        "event" => number(Number::Event),
+        "iteration" => number(Number::Iteration),
+        "block" => number(Number::Block),
+        "depth" => number(Number::Depth),
+        _ => Err(QueryError::UnknownName {
+            word: word.into(),
+            name: name.into(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_parsed() {
+        let query = Query::parse("insert iteration>=2 block=7 kind!=dart line:insert.3").unwrap();
+        assert_eq!(query.terms[0], Term::Kind(Kind::Insert, true));
+        assert_eq!(
+            query.terms[1],
+            Term::Number(Number::Iteration, Comparison::GreaterOrEqual, 2)
+        );
+        assert_eq!(query.terms[3], Term::Kind(Kind::Dart, false));
+        assert_eq!(query.terms.len(), 5);
+        assert_eq!(Query::parse("  "), Ok(Query::default()));
+    }
+
+    #[test]
+    fn the_bad_word_is_named() {
+        for (text, part) in [
+            ("insert banana", "\"banana\" is neither"),
+            ("colour=3", "there is no \"colour\""),
+            ("iteration>two", "\"two\" is not a whole number"),
+            ("block=-1", "\"-1\" is not a whole number"),
+            ("kind:explode", "\"explode\" is not known"),
+            ("line=eliminate.99", "\"eliminate.99\" is not known"),
+            ("sample<3", "only = and !="),
+            ("=", "there is no \"\""),
+        ] {
+            let error = Query::parse(text).unwrap_err().to_string();
+            assert!(error.contains(part), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! A recorded run: the finished run, its tape, and when each sample was born, decided and lost, so that
+//! how a sample stood at any moment is two comparisons. It never moves: cursors do.
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{
+    Domain, Fate, Moment, Observer, Parameters, Point, Run, SampleError, SampleGrid, Verdict,
+    sample_recorded,
+};
+
+use crate::context::{Context, Search};
+use crate::event::{Event, NONE};
+use crate::kind::Kind;
+use crate::tape::Tape;
+
+/// Events between two contexts that are kept.
+pub(crate) const STRIDE: usize = 1024;
+
+/// How a sample stands at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// It does not exist yet.
+    Absent,
+    /// It is tiled and valid, and its turn has not come.
+    Undecided,
+    /// It is valid and stays.
+    Kept,
+    /// It was eliminated.
+    Eliminated,
+    /// It was tiled outside a bounded domain.
+    Dropped,
+}
+
+impl Status {
+    /// Returns whether the sample covers its disk.
+    #[must_use]
+    pub const fn is_valid(self) -> bool {
+        matches!(self, Self::Undecided | Self::Kept)
+    }
+}
+
+/// The events that changed a sample, [`NONE`] where none did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Life {
+    /// It was tiled or inserted.
+    pub born: u32,
+    /// It was kept.
+    pub kept: u32,
+    /// It was eliminated or dropped.
+    pub lost: u32,
+    /// It became a detector.
+    pub marked: u32,
+}
+
+const UNBORN: Life = Life {
+    born: NONE,
+    kept: NONE,
+    lost: NONE,
+    marked: NONE,
+};
+
+/// A recorded run.
+pub struct Recording {
+    run: Run,
+    tape: Tape,
+    lives: Vec<Life>,
+    contexts: Vec<Context>,
+    grid: SampleGrid,
+    /// The events that made each split, block and clip.
+    splits: Vec<u32>,
+    leaves: Vec<u32>,
+    clips: Vec<u32>,
+    /// The first accepted examination of each triple, sorted.
+    gaps: Vec<(Sites, u32)>,
+}
+
+impl Recording {
+    /// Runs the sequential engine and records it with about `budget` events at most.
+    pub fn new(
+        parameters: &Parameters,
+        budget: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        let mut tape = Tape::new(parameters, budget);
+        let run = sample_recorded(parameters, observer, &mut tape)?;
+        tape.seal();
+        Ok(Self::of(run, tape))
+    }
+
+    /// Returns the recording of a finished run and its sealed tape.
+    #[must_use]
+    pub fn of(run: Run, tape: Tape) -> Self {
+        let mut grid = SampleGrid::with_capacity(run.domain, run.samples.len());
+        for (id, (&point, &fate)) in (0..).zip(run.samples.points.iter().zip(&run.samples.fates)) {
+            if fate != Fate::Dropped {
+                grid.insert(id, point);
+            }
+        }
+        let mut recording = Self {
+            lives: vec![UNBORN; run.samples.len()],
+            contexts: Vec::with_capacity(tape.len() / STRIDE + 1),
+            grid,
+            splits: Vec::new(),
+            leaves: Vec::new(),
+            clips: Vec::new(),
+            gaps: Vec::new(),
+            run,
+            tape,
+        };
+        recording.index();
+        recording
+    }
+
+    fn index(&mut self) {
+        let mut context = Context::default();
+        for (index, event) in (0..).zip(self.tape.iter()) {
+            if (index as usize).is_multiple_of(STRIDE) {
+                self.contexts.push(context);
+            }
+            context.apply(event, index);
+            match event.moment() {
+                Some(Moment::Split { .. }) => self.splits.push(index),
+                Some(Moment::Leaf { .. }) => self.leaves.push(index),
+                Some(Moment::Clip { .. }) => self.clips.push(index),
+                Some(Moment::Candidate {
+                    sites,
+                    verdict: Verdict::Accepted,
+                    ..
+                }) => {
+                    self.gaps.push((sites, index));
+                }
+                Some(Moment::Mark { sample, .. }) => self.lives[sample as usize].marked = index,
+                Some(moment) => note_change(&mut self.lives, moment, index),
+                None => {}
+            }
+        }
+        self.gaps.sort_unstable();
+    }
+
+    /// Returns the finished run.
+    #[must_use]
+    pub const fn run(&self) -> &Run {
+        &self.run
+    }
+
+    /// Returns the tape.
+    #[must_use]
+    pub const fn tape(&self) -> &Tape {
+        &self.tape
+    }
+
+    /// Returns how many events there are. A cursor may stand before each of them and behind the last.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.tape.len()
+    }
+
+    /// Returns whether there are no events.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.tape.is_empty()
+    }
+
+    /// Returns an event.
+    #[must_use]
+    pub fn event(&self, index: usize) -> Option<&Event> {
+        self.tape.get(index)
+    }
+
+    /// Returns the domain.
+    #[must_use]
+    pub const fn domain(&self) -> &Domain {
+        &self.run.domain
+    }
+
+    /// Returns the place of a sample, or `None` for an id that no sample has.
+    #[must_use]
+    pub fn point(&self, sample: u32) -> Option<Point> {
+        self.run.samples.points.get(sample as usize).copied()
+    }
+
+    /// Returns the events that changed a sample.
+    #[must_use]
+    pub fn life(&self, sample: u32) -> Option<Life> {
+        self.lives.get(sample as usize).copied()
+    }
+
+    pub(crate) fn lives(&self) -> &[Life] {
+        &self.lives
+    }
+
+    pub(crate) fn splits(&self) -> &[u32] {
+        &self.splits
+    }
+
+    pub(crate) fn leaves(&self) -> &[u32] {
+        &self.leaves
+    }
+
+    pub(crate) fn clips(&self) -> &[u32] {
+        &self.clips
+    }
+
+    /// Returns how a sample stands when the events before `cursor` have happened.
+    #[must_use]
+    pub fn status(&self, sample: u32, cursor: usize) -> Status {
+        self.life(sample)
+            .map_or(Status::Absent, |life| self.status_of(&life, sample, cursor))
+    }
+
+    pub(crate) fn status_of(&self, life: &Life, sample: u32, cursor: usize) -> Status {
+        let before = |event: u32| (event as usize) < cursor;
+        if !before(life.born) {
+            Status::Absent
+        } else if before(life.lost) {
+            match self.run.samples.fates[sample as usize] {
+                Fate::Dropped => Status::Dropped,
+                _ => Status::Eliminated,
+            }
+        } else if before(life.kept) {
+            Status::Kept
+        } else {
+            Status::Undecided
+        }
+    }
+
+    /// Returns what is current when the events before `cursor` have happened; at most 1024 events
+    /// are read.
+    #[must_use]
+    pub fn context(&self, cursor: usize) -> Context {
+        let key = (cursor.min(self.len()) / STRIDE).min(self.contexts.len().saturating_sub(1));
+        let mut context = self.contexts.get(key).copied().unwrap_or_default();
+        let count = cursor.saturating_sub(key * STRIDE);
+        for (index, event) in self.tape.from(key * STRIDE).take(count) {
+            context.apply(event, index as u32);
+        }
+        context
+    }
+
+    /// Returns the samples of a search, by id: those within its radius that were valid when it was made.
+    #[must_use]
+    pub fn test_buffer(&self, search: &Search) -> Vec<u32> {
+        let Some(centre) = self.point(search.centre) else {
+            return Vec::new();
+        };
+        self.valid_near(centre, search.radius, search.event as usize)
+    }
+
+    /// Returns the samples within `radius` units of a place that are valid at `cursor`, by id.
+    #[must_use]
+    pub fn valid_near(&self, place: Point, radius: i32, cursor: usize) -> Vec<u32> {
+        let limit = i64::from(radius) * i64::from(radius);
+        let mut found = Vec::new();
+        self.grid.any_near(place, radius, |near| {
+            let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
+            if dx * dx + dy * dy <= limit && self.status(near.id, cursor).is_valid() {
+                found.push(near.id);
+            }
+            false
+        });
+        found.sort_unstable();
+        found
+    }
+
+    /// Returns all samples that ever were within `radius` units of a place, by id.
+    #[must_use]
+    pub fn ever_near(&self, place: Point, radius: i32) -> Vec<u32> {
+        let limit = i64::from(radius) * i64::from(radius);
+        let mut found = Vec::new();
+        self.grid.any_near(place, radius, |near| {
+            let (dx, dy) = (i64::from(near.offset.0), i64::from(near.offset.1));
+            if dx * dx + dy * dy <= limit {
+                found.push(near.id);
+            }
+            false
+        });
+        found.sort_unstable();
+        found
+    }
+
+    /// Returns the place that an event examines or changes, or `None` where it has none in the domain.
+    #[must_use]
+    pub fn place(&self, event: &Event) -> Option<Point> {
+        match event.moment()? {
+            Moment::Candidate {
+                detector, offset, ..
+            } => {
+                let at = self.point(detector)?;
+                let (x, y) = (i64::from(at.x), i64::from(at.y));
+                self.domain()
+                    .wrap(x + i64::from(offset[0]), y + i64::from(offset[1]))
+            }
+            Moment::Pass { point, .. } | Moment::Dart { point, .. } => Some(point),
+            Moment::Cut { cell, .. } => Some(cell),
+            _ => self.point(event.samples()[0]),
+        }
+    }
+
+    /// Returns the event that first accepted the place made by `sites` before event `end`.
+    pub(crate) fn gap(&self, sites: Sites, end: usize) -> Option<usize> {
+        let first = self.gaps.partition_point(|(other, _)| *other < sites);
+        let same = self.gaps[first..]
+            .iter()
+            .take_while(|(other, _)| *other == sites);
+        let before = same
+            .map(|&(_, event)| event as usize)
+            .filter(|&event| event < end);
+        before.last()
+    }
+
+    /// Returns whether an event accepts a place as lying in a gap.
+    #[must_use]
+    pub fn is_gap(event: &Event) -> bool {
+        match event.moment() {
+            Some(Moment::Candidate { verdict, .. }) => verdict == Verdict::Accepted,
+            Some(Moment::Dart {
+                ranked, verdict, ..
+            }) => ranked && verdict == Verdict::Accepted,
+            _ => false,
+        }
+    }
+
+    /// Returns the last event before `end` of the given kind.
+    pub(crate) fn last_of(&self, kind: Kind, end: usize) -> Option<usize> {
+        self.tape
+            .before(end)
+            .find(|(_, event)| event.kind() == kind)
+            .map(|(index, _)| index)
+    }
+}
+
+fn note_change(lives: &mut [Life], moment: Moment, index: u32) {
+    match moment {
+        Moment::Tiled { sample, inside, .. } => {
+            let life = &mut lives[sample as usize];
+            life.born = index;
+            if !inside {
+                life.lost = index;
+            }
+        }
+        Moment::Keep { sample, .. } => lives[sample as usize].kept = index,
+        Moment::Eliminate { sample, .. } => lives[sample as usize].lost = index,
+        Moment::Insert { sample, .. } => {
+            let life = &mut lives[sample as usize];
+            (life.born, life.kept) = (index, index);
+        }
+        _ => {}
+    }
+}

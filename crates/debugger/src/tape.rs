@@ -1,0 +1,158 @@
+//! The tape: events in the sequence in which they happened, within a budget. Beyond it tests that came
+//! to nothing are left out, oldest first, and a notice stands in their place; changes never are.
+//! It understands no event.
+
+use tilescope_core::{Moment, Parameters, Recorder};
+
+use crate::event::Event;
+use crate::lines::Lines;
+
+/// Events that a tape holds unless it is told otherwise: 120 MB.
+pub const DEFAULT_BUDGET: usize = 5_000_000;
+
+const CHUNK: usize = 1 << 16;
+
+/// Events in sequence, in chunks of equal length.
+pub struct Tape {
+    chunks: Vec<Vec<Event>>,
+    len: usize,
+    left_out: u64,
+    budget: usize,
+    /// Chunks that have been thinned already.
+    thinned: usize,
+    lines: Lines,
+}
+
+impl Tape {
+    /// Returns an empty tape for a run of `parameters` that holds about `budget` events.
+    ///
+    /// What cannot be thinned (every change of a set, at most some 20 events for a sample) is
+    /// kept even beyond the budget.
+    #[must_use]
+    pub fn new(parameters: &Parameters, budget: usize) -> Self {
+        Self {
+            chunks: Vec::new(),
+            len: 0,
+            left_out: 0,
+            budget,
+            thinned: 0,
+            lines: Lines::new(parameters),
+        }
+    }
+
+    /// Returns how many events there are, notices included.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Returns whether nothing was recorded.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Returns how many events were left out to stay within the budget.
+    #[must_use]
+    pub const fn left_out(&self) -> u64 {
+        self.left_out
+    }
+
+    /// Returns an event, once recording has ended with [`Self::seal`].
+    #[must_use]
+    pub fn get(&self, index: usize) -> Option<&Event> {
+        self.chunks.get(index / CHUNK)?.get(index % CHUNK)
+    }
+
+    /// Returns all events.
+    #[must_use]
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Event> {
+        self.chunks.iter().flatten()
+    }
+
+    /// Returns the events from `start` on with their indices.
+    pub fn from(&self, start: usize) -> impl Iterator<Item = (usize, &Event)> {
+        let chunk = (start / CHUNK).min(self.chunks.len());
+        let events = self.chunks[chunk..].iter().flatten();
+        (start..).zip(events.skip(start - chunk * CHUNK))
+    }
+
+    /// Returns the events before `end`, the last one first, with their indices.
+    pub fn before(&self, end: usize) -> impl Iterator<Item = (usize, &Event)> {
+        let end = end.min(self.len);
+        let (full, rest) = (end / CHUNK, end % CHUNK);
+        let tail = self
+            .chunks
+            .get(full)
+            .map_or(&[][..], |chunk| &chunk[..rest]);
+        let earlier = self.chunks[..full]
+            .iter()
+            .rev()
+            .flat_map(|chunk| chunk.iter().rev());
+        (0..end).rev().zip(tail.iter().rev().chain(earlier))
+    }
+
+    /// Ends the recording: chunks become equally long again, so that indices are places.
+    pub fn seal(&mut self) {
+        let mut whole: Vec<Vec<Event>> = Vec::with_capacity(self.len / CHUNK + 1);
+        for chunk in std::mem::take(&mut self.chunks) {
+            for event in chunk {
+                match whole.last_mut() {
+                    Some(last) if last.len() < CHUNK => last.push(event),
+                    _ => whole.push(new_chunk(event)),
+                }
+            }
+        }
+        self.chunks = whole;
+        self.thinned = self.chunks.len();
+    }
+
+    fn push(&mut self, event: Event) {
+        match self.chunks.last_mut() {
+            Some(last) if last.len() < CHUNK => last.push(event),
+            _ => {
+                self.thin();
+                self.chunks.push(new_chunk(event));
+            }
+        }
+        self.len += 1;
+    }
+
+    /// Thins the oldest chunks that still have tests until another chunk fits into the budget.
+    fn thin(&mut self) {
+        while self.len + CHUNK > self.budget && self.thinned < self.chunks.len() {
+            let (thin, left_out) = thin(&self.chunks[self.thinned]);
+            self.len -= self.chunks[self.thinned].len() - thin.len();
+            self.left_out += left_out;
+            self.chunks[self.thinned] = thin;
+            self.thinned += 1;
+        }
+    }
+}
+
+impl Recorder for Tape {
+    fn record(&mut self, moment: Moment) {
+        self.push(Event::new(&moment, &self.lines));
+    }
+}
+
+fn new_chunk(first: Event) -> Vec<Event> {
+    let mut chunk = Vec::with_capacity(CHUNK);
+    chunk.push(first);
+    chunk
+}
+
+/// Returns a chunk with a notice for each row of details, and how many details are gone.
+fn thin(chunk: &[Event]) -> (Vec<Event>, u64) {
+    let mut thin = Vec::new();
+    let mut left_out = 0;
+    for row in chunk.chunk_by(|a, b| a.is_detail() == b.is_detail()) {
+        if row[0].is_detail() && row.len() > 1 {
+            thin.push(Event::thinned(row.len() as u32, row[0].line()));
+            left_out += row.len() as u64;
+        } else {
+            thin.extend_from_slice(row);
+        }
+    }
+    (thin, left_out)
+}

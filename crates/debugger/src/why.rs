@@ -1,0 +1,178 @@
+//! Why: the event that caused an event, and so on up to the split of the KD-tree; and the history of a
+//! sample or a place. Everything is read from the recording.
+
+use tilescope_core::{Moment, Origin, Point, R, Rect};
+
+use crate::event::NONE;
+use crate::kind::Kind;
+use crate::recording::Recording;
+
+/// How near a place an examined place must be to belong to its history: r / 8.
+pub const PLACE_REACH: i32 = R / 8;
+
+/// Returns the event that caused an event, which is always an earlier one; `None` for what begins by itself: a
+/// phase, an iteration, the first split.
+#[must_use]
+pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
+    let moment = recording.event(index)?.moment();
+    let life = |sample: u32| recording.life(sample);
+    let found = match moment? {
+        Moment::Split { index: split, .. } => parent_split(recording, split),
+        Moment::Leaf { block } => split_of_block(recording, block),
+        Moment::Clip { block } => at(recording.leaves(), block),
+        Moment::Tiled { block, .. } => at(recording.clips(), block),
+        Moment::Take { sample, .. } => Some(life(sample)?.born),
+        Moment::Keep { sample, rest } if rest => Some(life(sample)?.born),
+        Moment::Keep { .. } => recording.last_of(Kind::Take, index).map(|i| i as u32),
+        Moment::Test { pivot, .. } => Some(life(pivot)?.kept),
+        Moment::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
+        Moment::Mark { sample, because } if sample == because => Some(life(sample)?.kept),
+        Moment::Mark { because, .. } => Some(life(because)?.lost),
+        Moment::Detect { sample } => Some(marked_or_born(recording, sample, index)),
+        Moment::Search { centre, .. } => cause_of_search(recording, centre, index),
+        Moment::NoGap { .. } | Moment::Call { .. } => {
+            recording.last_of(Kind::Search, index).map(|i| i as u32)
+        }
+        Moment::Pairs { .. } => recording.last_of(Kind::Call, index).map(|i| i as u32),
+        Moment::Candidate { .. } => recording.context(index).search.map(|search| search.event),
+        Moment::Pass { by, .. } => Some(life(by)?.born),
+        Moment::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
+        Moment::Rank { .. }
+        | Moment::IterationEnd { .. }
+        | Moment::Dart { .. }
+        | Moment::Cut { .. } => recording.last_of(Kind::Iteration, index).map(|i| i as u32),
+        Moment::Begin(_) | Moment::Iteration { .. } | Moment::Finish { .. } => None,
+    };
+    found
+        .map(|event| event as usize)
+        .filter(|&event| event < index)
+}
+
+/// Returns the chain of causes of an event, the nearest first.
+#[must_use]
+pub fn causes(recording: &Recording, index: usize) -> Vec<usize> {
+    std::iter::successors(cause(recording, index), |&event| cause(recording, event)).collect()
+}
+
+/// Returns the events that name a sample, in sequence.
+#[must_use]
+pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
+    let events = recording.tape().from(0);
+    events
+        .filter(|(_, event)| event.touches(sample))
+        .map(|(index, _)| index)
+        .collect()
+}
+
+/// Returns the events that touched a place, in sequence: the splits and the block that hold it, all changes of
+/// samples that ever covered it, and examined places, darts and cells within [`PLACE_REACH`].
+#[must_use]
+pub fn history_of_place(recording: &Recording, place: Point) -> Vec<usize> {
+    let mut events = Vec::new();
+    for sample in recording.ever_near(place, R) {
+        if let Some(life) = recording.life(sample) {
+            events.extend([life.born, life.kept, life.lost, life.marked]);
+        }
+    }
+    events.retain(|&event| event != NONE);
+    let blocks = &recording.run().blocks;
+    let holds = |rect: &Rect| rect.contains(place);
+    let splits = blocks.splits.iter().zip(recording.splits());
+    events.extend(
+        splits
+            .filter(|(s, _)| holds(&s.rect))
+            .map(|(_, &event)| event),
+    );
+    let leaves = blocks.leaves.iter().zip(recording.leaves());
+    events.extend(
+        leaves
+            .filter(|(b, _)| holds(&b.rect))
+            .map(|(_, &event)| event),
+    );
+    let limit = i64::from(PLACE_REACH) * i64::from(PLACE_REACH);
+    for (index, event) in recording.tape().from(0) {
+        if matches!(
+            event.kind(),
+            Kind::Candidate | Kind::Pass | Kind::Dart | Kind::Cut
+        ) {
+            let near = |p| recording.domain().distance_squared(p, place) <= limit;
+            if recording.place(event).is_some_and(near) {
+                events.push(index as u32);
+            }
+        }
+    }
+    events.sort_unstable();
+    events.dedup();
+    events.into_iter().map(|event| event as usize).collect()
+}
+
+fn at(events: &[u32], index: u32) -> Option<u32> {
+    events.get(index as usize).copied()
+}
+
+/// Returns the event just before, if it is the test that found the conflict.
+fn tested(recording: &Recording, index: usize) -> Option<u32> {
+    let before = index.checked_sub(1)?;
+    let test = recording.event(before)?.kind() == Kind::Test;
+    test.then_some(before as u32)
+}
+
+/// Returns the split that made the node of a split: the last one before it, one level up.
+fn parent_split(recording: &Recording, index: u32) -> Option<u32> {
+    let splits = &recording.run().blocks.splits;
+    let depth = splits.get(index as usize)?.depth.checked_sub(1)?;
+    let parent = splits[..index as usize]
+        .iter()
+        .rposition(|split| split.depth == depth)?;
+    at(recording.splits(), parent as u32)
+}
+
+/// Returns the split that made a block: the deepest that holds it.
+fn split_of_block(recording: &Recording, block: u32) -> Option<u32> {
+    let blocks = &recording.run().blocks;
+    let corner = blocks.leaves.get(block as usize)?.rect.min;
+    let split = blocks
+        .splits
+        .iter()
+        .rposition(|split| split.rect.contains(corner))?;
+    at(recording.splits(), split as u32)
+}
+
+/// Returns the insertion of an inserted detector, or the mark of a tiled one.
+fn marked_or_born(recording: &Recording, sample: u32, before: usize) -> u32 {
+    let Some(life) = recording.life(sample) else {
+        return NONE;
+    };
+    let inserted = matches!(
+        recording.run().samples.origins[sample as usize],
+        Origin::Inserted { .. }
+    );
+    if inserted || life.marked as usize >= before {
+        life.born
+    } else {
+        life.marked
+    }
+}
+
+/// Returns the elimination whose neighbourhood is searched, or what made the sample the one at work.
+fn cause_of_search(recording: &Recording, centre: u32, index: usize) -> Option<u32> {
+    let life = recording.life(centre)?;
+    if (life.lost as usize) < index {
+        return Some(life.lost);
+    }
+    let recent = recording.tape().before(index);
+    let mut begins = recent.filter(|(_, e)| matches!(e.kind(), Kind::Detect | Kind::Take));
+    begins.next().map(|(index, _)| index as u32)
+}
+
+/// Returns the examination that found the place, or the dart.
+fn cause_of_insertion(recording: &Recording, sample: u32, index: usize) -> Option<u32> {
+    let Origin::Inserted { sites, .. } = recording.run().samples.origins[sample as usize] else {
+        return None;
+    };
+    let dart = || recording.last_of(Kind::Dart, index);
+    recording
+        .gap(sites, index)
+        .or_else(dart)
+        .map(|event| event as u32)
+}
