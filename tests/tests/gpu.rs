@@ -35,6 +35,13 @@ fn sources(run: &Run) -> Vec<Source> {
 /// Compares the device's run of a case with the sequential one, and has it verified.
 fn compare(case: &Case, pattern: &Arc<Pattern>, options: Options) -> TestCaseResult {
     let run = sequential(case, pattern);
+    // Besides the pattern, which lies on the device under all its symmetries, 24 bytes a sample at most.
+    let symmetries = if case.parameters.dihedral { 8 } else { 1 };
+    let pattern_bytes = 24 * symmetries * pattern.samples().len() as u64;
+    let options = Options {
+        memory: options.memory.map(|memory| memory + pattern_bytes),
+        ..options
+    };
     let found = pollster::block_on(async {
         let sweep = GpuSweep::new(Arc::clone(&GPU), &case.parameters, pattern, options).await?;
         sweep.finish(&mut Unobserved).await
@@ -59,7 +66,7 @@ fn compare(case: &Case, pattern: &Arc<Pattern>, options: Options) -> TestCaseRes
 }
 
 fn options() -> impl Strategy<Value = Options> {
-    let memory = prop_oneof![Just(None), (1_500_000_u64..6_000_000).prop_map(Some)];
+    let memory = prop_oneof![Just(None), (3_000_000_u64..8_000_000).prop_map(Some)];
     let halo = prop_oneof![Just(None), (1_u32..24).prop_map(Some)];
     (memory, halo, any::<bool>()).prop_map(|(memory, halo, sources)| Options {
         memory,

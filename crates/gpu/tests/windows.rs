@@ -248,7 +248,7 @@ proptest! {
         bounded: bool,
         dihedral: bool,
         halo in 1_u32..24,
-        megabytes in 1_u64..8,
+        megabytes in 3_u64..9,
     ) {
         let shortest = if bounded { 6.0 } else { 10.0 };
         let parameters = Parameters {
