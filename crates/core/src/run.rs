@@ -5,11 +5,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::engine::parallel::sweep::{Sampled, Source};
+use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
 use crate::parameters::{Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::progress::Stage;
-use crate::stages::blocks::Blocks;
+use crate::random::Key;
+use crate::stages::blocks::{Blocks, split};
 use crate::stages::detect::{Candidate, Sites};
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
@@ -157,6 +160,50 @@ pub struct Summary {
 }
 
 impl Run {
+    /// Returns a finished run that knows its blocks, its result and its counts, of samples in canonical order with their
+    /// sources: no sample that was eliminated, no iteration, no sites. Ids follow the canonical order.
+    ///
+    /// Fails when the parameters cannot be sampled.
+    pub fn of_result(
+        parameters: &Parameters,
+        pattern: &Arc<Pattern>,
+        sampled: Sampled,
+        summary: Summary,
+    ) -> Result<Self, SampleError> {
+        let domain = parameters.validate()?;
+        let key = Key::from_seed(parameters.seed);
+        let blocks = split(&domain, parameters.leaf_units()?, key);
+        let sources = sampled.sources.unwrap_or_default();
+        let origin = |(point, source): (&Point, &Source)| match *source {
+            Source::Tiled { block, pattern } => Origin::Tiled {
+                block,
+                pattern,
+                own: blocks.leaves[block as usize].rect.contains(*point),
+            },
+            Source::Inserted { iteration } => Origin::Inserted {
+                iteration,
+                sites: Sites::Unrecorded,
+            },
+        };
+        let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
+        let count = origins.len();
+        Ok(Self {
+            parameters: *parameters,
+            domain,
+            pattern: Arc::clone(pattern),
+            blocks,
+            tiles: Vec::new(),
+            samples: Samples {
+                points: sampled.points,
+                origins,
+                fates: vec![Fate::Kept; count],
+            },
+            iterations: Vec::new(),
+            result: (0..count as u32).collect(),
+            counted: Some(summary),
+        })
+    }
+
     /// Returns the result's lattice points in canonical order.
     #[must_use]
     pub fn points(&self) -> Vec<Point> {

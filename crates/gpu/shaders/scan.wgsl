@@ -1,7 +1,6 @@
 // Sums up: each workgroup turns its part of a list into the sums of what comes before, within the
 // part, and keeps the part's own sum.
-
-var<workgroup> totals: array<u32, WORKGROUP>;
+// import: prefix
 
 @compute @workgroup_size(WORKGROUP)
 fn main(
@@ -16,18 +15,7 @@ fn main(
     for (var k = first; k < min(first + SCAN_EACH, length); k++) {
         total += data[k];
     }
-    totals[local] = total;
-    workgroupBarrier();
-    for (var step = 1u; step < WORKGROUP; step *= 2u) {
-        var before = 0u;
-        if local >= step {
-            before = totals[local - step];
-        }
-        workgroupBarrier();
-        totals[local] += before;
-        workgroupBarrier();
-    }
-    var sum = totals[local] - total;
+    var sum = sum_before(local, total);
     for (var k = first; k < min(first + SCAN_EACH, length); k++) {
         let value = data[k];
         data[k] = sum;

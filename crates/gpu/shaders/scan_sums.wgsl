@@ -1,6 +1,5 @@
 // Sums up the sums of the parts, with one workgroup; the sum of all goes to a counter.
-
-var<workgroup> totals: array<u32, WORKGROUP>;
+// import: prefix
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_index) local: u32) {
@@ -12,18 +11,7 @@ fn main(@builtin(local_invocation_index) local: u32) {
     for (var k = first; k < last; k++) {
         total += sums[k];
     }
-    totals[local] = total;
-    workgroupBarrier();
-    for (var step = 1u; step < WORKGROUP; step *= 2u) {
-        var before = 0u;
-        if local >= step {
-            before = totals[local - step];
-        }
-        workgroupBarrier();
-        totals[local] += before;
-        workgroupBarrier();
-    }
-    var sum = totals[local] - total;
+    var sum = sum_before(local, total);
     for (var k = first; k < last; k++) {
         let value = sums[k];
         sums[k] = sum;

@@ -28,6 +28,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("link", include_str!("../shaders/link.wgsl")),
     ("open", include_str!("../shaders/open.wgsl")),
     ("place", include_str!("../shaders/place.wgsl")),
+    ("prefix", include_str!("../shaders/prefix.wgsl")),
     ("prepare", include_str!("../shaders/prepare.wgsl")),
     ("proposal", include_str!("../shaders/proposal.wgsl")),
     ("propose", include_str!("../shaders/propose.wgsl")),

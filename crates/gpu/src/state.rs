@@ -244,10 +244,9 @@ impl State {
         };
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
-            let made = candidates
-                .iter()
-                .find(|candidate| candidate.point == *point);
-            let sites = made.map_or(Sites::Dart, |candidate| candidate.sites);
+            // They are sorted by place.
+            let made = candidates.binary_search_by_key(&point.row_major(), |c| c.point.row_major());
+            let sites = made.map_or(Sites::Dart, |place| candidates[place].sites);
             ids.insert(*point, run.samples.len() as u32);
             let origin = Origin::Inserted {
                 iteration: k,

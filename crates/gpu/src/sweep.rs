@@ -3,12 +3,10 @@
 
 use std::sync::Arc;
 
-use tilescope_core::stages::blocks::split;
-use tilescope_core::stages::detect::Sites;
 use tilescope_core::windows::Counts;
 use tilescope_core::{
-    Domain, Fate, Observer, Origin, Parameters, Pattern, Point, Progress, R, Rect, Run,
-    SampleError, Sampled, Samples, Source, Stage, Summary, SweepState,
+    Domain, Observer, Parameters, Pattern, Point, Progress, R, Rect, Run, SampleError, Sampled,
+    Stage, Summary, SweepState,
 };
 
 use crate::adapter::Gpu;
@@ -330,50 +328,9 @@ impl GpuSweep {
             ..Options::default()
         };
         let sweep = Self::new(gpu, parameters, pattern, options).await?;
-        let setup = Arc::clone(&sweep.setup);
         let (sampled, summary) = sweep.finish(observer).await?;
-        Ok(run_of(&setup, pattern, sampled, summary)?)
+        Ok(Run::of_result(parameters, pattern, sampled, summary)?)
     }
-}
-
-/// Returns a finished run of a result alone.
-fn run_of(
-    setup: &Setup,
-    pattern: &Arc<Pattern>,
-    sampled: Sampled,
-    summary: Summary,
-) -> Result<Run, SampleError> {
-    let leaf = setup.parameters.leaf_units()?;
-    let blocks = split(&setup.domain, leaf, setup.key);
-    let sources = sampled.sources.unwrap_or_default();
-    let origin = |(point, source): (&Point, &Source)| match *source {
-        Source::Tiled { block, pattern } => Origin::Tiled {
-            block,
-            pattern,
-            own: blocks.leaves[block as usize].rect.contains(*point),
-        },
-        Source::Inserted { iteration } => Origin::Inserted {
-            iteration,
-            sites: Sites::Unrecorded,
-        },
-    };
-    let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
-    let count = origins.len();
-    Ok(Run {
-        parameters: setup.parameters,
-        domain: setup.domain,
-        pattern: Arc::clone(pattern),
-        blocks,
-        tiles: Vec::new(),
-        samples: Samples {
-            points: sampled.points,
-            origins,
-            fates: vec![Fate::Kept; count],
-        },
-        iterations: Vec::new(),
-        result: (0..count as u32).collect(),
-        counted: Some(summary),
-    })
 }
 
 /// Asks whether to go on.
@@ -425,98 +382,4 @@ fn join(mut windows: Vec<Window>, with_sources: bool) -> Sampled {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::adapter::Choice;
-    use crate::plan::{Plan, whole};
-    use pollster::block_on;
-    use tilescope_core::{Insertion, Unobserved};
-
-    fn sweep(insertion: Insertion) -> GpuSweep {
-        let parameters = Parameters {
-            radius: 0.01,
-            leaf: 8.0,
-            insertion,
-            ..Parameters::default()
-        };
-        let choice = Choice {
-            software: true,
-            ..Choice::default()
-        };
-        let gpu = block_on(Gpu::open(&choice));
-        let gpu = gpu.expect("this test needs a GPU adapter; a software one (lavapipe) will do");
-        let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-        let sweep = GpuSweep::new(Arc::new(gpu), &parameters, &pattern, Options::default());
-        block_on(sweep).unwrap()
-    }
-
-    #[test]
-    fn too_little_room_is_noticed_and_made_up_for() {
-        for insertion in [Insertion::Circumcentre, Insertion::Uniform] {
-            let mut sweep = sweep(insertion);
-            let window = whole(&sweep.setup);
-            let plan = Plan::new(&sweep.setup, &window, HALO, None).unwrap();
-            let room = plan.room();
-            let expected = block_on(sweep.attempt(&window, HALO, None, &mut Unobserved)).unwrap();
-            assert!(matches!(expected, Outcome::Known(_)));
-            let uniform = insertion == Insertion::Uniform;
-            let mut rooms = vec![
-                Room { tiled: 99, ..room },
-                Room { unsure: 9, ..room },
-                Room {
-                    proposals: 9,
-                    ..room
-                },
-                Room { result: 99, ..room },
-            ];
-            rooms.push(if uniform {
-                Room { active: 9, ..room }
-            } else {
-                Room { open: 9, ..room }
-            });
-            for small in rooms {
-                let mut wanted = small;
-                let mut tries = 0;
-                let found = loop {
-                    let mut go_on = Unobserved;
-                    let attempt = sweep.attempt(&window, HALO, Some(wanted), &mut go_on);
-                    match block_on(attempt).unwrap() {
-                        Outcome::TooSmall(more) => wanted = more,
-                        other => break other,
-                    }
-                    tries += 1;
-                };
-                assert!(
-                    tries > 0 && tries < MOST_TRIES,
-                    "{small:?} took {tries} tries"
-                );
-                assert!(found == expected, "{small:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn memory_that_is_not_there_makes_smaller_windows() {
-        let mut sweep = sweep(Insertion::Circumcentre);
-        let expected = block_on(sweep.step(&mut Unobserved)).unwrap();
-        sweep.restore(&SweepState {
-            rows: 0,
-            count: 0,
-            counts: Counts::default(),
-        });
-        // As if other programs had taken the rest.
-        sweep.memory = 600_000;
-        let side = sweep.side;
-        let (mut points, mut bands) = (Vec::new(), 0);
-        while let Some(band) = block_on(sweep.step(&mut Unobserved)).unwrap() {
-            bands += 1;
-            points.extend(band.points);
-        }
-        assert!(
-            sweep.rows().0 > 0 && side == sweep.side,
-            "the next run may have more"
-        );
-        assert!(bands > 1);
-        assert!(Some(points) == expected.map(|band| band.points));
-    }
-}
+mod tests;

@@ -3,7 +3,7 @@
 use tilescope_core::R;
 use tilescope_core::windows::CELL_BITS;
 
-use crate::constants::{ARGUMENTS, COUNT_MASK, FATE_MASK, PLACE_MASK, TILE_WORDS};
+use crate::constants::{COUNT_MASK, FATE_MASK, PLACE_MASK, TILE_WORDS};
 use crate::error::GpuError;
 use crate::execute::Device;
 use crate::layout::{Frame, Image, Name, Proposal, counter};
@@ -140,5 +140,3 @@ fn signed(row: &[u32], fields: &[(&str, usize, &str)]) -> Vec<i64> {
         })
         .collect()
 }
-
-const _: () = assert!(ARGUMENTS.len() < 64);

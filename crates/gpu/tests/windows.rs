@@ -150,30 +150,34 @@ fn a_run_goes_on_where_another_engine_stopped() {
 }
 
 #[test]
-fn a_run_can_be_cancelled_between_windows() {
+fn a_run_can_be_cancelled_between_windows_and_within_one() {
     let parameters = Parameters {
         radius: 0.004,
         ..Parameters::default()
     };
-    let options = Options {
-        memory: Some(2_500_000),
-        ..Options::default()
-    };
-    let mut seen = 0;
-    let mut stop = |_: Progress| {
-        seen += 1;
-        if seen < 3 {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
-    };
-    let cancelled = pollster::block_on(sweep(&parameters, options).unwrap().finish(&mut stop));
-    let stage = Stage::Regions;
-    assert_eq!(
-        cancelled.unwrap_err(),
-        GpuError::Sample(SampleError::Cancelled { stage })
-    );
+    for memory in [Some(2_500_000), None] {
+        let options = Options {
+            memory,
+            ..Options::default()
+        };
+        let mut seen = 0;
+        // Before the band, before its first window, then whenever the host has something to read.
+        let mut stop = |_: Progress| {
+            seen += 1;
+            if seen < 4 {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        };
+        let sweep = sweep(&parameters, options).unwrap();
+        let cancelled = pollster::block_on(sweep.finish(&mut stop));
+        let stage = Stage::Regions;
+        assert_eq!(
+            cancelled.unwrap_err(),
+            GpuError::Sample(SampleError::Cancelled { stage })
+        );
+    }
 }
 
 #[test]

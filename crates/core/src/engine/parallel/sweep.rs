@@ -11,10 +11,7 @@ use crate::lattice::{Point, R, Rect};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::progress::{Meter, Observer, Stage};
-use crate::random::Key;
-use crate::run::{Fate, Origin, Run, Samples, Summary};
-use crate::stages::blocks::split;
-use crate::stages::detect::Sites;
+use crate::run::{Run, Summary};
 
 use super::counts::Counts;
 use super::gaps::inserted_in;
@@ -241,39 +238,8 @@ impl Sweep {
         observer: &mut dyn Observer,
     ) -> Result<Run, SampleError> {
         let sweep = Self::new(parameters, pattern, true)?;
-        let domain = *sweep.plane.domain();
         let (sampled, summary) = sweep.finish(observer)?;
-        let key = Key::from_seed(parameters.seed);
-        let blocks = split(&domain, parameters.leaf_units()?, key);
-        let sources = sampled.sources.unwrap_or_default();
-        let origin = |(point, source): (&Point, &Source)| match *source {
-            Source::Tiled { block, pattern } => Origin::Tiled {
-                block,
-                pattern,
-                own: blocks.leaves[block as usize].rect.contains(*point),
-            },
-            Source::Inserted { iteration } => Origin::Inserted {
-                iteration,
-                sites: Sites::Unrecorded,
-            },
-        };
-        let origins: Vec<Origin> = sampled.points.iter().zip(&sources).map(origin).collect();
-        let count = origins.len();
-        Ok(Run {
-            parameters: *parameters,
-            domain,
-            pattern: Arc::clone(pattern),
-            blocks,
-            tiles: Vec::new(),
-            samples: Samples {
-                points: sampled.points,
-                origins,
-                fates: vec![Fate::Kept; count],
-            },
-            iterations: Vec::new(),
-            result: (0..count as u32).collect(),
-            counted: Some(summary),
-        })
+        Run::of_result(parameters, pattern, sampled, summary)
     }
 
     /// Returns the windows of the next bands, band by band.

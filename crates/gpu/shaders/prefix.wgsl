@@ -1,0 +1,20 @@
+// The sums of what comes before, within a workgroup.
+
+// Up to each invocation's, its own included.
+var<workgroup> totals: array<u32, WORKGROUP>;
+
+// Returns the sum of the totals of the invocations before this one. All of a workgroup must call it.
+fn sum_before(local: u32, total: u32) -> u32 {
+    totals[local] = total;
+    workgroupBarrier();
+    for (var step = 1u; step < WORKGROUP; step *= 2u) {
+        var before = 0u;
+        if local >= step {
+            before = totals[local - step];
+        }
+        workgroupBarrier();
+        totals[local] += before;
+        workgroupBarrier();
+    }
+    return totals[local] - total;
+}
