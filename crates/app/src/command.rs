@@ -3,10 +3,14 @@
 
 use egui::{Pos2, Rect, Vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+use tilescope_debugger::{Direction, LineId, Step, Target};
 use tilescope_formats::Precision;
 
 use crate::canvas::layers::{Colouring, Layer};
+use crate::clock::Clock;
 use crate::device::Engine;
+use crate::layout::Panel;
+use crate::theme::Look;
 
 /// A parameter that is typed as a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,6 +61,71 @@ pub enum Witness {
     LargestHole,
 }
 
+/// What is selected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Selection {
+    /// Nothing.
+    Nothing,
+    /// A sample.
+    Sample(u32),
+    /// A place of the domain, in r.
+    Place([f64; 2]),
+}
+
+/// A move in time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TimeCommand {
+    /// Chooses what a tick is.
+    Clock(Clock),
+    /// Chooses how fast time runs when playing.
+    Speed(f32),
+    /// Goes to the moment when so many events have happened.
+    Jump(usize),
+    /// Steps into, over or out.
+    Step(Step, Direction),
+    /// Goes to where an event is the next one.
+    RunTo(Target, Direction),
+    /// Goes to a breakpoint, else to the end.
+    Continue(Direction),
+    /// Play goes round from here.
+    LoopStart,
+    /// Play goes round up to here.
+    LoopEnd,
+    /// Play goes round between two cursors, or not.
+    Loop(Option<std::ops::Range<usize>>),
+}
+
+/// An action of the debugger.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DebugCommand {
+    /// Sets a breakpoint on a line, or removes the one that is there.
+    ToggleBreakpoint(LineId),
+    /// Types the condition of a breakpoint.
+    Condition(usize, String),
+    /// Has a breakpoint stop a run, or not.
+    Enable(usize, bool),
+    /// Removes a breakpoint.
+    RemoveBreakpoint(usize),
+    /// Watches an expression.
+    Watch(String),
+    /// Types a watched expression.
+    EditWatch(usize, String),
+    /// Stops watching an expression.
+    RemoveWatch(usize),
+    /// Remembers the moment.
+    Bookmark,
+    /// Types the note of a bookmark.
+    Note(usize, String),
+    /// Removes a bookmark.
+    RemoveBookmark(usize),
+    /// Goes to the cause of the last event.
+    Why,
+    /// Types what the event browser looks for.
+    Query(String),
+    /// Selects something, and looks up its history.
+    Pick(Selection),
+}
+
 /// One action of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
@@ -93,6 +162,28 @@ pub enum Command {
     Colour(Colouring),
     /// Changes between the light and the dark theme.
     ToggleTheme,
+    /// Chooses a look.
+    Look(Look),
+    /// Jumps instead of flying, or flies again.
+    ToggleReducedMotion,
+    /// Brings a panel into view.
+    OpenPanel(Panel),
+    /// Puts all panels where they were at first.
+    ResetLayout,
+    /// Takes back the last change of parameters, layers or layout.
+    Undo,
+    /// Makes it again.
+    Redo,
+    /// Opens the list of all actions, or closes it.
+    TogglePalette,
+    /// Types what action is looked for.
+    PaletteText(String),
+    /// Chooses an action of the list.
+    PaletteChoice(usize),
+    /// Moves in time.
+    Time(TimeCommand),
+    /// Does something with the debugger.
+    Debug(DebugCommand),
     /// Tells where the canvas is in the window.
     Viewport(Rect),
     /// Moves the picture by screen points.
@@ -107,8 +198,6 @@ pub enum Command {
     FlyToWitness(Witness),
     /// Points at a sample, or at none.
     Hover(Option<u32>),
-    /// Selects a sample, or none.
-    Select(Option<u32>),
     /// Selects a sample and flies to it.
     GoToSample(u32),
     /// Opens the export sheet.

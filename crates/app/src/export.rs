@@ -71,7 +71,7 @@ mod native {
         form: &ExportForm,
         monitor: &Monitor,
     ) -> Result<Exported, ExportError> {
-        let run = &session.run;
+        let run = session.run();
         let mut context = ExportContext::new(region_of(session), run.domain.radius());
         context.precision = form.precision;
         "kdrt".clone_into(&mut context.method);

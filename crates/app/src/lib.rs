@@ -4,14 +4,19 @@
 //! [`Command`]s, which [`State::apply`] alone carries out; the core samples, the analysis
 //! judges, the formats write; long work happens in [`jobs`].
 
+pub mod actions;
 mod app;
 pub mod camera;
 pub mod canvas;
+pub mod clock;
 pub mod command;
+pub mod density;
 pub mod device;
 pub mod draft;
 pub mod export;
 pub mod jobs;
+pub mod layout;
+pub mod moment;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 mod panels;

@@ -1,6 +1,9 @@
 //! What happened at a stage, in one sentence. Numbers come from the run; nothing is computed here.
 
+use std::fmt::Write as _;
+
 use tilescope_core::{Boundary, Stage};
+use tilescope_debugger::{Listings, NONE, Recording, query};
 
 use crate::session::{Session, radii};
 
@@ -41,7 +44,7 @@ pub fn stage_name(stage: Stage) -> String {
 /// Returns what happened at `stage`.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
-    let run = &session.run;
+    let run = session.run();
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
     match stage {
@@ -103,7 +106,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
 }
 
 fn iteration_sentence(session: &Session, k: u32) -> String {
-    let iteration = &session.run.iterations[k as usize - 1];
+    let iteration = &session.run().iterations[k as usize - 1];
     let inserted = counted(iteration.inserted.len(), "sample", "samples");
     if !iteration.cells.is_empty() {
         let cells = counted(iteration.cells.len(), "open cell", "open cells");
@@ -121,6 +124,32 @@ fn iteration_sentence(session: &Session, k: u32) -> String {
             "uncovered places"
         ),
     )
+}
+
+/// Returns what the event at `index` does.
+#[must_use]
+pub fn event_sentence(recording: &Recording, index: usize) -> String {
+    let row = event_row(recording, index);
+    let line = recording
+        .event(index)
+        .and_then(|event| Listings::shipped().line(event.line()));
+    line.map_or_else(|| row.clone(), |line| format!("{row} ({}).", line.text))
+}
+
+/// Returns a short row about the event at `index`.
+#[must_use]
+pub fn event_row(recording: &Recording, index: usize) -> String {
+    let Some(event) = recording.event(index) else {
+        return "the end".to_owned();
+    };
+    let mut text = event.kind().name().to_owned();
+    for sample in event.samples().into_iter().filter(|&id| id != NONE) {
+        let _ = write!(text, " {}", grouped(sample as usize));
+    }
+    if let Some(verdict) = query::verdict_name(event) {
+        let _ = write!(text, ": {verdict}");
+    }
+    text
 }
 
 #[cfg(test)]

@@ -5,12 +5,14 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use tilescope_core::{
-    MAXIMAL_DENSITY, Observer, Parameters, Pattern, Progress, R, Run, SampleError, SampleGrid,
-    Sequential, Stage, Standing, Summary, Sweep, Variant, covers_offset,
+    MAXIMAL_DENSITY, Moment, Observer, Parameters, Pattern, Progress, R, Run, SampleError,
+    SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
+use tilescope_debugger::{DEFAULT_BUDGET, Recording};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
 use crate::canvas::index::SampleIndex;
+use crate::density::Density;
 use crate::jobs::Monitor;
 
 /// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
@@ -28,22 +30,33 @@ fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
 
 /// A run and what the window needs to show it.
 pub struct Session {
-    /// The run.
-    pub run: Run,
+    source: Source,
     /// Its stages, in their sequence.
     pub stages: Vec<Stage>,
+    /// The event that begins each stage but the first, where there are events.
+    starts: Vec<usize>,
     /// Its counts.
     pub summary: Summary,
     /// All samples by place.
     pub index: SampleIndex,
     /// Pairs of tiled samples that cover one another: the conflicts before elimination.
     pub conflicts: Vec<[u32; 2]>,
+    /// How many events change something.
+    pub density: Density,
     /// Changes with every session, so that pictures made from an old one are not reused.
     pub generation: u64,
     /// Who made it: "CPU", or "GPU" with the adapter's name.
     pub engine: String,
     /// What befell the GPU that was to make it, until somebody has been told.
     pub failure: Option<Failure>,
+}
+
+/// Where a session's run is kept.
+enum Source {
+    /// With every event of it.
+    Recorded(Arc<Recording>),
+    /// The run alone.
+    Run(Box<Run>),
 }
 
 /// A device that failed, so that the CPU had to make a session.
@@ -66,13 +79,13 @@ impl Session {
     ) -> Result<Self, SampleError> {
         parameters.validate_sequential()?;
         let mut observer = Reporter { monitor };
+        if keeps_everything(parameters)? {
+            let recording = Recording::new(parameters, DEFAULT_BUDGET, &mut observer)?;
+            return observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
+        }
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
-        let run = if keeps_everything(parameters)? {
-            Sequential::new(parameters, pattern)?.finish(&mut observer)?
-        } else {
-            Sweep::run(parameters, &pattern, &mut observer)?
-        };
-        Self::prepared(run, generation, &mut observer)
+        let run = Sweep::run(parameters, &pattern, &mut observer)?;
+        observer.prepare(|| Self::from_run(run, generation))
     }
 
     /// Samples with `parameters` on `gpu` and prepares the result: with all its stages where the CPU would keep
@@ -89,11 +102,9 @@ impl Session {
         let mut observer = Reporter { monitor };
         let error = match run_on(gpu, parameters, &mut observer).await {
             Ok(run) => {
-                let session = Self::prepared(run, generation, &mut observer)?;
-                return Ok(Self {
-                    engine: format!("GPU ({name})"),
-                    ..session
-                });
+                let session = Self::of_gpu(run, parameters, generation, &mut observer)?;
+                let engine = format!("GPU ({name})");
+                return Ok(Self { engine, ..session });
             }
             Err(GpuError::Sample(error)) => return Err(error),
             Err(error) => error,
@@ -104,54 +115,111 @@ impl Session {
         })
     }
 
-    /// Prepares a finished run, unless it is cancelled.
-    fn prepared(
+    /// Prepares a run of the GPU. Where all its stages are kept, the CPU makes the same run with its events; what the
+    /// GPU made is shown as it is, without events, if the two differ.
+    fn of_gpu(
         run: Run,
+        parameters: &Parameters,
         generation: u64,
         observer: &mut Reporter<'_>,
     ) -> Result<Self, SampleError> {
-        match observer.report(Stage::Finish, 0.5) {
-            None => Ok(Self::from_run(run, generation)),
-            Some(stage) => Err(SampleError::Cancelled { stage }),
+        if run.counted.is_none() {
+            let recording = Recording::new(parameters, DEFAULT_BUDGET, observer)?;
+            let twin = recording.run();
+            if twin.samples == run.samples && twin.result == run.result {
+                return observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
+            }
         }
+        observer.prepare(|| Self::from_run(run, generation))
+    }
+
+    /// Returns the run.
+    #[must_use]
+    pub fn run(&self) -> &Run {
+        match &self.source {
+            Source::Recorded(recording) => recording.run(),
+            Source::Run(run) => run,
+        }
+    }
+
+    /// Returns the events of the run, where they were kept.
+    #[must_use]
+    pub const fn recording(&self) -> Option<&Arc<Recording>> {
+        match &self.source {
+            Source::Recorded(recording) => Some(recording),
+            Source::Run(_) => None,
+        }
+    }
+
+    /// Returns the stage, as its place in the list, that is current when `cursor` events have happened.
+    #[must_use]
+    pub fn stage_at(&self, cursor: usize) -> usize {
+        self.starts.partition_point(|&start| start < cursor)
+    }
+
+    /// Returns the cursor behind the last event of the stage at `place`, where there are events.
+    #[must_use]
+    pub fn stage_end(&self, place: usize) -> Option<usize> {
+        let recording = self.recording()?;
+        let next = self.starts.get(place).copied();
+        Some(next.unwrap_or_else(|| recording.len()))
     }
 
     /// Returns whether every sample's fate was kept, so that every stage can be visited.
     #[must_use]
-    pub const fn has_stages(&self) -> bool {
-        self.run.counted.is_none()
+    pub fn has_stages(&self) -> bool {
+        self.run().counted.is_none()
     }
 
-    /// Prepares a finished run of the CPU.
+    /// Prepares a finished run of the CPU, without events.
     #[must_use]
     pub fn from_run(run: Run, generation: u64) -> Self {
-        let index = SampleIndex::new(&run.domain, &run.samples.points);
+        Self::of(Source::Run(Box::new(run)), generation)
+    }
+
+    /// Prepares a recorded run.
+    #[must_use]
+    pub fn from_recording(recording: Arc<Recording>, generation: u64) -> Self {
+        Self::of(Source::Recorded(recording), generation)
+    }
+
+    fn of(source: Source, generation: u64) -> Self {
+        let (run, starts, density) = match &source {
+            Source::Recorded(recording) => (
+                recording.run(),
+                stage_starts(recording),
+                Density::of(recording),
+            ),
+            Source::Run(run) => (&**run, Vec::new(), Density::default()),
+        };
         let conflicts = match run.counted {
             Some(_) => Vec::new(),
-            None => tiled_conflicts(&run),
+            None => tiled_conflicts(run),
         };
         Self {
             stages: run.stages(),
             summary: run.summary(),
-            index,
+            index: SampleIndex::new(&run.domain, &run.samples.points),
             conflicts,
+            starts,
+            density,
             generation,
             engine: "CPU".to_owned(),
             failure: None,
-            run,
+            source,
         }
     }
 
     /// Returns the domain's sides in r.
     #[must_use]
     pub fn size_radii(&self) -> [f64; 2] {
-        [self.run.domain.width(), self.run.domain.height()].map(radii)
+        [self.run().domain.width(), self.run().domain.height()].map(radii)
     }
 
     /// Returns where sample `id` lies, in r.
     #[must_use]
     pub fn place(&self, id: u32) -> [f64; 2] {
-        let point = self.run.samples.points[id as usize];
+        let point = self.run().samples.points[id as usize];
         [radii(point.x), radii(point.y)]
     }
 
@@ -159,7 +227,7 @@ impl Session {
     #[must_use]
     pub fn image_near(&self, id: u32, place: [f64; 2]) -> [f64; 2] {
         let there = self.place(id);
-        if !self.run.domain.is_periodic() {
+        if !self.run().domain.is_periodic() {
             return there;
         }
         let size = self.size_radii();
@@ -172,7 +240,7 @@ impl Session {
     pub fn count_after(&self, place: usize) -> usize {
         let summary = &self.summary;
         match self.stages[place] {
-            Stage::Pattern => self.run.pattern.samples().len(),
+            Stage::Pattern => self.run().pattern.samples().len(),
             Stage::Blocks => 0,
             Stage::Tile => summary.tiled,
             Stage::Eliminate => summary.tiled - summary.eliminated + self.inserted_at_once(),
@@ -187,7 +255,7 @@ impl Session {
     /// Returns how many samples elimination itself inserts: Algorithm 4 as printed fills gaps at once.
     #[must_use]
     pub fn inserted_at_once(&self) -> usize {
-        match self.run.parameters.variant {
+        match self.run().parameters.variant {
             Variant::AsPrinted => self.summary.inserted.first().copied().unwrap_or(0),
             Variant::Staged => 0,
         }
@@ -196,7 +264,7 @@ impl Session {
     /// Returns whether sample `id` can be seen after `stage`.
     #[must_use]
     pub fn exists(&self, id: u32, stage: Stage) -> bool {
-        self.run.standing(id, stage) != Standing::Absent
+        self.run().standing(id, stage) != Standing::Absent
     }
 }
 
@@ -224,6 +292,24 @@ async fn run_on(
 #[must_use]
 pub fn radii(units: i32) -> f64 {
     f64::from(units) / f64::from(R)
+}
+
+/// Returns the event that begins each of the run's stages but the first. An iteration that is not in the list of stages,
+/// because it inserted nothing, belongs to the one before it.
+fn stage_starts(recording: &Recording) -> Vec<usize> {
+    let stages = recording.run().stages();
+    let mut starts = Vec::with_capacity(stages.len());
+    for (index, event) in recording.tape().from(0) {
+        let begun = match event.moment() {
+            Some(Moment::Begin(stage)) => stage,
+            Some(Moment::Iteration { number, .. }) => Stage::Iterate(number),
+            _ => continue,
+        };
+        if stages.get(starts.len() + 1) == Some(&begun) {
+            starts.push(index);
+        }
+    }
+    starts
 }
 
 /// Returns every pair of tiled samples inside the domain that cover one another.
@@ -269,6 +355,16 @@ impl Reporter<'_> {
         self.monitor.set_activity(&stage.to_string());
         self.monitor.set_fraction(start + share * part);
         self.monitor.is_cancelled().then_some(stage)
+    }
+}
+
+impl Reporter<'_> {
+    /// Returns what `prepare` makes, unless the run is to stop.
+    fn prepare(&self, prepare: impl FnOnce() -> Session) -> Result<Session, SampleError> {
+        match self.report(Stage::Finish, 0.5) {
+            None => Ok(prepare()),
+            Some(stage) => Err(SampleError::Cancelled { stage }),
+        }
     }
 }
 

@@ -116,10 +116,73 @@ pub const LIGHT: Palette = Palette {
     halo: rgb(0x0000_0000),
 };
 
-impl Palette {
-    /// Returns the palette of a theme.
+/// A look of the window.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+pub enum Look {
+    /// Light on dark.
+    #[default]
+    Dark,
+    /// Dark on light.
+    Light,
+    /// Dark on light at nearly twice the size, with the canvas, the sentence, the controls and the line alone.
+    Projector,
+}
+
+impl Look {
+    /// Every look.
+    pub const ALL: [Self; 3] = [Self::Dark, Self::Light, Self::Projector];
+
+    /// Returns its name.
     #[must_use]
-    pub const fn of(theme: Theme) -> &'static Self {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Dark => "Dark theme",
+            Self::Light => "Light theme",
+            Self::Projector => "Projector mode",
+        }
+    }
+
+    /// Returns the light look for the dark one, and the dark one for the others.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Dark => Self::Light,
+            Self::Light | Self::Projector => Self::Dark,
+        }
+    }
+
+    /// Returns egui's theme for it.
+    #[must_use]
+    pub const fn theme(self) -> Theme {
+        match self {
+            Self::Dark => Theme::Dark,
+            Self::Light | Self::Projector => Theme::Light,
+        }
+    }
+
+    /// Returns how much larger everything is drawn.
+    #[must_use]
+    pub const fn zoom(self) -> f32 {
+        match self {
+            Self::Dark | Self::Light => 1.0,
+            Self::Projector => 1.75,
+        }
+    }
+}
+
+impl Palette {
+    /// Returns the palette of a look.
+    #[must_use]
+    pub const fn of(look: Look) -> &'static Self {
+        match look {
+            Look::Dark => &DARK,
+            Look::Light | Look::Projector => &LIGHT,
+        }
+    }
+
+    const fn of_theme(theme: Theme) -> &'static Self {
         match theme {
             Theme::Dark => &DARK,
             Theme::Light => &LIGHT,
@@ -168,7 +231,7 @@ fn oklch(lightness: f64, chroma: f64, hue_degrees: f64) -> Color32 {
 pub fn install(ctx: &Context, theme: Theme) {
     ctx.set_fonts(fonts());
     for theme in [Theme::Dark, Theme::Light] {
-        ctx.set_style_of(theme, style(Palette::of(theme)));
+        ctx.set_style_of(theme, style(Palette::of_theme(theme)));
     }
     ctx.set_theme(theme);
 }

@@ -77,7 +77,7 @@ impl Verdict {
         let radius = self.report.radius;
         let pair = || {
             let pair = self.closest?;
-            let id = |index: usize| session.run.result.get(index).copied();
+            let id = |index: usize| session.run().result.get(index).copied();
             Some(Sight::Pair(
                 [id(pair.first)?, id(pair.second)?],
                 pair.distance / radius,
@@ -101,11 +101,11 @@ impl Verdict {
 /// Returns the region of a session's result, in user units.
 #[must_use]
 pub fn region_of(session: &Session) -> Region {
-    let [width, height] = session.run.domain.size();
+    let [width, height] = session.run().domain.size();
     Region {
         width,
         height,
-        boundary: if session.run.domain.is_periodic() {
+        boundary: if session.run().domain.is_periodic() {
             Boundary::Periodic
         } else {
             Boundary::Bounded

@@ -88,7 +88,7 @@ fn enter_in_a_field_runs() {
     harness.step();
     settle(&mut harness);
     let session = harness.state().state.session.clone().expect("a session");
-    assert_ne!(session.run.parameters.seed, 1);
+    assert_ne!(session.run().parameters.seed, 1);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 pub mod index;
 pub mod layers;
+mod now;
 mod overlay;
 mod paint;
 mod raster;
@@ -11,7 +12,8 @@ mod sprites;
 use egui::{Key, PointerButton, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, vec2};
 use tilescope_core::{Stage, Standing};
 
-use crate::command::Command;
+use crate::command::{Command, DebugCommand, Selection};
+use crate::moment::Shown;
 use crate::session::Session;
 use crate::state::State;
 use crate::theme::Palette;
@@ -41,8 +43,8 @@ struct Picture<K> {
     texture: TextureHandle,
 }
 
-type GapKey = (Frame, u64, Stage, bool);
-type PointsKey = (Frame, u64, Stage, layers::Colouring, bool);
+type GapKey = (Frame, u64, Stage, usize, bool);
+type PointsKey = (Frame, u64, Stage, usize, layers::Colouring, bool);
 
 impl Canvas {
     /// Shows the canvas in all the space that `ui` has left.
@@ -55,7 +57,7 @@ impl Canvas {
         if rect != state.viewport {
             commands.push(Command::Viewport(rect));
         }
-        let palette = Palette::of(state.theme);
+        let palette = Palette::of(state.look);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, palette.outside);
         let Some(session) = &state.session else {
@@ -79,9 +81,10 @@ impl Canvas {
         session: &Session,
         palette: &Palette,
     ) -> Option<String> {
-        let stage = state.current_stage()?;
+        let shown = state.shown()?;
+        let stage = shown.stage;
         let painter = ui.painter_at(rect);
-        let scene = Scene::new(&painter, rect, state, session, stage, palette);
+        let scene = Scene::new(&painter, rect, state, shown, palette);
         scene.domain();
         if stage == Stage::Pattern {
             scene.pattern(&mut self.sprites);
@@ -98,7 +101,7 @@ impl Canvas {
         };
         let fine = state.camera.scale >= MIN_DISK_SCALE;
         if fine && state.layers.has(Layer::Gaps) && stage >= Stage::Eliminate {
-            let texture = self.gap_picture(ui, frame, session, stage, palette);
+            let texture = self.gap_picture(ui, frame, &shown, palette);
             painter.image(texture, frame_rect(&frame), UNIT, egui::Color32::WHITE);
         }
         if crowd > MAX_SYMBOLS {
@@ -127,15 +130,15 @@ impl Canvas {
         &mut self,
         ui: &Ui,
         frame: Frame,
-        session: &Session,
-        stage: Stage,
+        shown: &Shown<'_>,
         palette: &Palette,
     ) -> egui::TextureId {
-        let key = (frame, session.generation, stage, palette.dark);
+        let generation = shown.session.generation;
+        let key = (frame, generation, shown.stage, shown.cursor(), palette.dark);
         if let Some(ready) = self.gaps.as_ref().filter(|ready| ready.key == key) {
             return ready.texture.id();
         }
-        let coverage = coverage(&frame, session, stage);
+        let coverage = coverage(&frame, shown);
         let image = coverage.image(palette.gap, frame.pixels_per_point);
         let texture = renew(ui, self.gaps.take(), "gaps", image);
         let id = texture.id();
@@ -148,6 +151,7 @@ impl Canvas {
             frame,
             scene.session.generation,
             scene.stage,
+            scene.shown.cursor(),
             scene.state.colouring,
             scene.palette.dark,
         );
@@ -189,17 +193,18 @@ fn renew<K>(
     }
 }
 
-/// Returns which pixels the samples valid after `stage` cover, and which of them it did.
-fn coverage(frame: &Frame, session: &Session, stage: Stage) -> Coverage {
+/// Returns which pixels are covered at a moment, and which of them inserted samples of its iteration cover.
+fn coverage(frame: &Frame, shown: &Shown<'_>) -> Coverage {
+    let (session, stage) = (shown.session, shown.stage);
     let mut coverage = Coverage::open(frame, session);
     let inserted_now = match stage {
-        Stage::Iterate(k) => session.run.iterations[k as usize - 1].inserted.clone(),
+        Stage::Iterate(k) => session.run().iterations[k as usize - 1].inserted.clone(),
         _ => 0..0,
     };
     let (low, high) = frame.camera.visible(frame.viewport);
     let radius = frame.scale();
     session.index.visit(low, high, 1.0, |seen| {
-        if session.run.standing(seen.id, stage) == Standing::Valid {
+        if shown.covers(seen.id) {
             let before = !inserted_now.contains(&seen.id);
             coverage.cover(frame.pixel_from_domain(seen.place), radius, before);
         }
@@ -239,8 +244,6 @@ fn handle_input(ui: &Ui, response: &Response, state: &State, commands: &mut Vec<
                 (Key::Plus, Command::Zoom(middle, 1.25)),
                 (Key::Equals, Command::Zoom(middle, 1.25)),
                 (Key::Minus, Command::Zoom(middle, 0.8)),
-                (Key::F, Command::Fit),
-                (Key::Escape, Command::Select(None)),
             ] {
                 if i.key_pressed(key) && i.modifiers.is_none() {
                     commands.push(command);
@@ -252,14 +255,16 @@ fn handle_input(ui: &Ui, response: &Response, state: &State, commands: &mut Vec<
 
 /// Hovers and selects the sample nearest to the pointer.
 fn pick(response: &Response, state: &State, session: &Session, commands: &mut Vec<Command>) {
-    let stage = state.current_stage().unwrap_or(Stage::Pattern);
+    let Some(shown) = state.shown() else {
+        return;
+    };
     let nearest = response.hover_pos().and_then(|pos| {
         let place = state.camera.domain_from_screen(state.viewport, pos);
         let reach = (PICK_POINTS / state.camera.scale).min(1.5);
         let mut best: Option<(f64, u32)> = None;
         session.index.visit(place, place, reach, |seen| {
             let distance = (seen.place[0] - place[0]).hypot(seen.place[1] - place[1]);
-            let visible = !seen.image && session.exists(seen.id, stage);
+            let visible = !seen.image && shown.standing(seen.id) != Standing::Absent;
             if visible && distance <= reach && best.is_none_or(|(d, _)| distance < d) {
                 best = Some((distance, seen.id));
             }
@@ -270,6 +275,20 @@ fn pick(response: &Response, state: &State, session: &Session, commands: &mut Ve
         commands.push(Command::Hover(nearest));
     }
     if response.clicked() {
-        commands.push(Command::Select(nearest));
+        let place = response.interact_pointer_pos().map(|pos| {
+            let place = state.camera.domain_from_screen(state.viewport, pos);
+            let size = session.size_radii();
+            let inside = (0..2).all(|k| (0.0..size[k]).contains(&place[k]));
+            if inside {
+                Selection::Place(place)
+            } else {
+                Selection::Nothing
+            }
+        });
+        let selection = nearest
+            .map(Selection::Sample)
+            .or(place)
+            .unwrap_or(Selection::Nothing);
+        commands.push(Command::Debug(DebugCommand::Pick(selection)));
     }
 }

@@ -71,7 +71,7 @@ pub fn cursor(
     let text = match pointer {
         Some(pos) => {
             let place = state.camera.domain_from_screen(state.viewport, pos);
-            let radius = session.run.domain.radius();
+            let radius = session.run().domain.radius();
             format!(
                 "x {:>8.4}  y {:>8.4}  {zoom}",
                 place[0] * radius,

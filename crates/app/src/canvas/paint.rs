@@ -5,11 +5,13 @@ use egui::{
     Align2, Color32, ColorImage, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     Vec2, pos2, vec2,
 };
-use tilescope_core::{Origin, Rect as LatticeRect, Stage, Standing};
+use tilescope_core::{Origin, Point, Rect as LatticeRect, Stage, Standing};
+use tilescope_debugger::{Kind, Recording};
 
 use super::layers::{Colouring, Layer};
 use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites, Stamp};
+use crate::moment::Shown;
 use crate::session::{Session, radii};
 use crate::state::State;
 use crate::theme::Palette;
@@ -25,6 +27,7 @@ pub struct Scene<'a> {
     pub rect: Rect,
     pub state: &'a State,
     pub session: &'a Session,
+    pub shown: Shown<'a>,
     pub stage: Stage,
     pub palette: &'a Palette,
     /// The lowest visible coordinates, in r.
@@ -38,8 +41,7 @@ impl<'a> Scene<'a> {
         painter: &'a Painter,
         rect: Rect,
         state: &'a State,
-        session: &'a Session,
-        stage: Stage,
+        shown: Shown<'a>,
         palette: &'a Palette,
     ) -> Self {
         let (low, high) = state.camera.visible(rect);
@@ -47,23 +49,24 @@ impl<'a> Scene<'a> {
             painter,
             rect,
             state,
-            session,
-            stage,
+            session: shown.session,
+            shown,
+            stage: shown.stage,
             palette,
             low,
             high,
         }
     }
 
-    fn at(&self, place: [f64; 2]) -> Pos2 {
+    pub(super) fn at(&self, place: [f64; 2]) -> Pos2 {
         self.state.camera.screen_from_domain(self.rect, place)
     }
 
-    fn scale(&self) -> f32 {
+    pub(super) fn scale(&self) -> f32 {
         self.state.camera.scale as f32
     }
 
-    fn has(&self, layer: Layer) -> bool {
+    pub(super) fn has(&self, layer: Layer) -> bool {
         self.state.layers.has(layer)
     }
 
@@ -82,7 +85,7 @@ impl<'a> Scene<'a> {
     pub fn domain(&self) {
         let size = match self.stage {
             Stage::Pattern => {
-                let domain = self.session.run.pattern.domain();
+                let domain = self.session.run().pattern.domain();
                 [radii(domain.width()), radii(domain.height())]
             }
             _ => self.session.size_radii(),
@@ -99,7 +102,7 @@ impl<'a> Scene<'a> {
         let radius = (0.17 * self.scale()).clamp(0.8, 5.0);
         let stamp = sprites.stamp(self.painter.ctx(), Sprite::Dot, radius);
         let mut mesh = Mesh::with_texture(stamp.texture);
-        for point in self.session.run.pattern.samples() {
+        for point in self.session.run().pattern.samples() {
             let pos = self.at([radii(point.x), radii(point.y)]);
             if self.rect.expand(8.0).contains(pos) {
                 add_stamp(&mut mesh, stamp, pos, self.palette.sample);
@@ -109,7 +112,7 @@ impl<'a> Scene<'a> {
     }
 
     fn visible_blocks(&self) -> impl Iterator<Item = (u32, Rect)> {
-        let leaves = &self.session.run.blocks.leaves;
+        let leaves = &self.session.run().blocks.leaves;
         let rects = leaves.iter().map(|block| self.block_rect(&block.rect));
         (0..)
             .zip(rects)
@@ -169,6 +172,7 @@ impl<'a> Scene<'a> {
         }
         self.samples(sprites);
         self.search_symbols(sprites);
+        super::now::paint(self);
         self.highlight(sprites);
     }
 
@@ -177,7 +181,7 @@ impl<'a> Scene<'a> {
         self.session
             .index
             .visit(self.low, self.high, reach, |seen| {
-                let standing = self.session.run.standing(seen.id, self.stage);
+                let standing = self.shown.standing(seen.id);
                 if !seen.image && standing != Standing::Absent {
                     visit(seen.id, self.at(seen.place), standing);
                 }
@@ -186,7 +190,7 @@ impl<'a> Scene<'a> {
 
     fn disks(&self, sprites: &mut Sprites) {
         let radius = self.scale();
-        let clip = if self.session.run.domain.is_periodic() {
+        let clip = if self.session.run().domain.is_periodic() {
             self.screen_rect([0.0; 2], self.session.size_radii())
         } else {
             self.rect
@@ -200,7 +204,7 @@ impl<'a> Scene<'a> {
         );
         let mut mesh = Mesh::with_texture(stamp.texture);
         self.session.index.visit(self.low, self.high, 1.0, |seen| {
-            let standing = self.session.run.standing(seen.id, self.stage);
+            let standing = self.shown.standing(seen.id);
             if !matches!(standing, Standing::Valid | Standing::Tiled) {
                 return;
             }
@@ -240,19 +244,30 @@ impl<'a> Scene<'a> {
         let mut mesh = Mesh::with_texture(stamp.texture);
         let color = self.palette.conflict;
         match self.stage {
-            Stage::Tile => {
-                for &[a, b] in &self.session.conflicts {
-                    self.edge(&mut mesh, stamp, [a, b], color.gamma_multiply(0.85));
+            Stage::Tile => self.open_conflicts(&mut mesh, stamp),
+            Stage::Eliminate => {
+                self.visit(|id, _, standing| {
+                    if let Standing::Eliminated { by } = standing {
+                        self.edge(&mut mesh, stamp, [id, by], color.gamma_multiply(0.6));
+                    }
+                });
+                if !self.shown.ends_stage() {
+                    self.open_conflicts(&mut mesh, stamp);
                 }
             }
-            Stage::Eliminate => self.visit(|id, _, standing| {
-                if let Standing::Eliminated { by } = standing {
-                    self.edge(&mut mesh, stamp, [id, by], color.gamma_multiply(0.6));
-                }
-            }),
             _ => {}
         }
         self.painter.add(mesh);
+    }
+
+    /// Draws the conflicts between samples that are both there.
+    fn open_conflicts(&self, mesh: &mut Mesh, stamp: Stamp) {
+        let color = self.palette.conflict.gamma_multiply(0.85);
+        for &[a, b] in &self.session.conflicts {
+            if self.shown.covers(a) && self.shown.covers(b) {
+                self.edge(mesh, stamp, [a, b], color);
+            }
+        }
     }
 
     fn edge(&self, mesh: &mut Mesh, stamp: Stamp, [a, b]: [u32; 2], color: Color32) {
@@ -266,7 +281,7 @@ impl<'a> Scene<'a> {
     /// Returns the colour of a sample.
     pub fn sample_color(&self, id: u32) -> Color32 {
         match (
-            self.session.run.samples.origins[id as usize],
+            self.session.run().samples.origins[id as usize],
             self.state.colouring,
         ) {
             (Origin::Inserted { .. }, _) => self.palette.inserted,
@@ -301,7 +316,7 @@ impl<'a> Scene<'a> {
                 add_stamp(&mut dots, dot, pos, dropped);
             }
             Standing::Valid | Standing::Tiled => {
-                match self.session.run.samples.origins[id as usize] {
+                match self.session.run().samples.origins[id as usize] {
                     Origin::Inserted { .. } if self.has(Layer::Inserted) => {
                         let outline = Stamp {
                             half: ground.half + 1.6,
@@ -325,7 +340,7 @@ impl<'a> Scene<'a> {
 
     /// Draws the detectors and candidates of the iteration that is shown or comes next.
     fn search_symbols(&self, sprites: &mut Sprites) {
-        let iterations = &self.session.run.iterations;
+        let iterations = &self.session.run().iterations;
         let iteration = match self.stage {
             Stage::Eliminate => iterations.first(),
             Stage::Iterate(k) => iterations.get(k as usize - 1),
@@ -339,7 +354,11 @@ impl<'a> Scene<'a> {
         if self.has(Layer::Detectors) {
             let stamp = sprites.stamp(ctx, Sprite::Detector, (0.33 * scale).clamp(2.4, 9.0));
             let mut mesh = Mesh::with_texture(stamp.texture);
-            let places = iteration.detectors.iter().map(|&id| self.session.place(id));
+            let marked = iteration
+                .detectors
+                .iter()
+                .filter(|&&id| self.shown.is_marked(id));
+            let places = marked.map(|&id| self.session.place(id));
             for pos in places
                 .map(|place| self.at(place))
                 .filter(|p| view.contains(*p))
@@ -351,13 +370,34 @@ impl<'a> Scene<'a> {
         if self.has(Layer::Candidates) && self.stage != Stage::Eliminate {
             let stamp = sprites.stamp(ctx, Sprite::Triangle, (0.36 * scale).clamp(3.5, 10.0));
             let mut mesh = Mesh::with_texture(stamp.texture);
-            for candidate in &iteration.candidates {
-                let pos = self.at([radii(candidate.point.x), radii(candidate.point.y)]);
+            for point in self.candidates(iteration) {
+                let pos = self.at([radii(point.x), radii(point.y)]);
                 if view.contains(pos) {
                     add_stamp(&mut mesh, stamp, pos, self.palette.candidate);
                 }
             }
             self.painter.add(mesh);
+        }
+    }
+
+    /// Returns the candidates of an iteration that have been found by now.
+    fn candidates(&self, iteration: &tilescope_core::Iteration) -> Vec<Point> {
+        match self.shown.debugger.filter(|_| !self.shown.ends_stage()) {
+            None => iteration
+                .candidates
+                .iter()
+                .map(|candidate| candidate.point)
+                .collect(),
+            Some(debugger) => {
+                let recording = debugger.recording();
+                let cursor = debugger.state().cursor();
+                let events = recording.tape().before(cursor);
+                let of_stage = events.take_while(|(_, event)| event.kind() != Kind::Iteration);
+                let found = of_stage.filter(|(_, event)| Recording::is_gap(event));
+                found
+                    .filter_map(|(_, event)| recording.place(event))
+                    .collect()
+            }
         }
     }
 
@@ -374,13 +414,19 @@ impl<'a> Scene<'a> {
         let stamp = sprites.stamp(self.painter.ctx(), Sprite::Halo, radius);
         let mut mesh = Mesh::with_texture(stamp.texture);
         let stroke = Stroke::new(1.2, self.palette.halo.gamma_multiply(0.8));
+        if let Some(place) = self.state.place {
+            let at = self.at(place);
+            for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {
+                self.painter.line_segment([at - side, at + side], stroke);
+            }
+        }
         if let Some(id) = self.state.selected {
             let place = self.session.place(id);
             if self.stage >= Stage::Tile {
                 self.painter
                     .circle_stroke(self.at(place), self.scale(), stroke);
             }
-            for cause in causes(self.session, self.stage, id) {
+            for cause in causes(&self.shown, id) {
                 let from = self.at(self.session.image_near(cause, place));
                 self.painter.line_segment([from, self.at(place)], stroke);
             }
@@ -400,14 +446,14 @@ impl<'a> Scene<'a> {
     /// Returns a picture of all samples in view as points.
     pub fn points(&self, frame: &Frame) -> ColorImage {
         let mut density = Density::empty(frame);
-        let blocks = self.session.run.blocks.leaves.len() as u32;
+        let blocks = self.session.run().blocks.leaves.len() as u32;
         let colors: Vec<Color32> = (0..blocks).map(|k| self.palette.block(k)).collect();
         self.session.index.visit(self.low, self.high, 0.0, |seen| {
-            let standing = self.session.run.standing(seen.id, self.stage);
+            let standing = self.shown.standing(seen.id);
             if seen.image || !matches!(standing, Standing::Valid | Standing::Tiled) {
                 return;
             }
-            let color = match self.session.run.samples.origins[seen.id as usize] {
+            let color = match self.session.run().samples.origins[seen.id as usize] {
                 Origin::Tiled { block, .. } if self.state.colouring == Colouring::Block => {
                     colors[block as usize]
                 }
@@ -419,13 +465,13 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Returns the samples that made `id` what it is after `stage`.
-fn causes(session: &Session, stage: Stage, id: u32) -> Vec<u32> {
+/// Returns the samples that made `id` what it is.
+fn causes(shown: &Shown<'_>, id: u32) -> Vec<u32> {
     use tilescope_core::stages::detect::Sites;
-    if let Standing::Eliminated { by } = session.run.standing(id, stage) {
+    if let Standing::Eliminated { by } = shown.standing(id) {
         return vec![by];
     }
-    match session.run.samples.origins[id as usize] {
+    match shown.session.run().samples.origins[id as usize] {
         Origin::Inserted { sites, .. } => match sites {
             Sites::Three(ids) => ids.to_vec(),
             Sites::Border(ids) => ids.to_vec(),

@@ -13,7 +13,7 @@ const EXPLANATION: &str =
 
 /// Shows the chooser and, once the GPU has been asked for, its state.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     labelled(ui, "Engine", palette, |ui, label| {
         let combo = ComboBox::from_id_salt("Engine")
             .selected_text(text(state, state.engine))

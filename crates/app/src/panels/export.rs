@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(form) = &state.export else {
         return;
     };
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let mut open = true;
     Window::new("Export")
         .open(&mut open)

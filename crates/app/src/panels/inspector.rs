@@ -17,7 +17,7 @@ const HEIGHT: f32 = 200.0;
 
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let id = state.hovered.or(state.selected);
     let name = match (state.hovered, state.selected) {
         (Some(_), _) => "Sample under the pointer",
@@ -49,7 +49,7 @@ fn sample(
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
-    let run = &session.run;
+    let run = session.run();
     let point = run.samples.points[id as usize];
     let place = run.domain.user_from_lattice(point);
     row(ui, "Id", &grouped(id as usize), palette);

@@ -10,7 +10,7 @@ use crate::widgets::chip;
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         for layer in Layer::ALL {

@@ -10,7 +10,7 @@ use crate::widgets::{heading, symbol};
 
 /// Shows the legend.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     heading(ui, "Legend");
     colouring(ui, state, commands);
     ui.add_space(2.0);
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     ui.horizontal(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
         for (colouring, name, explanation) in [

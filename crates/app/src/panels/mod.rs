@@ -1,77 +1,122 @@
-//! The panels around the canvas. Each reads the state and pushes commands; none changes anything.
+//! The panels of the window. Each reads the state and pushes commands; none changes anything.
 
+mod bookmarks;
 mod engine;
+mod events;
 mod export;
 mod inspector;
 mod layers;
 mod legend;
 mod notice;
+mod palette;
 mod parameters;
+mod pseudocode;
 mod stages;
 mod timeline;
 mod toolbar;
+mod track;
 mod verification;
+mod watches;
 
-use egui::{Frame, Margin, Panel, ScrollArea, Ui};
+use egui::{CentralPanel, Frame, Margin, ScrollArea, Ui};
 
+use crate::canvas::Canvas;
 use crate::command::Command;
+use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::Palette;
 
-/// Width of the left panel, in screen points.
-const LEFT_WIDTH: f32 = 276.0;
-/// Width of the right panel, in screen points.
-const RIGHT_WIDTH: f32 = 288.0;
-
-/// Shows every panel that has a fixed place; what is left of `ui` is the canvas.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
-    let frame = Frame::new().fill(palette.panel);
-    let bar = frame.inner_margin(Margin::symmetric(14, 0));
-    Panel::top("toolbar")
-        .exact_size(48.0)
+/// Shows the bar on top.
+pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let bar = Frame::new()
+        .fill(palette.panel)
+        .inner_margin(Margin::symmetric(14, 0));
+    egui::Panel::top("toolbar")
+        .exact_size(46.0)
         .frame(bar)
         .show(ui, |ui| toolbar::show(ui, state, commands));
-    Panel::bottom("timeline")
-        .exact_size(104.0)
-        .frame(frame.inner_margin(Margin::symmetric(18, 10)))
-        .show(ui, |ui| timeline::show(ui, state, commands));
-    let side = frame.inner_margin(Margin {
-        left: 16,
-        right: 4,
-        top: 10,
-        bottom: 10,
-    });
-    Panel::left("parameters")
-        .exact_size(LEFT_WIDTH)
-        .resizable(false)
-        .frame(side)
-        .show(ui, |ui| {
-            scrolled(ui, |ui| {
-                parameters::show(ui, state, commands);
-                stages::show(ui, state, commands);
-            });
-        });
-    Panel::right("inspector")
-        .exact_size(RIGHT_WIDTH)
-        .resizable(false)
-        .frame(side)
-        .show(ui, |ui| {
-            scrolled(ui, |ui| {
-                verification::show(ui, state, commands);
-                inspector::show(ui, state, commands);
-                legend::show(ui, state, commands);
-            });
-        });
-    Panel::top("layers")
-        .frame(bar.inner_margin(Margin::symmetric(12, 8)))
-        .show(ui, |ui| layers::show(ui, state, commands));
 }
 
-/// Shows what floats above the window: the export sheet and the notice.
+/// Shows what a projector should show: the canvas, what happened, the controls and the line.
+pub fn show_projector(
+    ui: &mut Ui,
+    state: &State,
+    canvas: &mut Canvas,
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.look);
+    let frame = Frame::new().fill(palette.panel);
+    egui::Panel::bottom("projector")
+        .exact_size(124.0)
+        .frame(frame.inner_margin(Margin::symmetric(14, 8)))
+        .show(ui, |ui| {
+            pseudocode::next_line(ui, state);
+            timeline::show(ui, state, commands);
+        });
+    CentralPanel::no_frame()
+        .frame(Frame::new())
+        .show(ui, |ui| canvas.show(ui, state, commands));
+}
+
+/// Shows a panel in the place of its tile.
+pub fn show_panel(
+    ui: &mut Ui,
+    panel: Panel,
+    state: &State,
+    canvas: &mut Canvas,
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.look);
+    let frame = Frame::new().fill(palette.panel);
+    let side = frame.inner_margin(Margin {
+        left: 12,
+        right: 4,
+        top: 8,
+        bottom: 8,
+    });
+    match panel {
+        Panel::Canvas => {
+            let chips = frame.inner_margin(Margin::symmetric(12, 8));
+            egui::Panel::top("layers")
+                .frame(chips)
+                .show(ui, |ui| layers::show(ui, state, commands));
+            canvas.show(ui, state, commands);
+        }
+        Panel::Timeline => {
+            filled(ui, frame.inner_margin(Margin::symmetric(16, 8)), |ui| {
+                timeline::show(ui, state, commands)
+            });
+        }
+        Panel::Pseudocode => filled(ui, side, |ui| pseudocode::show(ui, state, commands)),
+        Panel::Events => filled(ui, side, |ui| events::show(ui, state, commands)),
+        _ => filled(ui, side, |ui| {
+            scrolled(ui, |ui| match panel {
+                Panel::Parameters => parameters::show(ui, state, commands),
+                Panel::Statistics => stages::show(ui, state, commands),
+                Panel::Bookmarks => bookmarks::show(ui, state, commands),
+                Panel::Inspector => inspector::show(ui, state, commands),
+                Panel::Watches => watches::show(ui, state, commands),
+                Panel::Verification => verification::show(ui, state, commands),
+                Panel::Legend => legend::show(ui, state, commands),
+                Panel::Canvas | Panel::Timeline | Panel::Pseudocode | Panel::Events => {}
+            });
+        }),
+    }
+}
+
+fn filled(ui: &mut Ui, frame: Frame, add: impl FnOnce(&mut Ui)) {
+    frame.show(ui, |ui| {
+        ui.set_min_size(ui.available_size());
+        add(ui);
+    });
+}
+
+/// Shows what floats above the window: the export sheet, the notice and the list of actions.
 pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     notice::show(ui, state, commands);
+    palette::show(ui, state, commands);
 }
 
 fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
@@ -90,4 +135,19 @@ fn divide(ui: &mut Ui, palette: &Palette) {
         ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 0.0, palette.line);
     ui.add_space(6.0);
+}
+
+/// Says that there are no events, and why.
+fn no_events(ui: &mut Ui, state: &State) {
+    let palette = Palette::of(state.look);
+    let text = match &state.session {
+        None => "There is no session yet.",
+        Some(session) if session.has_stages() => {
+            "The GPU's run differs from the CPU's, so that it has no events."
+        }
+        Some(_) => {
+            "A run of more than 500,000 samples keeps its result alone: there are no events to step through."
+        }
+    };
+    ui.label(egui::RichText::new(text).color(palette.muted));
 }

@@ -12,7 +12,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(notice) = &state.notice else {
         return;
     };
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let color = if notice.is_error {
         palette.conflict
     } else {

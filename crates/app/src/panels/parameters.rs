@@ -18,7 +18,7 @@ pub(super) const FIELD_WIDTH: f32 = 132.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let refusals = state.draft.refusals();
     heading(ui, "Domain");
     pair(
@@ -77,7 +77,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let p = &state.draft.parameters;
     heading(ui, "Elimination and insertion");
     let orders = [
@@ -157,7 +157,7 @@ fn number(
     refusals: &[Refusal],
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let refusal = refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         edit(
@@ -187,7 +187,7 @@ fn pair(
     refusals: &[Refusal],
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         ui.spacing_mut().item_spacing.x = 6.0;
@@ -218,7 +218,7 @@ fn edit(
     is_wrong: bool,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let mut text = state.draft.text(field).to_owned();
     let edit = TextEdit::singleline(&mut text)
         .id_salt(name)
@@ -267,7 +267,7 @@ fn choice<T: Copy + PartialEq>(
 /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so
 /// that a double click on Run does not hit it.
 fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     if let Some(job) = &state.sampling {
         let activity = sentence(&job.activity());
         let text = format!("{activity} {:.0}%", job.fraction() * 100.0);

@@ -12,7 +12,7 @@ use crate::widgets::heading;
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     heading(ui, "Stages");
     let Some(session) = &state.session else {
         return;

@@ -14,7 +14,7 @@ use crate::widgets::{heading, row, verdict_mark};
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     let (text, well, color) = summary(state, palette);
     let font = FontId::new(13.0, semibold());
     let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
@@ -82,7 +82,7 @@ fn explanation(state: &State) -> String {
 
 /// Shows the verifier's numbers. The rows are there before the numbers are.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.theme);
+    let palette = Palette::of(state.look);
     heading(ui, "Verification");
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.spacing_mut().interact_size.y = 21.0;

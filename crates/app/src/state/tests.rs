@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::canvas::layers::Layer;
+use crate::command::Witness;
 use crate::command::{Choice, Field};
 use tilescope_core::Search;
 
@@ -53,10 +54,10 @@ fn playing_ends_at_the_last_stage() {
     state.apply(Command::TogglePlay);
     assert_eq!(state.stage, 0);
     for _ in 0..stages {
-        state.advance(SECONDS_PER_STAGE);
+        state.advance(crate::clock::Clock::Stage.tick_secs());
     }
     assert_eq!(state.current_stage(), Some(Stage::Finish));
-    assert!(state.playing.is_none());
+    assert!(!state.playback.is_playing());
 }
 
 #[test]
@@ -140,23 +141,24 @@ fn an_export_says_where_file_and_certificate_went() {
 #[test]
 fn samples_that_are_not_there_yet_are_not_pointed_at() {
     let mut state = settled();
-    let id = state.session.as_ref().unwrap().run.iterations[0]
+    let id = state.session.as_ref().unwrap().run().iterations[0]
         .inserted
         .start;
     state.apply(Command::GoToSample(id));
     assert_eq!(state.selected, Some(id));
+    state.apply(Command::Hover(Some(id)));
     state.apply(Command::ShowStage(2));
-    assert_eq!(state.selected, None);
+    assert_eq!((state.selected, state.hovered), (Some(id), None));
 }
 
 #[test]
 fn layers_and_theme_toggle() {
     let mut state = settled();
-    let before = (state.layers.has(Layer::Gaps), state.theme);
+    let before = (state.layers.has(Layer::Gaps), state.look);
     state.apply(Command::ToggleLayer(Layer::Gaps));
     state.apply(Command::ToggleTheme);
     assert_ne!(state.layers.has(Layer::Gaps), before.0);
-    assert_ne!(state.theme, before.1);
+    assert_ne!(state.look, before.1);
 }
 
 #[test]
@@ -167,7 +169,15 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
     let camera = state.camera;
     state.apply(Command::FirstStage);
     assert_eq!(state.current_stage(), Some(Stage::Pattern));
-    let middle = state.session.as_ref().unwrap().run.pattern.domain().size()[0] / 2.0;
+    let middle = state
+        .session
+        .as_ref()
+        .unwrap()
+        .run()
+        .pattern
+        .domain()
+        .size()[0]
+        / 2.0;
     assert!((state.camera.center[0] - middle).abs() < 1e-9);
     assert!(state.camera.scale < camera.scale);
     state.apply(Command::StepForward);
@@ -187,15 +197,15 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
         [Stage::Pattern, Stage::Blocks, Stage::Finish]
     );
     assert!(state.verdict().unwrap().report.valid());
-    let pattern = std::sync::Arc::clone(&session.run.pattern);
-    let engine = tilescope_core::Sequential::new(&session.run.parameters, pattern).unwrap();
+    let pattern = std::sync::Arc::clone(&session.run().pattern);
+    let engine = tilescope_core::Sequential::new(&session.run().parameters, pattern).unwrap();
     let whole = engine.finish(&mut tilescope_core::Unobserved).unwrap();
-    assert_eq!(session.run.points(), whole.points());
+    assert_eq!(session.run().points(), whole.points());
     assert_eq!(session.summary, whole.summary());
     // What is known of a sample is what the other engine says of it.
-    for (&mine, &theirs) in session.run.result.iter().zip(&whole.result).step_by(97) {
+    for (&mine, &theirs) in session.run().result.iter().zip(&whole.result).step_by(97) {
         use tilescope_core::Origin::{Inserted, Tiled};
-        let (a, b) = (&session.run.samples.origins, &whole.samples.origins);
+        let (a, b) = (&session.run().samples.origins, &whole.samples.origins);
         match (a[mine as usize], b[theirs as usize]) {
             (Inserted { iteration: a, .. }, Inserted { iteration: b, .. }) => assert_eq!(a, b),
             (a @ Tiled { .. }, b) => assert_eq!(a, b),
@@ -234,7 +244,7 @@ fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
     assert_eq!(session.stages, before.stages);
     assert_eq!(session.summary, before.summary);
     assert_eq!(session.conflicts, before.conflicts);
-    let (mine, theirs) = (&session.run, &before.run);
+    let (mine, theirs) = (session.run(), before.run());
     assert_eq!(mine.points(), theirs.points());
     assert_eq!(mine.samples, theirs.samples);
     assert_eq!(mine.iterations, theirs.iterations);
@@ -254,7 +264,7 @@ fn a_large_session_on_the_gpu_keeps_the_result_alone() {
     state.settle();
     let of_cpu = state.session.as_ref().unwrap();
     assert_eq!(of_cpu.engine, "CPU");
-    assert_eq!(of_cpu.run.samples, session.run.samples);
+    assert_eq!(of_cpu.run().samples, session.run().samples);
     assert_eq!(of_cpu.summary, session.summary);
 }
 
@@ -290,16 +300,14 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     let monitor = crate::jobs::Job::start(&state.wake, |monitor| {
         Session::sample(&tilescope_core::Parameters::default(), 2, monitor)
     });
-    let session = monitor.wait().unwrap().unwrap();
-    state.show_made(Session {
-        failure: Some(crate::session::Failure {
-            name: "Some GPU".to_owned(),
-            error: tilescope_gpu::GpuError::DeviceLost {
-                reason: "the driver was reset".to_owned(),
-            },
-        }),
-        ..session
+    let mut session = monitor.wait().unwrap().unwrap();
+    session.failure = Some(crate::session::Failure {
+        name: "Some GPU".to_owned(),
+        error: tilescope_gpu::GpuError::DeviceLost {
+            reason: "the driver was reset".to_owned(),
+        },
     });
+    state.show_made(session);
     state.settle();
     let notice = state.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));

@@ -1,0 +1,434 @@
+//! Every action of the window in one list: menus, shortcuts and the palette show it, and all issue the same
+//! commands. What cannot be done now says why.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+use tilescope_debugger::{Direction, Step, Target};
+
+use crate::canvas::layers::{Colouring, Layer};
+use crate::clock::Clock;
+use crate::command::{Command, DebugCommand, Selection, TimeCommand};
+use crate::layout::Panel;
+use crate::state::State;
+use crate::theme::Look;
+
+/// The menus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Menu {
+    /// Files.
+    File,
+    /// Undo, parameters, selection.
+    Edit,
+    /// Panels, layers, looks, camera.
+    View,
+    /// Time.
+    Go,
+    /// Breakpoints, bookmarks, causes.
+    Debug,
+}
+
+impl Menu {
+    /// Every menu.
+    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::View, Self::Go, Self::Debug];
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::View => "View",
+            Self::Go => "Go",
+            Self::Debug => "Debug",
+        }
+    }
+}
+
+/// An action.
+#[derive(Clone, Debug)]
+pub struct Action {
+    /// Where it stands.
+    pub menu: Menu,
+    /// What it is called.
+    pub name: String,
+    /// Its keys.
+    pub shortcut: Option<KeyboardShortcut>,
+    /// What it does.
+    pub command: Command,
+    /// Why it cannot be done now.
+    pub refusal: Option<String>,
+}
+
+/// The palette: what was typed, and which of the actions found is chosen.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Palette {
+    /// What was typed.
+    pub text: String,
+    /// The place of the choice among the actions found.
+    pub choice: usize,
+}
+
+impl Palette {
+    /// Returns the actions whose names hold every word typed, those that begin with the text first.
+    #[must_use]
+    pub fn found(&self, state: &State) -> Vec<Action> {
+        let text = self.text.trim().to_lowercase();
+        let fits = |action: &Action| {
+            let name = format!("{} {}", action.menu.name(), action.name).to_lowercase();
+            text.split_whitespace().all(|word| name.contains(word))
+        };
+        let mut found: Vec<Action> = actions(state).into_iter().filter(fits).collect();
+        found.sort_by_key(|action| !action.name.to_lowercase().starts_with(&text));
+        found
+    }
+}
+
+impl State {
+    pub(crate) fn apply_to_palette(&mut self, command: Command) {
+        match command {
+            Command::TogglePalette => {
+                self.palette = match self.palette {
+                    None => Some(Palette::default()),
+                    Some(_) => None,
+                }
+            }
+            Command::PaletteText(text) => self.palette = Some(Palette { text, choice: 0 }),
+            Command::PaletteChoice(choice) => {
+                if let Some(palette) = &mut self.palette {
+                    palette.choice = choice;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+const NO_SESSION: &str = "There is no session yet.";
+const NO_EVENTS: &str = "This session was made without events: runs of more than 500,000 samples keep their result alone.";
+
+/// Returns every action as things stand.
+#[must_use]
+pub fn actions(state: &State) -> Vec<Action> {
+    let mut list = List {
+        actions: Vec::new(),
+    };
+    file(&mut list, state);
+    edit(&mut list, state);
+    view(&mut list);
+    go(&mut list, state);
+    debug(&mut list, state);
+    list.actions
+}
+
+struct List {
+    actions: Vec<Action>,
+}
+
+impl List {
+    fn add(
+        &mut self,
+        menu: Menu,
+        name: impl Into<String>,
+        keys: Option<(Modifiers, Key)>,
+        command: Command,
+        refusal: Option<&str>,
+    ) {
+        self.actions.push(Action {
+            menu,
+            name: name.into(),
+            shortcut: keys.map(|(modifiers, key)| KeyboardShortcut::new(modifiers, key)),
+            command,
+            refusal: refusal.map(str::to_owned),
+        });
+    }
+}
+
+const COMMAND: Modifiers = Modifiers::COMMAND;
+const SHIFT: Modifiers = Modifiers::SHIFT;
+const NONE: Modifiers = Modifiers::NONE;
+
+fn file(list: &mut List, state: &State) {
+    let no_session = state.session.is_none().then_some(NO_SESSION);
+    let add = |list: &mut List, name: &str, keys, command, refusal: Option<&str>| {
+        list.add(Menu::File, name, keys, command, refusal);
+    };
+    let refusal = state.run_refusal();
+    add(
+        list,
+        "Run with these parameters",
+        Some((COMMAND, Key::Enter)),
+        Command::Run,
+        refusal.as_deref(),
+    );
+    let idle = state
+        .sampling
+        .is_none()
+        .then_some("Nothing is being sampled.");
+    add(list, "Cancel the run", None, Command::Cancel, idle);
+    add(
+        list,
+        "Export samples\u{2026}",
+        Some((COMMAND, Key::E)),
+        Command::OpenExport,
+        no_session,
+    );
+}
+
+fn edit(list: &mut List, state: &State) {
+    let mut add = |name: &str, keys, command, refusal: Option<&str>| {
+        list.add(Menu::Edit, name, keys, command, refusal)
+    };
+    let no_past = (!state.can_undo()).then_some("Nothing was changed yet.");
+    let no_future = (!state.can_redo()).then_some("Nothing was undone.");
+    add("Undo", Some((COMMAND, Key::Z)), Command::Undo, no_past);
+    add(
+        "Redo",
+        Some((COMMAND | SHIFT, Key::Z)),
+        Command::Redo,
+        no_future,
+    );
+    add("Reset parameters", None, Command::ResetParameters, None);
+    let nothing =
+        (state.selected.is_none() && state.place.is_none()).then_some("Nothing is selected.");
+    let deselect = Command::Debug(DebugCommand::Pick(Selection::Nothing));
+    add("Deselect", Some((NONE, Key::Escape)), deselect, nothing);
+    add(
+        "All actions\u{2026}",
+        Some((COMMAND, Key::K)),
+        Command::TogglePalette,
+        None,
+    );
+}
+
+fn view(list: &mut List) {
+    let mut add = |name: String, keys, command| list.add(Menu::View, name, keys, command, None);
+    add(
+        "Show the whole domain".to_owned(),
+        Some((NONE, Key::F)),
+        Command::Fit,
+    );
+    for look in Look::ALL {
+        let keys = (look == Look::Projector).then_some((NONE, Key::F2));
+        add(look.name().to_owned(), keys, Command::Look(look));
+    }
+    add(
+        "Reduced motion".to_owned(),
+        None,
+        Command::ToggleReducedMotion,
+    );
+    for panel in Panel::ALL {
+        add(
+            format!("Panel: {}", panel.name()),
+            None,
+            Command::OpenPanel(panel),
+        );
+    }
+    add("Reset layout".to_owned(), None, Command::ResetLayout);
+    for layer in Layer::ALL {
+        add(
+            format!("Layer: {}", layer.name()),
+            None,
+            Command::ToggleLayer(layer),
+        );
+    }
+    add(
+        "Colour by block".to_owned(),
+        None,
+        Command::Colour(Colouring::Block),
+    );
+    add(
+        "Colour by provenance".to_owned(),
+        None,
+        Command::Colour(Colouring::Provenance),
+    );
+}
+
+/// Returns why time cannot go forwards, and why not backwards.
+#[must_use]
+pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
+    let Some(session) = &state.session else {
+        return [Some(NO_SESSION); 2];
+    };
+    let (at, last) = state
+        .cursor()
+        .unwrap_or((state.stage, session.stages.len() - 1));
+    [
+        (at == last).then_some("This is the end of the run."),
+        (at == 0).then_some("This is the start of the run."),
+    ]
+}
+
+fn go(list: &mut List, state: &State) {
+    let no_session = state.session.is_none().then_some(NO_SESSION);
+    let [at_end, at_start] = time_refusals(state);
+    let no_events = state.debugger.is_none().then_some(NO_EVENTS);
+    let mut add = |name: String, keys, command, refusal: Option<&str>| {
+        list.add(Menu::Go, name, keys, command, refusal)
+    };
+    add(
+        "Play or pause".to_owned(),
+        None,
+        Command::TogglePlay,
+        no_session,
+    );
+    add(
+        "Tick forward".to_owned(),
+        Some((NONE, Key::ArrowRight)),
+        Command::StepForward,
+        at_end,
+    );
+    add(
+        "Tick back".to_owned(),
+        Some((NONE, Key::ArrowLeft)),
+        Command::StepBack,
+        at_start,
+    );
+    add(
+        "First stage".to_owned(),
+        Some((NONE, Key::Home)),
+        Command::FirstStage,
+        at_start,
+    );
+    add(
+        "Last stage".to_owned(),
+        Some((NONE, Key::End)),
+        Command::LastStage,
+        at_end,
+    );
+    for clock in Clock::ALL {
+        let command = Command::Time(TimeCommand::Clock(clock));
+        add(format!("Clock: {}", clock.name()), None, command, no_events);
+    }
+    let ways = [
+        (Direction::Forwards, "", no_events.or(at_end)),
+        (Direction::Backwards, " backwards", no_events.or(at_start)),
+    ];
+    for (direction, way, refusal) in ways {
+        let back = direction == Direction::Backwards;
+        let shifted = if back { SHIFT } else { NONE };
+        let with_alt = if back { Modifiers::ALT } else { NONE };
+        for (name, keys, step) in [
+            ("Step into", (with_alt, Key::F11), Step::Into),
+            ("Step over", (shifted, Key::F10), Step::Over),
+            ("Step out", (SHIFT | with_alt, Key::F11), Step::Out),
+        ] {
+            let command = Command::Time(TimeCommand::Step(step, direction));
+            add(format!("{name}{way}"), Some(keys), command, refusal);
+        }
+        let command = Command::Time(TimeCommand::Continue(direction));
+        add(
+            format!("Continue to a breakpoint{way}"),
+            Some((shifted, Key::F5)),
+            command,
+            refusal,
+        );
+        for (name, key, target) in targets(state) {
+            let command = Command::Time(TimeCommand::RunTo(target, direction));
+            let which = if back { "Previous" } else { "Next" };
+            add(
+                format!("{which} {name}"),
+                key.map(|key| (shifted, key)),
+                command,
+                refusal,
+            );
+        }
+    }
+    for (name, command) in [
+        ("Loop from here", TimeCommand::LoopStart),
+        ("Loop up to here", TimeCommand::LoopEnd),
+        ("No loop", TimeCommand::Loop(None)),
+    ] {
+        add(name.to_owned(), None, Command::Time(command), no_events);
+    }
+}
+
+/// Returns what can be run to, with a key each.
+fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
+    let mut targets: Vec<(String, Option<Key>, Target)> = [
+        ("conflict", Key::C, Target::Conflict),
+        ("elimination", Key::E, Target::Elimination),
+        ("gap found", Key::G, Target::Gap),
+        ("insertion", Key::I, Target::Insertion),
+        (
+            "second insertion in one gap",
+            Key::S,
+            Target::SecondInsertion,
+        ),
+        ("violated invariant", Key::V, Target::Violation),
+    ]
+    .into_iter()
+    .map(|(name, key, target)| (name.to_owned(), Some(key), target))
+    .collect();
+    if let Some(id) = state.selected {
+        let name = format!("event of sample {}", crate::sentence::grouped(id as usize));
+        targets.push((name, Some(Key::H), Target::Sample(id)));
+    }
+    if let Some(event) = state.debugger.as_ref().and_then(|d| d.event()) {
+        let name = "execution of this line".to_owned();
+        targets.push((name, Some(Key::L), Target::Line(event.line())));
+    }
+    targets
+}
+
+fn debug(list: &mut List, state: &State) {
+    let no_events = state.debugger.is_none().then_some(NO_EVENTS);
+    let mut add = |name: &str, keys, command, refusal: Option<&str>| {
+        list.add(Menu::Debug, name, keys, Command::Debug(command), refusal);
+    };
+    let event = state
+        .debugger
+        .as_ref()
+        .and_then(|debugger| debugger.event());
+    if let Some(event) = event {
+        let command = DebugCommand::ToggleBreakpoint(event.line());
+        add(
+            "Breakpoint on the next line",
+            Some((NONE, Key::F9)),
+            command,
+            None,
+        );
+    }
+    let at_start = state.cursor().is_some_and(|(at, _)| at == 0);
+    let no_cause = at_start.then_some("Nothing has happened yet.");
+    add(
+        "Why? Go to the cause of the last event",
+        Some((NONE, Key::W)),
+        DebugCommand::Why,
+        no_events.or(no_cause),
+    );
+    add(
+        "Bookmark this moment",
+        Some((NONE, Key::B)),
+        DebugCommand::Bookmark,
+        no_events,
+    );
+    add(
+        "Watch the current sample",
+        None,
+        DebugCommand::Watch("p".to_owned()),
+        no_events,
+    );
+}
+
+/// Returns the commands whose keys were pressed in this frame. While text is typed, only keys with Ctrl and function keys
+/// count.
+pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
+    let typing = ctx.text_edit_focused();
+    let mut commands = Vec::new();
+    ctx.input_mut(|input| {
+        for action in actions(state) {
+            let Some(shortcut) = action.shortcut else {
+                continue;
+            };
+            let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
+            let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);
+            let free = !typing || modifiers.command || function;
+            if free && input.key_pressed(key) && input.modifiers.matches_exact(modifiers) {
+                input.consume_key(modifiers, key);
+                if action.refusal.is_none() {
+                    commands.push(action.command);
+                }
+            }
+        }
+    });
+    commands
+}

@@ -1,0 +1,141 @@
+//! The list of all actions: what is typed narrows it, arrows choose, Enter does it.
+
+use egui::{
+    Align2, FontId, Key, Modal, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
+};
+
+use crate::actions::{Action, Palette as Actions};
+use crate::command::Command;
+use crate::state::State;
+use crate::theme::Palette;
+
+const ROW: f32 = 30.0;
+
+/// Shows the list, if it is open.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(open) = &state.palette else {
+        return;
+    };
+    let found = open.found(state);
+    let choice = open.choice.min(found.len().saturating_sub(1));
+    let modal = Modal::new(egui::Id::unique("actions")).show(ui.ctx(), |ui| {
+        ui.set_width(480.0);
+        field(ui, open, commands);
+        ui.add_space(6.0);
+        let mut done = keys(ui, choice, found.len(), commands).then_some(choice);
+        ScrollArea::vertical()
+            .max_height(12.0 * ROW)
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                ui.spacing_mut().item_spacing.y = 0.0;
+                for (place, action) in found.iter().enumerate() {
+                    if show_action(ui, state, action, place == choice) {
+                        done = Some(place);
+                    }
+                }
+                if found.is_empty() {
+                    ui.label(
+                        RichText::new("No action has such a name.")
+                            .color(Palette::of(state.look).muted),
+                    );
+                }
+            });
+        done
+    });
+    let chosen = modal.inner.and_then(|place| found.get(place));
+    if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
+        commands.push(Command::TogglePalette);
+        if action.command != Command::TogglePalette {
+            commands.push(action.command.clone());
+        }
+    } else if modal.should_close() {
+        commands.push(Command::TogglePalette);
+    }
+}
+
+fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) {
+    let mut text = open.text.clone();
+    let response = ui.add(
+        TextEdit::singleline(&mut text)
+            .hint_text("What do you want to do?")
+            .desired_width(f32::INFINITY),
+    );
+    response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find an action"));
+    if !response.has_focus() {
+        response.request_focus();
+    }
+    if response.changed() {
+        commands.push(Command::PaletteText(text));
+    }
+}
+
+/// Moves the choice; returns whether it was confirmed.
+fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bool {
+    ui.input(|input| {
+        if input.key_pressed(Key::ArrowDown) && choice + 1 < count {
+            commands.push(Command::PaletteChoice(choice + 1));
+        }
+        if input.key_pressed(Key::ArrowUp) && choice > 0 {
+            commands.push(Command::PaletteChoice(choice - 1));
+        }
+        input.key_pressed(Key::Enter) && count > 0
+    })
+}
+
+fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool) -> bool {
+    let palette = Palette::of(state.look);
+    let enabled = action.refusal.is_none();
+    let sense = if enabled {
+        Sense::click()
+    } else {
+        Sense::hover()
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), sense);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
+    if chosen {
+        ui.painter()
+            .rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.22));
+        ui.scroll_to_rect(rect, None);
+    } else if response.hovered() {
+        ui.painter()
+            .rect_filled(rect, 5.0, palette.text.gamma_multiply(0.07));
+    }
+    let ink = if enabled {
+        palette.text
+    } else {
+        palette.muted.gamma_multiply(0.7)
+    };
+    let painter = ui.painter();
+    let menu = painter.text(
+        rect.left_center() + vec2(10.0, 0.0),
+        Align2::LEFT_CENTER,
+        action.menu.name(),
+        FontId::proportional(12.0),
+        palette.muted,
+    );
+    painter.text(
+        menu.right_center()
+            .max(rect.left_center() + vec2(60.0, 0.0)),
+        Align2::LEFT_CENTER,
+        &action.name,
+        FontId::proportional(13.5),
+        ink,
+    );
+    if let Some(shortcut) = &action.shortcut {
+        let keys = ui.ctx().format_shortcut(shortcut);
+        painter.text(
+            rect.right_center() - vec2(10.0, 0.0),
+            Align2::RIGHT_CENTER,
+            keys,
+            FontId::monospace(12.0),
+            palette.muted,
+        );
+    }
+    match &action.refusal {
+        Some(refusal) => {
+            response.on_hover_text(refusal);
+            false
+        }
+        None => response.clicked(),
+    }
+}

@@ -1,0 +1,206 @@
+//! The listings: the line that is about to run, breakpoints in the gutter, and how often a line runs.
+//! A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
+
+use egui::{
+    Align, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo,
+    pos2, vec2,
+};
+use tilescope_core::{Insertion, Variant};
+use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, Listings, Target};
+
+use super::no_events;
+use crate::command::{Command, DebugCommand, TimeCommand};
+use crate::state::State;
+use crate::theme::{Palette, semibold};
+
+const GUTTER: f32 = 22.0;
+
+/// Returns the listings that a session runs.
+fn listings_of(state: &State) -> Vec<&'static Listing> {
+    let Some(session) = &state.session else {
+        return Vec::new();
+    };
+    let parameters = &session.run().parameters;
+    let names: &[&str] = match (parameters.variant, parameters.insertion) {
+        (Variant::AsPrinted, _) => &["blocks", "tile", "printed", "gaps", "finish"],
+        (Variant::Staged, Insertion::Circumcentre) => {
+            &["blocks", "tile", "eliminate", "detect", "insert", "finish"]
+        }
+        (Variant::Staged, Insertion::Uniform) => {
+            &["blocks", "tile", "eliminate", "darts", "finish"]
+        }
+    };
+    let all = &Listings::shipped().listings;
+    names
+        .iter()
+        .filter_map(|name| all.iter().find(|listing| listing.name == *name))
+        .collect()
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(debugger) = &state.debugger else {
+        no_events(ui, state);
+        return;
+    };
+    let next = debugger.event().map(Event::line);
+    ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            for listing in listings_of(state) {
+                ui.add_space(6.0);
+                ui.label(RichText::new(&listing.title).font(FontId::new(12.5, semibold())));
+                ui.add_space(2.0);
+                for number in listing.lines.clone() {
+                    let id = LineId(number);
+                    if let Some(line) = Listings::shipped().line(id) {
+                        show_line(ui, state, debugger, (id, line), next, commands);
+                    }
+                }
+            }
+        });
+}
+
+fn show_line(
+    ui: &mut Ui,
+    state: &State,
+    debugger: &Debugger,
+    (id, line): (LineId, &Line),
+    next: Option<LineId>,
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.look);
+    let current = next == Some(id);
+    let indent = GUTTER + 10.0 * line.indentation as f32;
+    let width = (ui.available_width() - indent - 8.0).max(40.0);
+    let color = if current {
+        palette.text
+    } else {
+        palette.text.gamma_multiply(0.82)
+    };
+    let galley = ui
+        .painter()
+        .layout(line.text.clone(), FontId::monospace(11.5), color, width);
+    let size = vec2(ui.available_width() - 4.0, galley.size().y + 6.0);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let gutter = egui::Rect::from_min_size(rect.min, vec2(GUTTER, rect.height()));
+    let body = egui::Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
+    let scope = ui.scope_id();
+    let text = ui.interact(body, scope.with(("line", id.0)), Sense::click());
+    text.widget_info(|| {
+        WidgetInfo::selected(
+            Role::Button,
+            true,
+            current,
+            format!("Line {}: {}", line.id, line.text),
+        )
+    });
+    if current {
+        ui.painter()
+            .rect_filled(rect, 4.0, palette.accent.gamma_multiply(0.2));
+        let ends = [
+            rect.left_top() + vec2(1.0, 2.0),
+            rect.left_bottom() + vec2(1.0, -2.0),
+        ];
+        ui.painter()
+            .line_segment(ends, Stroke::new(2.5, palette.accent));
+        if state.playback.is_playing() || ui.ctx().cumulative_frame_nr() % 2 == 0 {
+            ui.scroll_to_rect(rect, None);
+        }
+    } else if text.hovered() || text.has_focus() {
+        ui.painter()
+            .rect_filled(body, 4.0, palette.text.gamma_multiply(0.06));
+    }
+    ui.painter()
+        .galley(pos2(rect.left() + indent, rect.top() + 3.0), galley, color);
+    breakpoint(ui, debugger, (id, line), gutter, palette, commands);
+    if text
+        .on_hover_cursor(CursorIcon::PointingHand)
+        .on_hover_text(explanation(line))
+        .clicked()
+    {
+        let target = Target::Line(id);
+        commands.push(Command::Time(TimeCommand::RunTo(
+            target,
+            Direction::Forwards,
+        )));
+    }
+}
+
+fn breakpoint(
+    ui: &mut Ui,
+    debugger: &Debugger,
+    (id, line): (LineId, &Line),
+    gutter: egui::Rect,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let set = debugger.breakpoints().iter().find(|b| b.line == id);
+    let response = ui.interact(gutter, ui.scope_id().with(("gutter", id.0)), Sense::click());
+    let name = format!("Breakpoint on line {}", line.id);
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, set.is_some(), &name));
+    let at = gutter.center();
+    let painter = ui.painter();
+    match set {
+        Some(breakpoint) => {
+            let fill = if breakpoint.enabled {
+                palette.conflict
+            } else {
+                Color32::TRANSPARENT
+            };
+            painter.circle(at, 5.0, fill, Stroke::new(1.5, palette.conflict));
+            if !breakpoint.condition.is_empty() {
+                let ink = if breakpoint.enabled {
+                    palette.panel
+                } else {
+                    palette.conflict
+                };
+                painter.text(
+                    at,
+                    egui::Align2::CENTER_CENTER,
+                    "?",
+                    FontId::monospace(9.0),
+                    ink,
+                );
+            }
+        }
+        None if response.hovered() || response.has_focus() => {
+            painter.circle_stroke(at, 5.0, Stroke::new(1.2, palette.muted));
+        }
+        None => {}
+    }
+    if response
+        .on_hover_cursor(CursorIcon::PointingHand)
+        .on_hover_text(name)
+        .clicked()
+    {
+        commands.push(Command::Debug(DebugCommand::ToggleBreakpoint(id)));
+    }
+}
+
+fn explanation(line: &Line) -> String {
+    match &line.erratum {
+        Some(erratum) => format!("{}\n\nThe print: {erratum}", line.explanation),
+        None => line.explanation.clone(),
+    }
+}
+
+/// Shows the line that is about to run, with its explanation, in a single row.
+pub fn next_line(ui: &mut Ui, state: &State) {
+    let palette = Palette::of(state.look);
+    let lines = Listings::shipped();
+    let line = state
+        .debugger
+        .as_ref()
+        .and_then(|d| lines.line(d.event()?.line()));
+    ui.horizontal(|ui| {
+        ui.set_height(18.0);
+        let (number, text) =
+            line.map_or(("end", "The run is over."), |line| (&line.id, &line.text));
+        ui.label(RichText::new(number).monospace().color(palette.accent));
+        ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
+            ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());
+        });
+    });
+}

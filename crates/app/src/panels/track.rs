@@ -1,0 +1,235 @@
+//! The track of the timeline: a segment for each stage, as long as it has events, with the cursor, bookmarks, and the
+//! range that play goes round. Click or drag to go there.
+
+use std::ops::Range;
+
+use egui::{
+    Align2, CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
+use tilescope_core::Stage;
+
+use crate::command::{Command, TimeCommand};
+use crate::sentence::stage_name;
+use crate::session::Session;
+use crate::state::State;
+use crate::theme::Palette;
+
+/// No segment is narrower, in screen points.
+const LEAST_WIDTH: f32 = 54.0;
+const HEIGHT: f32 = 54.0;
+const BAR: f32 = 24.0;
+
+/// A stage on the track.
+struct Segment {
+    place: usize,
+    stage: Stage,
+    left: f32,
+    right: f32,
+    events: Range<usize>,
+}
+
+/// Returns the segments of a session between `left` and `right`.
+fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
+    let count = session.stages.len();
+    let end = |place: usize| session.stage_end(place).unwrap_or(place);
+    let range = |place: usize| place.checked_sub(1).map_or(0, end)..end(place);
+    let total: usize = (0..count).map(|place| range(place).len()).sum();
+    let least = LEAST_WIDTH.min((right - left) / count as f32);
+    let room = (right - left - least * count as f32).max(0.0);
+    let mut at = left;
+    let segment = |(place, &stage): (usize, &Stage)| {
+        let events = range(place);
+        let width = least + room * events.len() as f32 / total.max(1) as f32;
+        let from = at;
+        at += width;
+        Segment {
+            place,
+            stage,
+            left: from,
+            right: at,
+            events,
+        }
+    };
+    session.stages.iter().enumerate().map(segment).collect()
+}
+
+/// Returns where a cursor is on the track.
+fn x_of(segments: &[Segment], cursor: usize) -> f32 {
+    let found = segments.iter().find(|segment| cursor <= segment.events.end);
+    let Some(segment) = found.or(segments.last()) else {
+        return 0.0;
+    };
+    if segment.events.is_empty() {
+        return segment.right;
+    }
+    let part = cursor.saturating_sub(segment.events.start) as f32 / segment.events.len() as f32;
+    segment.left + (segment.right - segment.left) * part.min(1.0)
+}
+
+/// Returns the cursor at a place of the track.
+fn cursor_at(segments: &[Segment], x: f32) -> usize {
+    let found = segments.iter().find(|segment| x <= segment.right);
+    let Some(segment) = found.or(segments.last()) else {
+        return 0;
+    };
+    let part = ((x - segment.left) / (segment.right - segment.left)).clamp(0.0, 1.0);
+    segment.events.start + (part * segment.events.len() as f32).round() as usize
+}
+
+/// Shows the track.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let size = vec2((ui.available_width() - 8.0).max(80.0), HEIGHT);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
+    let Some(session) = &state.session else {
+        return;
+    };
+    let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
+    let cursor = state.cursor().map_or(state.stage, |(at, _)| at);
+    response.widget_info(|| WidgetInfo::slider(true, cursor as f64, "Moment"));
+    if response.dragged()
+        && let Some(pos) = response.interact_pointer_pos()
+    {
+        let target = cursor_at(&segments, pos.x);
+        match state.cursor() {
+            Some(_) => commands.push(Command::Time(TimeCommand::Jump(target))),
+            None => commands.push(Command::ShowStage(target)),
+        }
+    }
+    for segment in &segments {
+        show_segment(ui, state, segment, rect, commands);
+    }
+    let painter = ui.painter_at(rect.expand(6.0));
+    if state.debugger.is_some() {
+        density(&painter, session, &segments, rect, palette);
+    }
+    marks(&painter, state, &segments, rect, palette);
+    let x = x_of(&segments, cursor);
+    let ends = [pos2(x, rect.top() - 2.0), pos2(x, rect.top() + BAR + 4.0)];
+    painter.line_segment(ends, Stroke::new(2.0, palette.halo));
+    let tip = [vec2(-5.0, -4.0), vec2(5.0, -4.0), vec2(0.0, 4.0)].map(|v| ends[0] + v);
+    painter.add(Shape::convex_polygon(
+        tip.to_vec(),
+        palette.halo,
+        Stroke::NONE,
+    ));
+}
+
+fn show_segment(
+    ui: &Ui,
+    state: &State,
+    segment: &Segment,
+    rect: Rect,
+    commands: &mut Vec<Command>,
+) {
+    let palette = Palette::of(state.look);
+    let name = stage_name(segment.stage);
+    let current = segment.place == state.stage;
+    let bar = Rect::from_min_max(
+        pos2(segment.left + 1.0, rect.top()),
+        pos2(segment.right - 1.0, rect.top() + BAR),
+    );
+    let label = Rect::from_min_max(bar.left_bottom(), pos2(bar.right(), rect.bottom()));
+    let fill = if current {
+        palette.accent.gamma_multiply(0.24)
+    } else {
+        palette.line.gamma_multiply(0.8)
+    };
+    ui.painter().rect_filled(bar, 3.0, fill);
+    let response = ui.interact(
+        label,
+        ui.scope_id().with(("stage", segment.place)),
+        Sense::click(),
+    );
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
+    let hot = response.hovered() || response.has_focus();
+    let ink = if current || hot {
+        palette.text
+    } else {
+        palette.muted
+    };
+    let painter = ui.painter().with_clip_rect(label.intersect(ui.clip_rect()));
+    let at = label.center_top() + vec2(0.0, 4.0);
+    painter.text(
+        at,
+        Align2::CENTER_TOP,
+        &name,
+        FontId::proportional(11.5),
+        ink,
+    );
+    let tip = format!(
+        "To the end of this stage: {} events",
+        crate::sentence::grouped(segment.events.len())
+    );
+    if response
+        .on_hover_cursor(CursorIcon::PointingHand)
+        .on_hover_text(tip)
+        .clicked()
+    {
+        commands.push(Command::ShowStage(segment.place));
+    }
+}
+
+/// Draws how often something changed: conflicts, gaps and insertions among all events.
+fn density(
+    painter: &Painter,
+    session: &Session,
+    segments: &[Segment],
+    rect: Rect,
+    palette: &Palette,
+) {
+    for segment in segments {
+        let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
+        for column in 0..columns {
+            let from = segment.events.start + segment.events.len() * column / columns;
+            let to = segment.events.start + segment.events.len() * (column + 1) / columns;
+            if to <= from {
+                continue;
+            }
+            let shares = session.density.shares(from..to);
+            let x = segment.left + 2.0 + 2.0 * column as f32;
+            let mut bottom = rect.top() + BAR - 1.0;
+            for (share, color) in
+                shares
+                    .into_iter()
+                    .zip([palette.conflict, palette.gap, palette.inserted])
+            {
+                let height = (share.sqrt() * (BAR - 3.0)).min(bottom - rect.top() - 1.0);
+                if height >= 0.5 {
+                    let ends = [pos2(x, bottom), pos2(x, bottom - height)];
+                    painter.line_segment(ends, Stroke::new(1.6, color.gamma_multiply(0.85)));
+                    bottom -= height;
+                }
+            }
+        }
+    }
+}
+
+/// Draws bookmarks and the range of the loop.
+fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
+    if let Some(range) = &state.playback.range {
+        let ends = [range.start, range.end].map(|cursor| x_of(segments, cursor));
+        let band = Rect::from_min_max(
+            pos2(ends[0], rect.top() - 3.0),
+            pos2(ends[1], rect.top() + BAR + 3.0),
+        );
+        painter.rect_filled(band, 2.0, palette.candidate.gamma_multiply(0.16));
+        for x in ends {
+            let line = [pos2(x, band.top()), pos2(x, band.bottom())];
+            painter.line_segment(line, Stroke::new(1.5, palette.candidate));
+        }
+    }
+    let Some(debugger) = &state.debugger else {
+        return;
+    };
+    for mark in &debugger.bookmarks {
+        let at = pos2(x_of(segments, mark.event), rect.top() + BAR + 2.0);
+        let flag = [vec2(0.0, -5.0), vec2(4.0, 1.0), vec2(-4.0, 1.0)].map(|v| at + v);
+        painter.add(Shape::convex_polygon(
+            flag.to_vec(),
+            palette.accent,
+            Stroke::NONE,
+        ));
+    }
+}

@@ -1,0 +1,64 @@
+//! Watches: expressions over what is in scope, with their values at this moment; errors stand beside them.
+
+use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
+use tilescope_debugger::NAMES;
+
+use super::no_events;
+use crate::command::{Command, DebugCommand};
+use crate::state::State;
+use crate::theme::Palette;
+use crate::widgets::{Icon, heading, icon_button, row};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let Some(debugger) = &state.debugger else {
+        no_events(ui, state);
+        return;
+    };
+    heading(ui, "Watches");
+    for (index, (text, value)) in debugger.watch_values().into_iter().enumerate() {
+        ui.horizontal(|ui| {
+            if icon_button(
+                ui,
+                Icon::Close,
+                &format!("Remove watch {}", index + 1),
+                None,
+                palette,
+            )
+            .clicked()
+            {
+                commands.push(Command::Debug(DebugCommand::RemoveWatch(index)));
+            }
+            let mut typed = text.to_owned();
+            let response = ui.add(
+                TextEdit::singleline(&mut typed)
+                    .code_editor()
+                    .desired_width(f32::INFINITY),
+            );
+            response.widget_info(|| {
+                WidgetInfo::labeled(Role::TextInput, true, format!("Watch {}", index + 1))
+            });
+            if response.changed() {
+                commands.push(Command::Debug(DebugCommand::EditWatch(index, typed)));
+            }
+        });
+        match value {
+            Ok(value) => ui.label(RichText::new(format!("= {value}")).monospace()),
+            Err(error) => ui.label(RichText::new(error.to_string()).color(palette.conflict)),
+        };
+        ui.add_space(4.0);
+    }
+    if ui.button("Add a watch").clicked() {
+        commands.push(Command::Debug(DebugCommand::Watch("distance".to_owned())));
+    }
+    ui.add_space(10.0);
+    heading(ui, "In scope");
+    ui.spacing_mut().item_spacing.y = 2.0;
+    for (name, meaning) in NAMES {
+        let value = debugger.evaluate(name).unwrap_or_default();
+        ui.scope(|ui| row(ui, name, &value, palette))
+            .response
+            .on_hover_text(meaning);
+    }
+}

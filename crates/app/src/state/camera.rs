@@ -1,0 +1,119 @@
+//! The commands that move the view. A place is shown; nothing is computed about it.
+
+use tilescope_core::Stage;
+
+use super::State;
+use crate::camera::{Camera, Flight};
+use crate::command::{Command, Selection, Witness};
+use crate::verification::Sight;
+
+impl State {
+    pub(super) fn apply_to_camera(&mut self, command: &Command) {
+        match *command {
+            Command::Viewport(rect) => {
+                self.viewport = rect;
+                if self.fitted && self.session.is_some() {
+                    self.camera = self.fitting();
+                    self.flight = None;
+                }
+            }
+            Command::Pan(delta) => {
+                (self.flight, self.fitted) = (None, false);
+                self.camera.pan(delta);
+            }
+            Command::Zoom(pos, factor) => {
+                (self.flight, self.fitted) = (None, false);
+                self.camera.zoom_about(self.viewport, pos, factor);
+            }
+            Command::Fit => {
+                self.sight = None;
+                self.fitted = true;
+                self.fly(self.fitting());
+            }
+            Command::FlyTo(center, radii) => self.fly_to(center, radii),
+            Command::FlyToWitness(witness) => self.fly_to_witness(witness),
+            Command::GoToSample(id) => {
+                self.pick(Selection::Sample(id));
+                if let Some(session) = &self.session {
+                    let center = session.place(id);
+                    self.fly_to(center, 12.0);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn fitting(&self) -> Camera {
+        let on_pattern = self.current_stage() == Some(Stage::Pattern);
+        let size = self.session.as_ref().map_or([1.0; 2], |session| {
+            if on_pattern {
+                // Its user unit is one radius.
+                session.run().pattern.domain().size()
+            } else {
+                session.size_radii()
+            }
+        });
+        Camera::fitting(size, self.viewport)
+    }
+
+    /// Fits the pattern when it comes into view, and returns to where the camera was afterwards.
+    pub(super) fn follow_pattern(&mut self) {
+        let on_pattern = self.current_stage() == Some(Stage::Pattern);
+        match (on_pattern, self.before_pattern) {
+            (true, None) => {
+                self.before_pattern = Some((self.camera, self.fitted));
+                (self.flight, self.fitted) = (None, true);
+                self.camera = self.fitting();
+            }
+            (false, Some((camera, fitted))) => {
+                self.before_pattern = None;
+                if self.flight.is_none() {
+                    self.fitted = fitted;
+                    self.camera = if fitted { self.fitting() } else { camera };
+                }
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn fly_to(&mut self, center: [f64; 2], radii: f64) {
+        self.fitted = false;
+        let room = f64::from(self.viewport.size().min_elem().max(1.0));
+        let to = Camera {
+            center,
+            scale: room / radii,
+        };
+        self.fly(to);
+    }
+
+    pub(super) fn fly_to_witness(&mut self, witness: Witness) {
+        let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
+            return;
+        };
+        let Some(sight) = verdict.sight(witness, session) else {
+            return;
+        };
+        let center = match sight {
+            Sight::Circle(center, _) => center,
+            Sight::Pair([a, b], _) => {
+                let from = session.place(a);
+                let to = session.image_near(b, from);
+                [0, 1].map(|k| f64::midpoint(from[k], to[k]))
+            }
+        };
+        // The verdict is about the result.
+        let last = session.stages.len() - 1;
+        self.show_stage(last);
+        self.sight = Some(sight);
+        self.fly_to(center, 9.0);
+    }
+
+    /// Flies, or jumps where motion is reduced.
+    fn fly(&mut self, to: Camera) {
+        if self.reduced_motion {
+            (self.camera, self.flight) = (to, None);
+        } else {
+            self.flight = Some(Flight::new(self.camera, to));
+        }
+    }
+}

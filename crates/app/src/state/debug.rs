@@ -1,0 +1,210 @@
+//! The commands of the debugger: breakpoints, watches, bookmarks, what is selected and its history.
+
+use std::sync::Arc;
+
+use tilescope_core::{Point, R};
+use tilescope_debugger::{Bookmark, DEFAULT_BUDGET, Debugger, LineId, Query, Recording, why};
+
+use super::State;
+use crate::command::{DebugCommand, Selection};
+use crate::jobs::Job;
+use crate::session::Session;
+
+/// Most events that a query or a history shows.
+pub const MOST_FOUND: usize = 100_000;
+
+/// The events that touched what is selected.
+#[derive(Default)]
+pub enum Found {
+    /// Nothing was asked.
+    #[default]
+    Nothing,
+    /// They are being looked for.
+    Pending(Job<Vec<usize>>),
+    /// Here they are, in sequence.
+    Events(Vec<usize>),
+}
+
+impl Found {
+    /// Returns the events, once they are known.
+    #[must_use]
+    pub fn events(&self) -> &[usize] {
+        match self {
+            Self::Events(events) => events,
+            _ => &[],
+        }
+    }
+
+    /// Takes the events when they are there.
+    pub(super) fn poll(&mut self) {
+        if let Self::Pending(job) = self
+            && let Some(outcome) = job.poll()
+        {
+            *self = Self::Events(outcome.unwrap_or_default());
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle(&mut self) {
+        if let Self::Pending(job) = self {
+            *self = Self::Events(job.wait().unwrap_or_default());
+        }
+    }
+}
+
+/// What the event browser looks for.
+#[derive(Default)]
+pub struct EventQuery {
+    /// As typed.
+    pub text: String,
+    /// What is wrong with it.
+    pub error: Option<String>,
+    /// The events that it means; none while the text is empty.
+    pub found: Found,
+}
+
+impl State {
+    pub(super) fn apply_to_debugger(&mut self, command: DebugCommand) {
+        match command {
+            DebugCommand::Query(text) => self.ask(text),
+            DebugCommand::Pick(selection) => self.pick(selection),
+            command => {
+                if let Some(debugger) = &mut self.debugger {
+                    change(debugger, command);
+                }
+            }
+        }
+    }
+
+    /// Takes up the debugger of a new session; breakpoints and watches stay.
+    pub(super) fn debug(&mut self, session: &Session) {
+        let old = self.debugger.take();
+        self.debugger = session.recording().map(|recording| {
+            let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+            if let Some(old) = old {
+                for (index, breakpoint) in old.breakpoints().iter().enumerate() {
+                    debugger.add_breakpoint(breakpoint.line, &breakpoint.condition);
+                    debugger.enable_breakpoint(index, breakpoint.enabled);
+                }
+                let mut old = old;
+                std::mem::swap(debugger.watches_mut(), old.watches_mut());
+            }
+            debugger
+        });
+        self.history_found = Found::Nothing;
+        self.playback.range = None;
+        let text = std::mem::take(&mut self.query.text);
+        self.ask(text);
+    }
+
+    fn look(&self, look: impl FnOnce(&Recording) -> Vec<usize> + Send + 'static) -> Found {
+        let Some(debugger) = &self.debugger else {
+            return Found::Nothing;
+        };
+        let recording = Arc::clone(debugger.recording());
+        Found::Pending(Job::start(&self.wake, move |_| look(&recording)))
+    }
+
+    fn ask(&mut self, text: String) {
+        let parsed = Query::parse(&text);
+        self.query.error = parsed.as_ref().err().map(ToString::to_string);
+        self.query.found = match parsed {
+            Ok(query) if query != Query::default() => {
+                self.look(move |recording| query.find_all(recording, MOST_FOUND))
+            }
+            _ => Found::Nothing,
+        };
+        self.query.text = text;
+    }
+
+    /// Selects a sample, a place or nothing, and has its history looked up.
+    pub(super) fn pick(&mut self, selection: Selection) {
+        (self.selected, self.place) = match selection {
+            Selection::Nothing => (None, None),
+            Selection::Sample(id) => (Some(id), None),
+            Selection::Place(place) => (None, Some(place)),
+        };
+        self.history_found = match selection {
+            Selection::Nothing => Found::Nothing,
+            Selection::Sample(id) => {
+                self.look(move |recording| why::history_of_sample(recording, id))
+            }
+            Selection::Place(place) => {
+                let units = place.map(|x| (x * f64::from(R)).round() as i32);
+                let point = Point::new(units[0], units[1]);
+                self.look(move |recording| why::history_of_place(recording, point))
+            }
+        };
+    }
+}
+
+fn change(debugger: &mut Debugger, command: DebugCommand) {
+    match command {
+        DebugCommand::ToggleBreakpoint(line) => toggle(debugger, line),
+        DebugCommand::Condition(index, text) => replace_condition(debugger, index, &text),
+        DebugCommand::Enable(index, enabled) => debugger.enable_breakpoint(index, enabled),
+        DebugCommand::RemoveBreakpoint(index) => debugger.remove_breakpoint(index),
+        DebugCommand::Watch(text) => debugger.watches_mut().push(text),
+        DebugCommand::EditWatch(index, text) => {
+            if let Some(watch) = debugger.watches_mut().get_mut(index) {
+                *watch = text;
+            }
+        }
+        DebugCommand::RemoveWatch(index) => {
+            if index < debugger.watches_mut().len() {
+                debugger.watches_mut().remove(index);
+            }
+        }
+        DebugCommand::Bookmark => {
+            let event = debugger.state().cursor();
+            if debugger.bookmarks.iter().all(|mark| mark.event != event) {
+                let note = String::new();
+                debugger.bookmarks.push(Bookmark { event, note });
+                debugger.bookmarks.sort_by_key(|mark| mark.event);
+            }
+        }
+        DebugCommand::Note(index, text) => {
+            if let Some(mark) = debugger.bookmarks.get_mut(index) {
+                mark.note = text;
+            }
+        }
+        DebugCommand::RemoveBookmark(index) => {
+            if index < debugger.bookmarks.len() {
+                debugger.bookmarks.remove(index);
+            }
+        }
+        DebugCommand::Why => {
+            let Some(last) = debugger.state().cursor().checked_sub(1) else {
+                return;
+            };
+            if let Some(cause) = why::cause(debugger.recording(), last) {
+                debugger.jump(cause + 1);
+            }
+        }
+        DebugCommand::Query(_) | DebugCommand::Pick(_) => {}
+    }
+}
+
+fn toggle(debugger: &mut Debugger, line: LineId) {
+    match debugger.breakpoints().iter().position(|b| b.line == line) {
+        Some(index) => debugger.remove_breakpoint(index),
+        None => debugger.add_breakpoint(line, ""),
+    }
+}
+
+/// Puts a condition in the place of another; the breakpoints behind it keep their places.
+fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
+    let tail: Vec<_> = debugger.breakpoints().iter().skip(index).cloned().collect();
+    for _ in &tail {
+        debugger.remove_breakpoint(index);
+    }
+    for (offset, breakpoint) in tail.iter().enumerate() {
+        let condition = if offset == 0 {
+            text
+        } else {
+            &breakpoint.condition
+        };
+        debugger.add_breakpoint(breakpoint.line, condition);
+        debugger.enable_breakpoint(index + offset, breakpoint.enabled);
+    }
+}

@@ -1,0 +1,266 @@
+//! The commands that move in time. Where events were kept the cursor of the debugger is the only time
+//! there is, and the stage follows from it.
+
+use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
+
+use super::State;
+use crate::clock::Clock;
+use crate::command::{Command, TimeCommand};
+use crate::moment::Shown;
+
+impl State {
+    /// Returns the moment that is shown.
+    #[must_use]
+    pub fn shown(&self) -> Option<Shown<'_>> {
+        let session = self.session.as_deref()?;
+        Some(Shown {
+            session,
+            debugger: self.debugger.as_ref(),
+            stage: *session.stages.get(self.stage)?,
+        })
+    }
+
+    /// Returns the cursor, and how many events there are; `None` for a session without events.
+    #[must_use]
+    pub fn cursor(&self) -> Option<(usize, usize)> {
+        let debugger = self.debugger.as_ref()?;
+        Some((debugger.state().cursor(), debugger.recording().len()))
+    }
+
+    pub(super) fn apply_to_clock(&mut self, command: &Command) {
+        if self.session.is_none() {
+            return;
+        }
+        match *command {
+            Command::ShowStage(place) => self.show_stage(place),
+            Command::StepBack => self.tick(Direction::Backwards),
+            Command::StepForward => self.tick(Direction::Forwards),
+            Command::FirstStage => self.show_stage(0),
+            Command::LastStage => self.show_stage(usize::MAX),
+            Command::TogglePlay => self.toggle_play(),
+            Command::Time(ref command) => self.apply_to_time(command),
+            _ => {}
+        }
+        self.forget_unseen();
+    }
+
+    fn apply_to_time(&mut self, command: &TimeCommand) {
+        match *command {
+            TimeCommand::Clock(clock) => self.playback.clock = clock,
+            TimeCommand::Speed(speed) => self.playback.speed = speed,
+            TimeCommand::Jump(cursor) => self.jump(cursor),
+            TimeCommand::Step(step, direction) => self.step(step, direction),
+            TimeCommand::RunTo(target, direction) => self.run_to(target, direction),
+            TimeCommand::Continue(direction) => self.run_on(direction),
+            TimeCommand::LoopStart => self.set_range(|range, at, _| range.start = at),
+            TimeCommand::LoopEnd => self.set_range(|range, at, _| range.end = at),
+            TimeCommand::Loop(ref range) => self.playback.range.clone_from(range),
+        }
+    }
+
+    /// Shows the end of the stage at `place` of the list.
+    pub(super) fn show_stage(&mut self, place: usize) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        let place = place.min(session.stages.len() - 1);
+        match session.stage_end(place) {
+            Some(cursor) => self.jump(cursor),
+            None => self.stage = place,
+        }
+    }
+
+    /// Moves to a cursor.
+    pub(super) fn jump(&mut self, cursor: usize) {
+        let (Some(debugger), Some(session)) = (&mut self.debugger, &self.session) else {
+            return;
+        };
+        debugger.jump(cursor);
+        self.stage = session.stage_at(debugger.state().cursor());
+    }
+
+    /// Has the stage follow the cursor.
+    pub(super) fn follow_cursor(&mut self) {
+        if let Some((cursor, _)) = self.cursor() {
+            self.jump(cursor);
+        }
+    }
+
+    fn step(&mut self, step: Step, direction: Direction) {
+        if let Some(debugger) = &mut self.debugger {
+            debugger.step(step, direction);
+            let cursor = debugger.state().cursor();
+            self.jump(cursor);
+        }
+    }
+
+    /// Runs until the event that `target` means is the next one.
+    fn run_to(&mut self, target: Target, direction: Direction) {
+        let Some(debugger) = &mut self.debugger else {
+            return;
+        };
+        let stop = debugger.run_to(target, direction);
+        let cursor = debugger.state().cursor();
+        self.jump(cursor);
+        if stop == Stop::End {
+            let way = match direction {
+                Direction::Forwards => "after",
+                Direction::Backwards => "before",
+            };
+            self.tell(
+                format!("There is no {} {way} this moment.", name_of(target)),
+                false,
+            );
+        }
+    }
+
+    fn run_on(&mut self, direction: Direction) {
+        let Some(debugger) = &mut self.debugger else {
+            return;
+        };
+        let stop = debugger.run(direction);
+        let cursor = debugger.state().cursor();
+        self.jump(cursor);
+        if let Stop::BadCondition(index, error) = stop {
+            let text = format!(
+                "The condition of breakpoint {} cannot be computed: {error}",
+                index + 1
+            );
+            self.tell(crate::draft::sentence(&text), true);
+        }
+    }
+
+    /// Goes on or back by one tick of the clock.
+    fn tick(&mut self, direction: Direction) {
+        let Some(debugger) = &self.debugger else {
+            let place = match direction {
+                Direction::Forwards => self.stage.saturating_add(1),
+                Direction::Backwards => self.stage.saturating_sub(1),
+            };
+            self.show_stage(place);
+            return;
+        };
+        match self.playback.clock {
+            Clock::Event => self.step(Step::Into, direction),
+            Clock::Line => {
+                let cursor = next_line(debugger, direction);
+                self.jump(cursor);
+            }
+            Clock::Stage => self.tick_stage(direction),
+        }
+    }
+
+    fn tick_stage(&mut self, direction: Direction) {
+        let Some((session, cursor)) = self.session.as_ref().zip(self.cursor().map(|(at, _)| at))
+        else {
+            return;
+        };
+        let whole = session.stage_end(self.stage) == Some(cursor);
+        match direction {
+            Direction::Forwards => self.show_stage(self.stage + usize::from(whole)),
+            Direction::Backwards => self.show_stage(self.stage.saturating_sub(1)),
+        }
+    }
+
+    /// Returns whether there is nothing left to play.
+    fn at_end(&self) -> bool {
+        match self.cursor() {
+            Some((cursor, len)) => cursor == len,
+            None => self
+                .session
+                .as_ref()
+                .is_some_and(|s| self.stage + 1 == s.stages.len()),
+        }
+    }
+
+    fn toggle_play(&mut self) {
+        if self.playback.is_playing() {
+            self.playback.stop();
+            return;
+        }
+        if let Some(range) = self.playback.range.clone() {
+            let inside = self.cursor().is_some_and(|(at, _)| range.contains(&at));
+            if !inside {
+                self.jump(range.start);
+            }
+        } else if self.at_end() {
+            self.show_stage(0);
+        }
+        self.playback.start();
+    }
+
+    /// Plays on by `dt_secs`; returns whether it goes on.
+    pub(super) fn play(&mut self, dt_secs: f32) -> bool {
+        let ticks = self.playback.advance(dt_secs);
+        for _ in 0..ticks {
+            self.tick(Direction::Forwards);
+            let past = |range: &std::ops::Range<usize>, at: usize| at >= range.end;
+            match (self.playback.range.clone(), self.cursor()) {
+                (Some(range), Some((at, _))) if past(&range, at) => {
+                    self.jump(range.start);
+                    break;
+                }
+                _ if self.at_end() => {
+                    self.playback.stop();
+                    break;
+                }
+                _ => {}
+            }
+        }
+        if ticks > 0 {
+            self.forget_unseen();
+        }
+        self.playback.is_playing()
+    }
+
+    fn set_range(&mut self, change: impl FnOnce(&mut std::ops::Range<usize>, usize, usize)) {
+        let Some((at, len)) = self.cursor() else {
+            return;
+        };
+        let mut range = self.playback.range.clone().unwrap_or(0..len);
+        change(&mut range, at, len);
+        self.playback.range = (range.start < range.end).then_some(range);
+    }
+
+    /// A sample that does not exist yet is not pointed at. What is selected stays: its history lies ahead.
+    pub(super) fn forget_unseen(&mut self) {
+        let Some(shown) = self.shown() else {
+            return;
+        };
+        let absent = tilescope_core::Standing::Absent;
+        let hovered = self.hovered.filter(|&id| shown.standing(id) != absent);
+        let finished = shown.stage == tilescope_core::Stage::Finish;
+        self.hovered = hovered;
+        if !finished {
+            self.sight = None;
+        }
+    }
+}
+
+/// Returns where the next (or last) line of pseudocode begins that is not the one at the cursor.
+fn next_line(debugger: &Debugger, direction: Direction) -> usize {
+    let cursor = debugger.state().cursor();
+    let line = debugger.event().map(Event::line);
+    let other = |_: usize, event: &Event| Some(event.line()) != line;
+    let end = match direction {
+        Direction::Forwards => debugger.recording().len(),
+        Direction::Backwards => 0,
+    };
+    moves::find(debugger.recording(), cursor, direction, other).unwrap_or(end)
+}
+
+/// Returns what a run looks for, as a noun.
+#[must_use]
+pub fn name_of(target: Target) -> String {
+    match target {
+        Target::Line(_) => "execution of this line".to_owned(),
+        Target::Kind(kind) => format!("event of kind \"{}\"", kind.name()),
+        Target::Conflict => "conflict".to_owned(),
+        Target::Elimination => "elimination".to_owned(),
+        Target::Gap => "gap found".to_owned(),
+        Target::Insertion => "insertion".to_owned(),
+        Target::SecondInsertion => "second insertion in one gap".to_owned(),
+        Target::Violation => "violated invariant".to_owned(),
+        Target::Sample(id) => format!("event of sample {}", crate::sentence::grouped(id as usize)),
+    }
+}

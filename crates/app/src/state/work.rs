@@ -1,0 +1,142 @@
+//! Work in the background: starting it, taking its results, waiting for it. Results are shown here and
+//! nowhere else.
+
+use std::sync::Arc;
+
+use tilescope_analysis::VerifyError;
+use tilescope_core::SampleError;
+
+use super::{State, Verification};
+use crate::device::Device;
+use crate::draft::sentence;
+use crate::jobs::Job;
+use crate::session::Session;
+use crate::verification::{Verdict, region_of};
+
+impl State {
+    pub(super) fn run(&mut self) {
+        if self.run_refusal().is_some() {
+            return;
+        }
+        self.generation += 1;
+        self.notice = None;
+        self.start_sampling(self.generation);
+    }
+
+    /// Goes on by `dt_secs`: takes what jobs have finished, moves the camera, plays. Returns whether
+    /// something is moving, so that another frame is due.
+    pub fn advance(&mut self, dt_secs: f32) -> bool {
+        self.poll();
+        if let Some(flight) = &mut self.flight {
+            let (camera, arrived) = flight.advance(dt_secs);
+            self.camera = camera;
+            if arrived {
+                self.flight = None;
+            }
+        }
+        let plays = self.playback.is_playing() && self.play(dt_secs);
+        self.flight.is_some() || plays
+    }
+
+    fn poll(&mut self) {
+        if let Device::Testing(job) = &self.device
+            && let Some(outcome) = job.poll()
+        {
+            self.finish_test(outcome);
+        }
+        if let Some(outcome) = self.sampling.as_ref().and_then(Job::poll) {
+            self.finish_sampling(outcome);
+        }
+        if let Verification::Pending(job) = &self.verification
+            && let Some(outcome) = job.poll()
+        {
+            self.finish_verification(outcome);
+        }
+        self.history_found.poll();
+        self.query.found.poll();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.poll_export();
+    }
+
+    pub(super) fn finish_sampling(
+        &mut self,
+        outcome: Result<Result<Session, SampleError>, String>,
+    ) {
+        self.sampling = None;
+        match outcome {
+            Ok(Ok(session)) => self.show_made(session),
+            Ok(Err(SampleError::Cancelled { stage })) => {
+                let kept = if self.session.is_some() {
+                    " The session before it is still here."
+                } else {
+                    ""
+                };
+                self.tell(format!("Cancelled during stage \"{stage}\".{kept}"), false);
+            }
+            Ok(Err(error)) => self.tell(sentence(&error.to_string()), true),
+            Err(failure) => self.tell(sentence(&failure), true),
+        }
+    }
+
+    /// Shows a session at its last stage and has it verified.
+    pub fn show(&mut self, session: Session) {
+        let same_domain = self.session.as_ref().is_some_and(|old| {
+            old.run().domain.width() == session.run().domain.width()
+                && old.run().domain.height() == session.run().domain.height()
+        });
+        self.stage = session.stages.len() - 1;
+        (self.hovered, self.selected, self.sight) = (None, None, None);
+        self.place = None;
+        self.playback.stop();
+        self.debug(&session);
+        if let Some(debugger) = &mut self.debugger {
+            debugger.jump(usize::MAX);
+        }
+        let session = Arc::new(session);
+        self.session = Some(Arc::clone(&session));
+        self.verification = Verification::Pending(Job::start(&self.wake, move |monitor| {
+            let (points, region) = (session.run().positions(), region_of(&session));
+            Verdict::of(&points, region, session.run().domain.radius(), monitor)
+        }));
+        let from_pattern = self.before_pattern.take().is_some();
+        if !same_domain || from_pattern {
+            self.fitted = true;
+            self.flight = None;
+            if self.viewport.is_positive() {
+                self.camera = self.fitting();
+            }
+        }
+    }
+
+    pub(super) fn finish_verification(
+        &mut self,
+        outcome: Result<Result<Verdict, VerifyError>, String>,
+    ) {
+        self.verification = match outcome {
+            Ok(Ok(verdict)) => Verification::Done(Box::new(verdict)),
+            Ok(Err(error)) => Verification::Failed(sentence(&error.to_string())),
+            Err(failure) => Verification::Failed(sentence(&failure)),
+        };
+    }
+
+    /// Waits for all work in the background and takes its results. For tests and scripts: a window
+    /// calls [`Self::advance`] with every frame.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&mut self) {
+        self.settle_device();
+        if let Some(job) = self.sampling.take() {
+            let outcome = job.wait();
+            self.finish_sampling(outcome);
+        }
+        if let Verification::Pending(job) = &self.verification {
+            let outcome = job.wait();
+            self.finish_verification(outcome);
+        }
+        self.history_found.settle();
+        self.query.found.settle();
+        if let Some(job) = self.exporting.take() {
+            let outcome = job.wait();
+            self.finish_export(outcome);
+        }
+    }
+}
