@@ -5,9 +5,12 @@ use std::path::Path;
 
 use egui_kittest::Harness;
 use tilescope_app::canvas::layers::{Colouring, Layer};
-use tilescope_app::command::{Choice, Field, Witness};
+use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand, Witness};
+use tilescope_app::layout::Panel;
+use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::Search;
+use tilescope_debugger::{Direction, Step, Target};
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -62,6 +65,7 @@ fn main() {
         "light-iterate",
         vec![Command::CloseExport, Command::StepForward],
     );
+    moments(&mut shoot);
     let gaps = vec![
         Command::Choose(Choice::Search(Search::TwoRadii)),
         Command::Type(Field::Leaf, "6".to_owned()),
@@ -87,4 +91,56 @@ fn main() {
         Command::Type(Field::Leaf, "2".to_owned()),
     ];
     shoot("bad", bad);
+}
+
+/// Moments in the middle of stages, with the debugger's panels.
+fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
+    let run_to = |target| Command::Time(TimeCommand::RunTo(target, Direction::Forwards));
+    let into = || Command::Time(TimeCommand::Step(Step::Into, Direction::Forwards));
+    let debug = Command::Debug;
+    shoot(
+        "moment-elimination",
+        vec![
+            Command::ToggleTheme,
+            Command::FirstStage,
+            run_to(Target::Elimination),
+            into(),
+            Command::OpenPanel(Panel::Events),
+            Command::OpenPanel(Panel::Watches),
+            debug(DebugCommand::Watch("distance".to_owned())),
+            debug(DebugCommand::Watch("nonsense(".to_owned())),
+        ],
+    );
+    shoot(
+        "moment-gap",
+        vec![
+            run_to(Target::Gap),
+            into(),
+            debug(DebugCommand::Pick(Selection::Sample(900))),
+            Command::OpenPanel(Panel::Inspector),
+            debug(DebugCommand::Query("insert iteration>1".to_owned())),
+            Command::GoToCurrent,
+        ],
+    );
+    shoot("moment-gap-light", vec![Command::ToggleTheme]);
+    shoot(
+        "moment-insertion",
+        vec![
+            run_to(Target::SecondInsertion),
+            into(),
+            debug(DebugCommand::Bookmark),
+            Command::OpenPanel(Panel::Bookmarks),
+            Command::GoToCurrent,
+        ],
+    );
+    shoot("projector", vec![Command::Look(Look::Projector)]);
+    let actions = Command::PaletteText("next".to_owned());
+    shoot(
+        "actions",
+        vec![Command::Look(Look::Dark), Command::TogglePalette, actions],
+    );
+    shoot(
+        "actions-closed",
+        vec![Command::TogglePalette, Command::LastStage],
+    );
 }

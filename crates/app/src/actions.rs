@@ -206,6 +206,11 @@ fn view(list: &mut List) {
         Some((NONE, Key::F)),
         Command::Fit,
     );
+    add(
+        "Go to where the last event happened".to_owned(),
+        Some((NONE, Key::Period)),
+        Command::GoToCurrent,
+    );
     for look in Look::ALL {
         let keys = (look == Look::Projector).then_some((NONE, Key::F2));
         add(look.name().to_owned(), keys, Command::Look(look));

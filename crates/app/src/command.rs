@@ -194,10 +194,14 @@ pub enum Command {
     Fit,
     /// Flies to a place, given in r, until about this many r are visible.
     FlyTo([f64; 2], f64),
+    /// Flies to the block that holds a place, given in r.
+    FlyToBlock([f64; 2]),
     /// Flies to what decides a verdict.
     FlyToWitness(Witness),
     /// Points at a sample, or at none.
     Hover(Option<u32>),
+    /// Flies to where the last event happened.
+    GoToCurrent,
     /// Selects a sample and flies to it.
     GoToSample(u32),
     /// Opens the export sheet.

@@ -102,7 +102,7 @@ impl Default for Layout {
         );
         let middle = [(left, 0.195), (canvas, 0.605), (right, 0.2)];
         let middle = linear(&mut tiles, LinearDir::Horizontal, &middle);
-        let rows = [(middle, 0.84), (timeline, 0.16)];
+        let rows = [(middle, 0.874), (timeline, 0.126)];
         let root = linear(&mut tiles, LinearDir::Vertical, &rows);
         Self(Tree::new(egui::Id::unique("layout"), root, tiles))
     }

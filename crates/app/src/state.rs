@@ -245,6 +245,8 @@ impl State {
             | Command::Zoom(..)
             | Command::Fit
             | Command::FlyTo(..)
+            | Command::FlyToBlock(_)
+            | Command::GoToCurrent
             | Command::FlyToWitness(_)
             | Command::GoToSample(_) => self.apply_to_camera(&command),
             Command::OpenExport

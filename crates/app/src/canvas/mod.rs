@@ -234,8 +234,11 @@ fn handle_input(ui: &Ui, response: &Response, state: &State, commands: &mut Vec<
             commands.push(Command::Zoom(at, factor));
         }
     }
-    if response.double_clicked() {
-        commands.push(Command::Fit);
+    if response.double_clicked()
+        && let Some(pos) = response.interact_pointer_pos()
+    {
+        let place = state.camera.domain_from_screen(state.viewport, pos);
+        commands.push(Command::FlyToBlock(place));
     }
     if response.has_focus() || !ui.ctx().text_edit_focused() {
         let middle = state.viewport.center();

@@ -72,12 +72,10 @@ pub fn list(
         Some(events) => events.partition_point(|&event| event < cursor),
     };
     let seen = ui.scope_id().with(("seen", events.is_some()));
-    let moved = ui.data_mut(|data| data.get_temp::<usize>(seen).replace(cursor) != Some(cursor));
-    let before = ui.data(|data| data.get_temp::<usize>(seen));
-    if moved && before != Some(cursor) {
+    if ui.data(|data| data.get_temp::<usize>(seen)) != Some(cursor) {
         ui.data_mut(|data| data.insert_temp(seen, cursor));
-        area =
-            area.vertical_scroll_offset((here as f32 * ROW - 0.4 * ui.available_height()).max(0.0));
+        let offset = here as f32 * ROW - 0.4 * ui.available_height();
+        area = area.vertical_scroll_offset(offset.max(0.0));
     }
     area.show_rows(ui, ROW, count, |ui, rows| {
         for row in rows {

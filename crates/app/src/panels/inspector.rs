@@ -1,54 +1,140 @@
-//! The inspector: everything known about the sample pointed at, or else the selected one.
+//! The inspector: everything known about the sample pointed at, or else what is selected, with its history and the
+//! causes of the last event.
 
-use egui::{RichText, Ui, vec2};
+use egui::{RichText, Ui};
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Fate, Origin, Stage, Standing};
+use tilescope_core::{Fate, Origin, Standing};
+use tilescope_debugger::{Debugger, why};
 
 use super::divide;
-use crate::command::Command;
-use crate::sentence::grouped;
-use crate::session::Session;
+use crate::command::{Command, TimeCommand};
+use crate::moment::Shown;
+use crate::sentence::{counted, event_row, event_sentence, grouped};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{heading, row};
 
-/// Height kept for the sample's rows, so that the legend below stays where it is.
-const HEIGHT: f32 = 200.0;
+/// Rows of a history that are shown at once.
+const MOST_ROWS: usize = 200;
 
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    let id = state.hovered.or(state.selected);
-    let name = match (state.hovered, state.selected) {
-        (Some(_), _) => "Sample under the pointer",
-        (None, Some(_)) => "Selected sample",
-        (None, None) => "Sample",
+    let (id, name) = match (state.hovered, state.selected) {
+        (Some(id), _) => (Some(id), "Sample under the pointer"),
+        (None, Some(id)) => (Some(id), "Selected sample"),
+        (None, None) => (None, "Selection"),
     };
     heading(ui, name);
-    let size = vec2(ui.available_width(), HEIGHT);
-    ui.allocate_ui(size, |ui| {
-        ui.set_min_size(size);
+    ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
-        if let (Some(id), Some(session), Some(stage)) = (id, &state.session, state.current_stage())
-        {
-            sample(ui, session, stage, id, palette, commands);
-        } else {
-            let text = "Point at a sample to read where it comes from and what became of it; click to keep it.";
-            ui.label(RichText::new(text).color(palette.muted));
+        match (id, state.place, state.shown()) {
+            (Some(id), _, Some(shown)) => sample(ui, &shown, id, palette, commands),
+            (None, Some(at), Some(shown)) => place(ui, &shown, at, palette),
+            _ => {
+                let text = "Click a sample, or any place, to read what happened there.";
+                ui.label(RichText::new(text).color(palette.muted));
+            }
         }
     });
-    divide(ui, palette);
+    if state.selected.is_some() || state.place.is_some() {
+        divide(ui, palette);
+        history(ui, state, commands);
+    }
 }
 
-fn sample(
+/// Shows every event that touched what is selected.
+fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let Some(debugger) = &state.debugger else {
+        super::no_events(ui, state);
+        return;
+    };
+    let events = state.history_found.events();
+    heading(
+        ui,
+        &format!("History: {}", counted(events.len(), "event", "events")),
+    );
+    let cursor = debugger.state().cursor();
+    for &event in events.iter().take(MOST_ROWS) {
+        let past = event < cursor;
+        let text = format!(
+            "{:>7}  {}",
+            grouped(event),
+            event_row(debugger.recording(), event)
+        );
+        let ink = if past { palette.text } else { palette.muted };
+        let label = RichText::new(text).monospace().size(11.0).color(ink);
+        let response = ui.add(egui::Button::new(label).frame(false).truncate());
+        let tip = event_sentence(debugger.recording(), event);
+        if response.on_hover_text(tip).clicked() {
+            commands.push(Command::Time(TimeCommand::Jump(event + 1)));
+        }
+    }
+    if events.len() > MOST_ROWS {
+        let text = format!(
+            "and {} more: the event browser finds them",
+            grouped(events.len() - MOST_ROWS)
+        );
+        ui.label(RichText::new(text).color(palette.muted));
+    }
+    why(ui, debugger, cursor, palette, commands);
+}
+
+/// Shows the chain of causes of the last event.
+fn why(
     ui: &mut Ui,
-    session: &Session,
-    stage: Stage,
-    id: u32,
+    debugger: &Debugger,
+    cursor: usize,
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
+    let Some(last) = cursor.checked_sub(1) else {
+        return;
+    };
+    heading(ui, "Why? The causes of the last event");
+    let recording = debugger.recording();
+    for event in std::iter::once(last).chain(why::causes(recording, last)) {
+        let text = format!("{:>7}  {}", grouped(event), event_row(recording, event));
+        let label = RichText::new(text)
+            .monospace()
+            .size(11.0)
+            .color(palette.text);
+        let response = ui.add(egui::Button::new(label).frame(false).truncate());
+        if response
+            .on_hover_text(event_sentence(recording, event))
+            .clicked()
+        {
+            commands.push(Command::Time(TimeCommand::Jump(event + 1)));
+        }
+    }
+}
+
+fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
+    row(ui, "x", &format!("{:.4} r", at[0]), palette);
+    row(ui, "y", &format!("{:.4} r", at[1]), palette);
+    let mut nearest: Option<(f64, u32)> = None;
+    let reach = 3.5;
+    shown.session.index.visit(at, at, reach, |seen| {
+        let distance = (seen.place[0] - at[0]).hypot(seen.place[1] - at[1]);
+        if shown.covers(seen.id) && nearest.is_none_or(|(best, _)| distance < best) {
+            nearest = Some((distance, seen.id));
+        }
+    });
+    match nearest {
+        Some((distance, id)) => {
+            row(ui, "Nearest sample", &grouped(id as usize), palette);
+            row(ui, "Its distance", &format!("{distance:.4} r"), palette);
+            let covered = if distance <= 1.0 { "yes" } else { "no: a gap" };
+            row(ui, "Covered", covered, palette);
+        }
+        None => row(ui, "Covered", "no: nothing is near", palette),
+    }
+}
+
+fn sample(ui: &mut Ui, shown: &Shown<'_>, id: u32, palette: &Palette, commands: &mut Vec<Command>) {
+    let session = shown.session;
     let run = session.run();
     let point = run.samples.points[id as usize];
     let place = run.domain.user_from_lattice(point);
@@ -81,14 +167,14 @@ fn sample(
             }
         }
     }
-    let standing = match run.standing(id, stage) {
+    let standing = match shown.standing(id) {
         Standing::Absent => "not there yet",
         Standing::Tiled => "tiled, undecided",
         Standing::Valid => "valid",
         Standing::Eliminated { .. } => "eliminated",
         Standing::Dropped => "outside the domain",
     };
-    row(ui, "At this stage", standing, palette);
+    row(ui, "At this moment", standing, palette);
     match run.samples.fates[id as usize] {
         Fate::Undecided => row(ui, "In the end", "undecided", palette),
         Fate::Kept => row(ui, "In the end", "kept", palette),

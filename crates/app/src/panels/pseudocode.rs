@@ -44,6 +44,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         return;
     };
     let next = debugger.event().map(Event::line);
+    let seen = ui.scope_id().with("seen");
+    let before = ui.data(|data| data.get_temp::<Option<LineId>>(seen));
+    let moved = before != Some(next);
+    ui.data_mut(|data| data.insert_temp(seen, next));
     ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {
@@ -55,7 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 for number in listing.lines.clone() {
                     let id = LineId(number);
                     if let Some(line) = Listings::shipped().line(id) {
-                        show_line(ui, state, debugger, (id, line), next, commands);
+                        show_line(ui, state, debugger, (id, line), (next, moved), commands);
                     }
                 }
             }
@@ -67,7 +71,7 @@ fn show_line(
     state: &State,
     debugger: &Debugger,
     (id, line): (LineId, &Line),
-    next: Option<LineId>,
+    (next, moved): (Option<LineId>, bool),
     commands: &mut Vec<Command>,
 ) {
     let palette = Palette::of(state.look);
@@ -105,7 +109,7 @@ fn show_line(
         ];
         ui.painter()
             .line_segment(ends, Stroke::new(2.5, palette.accent));
-        if state.playback.is_playing() || ui.ctx().cumulative_frame_nr() % 2 == 0 {
+        if moved {
             ui.scroll_to_rect(rect, None);
         }
     } else if text.hovered() || text.has_focus() {

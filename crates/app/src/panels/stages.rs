@@ -17,8 +17,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(session) = &state.session else {
         return;
     };
-    let engine = format!("engine: {}", session.engine);
-    ui.label(egui::RichText::new(engine).color(palette.muted).small());
     ui.spacing_mut().item_spacing.y = 1.0;
     row(ui, ["", "change", "samples"], false, palette, false);
     for (place, &stage) in session.stages.iter().enumerate() {

@@ -16,14 +16,18 @@ use crate::widgets::{Icon, icon_button};
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     space(ui, commands);
-    announce(ui, state);
     ui.horizontal(|ui| {
         ui.set_height(24.0);
         let sentence = happened(state);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             counts(ui, state, palette);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.add(egui::Label::new(RichText::new(sentence).size(15.0)).truncate());
+                let label = egui::Label::new(RichText::new(sentence).size(15.0)).truncate();
+                let response = ui.add(label);
+                // Screen readers read it out whenever it changes.
+                ui.ctx().accesskit_node_builder(response.id, |node| {
+                    node.set_live(egui::accesskit::Live::Polite);
+                });
             });
         });
     });
@@ -119,17 +123,6 @@ pub fn happened(state: &State) -> String {
         }
         _ => stage_sentence(shown.session, shown.stage),
     }
-}
-
-/// A node that screen readers read out whenever it changes.
-fn announce(ui: &Ui, state: &State) {
-    let text = happened(state);
-    ui.ctx()
-        .accesskit_node_builder(egui::Id::unique("announcer"), |node| {
-            node.set_role(egui::accesskit::Role::Status);
-            node.set_live(egui::accesskit::Live::Polite);
-            node.set_label(text);
-        });
 }
 
 fn space(ui: &Ui, commands: &mut Vec<Command>) {

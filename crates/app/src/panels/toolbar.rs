@@ -28,6 +28,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 parameters.seed
             );
             ui.label(RichText::new(text).monospace().color(palette.muted));
+            let engine = format!("engine: {}", session.engine);
+            ui.label(RichText::new(engine).color(palette.muted));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             theme_button(ui, state, commands);

@@ -5,6 +5,7 @@ use tilescope_core::Stage;
 use super::State;
 use crate::camera::{Camera, Flight};
 use crate::command::{Command, Selection, Witness};
+use crate::session::radii;
 use crate::verification::Sight;
 
 impl State {
@@ -31,6 +32,8 @@ impl State {
                 self.fly(self.fitting());
             }
             Command::FlyTo(center, radii) => self.fly_to(center, radii),
+            Command::GoToCurrent => self.go_to_current(),
+            Command::FlyToBlock(place) => self.fly_to_block(place),
             Command::FlyToWitness(witness) => self.fly_to_witness(witness),
             Command::GoToSample(id) => {
                 self.pick(Selection::Sample(id));
@@ -84,6 +87,35 @@ impl State {
             scale: room / radii,
         };
         self.fly(to);
+    }
+
+    fn go_to_current(&mut self) {
+        let shown = self.shown();
+        let place = shown.and_then(|shown| {
+            let event = shown.last_event()?;
+            shown.debugger?.recording().place(event)
+        });
+        if let Some(point) = place {
+            self.fly_to([radii(point.x), radii(point.y)], 12.0);
+        }
+    }
+
+    fn fly_to_block(&mut self, place: [f64; 2]) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        let leaves = &session.run().blocks.leaves;
+        let holds = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
+        let block = leaves.iter().find(|block| {
+            let rect = &block.rect;
+            holds(rect.min.x, rect.max.x, place[0]) && holds(rect.min.y, rect.max.y, place[1])
+        });
+        if let Some(rect) = block.map(|block| &block.rect) {
+            let center = [(rect.min.x, rect.max.x), (rect.min.y, rect.max.y)]
+                .map(|(low, high)| f64::midpoint(radii(low), radii(high)));
+            let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
+            self.fly_to(center, 1.1 * size);
+        }
     }
 
     pub(super) fn fly_to_witness(&mut self, witness: Witness) {
