@@ -178,7 +178,7 @@ impl Debugger {
                 let mut enabled = self.breakpoints.iter().filter(|b| b.enabled);
                 enabled.any(|b| b.line == event.line())
             };
-            let hit = moves::find(&self.recording, from, direction, |_, event| armed(event));
+            let hit = self.recording.classes().nearest(from, direction, armed);
             let Some(cursor) = hit else {
                 let forwards = direction == Direction::Forwards;
                 self.jump(if forwards { self.recording.len() } else { 0 });

@@ -5,8 +5,10 @@
 
 mod context;
 mod debugger;
+mod density;
 mod event;
 mod expression;
+mod index;
 mod kind;
 mod lines;
 mod listing;
@@ -22,6 +24,7 @@ pub mod why;
 
 pub use context::{Context, Examined, Search};
 pub use debugger::{Breakpoint, Debugger, Stop};
+pub use density::{Density, Phase, density, phases};
 pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
 pub use kind::Kind;
