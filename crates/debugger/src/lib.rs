@@ -6,6 +6,7 @@
 mod context;
 mod debugger;
 mod density;
+mod divergence;
 mod event;
 mod expression;
 mod index;
@@ -25,6 +26,7 @@ pub mod why;
 pub use context::{Context, Examined, Search};
 pub use debugger::{Breakpoint, Debugger, Stop};
 pub use density::{Density, Phase, density, phases};
+pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
 pub use kind::Kind;
@@ -35,6 +37,9 @@ pub use outline::{Outline, OutlineRows, Row};
 pub use query::{Query, QueryError};
 pub use recording::{Life, Recording, Status};
 pub use sentence::{grouped, sentence, short};
-pub use session::{Bookmark, SavedBreakpoint, Session, SessionError, VERSION, digest};
+pub use session::{
+    Bookmark, MAX_BOOKMARKS, MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, PatternFile,
+    SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
+};
 pub use state::{Counts, State};
 pub use tape::{DEFAULT_BUDGET, Tape};

@@ -1,12 +1,12 @@
 //! A recorded run: the finished run, its tape, and when each sample was born, decided and lost, so that
 //! how a sample stood at any moment is two comparisons. It never moves: cursors do.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
-    Domain, Fate, Moment, Observer, Parameters, Point, Run, SampleError, SampleGrid, Verdict,
-    sample_recorded,
+    Domain, Fate, Moment, Observer, Parameters, Pattern, Point, Run, SampleError, SampleGrid,
+    Sequential, Verdict, sample_recorded,
 };
 
 use crate::context::{Context, Search};
@@ -95,6 +95,20 @@ impl Recording {
         let run = sample_recorded(parameters, observer, &mut tape)?;
         tape.seal();
         Ok(Self::of(run, tape))
+    }
+
+    /// Does what [`Self::new`] does with a pattern of one's own.
+    pub fn with_pattern(
+        parameters: &Parameters,
+        pattern: Arc<Pattern>,
+        budget: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        let mut tape = Tape::new(parameters, budget);
+        let mut engine = Sequential::new(parameters, pattern)?;
+        while engine.step_recorded(observer, &mut tape)?.is_some() {}
+        tape.seal();
+        Ok(Self::of(engine.finish(observer)?, tape))
     }
 
     /// Returns the recording of a finished run and its sealed tape.

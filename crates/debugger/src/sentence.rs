@@ -5,7 +5,7 @@ mod gaps;
 mod short;
 
 use tilescope_core::stages::blocks::Axis;
-use tilescope_core::{Fate, Insertion, Moment, Origin, Point, R, Rect, Stage, Variant};
+use tilescope_core::{Fate, Insertion, Moment, Origin, Point, R, Rect, Run, Stage, Variant};
 
 use crate::event::NONE;
 use crate::recording::Recording;
@@ -63,9 +63,9 @@ pub(crate) fn place(point: Point) -> String {
 }
 
 /// Returns the name of a sample: its number and where it comes from.
-pub(crate) fn sample_name(recording: &Recording, sample: u32) -> String {
+pub(crate) fn sample_name(run: &Run, sample: u32) -> String {
     let number = grouped(sample.into());
-    match recording.run().samples.origins.get(sample as usize) {
+    match run.samples.origins.get(sample as usize) {
         Some(Origin::Tiled { block, .. }) => {
             format!("sample {number} of block {}", grouped((*block).into()))
         }
@@ -85,7 +85,7 @@ struct Words<'a>(&'a Recording);
 
 impl Words<'_> {
     fn sample(&self, sample: u32) -> String {
-        sample_name(self.0, sample)
+        sample_name(self.0.run(), sample)
     }
 
     /// Returns how far apart two samples are.
