@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use tilescope_core::{Parameters, Unobserved, Variant, sample, sample_recorded};
 use tilescope_debugger::{
-    DEFAULT_BUDGET, Direction, Query, Recording, State, Step, Tape, Target, moves, why,
+    DEFAULT_BUDGET, Direction, Outline, OutlineRows, Query, Recording, State, Step, Tape, Target,
+    density, moves, why,
 };
 
 fn best(runs: usize, mut work: impl FnMut()) -> Duration {
@@ -44,6 +45,8 @@ fn main() {
         println!("{name}: {samples} samples, {events} events, {left_out} left out");
         println!("  plain {plain:?}, recorded {taped:?}");
         seek(&recording);
+        find(&recording);
+        list(&recording);
     }
 }
 
@@ -70,21 +73,61 @@ fn seek(recording: &Recording) {
     let out = best(1, || {
         std::hint::black_box(step(middle, Direction::Forwards));
     });
-    let scan = best(1, || {
-        std::hint::black_box(moves::run_to(
-            recording,
-            0,
-            Target::Sample(u32::MAX - 1),
-            Direction::Forwards,
-        ));
-    });
-    let history = best(1, || {
-        std::hint::black_box(why::history_of_sample(recording, 0));
-    });
     let query = Query::parse("insert iteration>1").expect("a query");
     let found = best(1, || {
         std::hint::black_box(query.find_all(recording, usize::MAX));
     });
-    println!("  step back {back:?}, step out {out:?}, run to nowhere {scan:?}");
-    println!("  history of a sample {history:?}, query {found:?}");
+    println!("  step back {back:?}, step out {out:?}, query {found:?}");
+}
+
+/// Makes the indices and finds what a scan would find only at the end of the tape.
+fn find(recording: &Recording) {
+    let made = best(1, || recording.prepare());
+    let named: usize = (0..recording.run().samples.len() as u32)
+        .map(|id| recording.events_of(id).len())
+        .sum();
+    let bytes = 4 * (recording.len() + named + recording.run().samples.len());
+    println!("  indices made in {made:?}, {} MB", bytes / 1_000_000);
+    let from = Direction::Forwards;
+    let run = best(3, || {
+        std::hint::black_box(moves::run_to(recording, 0, Target::Violation, from));
+    });
+    let sample = Target::Sample(recording.run().samples.len() as u32 - 1);
+    let indexed = best(3, || {
+        std::hint::black_box(moves::run_to(recording, 0, sample, from));
+    });
+    let scan = best(3, || {
+        let meant = |index, event: &_| moves::matches_target(recording, index, event, sample);
+        std::hint::black_box(moves::find(recording, 0, from, meant));
+    });
+    let history = best(3, || {
+        std::hint::black_box(why::history_of_sample(recording, 0));
+    });
+    println!("  run to the last sample {indexed:?} (scan {scan:?}), to a violation {run:?}");
+    println!("  history of a sample {history:?}");
+}
+
+/// Makes the tree of events, expands its largest node and counts events for a time line.
+fn list(recording: &Recording) {
+    let mut outline = None;
+    let made = best(1, || outline = Some(Outline::new(recording)));
+    let outline = outline.expect("it was made");
+    let largest = outline.roots().max_by_key(|&root| outline.end(root) - root);
+    let largest = largest.expect("a phase");
+    let mut rows = OutlineRows::new(&outline);
+    let expand = best(1, || {
+        rows.toggle(&outline, largest);
+    });
+    let rows_shown = rows.len();
+    let page = best(3, || {
+        for k in 0..50 {
+            std::hint::black_box(rows.row(rows_shown / 2 + k));
+        }
+    });
+    let reveal = best(1, || rows.expand_to(&outline, recording.len() / 2));
+    let line = best(3, || {
+        std::hint::black_box(density(recording, 0..recording.len(), 1_000));
+    });
+    println!("  tree {made:?}, expanding {rows_shown} rows {expand:?}, 50 rows {page:?}");
+    println!("  revealing an event {reveal:?}, 1000 buckets {line:?}");
 }

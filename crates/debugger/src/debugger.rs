@@ -3,14 +3,16 @@
 
 use std::sync::Arc;
 
-use tilescope_core::Observer;
+use tilescope_core::{Observer, Pattern};
 
 use crate::event::Event;
 use crate::expression::{Evaluator, Expression, ExpressionError};
 use crate::listing::{LineId, Listings};
 use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
-use crate::session::{Bookmark, SavedBreakpoint, Session, SessionError, VERSION, digest};
+use crate::session::{
+    Bookmark, PatternFile, SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
+};
 use crate::state::State;
 
 /// A breakpoint.
@@ -59,6 +61,10 @@ pub struct Debugger {
     watches: Vec<String>,
     /// Events to come back to.
     pub bookmarks: Vec<Bookmark>,
+    /// How the session is shown, to be saved with it; nothing here reads it.
+    pub view: serde_json::Value,
+    /// The file of the pattern with which the recording was made, if it came from one.
+    pub pattern: Option<PatternFile>,
 }
 
 impl Debugger {
@@ -73,6 +79,8 @@ impl Debugger {
             breakpoints: Vec::new(),
             watches: Vec::new(),
             bookmarks: Vec::new(),
+            view: serde_json::Value::Null,
+            pattern: None,
         }
     }
 
@@ -178,7 +186,7 @@ impl Debugger {
                 let mut enabled = self.breakpoints.iter().filter(|b| b.enabled);
                 enabled.any(|b| b.line == event.line())
             };
-            let hit = moves::find(&self.recording, from, direction, |_, event| armed(event));
+            let hit = self.recording.classes().nearest(from, direction, armed);
             let Some(cursor) = hit else {
                 let forwards = direction == Direction::Forwards;
                 self.jump(if forwards { self.recording.len() } else { 0 });
@@ -229,14 +237,29 @@ impl Debugger {
             breakpoints: self.breakpoints.iter().map(saved).collect(),
             watches: self.watches.clone(),
             bookmarks: self.bookmarks.clone(),
+            view: self.view.clone(),
+            pattern: self.pattern.clone(),
         }
     }
 
     /// Computes a saved session's run again and returns the session where it was.
     ///
-    /// The result is proved to be the saved one by its digest.
+    /// The result is proved to be the saved one by its digest. A session whose pattern lies in a file fails: it
+    /// wants [`Self::restore_with`].
     pub fn restore(session: &Session, observer: &mut dyn Observer) -> Result<Self, SessionError> {
-        let recording = Recording::new(&session.parameters, session.budget, observer)?;
+        let mut refuse = |_: &PatternFile| Err("no files are opened here".to_owned());
+        Self::restore_with(session, &mut refuse, observer)
+    }
+
+    /// Does what [`Self::restore`] does; `pattern_loader` is asked for the pattern where it lies in a file, and its
+    /// digest proves that it is the saved one.
+    pub fn restore_with(
+        session: &Session,
+        pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SessionError> {
+        session.check()?;
+        let recording = recording(session, pattern_loader, observer)?;
         let found = digest(recording.run());
         if found != session.digest {
             let expected = session.digest.clone();
@@ -249,17 +272,53 @@ impl Debugger {
         }
         let mut debugger = Self::new(Arc::new(recording), session.budget);
         for saved in &session.breakpoints {
-            let line = Listings::shipped().find(&saved.line);
-            let line = line.ok_or_else(|| SessionError::UnknownLine {
-                line: saved.line.clone(),
-            })?;
-            debugger.add_breakpoint(line, saved.condition.as_deref().unwrap_or_default());
-            let index = debugger.breakpoints.len() - 1;
-            debugger.enable_breakpoint(index, saved.enabled);
+            debugger.add_saved(saved)?;
         }
         debugger.watches.clone_from(&session.watches);
         debugger.bookmarks.clone_from(&session.bookmarks);
+        debugger.view.clone_from(&session.view);
+        debugger.pattern.clone_from(&session.pattern);
         debugger.jump(session.cursor);
         Ok(debugger)
     }
+
+    fn add_saved(&mut self, saved: &SavedBreakpoint) -> Result<(), SessionError> {
+        let line = Listings::shipped().find(&saved.line);
+        let line = line.ok_or_else(|| SessionError::UnknownLine {
+            line: saved.line.clone(),
+        })?;
+        self.add_breakpoint(line, saved.condition.as_deref().unwrap_or_default());
+        let index = self.breakpoints.len() - 1;
+        self.enable_breakpoint(index, saved.enabled);
+        Ok(())
+    }
+}
+
+/// Returns the recording of a session's run.
+fn recording(
+    session: &Session,
+    pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
+    observer: &mut dyn Observer,
+) -> Result<Recording, SessionError> {
+    let (parameters, budget) = (&session.parameters, session.budget);
+    let Some(file) = &session.pattern else {
+        return Ok(Recording::new(parameters, budget, observer)?);
+    };
+    let path = || file.path.clone();
+    let pattern = pattern_loader(file).map_err(|reason| SessionError::PatternGone {
+        path: path(),
+        reason,
+    })?;
+    let found = pattern_digest(&pattern);
+    if found != file.digest {
+        return Err(SessionError::PatternChanged {
+            path: path(),
+            expected: file.digest.clone(),
+            found,
+        });
+    }
+    let pattern = Arc::new(pattern);
+    Ok(Recording::with_pattern(
+        parameters, pattern, budget, observer,
+    )?)
 }

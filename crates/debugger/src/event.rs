@@ -68,6 +68,11 @@ impl Event {
         }
     }
 
+    /// Returns whether a dart was sorted by rank.
+    pub(crate) const fn is_ranked(&self) -> bool {
+        self.extra == 1
+    }
+
     /// Returns how many events a notice stands for, or `None` for other events.
     #[must_use]
     pub const fn left_out(&self) -> Option<u32> {

@@ -5,14 +5,19 @@
 
 mod context;
 mod debugger;
+mod density;
+mod divergence;
 mod event;
 mod expression;
+mod index;
 mod kind;
 mod lines;
 mod listing;
 pub mod moves;
+mod outline;
 pub mod query;
 mod recording;
+mod sentence;
 mod session;
 mod state;
 mod tape;
@@ -20,14 +25,21 @@ pub mod why;
 
 pub use context::{Context, Examined, Search};
 pub use debugger::{Breakpoint, Debugger, Stop};
+pub use density::{Density, Phase, density, phases};
+pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
 pub use kind::Kind;
 pub use lines::Lines;
 pub use listing::{Line, LineId, Listing, ListingError, Listings};
 pub use moves::{Direction, Step, Target};
+pub use outline::{Outline, OutlineRows, Row};
 pub use query::{Query, QueryError};
 pub use recording::{Life, Recording, Status};
-pub use session::{Bookmark, SavedBreakpoint, Session, SessionError, VERSION, digest};
+pub use sentence::{grouped, sentence, short};
+pub use session::{
+    Bookmark, MAX_BOOKMARKS, MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, PatternFile,
+    SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
+};
 pub use state::{Counts, State};
 pub use tape::{DEFAULT_BUDGET, Tape};

@@ -5,6 +5,7 @@ use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Moment, Origin, R};
 
 use crate::event::Event;
+use crate::index;
 use crate::kind::Kind;
 use crate::listing::LineId;
 use crate::recording::Recording;
@@ -94,8 +95,23 @@ pub fn run_to(
     target: Target,
     direction: Direction,
 ) -> Option<usize> {
-    find(recording, cursor, direction, |index, event| {
-        matches_target(recording, index, event, target)
+    let kinds: &[Kind] = match target {
+        Target::Sample(sample) => {
+            return index::nearest(recording.events_of(sample), cursor, direction);
+        }
+        Target::SecondInsertion => &[Kind::Insert],
+        Target::Violation => &[Kind::Keep, Kind::Insert],
+        _ => {
+            // Whether an event is what these mean depends on its class alone.
+            let meant = |event: &Event| matches_target(recording, cursor, event, target);
+            return recording.classes().nearest(cursor, direction, meant);
+        }
+    };
+    let meant = |event: &Event| kinds.contains(&event.kind());
+    let next = |&from: &usize| recording.classes().nearest(from, direction, meant);
+    std::iter::successors(next(&cursor), next).find(|&index| {
+        let event = recording.event(index);
+        event.is_some_and(|event| matches_target(recording, index, event, target))
     })
 }
 

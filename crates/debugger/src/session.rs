@@ -2,12 +2,31 @@
 //! result. The run itself is not saved: it is computed again, and the digest proves that it is the same.
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Parameters, Run};
+use serde_json::Value;
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, Pattern, Run};
 
 use crate::listing::Listings;
 
 /// The version of sessions that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
+
+/// The most events that a saved session may ask a tape to hold: 480 MB.
+pub const MAX_BUDGET: usize = 20_000_000;
+
+/// The most samples that a saved session's run may have. Of each up to 20 events are kept whatever the budget: 1 GB.
+pub const MAX_SAMPLES: usize = 2_000_000;
+
+/// The most breakpoints, and the most watches, of a saved session.
+pub const MAX_STOPS: usize = 1_000;
+
+/// The most bookmarks of a saved session.
+pub const MAX_BOOKMARKS: usize = 10_000;
+
+/// The most bytes of a condition, a watch, a note or a path.
+pub const MAX_TEXT: usize = 10_000;
+
+/// The most bytes of a saved session.
+pub const MAX_BYTES: usize = 16_000_000;
 
 /// A breakpoint on a line of pseudocode.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,6 +48,15 @@ pub struct Bookmark {
     pub note: String,
 }
 
+/// A file with the pattern of a run.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PatternFile {
+    /// Where it lies, in words that whoever loads it understands.
+    pub path: String,
+    /// The pattern's [`pattern_digest`].
+    pub digest: String,
+}
+
 /// A session as it is saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {
@@ -48,6 +76,12 @@ pub struct Session {
     pub watches: Vec<String>,
     /// The bookmarks.
     pub bookmarks: Vec<Bookmark>,
+    /// How whoever shows the session shows it; nothing here reads it. Null when there is nothing.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub view: Value,
+    /// The file of the run's pattern, where it is not the one that the parameters describe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<PatternFile>,
 }
 
 /// Why a session cannot be restored.
@@ -84,6 +118,34 @@ pub enum SessionError {
         /// How many there are.
         events: usize,
     },
+    /// It asks for more than this program takes from a file.
+    #[error("the session has {found} {what}; at most {limit} are taken")]
+    TooMuch {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much there is.
+        found: usize,
+        /// The most there may be.
+        limit: usize,
+    },
+    /// The pattern's file cannot be used.
+    #[error("the session's pattern {path} cannot be loaded: {reason}")]
+    PatternGone {
+        /// The file.
+        path: String,
+        /// Why.
+        reason: String,
+    },
+    /// The file holds another pattern.
+    #[error("the pattern {path} has digest {found}, the saved one had {expected}: it has changed")]
+    PatternChanged {
+        /// The file.
+        path: String,
+        /// The saved digest.
+        expected: String,
+        /// The digest of what the file holds.
+        found: String,
+    },
     /// The run cannot be computed.
     #[error(transparent)]
     Run(#[from] tilescope_core::SampleError),
@@ -95,8 +157,9 @@ struct Head {
 }
 
 impl Session {
-    /// Returns the session of a text: of a version that this program reads, with known lines.
+    /// Returns the session of a text: of a version that this program reads, with known lines and within the limits.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
+        within("bytes", text.len(), MAX_BYTES)?;
         let Head { version } = serde_json::from_str(text)?;
         if version > VERSION {
             return Err(SessionError::Newer { found: version });
@@ -108,7 +171,36 @@ impl Session {
                 return Err(SessionError::UnknownLine { line });
             }
         }
+        session.check()?;
         Ok(session)
+    }
+
+    /// Fails when the session asks for more than is taken, before anything is computed.
+    pub fn check(&self) -> Result<(), SessionError> {
+        within("events of budget", self.budget, MAX_BUDGET)?;
+        within("breakpoints", self.breakpoints.len(), MAX_STOPS)?;
+        within("watches", self.watches.len(), MAX_STOPS)?;
+        within("bookmarks", self.bookmarks.len(), MAX_BOOKMARKS)?;
+        let conditions = self
+            .breakpoints
+            .iter()
+            .filter_map(|b| b.condition.as_deref());
+        longest("bytes in a condition", conditions)?;
+        longest("bytes in a watch", self.watches.iter().map(String::as_str))?;
+        longest(
+            "bytes in a note",
+            self.bookmarks.iter().map(|b| b.note.as_str()),
+        )?;
+        longest(
+            "bytes in a path",
+            self.pattern.iter().map(|p| p.path.as_str()),
+        )?;
+        // What else is wrong with the parameters the run will say.
+        if let Ok(domain) = self.parameters.validate() {
+            let samples = MAXIMAL_DENSITY * domain.area_radii();
+            within("expected samples", samples as usize, MAX_SAMPLES)?;
+        }
+        Ok(())
     }
 
     /// Returns the session as text.
@@ -117,15 +209,48 @@ impl Session {
     }
 }
 
+fn within(what: &'static str, found: usize, limit: usize) -> Result<(), SessionError> {
+    if found > limit {
+        return Err(SessionError::TooMuch { what, found, limit });
+    }
+    Ok(())
+}
+
+fn longest<'a>(
+    what: &'static str,
+    mut texts: impl Iterator<Item = &'a str>,
+) -> Result<(), SessionError> {
+    texts.try_for_each(|text| within(what, text.len(), MAX_TEXT))
+}
+
 /// Returns the digest of a run's result: FNV-1a, 64 bits, over the lattice points in canonical order. It tells
 /// different runs apart; it is no protection against forgery.
 #[must_use]
 pub fn digest(run: &Run) -> String {
+    let points = run.points();
+    hash(points.iter().flat_map(|point| [point.x, point.y]))
+}
+
+/// Returns the digest of a pattern: as [`digest`], over its width, height, whether it repeats, and its samples.
+#[must_use]
+pub fn pattern_digest(pattern: &Pattern) -> String {
+    let domain = pattern.domain();
+    let head = [
+        domain.width(),
+        domain.height(),
+        i32::from(domain.is_periodic()),
+    ];
+    let samples = pattern.samples().iter();
+    hash(
+        head.into_iter()
+            .chain(samples.flat_map(|point| [point.x, point.y])),
+    )
+}
+
+fn hash(numbers: impl Iterator<Item = i32>) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for point in run.points() {
-        for byte in [point.x, point.y].iter().flat_map(|x| x.to_le_bytes()) {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+    for byte in numbers.flat_map(i32::to_le_bytes) {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
     format!("{hash:016x}")
 }

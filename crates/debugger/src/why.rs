@@ -3,8 +3,9 @@
 
 use tilescope_core::{Moment, Origin, Point, R, Rect};
 
-use crate::event::NONE;
+use crate::event::{Event, NONE};
 use crate::kind::Kind;
+use crate::moves::Direction;
 use crate::recording::Recording;
 
 /// How near a place an examined place must be to belong to its history: r / 8.
@@ -57,11 +58,8 @@ pub fn causes(recording: &Recording, index: usize) -> Vec<usize> {
 /// Returns the events that name a sample, in sequence.
 #[must_use]
 pub fn history_of_sample(recording: &Recording, sample: u32) -> Vec<usize> {
-    let events = recording.tape().from(0);
-    events
-        .filter(|(_, event)| event.touches(sample))
-        .map(|(index, _)| index)
-        .collect()
+    let events = recording.events_of(sample).iter();
+    events.map(|&event| event as usize).collect()
 }
 
 /// Returns the events that touched a place, in sequence: the splits and the block that hold it, all changes of
@@ -160,9 +158,11 @@ fn cause_of_search(recording: &Recording, centre: u32, index: usize) -> Option<u
     if (life.lost as usize) < index {
         return Some(life.lost);
     }
-    let recent = recording.tape().before(index);
-    let mut begins = recent.filter(|(_, e)| matches!(e.kind(), Kind::Detect | Kind::Take));
-    begins.next().map(|(index, _)| index as u32)
+    let begins = |event: &Event| matches!(event.kind(), Kind::Detect | Kind::Take);
+    let last = recording
+        .classes()
+        .nearest(index, Direction::Backwards, begins);
+    last.map(|event| event as u32)
 }
 
 /// Returns the examination that found the place, or the dart.

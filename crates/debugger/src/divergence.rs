@@ -1,0 +1,234 @@
+//! Where two runs part: the first event, or the first stage, at which they differ. Samples are compared by
+//! place, never by id, so that engines that number them differently can be compared. It never runs anything.
+
+mod runs;
+
+pub use runs::first_divergence_of_runs;
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Domain, Moment, Point, Stage, Verdict};
+
+use crate::event::Event;
+use crate::recording::Recording;
+use crate::sentence::sentence;
+
+/// The first difference of two runs, a and b.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Divergence {
+    /// There is none.
+    Same,
+    /// The domains differ in size or boundary.
+    Domain {
+        /// The first one.
+        a: String,
+        /// The second one.
+        b: String,
+    },
+    /// Two events differ, and all before them are equal.
+    Events {
+        /// The event of the first recording.
+        a: usize,
+        /// The event of the second one.
+        b: usize,
+        /// What the first one does.
+        sentence_a: String,
+        /// What the second one does.
+        sentence_b: String,
+    },
+    /// One recording ends, and the other goes on.
+    Ends {
+        /// Whether it is the first one that goes on.
+        a_goes_on: bool,
+        /// Its first event more.
+        event: usize,
+        /// What it does.
+        sentence: String,
+    },
+    /// A stage differs, and all before it are equal.
+    Stage {
+        /// The stage.
+        stage: Stage,
+        /// Where they differ, the lowest place of several.
+        place: Option<Point>,
+        /// What the first run says of it.
+        a: String,
+        /// What the second run says of it.
+        b: String,
+    },
+}
+
+/// Returns the first event at which two recordings differ. Where tests were left out of either tape, only what is
+/// never left out is compared.
+#[must_use]
+pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
+    if let Some(different) = domains(a.domain(), b.domain()) {
+        return different;
+    }
+    let whole = a.tape().left_out() == 0 && b.tape().left_out() == 0;
+    let mut left = events(a, whole);
+    let mut right = events(b, whole);
+    loop {
+        let (more, index, a_goes_on) = match (left.next(), right.next()) {
+            (None, None) => return Divergence::Same,
+            (Some((i, x)), Some((j, y))) => {
+                if equal(a, x, b, y) {
+                    continue;
+                }
+                return Divergence::Events {
+                    a: i,
+                    b: j,
+                    sentence_a: sentence(a, i),
+                    sentence_b: sentence(b, j),
+                };
+            }
+            (Some((index, _)), None) => (a, index, true),
+            (None, Some((index, _))) => (b, index, false),
+        };
+        return Divergence::Ends {
+            a_goes_on,
+            event: index,
+            sentence: sentence(more, index),
+        };
+    }
+}
+
+fn domains(a: &Domain, b: &Domain) -> Option<Divergence> {
+    let same = |f: fn(&Domain) -> i32| f(a) == f(b);
+    if same(Domain::width) && same(Domain::height) && a.boundary() == b.boundary() {
+        return None;
+    }
+    let text = |domain: &Domain| {
+        let kind = if domain.is_periodic() {
+            "periodic"
+        } else {
+            "bounded"
+        };
+        format!("{kind}, {} by {} units", domain.width(), domain.height())
+    };
+    Some(Divergence::Domain {
+        a: text(a),
+        b: text(b),
+    })
+}
+
+/// Returns the events that are compared.
+fn events(recording: &Recording, whole: bool) -> impl Iterator<Item = (usize, &Event)> {
+    let stays = move |event: &Event| whole || !(event.is_detail() || event.left_out().is_some());
+    recording
+        .tape()
+        .from(0)
+        .filter(move |(_, event)| stays(event))
+}
+
+fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
+    if x.line() != y.line() {
+        return false;
+    }
+    match (x.moment(), y.moment()) {
+        (Some(x), Some(y)) => placed(a, x) == placed(b, y),
+        _ => x == y,
+    }
+}
+
+type Places = [Option<Point>; 5];
+
+/// Returns a moment without ids, and the places that they stand for.
+fn placed(recording: &Recording, moment: Moment) -> (Moment, Places) {
+    let mut places = [None; 5];
+    let mut bare = moment;
+    let mut at = 0;
+    let mut take = |id: &mut u32| {
+        places[at] = recording.point(*id);
+        (*id, at) = (0, at + 1);
+    };
+    match &mut bare {
+        Moment::Tiled { sample, .. }
+        | Moment::Take { sample, .. }
+        | Moment::Keep { sample, .. }
+        | Moment::Detect { sample }
+        | Moment::Search { centre: sample, .. }
+        | Moment::NoGap { sample }
+        | Moment::Call { pivot: sample, .. }
+        | Moment::Pairs { pivot: sample, .. }
+        | Moment::Pass { by: sample, .. }
+        | Moment::Insert { sample, .. } => take(sample),
+        Moment::Test {
+            pivot: one, other, ..
+        }
+        | Moment::Eliminate {
+            sample: one,
+            by: other,
+        }
+        | Moment::Mark {
+            sample: one,
+            because: other,
+        } => {
+            take(one);
+            take(other);
+        }
+        Moment::Dart { verdict, .. } => nobody(verdict, &mut take),
+        Moment::Candidate {
+            detector,
+            sites,
+            verdict,
+            ..
+        } => {
+            take(detector);
+            nobody(verdict, &mut take);
+            anywhere(sites, &mut take);
+            // The detector and the sample of the verdict have places of their own.
+            let sites = if matches!(
+                verdict,
+                Verdict::Covered { .. } | Verdict::NotNearest { .. }
+            ) {
+                2
+            } else {
+                1
+            };
+            places[sites..].sort_unstable_by_key(|place| place.map(Point::row_major));
+        }
+        _ => places = of_block(recording, moment),
+    }
+    (bare, places)
+}
+
+/// Takes the id out of a verdict.
+fn nobody(verdict: &mut Verdict, take: &mut impl FnMut(&mut u32)) {
+    if let Verdict::Covered { by: id } | Verdict::NotNearest { nearer: id } = verdict {
+        take(id);
+    }
+}
+
+/// Takes the ids out of sites.
+fn anywhere(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
+    match sites {
+        Sites::Three(ids) => ids.iter_mut().for_each(take),
+        Sites::Border(ids) => ids.iter_mut().for_each(take),
+        Sites::Corner(id) => take(id),
+        Sites::Dart | Sites::Unrecorded => {}
+    }
+}
+
+/// Returns the corners of a node or a block, where it is cut or its clip begins.
+fn of_block(recording: &Recording, moment: Moment) -> Places {
+    let run = recording.run();
+    let (corners, third) = match moment {
+        Moment::Split { index, .. } => {
+            let split = run.blocks.splits.get(index as usize);
+            let plane = split.map(|split| Point::new(split.axis as i32, split.plane));
+            (split.map(|split| split.rect), plane)
+        }
+        Moment::Leaf { block } => {
+            let leaf = run.blocks.leaves.get(block as usize);
+            (leaf.map(|leaf| leaf.rect), None)
+        }
+        Moment::Clip { block } => {
+            let tile = run.tiles.get(block as usize);
+            let symmetry = tile.map(|tile| Point::new(i32::from(tile.symmetry.0), 0));
+            return [tile.map(|tile| tile.start), symmetry, None, None, None];
+        }
+        _ => return [None; 5],
+    };
+    let ends = [corners.map(|rect| rect.min), corners.map(|rect| rect.max)];
+    [ends[0], ends[1], third, None, None]
+}

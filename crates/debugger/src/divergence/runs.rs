@@ -1,0 +1,283 @@
+//! The first stage at which two runs differ, from what runs keep: blocks, samples with their fates, detectors,
+//! candidates and the result. It needs no events.
+
+use tilescope_core::stages::detect::{Candidate, Sites};
+use tilescope_core::{Fate, Origin, Point, Run, Stage, Variant};
+
+use super::{Divergence, domains};
+use crate::sentence::{count, sample_name};
+
+/// Returns the first stage at which two runs differ.
+///
+/// Of runs that keep nothing but their result only pattern, blocks and result are compared. Lists that an
+/// engine keeps in no iteration (detectors, candidates, cells) are not compared, nor are sites that it did not
+/// record.
+#[must_use]
+pub fn first_divergence_of_runs(a: &Run, b: &Run) -> Divergence {
+    if let Some(different) = domains(&a.domain, &b.domain) {
+        return different;
+    }
+    let pair = Pair { a, b };
+    let found = pair.patterns().or_else(|| pair.blocks());
+    let whole = a.counted.is_none() && b.counted.is_none();
+    let found = found.or_else(|| whole.then(|| pair.stages()).flatten());
+    found.or_else(|| pair.results()).unwrap_or(Divergence::Same)
+}
+
+struct Pair<'a> {
+    a: &'a Run,
+    b: &'a Run,
+}
+
+/// What sorted lists of two runs are compared by: a row, a column and a number more.
+type Key = (i32, i32, u32);
+
+fn keyed(place: Point, number: u32) -> Key {
+    let (row, column) = place.row_major();
+    (row, column, number)
+}
+
+/// A place's coordinates: the difference may be a single unit.
+fn units(place: Point) -> String {
+    format!("({}, {}) units", place.x, place.y)
+}
+
+fn differ(stage: Stage, place: Option<Point>, a: String, b: String) -> Divergence {
+    Divergence::Stage { stage, place, a, b }
+}
+
+/// Returns the lowest key that only one of two sorted lists has, and whether it is the first one.
+fn first_alone(a: &[Key], b: &[Key]) -> Option<(Key, bool)> {
+    let same = a.iter().zip(b).take_while(|(x, y)| x == y).count();
+    match (a.get(same), b.get(same)) {
+        (None, None) => None,
+        (Some(&x), Some(&y)) if y < x => Some((y, false)),
+        (Some(&x), _) => Some((x, true)),
+        (None, Some(&y)) => Some((y, false)),
+    }
+}
+
+/// Returns the difference of two sorted lists of things of one sort.
+fn lists(stage: Stage, noun: &str, a: &[Key], b: &[Key]) -> Option<Divergence> {
+    let ((y, x, _), of_a) = first_alone(a, b)?;
+    let place = Point::new(x, y);
+    let there = format!("{noun} at {}", units(place));
+    let nothing = format!("no such {noun} there");
+    let (a, b) = if of_a {
+        (there, nothing)
+    } else {
+        (nothing, there)
+    };
+    Some(differ(stage, Some(place), a, b))
+}
+
+impl Pair<'_> {
+    fn patterns(&self) -> Option<Divergence> {
+        let text = |run: &Run| {
+            let samples = count(run.pattern.samples().len() as u64, "sample");
+            let domain = run.pattern.domain();
+            format!(
+                "a pattern of {samples}, {} by {} units",
+                domain.width(),
+                domain.height()
+            )
+        };
+        let differs = self.a.pattern != self.b.pattern;
+        differs.then(|| differ(Stage::Pattern, None, text(self.a), text(self.b)))
+    }
+
+    fn blocks(&self) -> Option<Divergence> {
+        let (a, b) = (&self.a.blocks, &self.b.blocks);
+        let splits = a.splits.iter().zip(&b.splits);
+        if let Some((x, y)) = splits.clone().find(|(x, y)| x != y) {
+            let text = |plane| format!("a node cut at {plane} units");
+            let place = Some(x.rect.min);
+            return Some(differ(Stage::Blocks, place, text(x.plane), text(y.plane)));
+        }
+        let leaves = a.leaves.iter().zip(&b.leaves);
+        if let Some((x, y)) = leaves.clone().find(|(x, y)| x != y) {
+            let text = |place| format!("a block from {}", units(place));
+            let (low, other) = (x.rect.min, y.rect.min);
+            return Some(differ(Stage::Blocks, Some(low), text(low), text(other)));
+        }
+        let text = |blocks: usize| count(blocks as u64, "block");
+        let (m, n) = (a.leaves.len(), b.leaves.len());
+        (m != n).then(|| differ(Stage::Blocks, None, text(m), text(n)))
+    }
+
+    fn stages(&self) -> Option<Divergence> {
+        let (a, b) = (tiled(self.a), tiled(self.b));
+        let keys = |tiled: &[(Key, u32)]| tiled.iter().map(|&(key, _)| key).collect::<Vec<_>>();
+        let found = self.tiles();
+        let found = found.or_else(|| lists(Stage::Tile, "tiled sample", &keys(&a), &keys(&b)));
+        // From here on every tiled sample has its like at the same place of the list.
+        let found = found.or_else(|| self.fates(Stage::Tile, &a, &b));
+        let found = found.or_else(|| self.fates(Stage::Eliminate, &a, &b));
+        let last = self.a.iterations.len().max(self.b.iterations.len());
+        found.or_else(|| (0..last).find_map(|k| self.iteration(k)))
+    }
+
+    fn tiles(&self) -> Option<Divergence> {
+        let mut pairs = self
+            .a
+            .tiles
+            .iter()
+            .zip(&self.b.tiles)
+            .zip(&self.a.blocks.leaves);
+        let differs = pairs.find(|((x, y), _)| (x.start, x.symmetry) != (y.start, y.symmetry));
+        let ((x, y), block) = differs?;
+        let text = |tile: &tilescope_core::stages::tile::Tile| {
+            format!(
+                "a clip from {} under symmetry {}",
+                units(tile.start),
+                tile.symmetry.0
+            )
+        };
+        Some(differ(Stage::Tile, Some(block.rect.min), text(x), text(y)))
+    }
+
+    /// Compares which samples were dropped, or what elimination made of all.
+    fn fates(&self, stage: Stage, a: &[(Key, u32)], b: &[(Key, u32)]) -> Option<Divergence> {
+        let fate = |run: &Run, id: u32| {
+            let fate = run.samples.fates[id as usize];
+            match fate {
+                Fate::Eliminated { by } => {
+                    ("eliminated", run.samples.points.get(by as usize).copied())
+                }
+                Fate::Dropped => ("dropped", None),
+                Fate::Kept => ("kept", None),
+                Fate::Undecided => ("undecided", None),
+            }
+        };
+        let dropped = |(name, _): &(&str, _)| *name == "dropped";
+        a.iter().zip(b).find_map(|(&(key, x), &(_, y))| {
+            let (of_a, of_b) = (fate(self.a, x), fate(self.b, y));
+            let same = match stage {
+                Stage::Tile => dropped(&of_a) == dropped(&of_b),
+                _ => of_a == of_b,
+            };
+            let text = |run: &Run, id: u32, (name, by): (&str, Option<Point>)| {
+                let by =
+                    by.map_or_else(String::new, |by| format!(" by the sample at {}", units(by)));
+                format!("{} is {name}{by}", sample_name(run, id))
+            };
+            let place = Some(Point::new(key.1, key.0));
+            (!same).then(|| differ(stage, place, text(self.a, x, of_a), text(self.b, y, of_b)))
+        })
+    }
+
+    fn iteration(&self, k: usize) -> Option<Divergence> {
+        let number = k as u32 + 1;
+        let stage = match self.a.parameters.variant {
+            Variant::AsPrinted if number == 1 => Stage::Eliminate,
+            _ => Stage::Iterate(number),
+        };
+        let compare = |noun: &str, of: fn(&Run, usize) -> Vec<Key>| {
+            let keeps = |run: &Run| (0..run.iterations.len()).any(|k| !of(run, k).is_empty());
+            let (a, b) = (of(self.a, k), of(self.b, k));
+            let both = keeps(self.a) && keeps(self.b);
+            both.then(|| lists(stage, noun, &a, &b)).flatten()
+        };
+        let found = compare("detector", detectors).or_else(|| compare("active cell", cells));
+        let found = found.or_else(|| compare("candidate", candidates));
+        let found = found.or_else(|| self.sites(stage, k));
+        let (a, b) = (inserted(self.a, k), inserted(self.b, k));
+        found.or_else(|| lists(stage, "inserted sample", &a, &b))
+    }
+
+    /// Compares what made the candidates, which have equal places.
+    fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
+        let sorted = |run: &Run| {
+            let mut all = run
+                .iterations
+                .get(k)
+                .map_or_else(Vec::new, |i| i.candidates.clone());
+            all.sort_unstable_by_key(|c| (c.point.row_major(), c.sites));
+            all
+        };
+        let (a, b) = (sorted(self.a), sorted(self.b));
+        a.iter().zip(&b).find_map(|(x, y)| {
+            let (of_a, of_b) = (sites(self.a, x)?, sites(self.b, y)?);
+            let text = |sites: &[Key]| {
+                let places = sites.iter().map(|&(y, x, _)| units(Point::new(x, y)));
+                format!(
+                    "a candidate made by samples at {}",
+                    places.collect::<Vec<_>>().join(", ")
+                )
+            };
+            let differs = of_a != of_b;
+            differs.then(|| differ(stage, Some(x.point), text(&of_a), text(&of_b)))
+        })
+    }
+
+    fn results(&self) -> Option<Divergence> {
+        let (a, b) = (self.a.points(), self.b.points());
+        let keys = |points: &[Point]| sorted(points.iter().map(|&place| keyed(place, 0)).collect());
+        let found = lists(Stage::Finish, "sample of the result", &keys(&a), &keys(&b));
+        found.or_else(|| {
+            let (x, y) = a.iter().zip(&b).find(|(x, y)| x != y)?;
+            let text = |place: &Point| format!("the sample at {} comes first", units(*place));
+            Some(differ(Stage::Finish, Some(*x), text(x), text(y)))
+        })
+    }
+}
+
+fn sorted(mut keys: Vec<Key>) -> Vec<Key> {
+    keys.sort_unstable();
+    keys
+}
+
+/// Returns the tiled samples by place and block, with their ids.
+fn tiled(run: &Run) -> Vec<(Key, u32)> {
+    let samples = run.samples.points.iter().zip(&run.samples.origins).zip(0..);
+    let mut all: Vec<(Key, u32)> = samples
+        .filter_map(|((&place, origin), id)| match *origin {
+            Origin::Tiled { block, .. } => Some((keyed(place, block), id)),
+            Origin::Inserted { .. } => None,
+        })
+        .collect();
+    all.sort_unstable();
+    all
+}
+
+/// Returns the places of ids; an id that no sample has is at none.
+fn places(run: &Run, ids: impl Iterator<Item = u32>) -> Vec<Key> {
+    let points = &run.samples.points;
+    let found = ids.filter_map(|id| points.get(id as usize));
+    sorted(found.map(|&place| keyed(place, 0)).collect())
+}
+
+fn detectors(run: &Run, k: usize) -> Vec<Key> {
+    let iteration = run.iterations.get(k);
+    iteration.map_or_else(Vec::new, |i| places(run, i.detectors.iter().copied()))
+}
+
+fn inserted(run: &Run, k: usize) -> Vec<Key> {
+    let iteration = run.iterations.get(k);
+    iteration.map_or_else(Vec::new, |i| places(run, i.inserted.clone()))
+}
+
+fn cells(run: &Run, k: usize) -> Vec<Key> {
+    let cells = run.iterations.get(k).map_or(&[][..], |i| &i.cells);
+    let keys = cells
+        .iter()
+        .map(|cell| keyed(cell.min, cell.side.unsigned_abs()));
+    sorted(keys.collect())
+}
+
+fn candidates(run: &Run, k: usize) -> Vec<Key> {
+    let candidates = run.iterations.get(k).map_or(&[][..], |i| &i.candidates);
+    sorted(candidates.iter().map(|c| keyed(c.point, 0)).collect())
+}
+
+/// Returns where the samples are that made a candidate, or `None` where nobody knows.
+fn sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
+    let ids: &[u32] = match &candidate.sites {
+        Sites::Three(ids) => ids,
+        Sites::Border(ids) => ids,
+        Sites::Corner(id) => std::slice::from_ref(id),
+        Sites::Dart => &[],
+        Sites::Unrecorded => return None,
+    };
+    Some(places(run, ids.iter().copied()))
+}

@@ -1,0 +1,158 @@
+//! Where events are on a tape: by sample, and by class (kind, line and whether they came to nothing). With them a run
+//! to a line, a kind or a sample is a few binary searches. An index holds numbers of events only.
+
+use std::ops::Range;
+
+use crate::event::{Event, NONE};
+use crate::moves::Direction;
+use crate::tape::Tape;
+
+/// Events that are alike: of one kind and line, and all or none of them details.
+#[derive(Clone, Debug)]
+struct Class {
+    example: Event,
+    events: Range<usize>,
+}
+
+/// The events of each class, in sequence: 4 bytes an event.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Classes {
+    classes: Vec<Class>,
+    events: Vec<u32>,
+}
+
+/// Numbers that (kind, line, detail) can have.
+const KEYS: usize = 256 * 256 * 2;
+
+const fn key(event: &Event) -> usize {
+    (event.kind() as usize * 256 + event.line().0 as usize) * 2 + event.is_detail() as usize
+}
+
+impl Classes {
+    pub(crate) fn new(tape: &Tape) -> Self {
+        let mut class_of_key = vec![NONE; KEYS];
+        let mut classes: Vec<Class> = Vec::new();
+        for &example in tape.iter() {
+            let class = &mut class_of_key[key(&example)];
+            if *class == NONE {
+                *class = classes.len() as u32;
+                classes.push(Class {
+                    example,
+                    events: 0..0,
+                });
+            }
+            classes[*class as usize].events.end += 1;
+        }
+        let mut start = 0;
+        for class in &mut classes {
+            let count = class.events.end;
+            class.events = start..start;
+            start += count;
+        }
+        let mut events = vec![0; tape.len()];
+        for (index, event) in (0..).zip(tape.iter()) {
+            let class = &mut classes[class_of_key[key(event)] as usize];
+            events[class.events.end] = index;
+            class.events.end += 1;
+        }
+        Self { classes, events }
+    }
+
+    /// Returns the nearest event after (or before) the one at `cursor` of the classes that `wanted`
+    /// accepts; it is asked about one event of each class.
+    pub(crate) fn nearest(
+        &self,
+        cursor: usize,
+        direction: Direction,
+        wanted: impl Fn(&Event) -> bool,
+    ) -> Option<usize> {
+        let meant = self.classes.iter().filter(|class| wanted(&class.example));
+        let found = meant
+            .filter_map(|class| nearest(&self.events[class.events.clone()], cursor, direction));
+        match direction {
+            Direction::Forwards => found.min(),
+            Direction::Backwards => found.max(),
+        }
+    }
+}
+
+/// Returns the nearest entry of a sorted list after (or before) a cursor.
+pub(crate) fn nearest(events: &[u32], cursor: usize, direction: Direction) -> Option<usize> {
+    let place = match direction {
+        Direction::Forwards => events.partition_point(|&event| event as usize <= cursor),
+        Direction::Backwards => events
+            .partition_point(|&event| (event as usize) < cursor)
+            .checked_sub(1)?,
+    };
+    events.get(place).map(|&event| event as usize)
+}
+
+/// The events that name each sample, in sequence: 4 bytes for each sample that an event names.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BySample {
+    starts: Vec<u32>,
+    events: Vec<u32>,
+}
+
+impl BySample {
+    /// Returns the index of the samples that have an id below `count`.
+    pub(crate) fn new(tape: &Tape, count: usize) -> Self {
+        let mut starts = vec![0_u32; count + 1];
+        for event in tape.iter() {
+            each_sample(event, |id| {
+                if let Some(start) = starts[..count].get_mut(id as usize) {
+                    *start += 1;
+                }
+            });
+        }
+        let mut total = 0;
+        for start in &mut starts {
+            total += std::mem::replace(start, total);
+        }
+        let mut events = vec![0; total as usize];
+        for (index, event) in (0..).zip(tape.iter()) {
+            each_sample(event, |id| {
+                if let Some(start) = starts[..count].get_mut(id as usize) {
+                    events[*start as usize] = index;
+                    *start += 1;
+                }
+            });
+        }
+        // Each start has moved to its end, which is the next one's start.
+        starts.rotate_right(1);
+        starts[0] = 0;
+        Self { starts, events }
+    }
+
+    /// Returns the events that name a sample.
+    pub(crate) fn of(&self, sample: u32) -> &[u32] {
+        let bound = |id: usize| self.starts.get(id).map(|&start| start as usize);
+        let ends = bound(sample as usize).zip(bound((sample as usize).saturating_add(1)));
+        ends.map_or(&[], |(start, end)| &self.events[start..end])
+    }
+}
+
+/// Visits the samples that an event names, each once.
+fn each_sample(event: &Event, mut visit: impl FnMut(u32)) {
+    let samples = event.samples();
+    for (k, &id) in samples.iter().enumerate() {
+        if id != NONE && !samples[..k].contains(&id) {
+            visit(id);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_entry_is_never_the_cursor_itself() {
+        let events = [3, 5, 9];
+        let next = |cursor| nearest(&events, cursor, Direction::Forwards);
+        let last = |cursor| nearest(&events, cursor, Direction::Backwards);
+        assert_eq!([0, 3, 5, 9].map(next), [Some(3), Some(5), Some(9), None]);
+        assert_eq!([3, 4, 9, 99].map(last), [None, Some(3), Some(5), Some(9)]);
+        assert_eq!(next(usize::MAX), None);
+    }
+}

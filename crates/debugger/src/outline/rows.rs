@@ -1,0 +1,332 @@
+//! The rows that a list of the tree of events shows: which nodes are expanded, and which event each row holds.
+//! It knows no heights and draws nothing.
+
+use super::Outline;
+
+/// A row of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Row {
+    /// The event.
+    pub event: usize,
+    /// How many events hold it.
+    pub level: usize,
+    /// Whether it has children.
+    pub has_children: bool,
+    /// Whether its children follow.
+    pub expanded: bool,
+}
+
+/// An expanded node: its children, and which of them are expanded in turn.
+#[derive(Clone, Debug, Default)]
+struct Node {
+    children: Vec<u32>,
+    /// The first event behind the last child's descendants.
+    end: u32,
+    open: Vec<Open>,
+}
+
+#[derive(Clone, Debug)]
+struct Open {
+    /// Which child it is.
+    place: usize,
+    /// Rows below earlier expanded children.
+    before: usize,
+    /// Rows below this one.
+    rows: usize,
+    node: Node,
+}
+
+/// The rows of an outline: its roots, and the children of expanded nodes.
+///
+/// Finding a row takes a few binary searches, however many there are; expanding a node takes 4 bytes and a
+/// step for each of its children.
+#[derive(Clone, Debug, Default)]
+pub struct OutlineRows {
+    root: Node,
+}
+
+impl Node {
+    fn of(children: impl Iterator<Item = usize>, end: usize) -> Self {
+        Self {
+            children: children.map(|event| event as u32).collect(),
+            end: end as u32,
+            open: Vec::new(),
+        }
+    }
+
+    fn rows(&self) -> usize {
+        let below = self.open.last().map_or(0, |open| open.before + open.rows);
+        self.children.len() + below
+    }
+
+    fn has_children(&self, place: usize) -> bool {
+        let next = self.children.get(place + 1).copied().unwrap_or(self.end);
+        next > self.children[place] + 1
+    }
+
+    fn open_at(&self, place: usize) -> Result<usize, usize> {
+        self.open.binary_search_by_key(&place, |open| open.place)
+    }
+
+    /// Returns which child is the event or holds it.
+    fn place_of(&self, event: usize) -> Option<usize> {
+        if event >= self.end as usize {
+            return None;
+        }
+        let after = self
+            .children
+            .partition_point(|&child| child as usize <= event);
+        after.checked_sub(1)
+    }
+
+    fn row(&self, k: usize, level: usize) -> Option<Row> {
+        // The last expanded child whose own row is at or before the wanted one.
+        let after = self
+            .open
+            .partition_point(|open| open.place + open.before <= k);
+        let (place, expanded) = match after.checked_sub(1).map(|last| &self.open[last]) {
+            None => (k, false),
+            Some(open) => {
+                let below = k - open.place - open.before;
+                if below > 0 && below <= open.rows {
+                    return open.node.row(below - 1, level + 1);
+                }
+                (
+                    k - open.before - if below > 0 { open.rows } else { 0 },
+                    below == 0,
+                )
+            }
+        };
+        Some(Row {
+            event: *self.children.get(place)? as usize,
+            level,
+            has_children: self.has_children(place),
+            expanded,
+        })
+    }
+
+    fn row_of(&self, event: usize) -> Option<usize> {
+        let place = self.place_of(event)?;
+        let at = self.open_at(place);
+        let earlier = at.unwrap_or_else(|next| next).checked_sub(1);
+        let before = earlier.map_or(0, |last| self.open[last].before + self.open[last].rows);
+        if self.children[place] as usize == event {
+            return Some(place + before);
+        }
+        let below = self.open[at.ok()?].node.row_of(event)?;
+        Some(place + before + 1 + below)
+    }
+
+    /// Expands or collapses a visible event, or both in turn when `wanted` is `None`; returns whether
+    /// anything changed.
+    fn set(&mut self, outline: &Outline, event: usize, wanted: Option<bool>) -> bool {
+        let Some(place) = self.place_of(event) else {
+            return false;
+        };
+        let at = self.open_at(place);
+        let own = self.children[place] as usize == event;
+        let changed = match at {
+            Ok(at) if !own => self.open[at].node.set(outline, event, wanted),
+            Ok(at) if wanted != Some(true) => {
+                self.open.remove(at);
+                true
+            }
+            Err(at) if own && wanted != Some(false) && self.has_children(place) => {
+                let node = Node::of(outline.children(event), outline.end(event));
+                self.open.insert(
+                    at,
+                    Open {
+                        place,
+                        before: 0,
+                        rows: 0,
+                        node,
+                    },
+                );
+                true
+            }
+            _ => false,
+        };
+        if changed {
+            self.count(at.unwrap_or_else(|at| at));
+        }
+        changed
+    }
+
+    /// Counts the rows again from an expanded child on.
+    fn count(&mut self, from: usize) {
+        let earlier = from.checked_sub(1).map(|last| &self.open[last]);
+        let mut before = earlier.map_or(0, |open| open.before + open.rows);
+        for open in &mut self.open[from..] {
+            (open.before, open.rows) = (before, open.node.rows());
+            before += open.rows;
+        }
+    }
+}
+
+impl OutlineRows {
+    /// Returns the rows of an outline with nothing expanded.
+    #[must_use]
+    pub fn new(outline: &Outline) -> Self {
+        Self {
+            root: Node::of(outline.roots(), outline.len()),
+        }
+    }
+
+    /// Returns how many rows there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.root.rows()
+    }
+
+    /// Returns whether there are no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns a row, or `None` behind the last one.
+    #[must_use]
+    pub fn row(&self, k: usize) -> Option<Row> {
+        self.root.row(k, 0)
+    }
+
+    /// Returns the row of an event, or `None` where a collapsed node hides it.
+    #[must_use]
+    pub fn row_of(&self, event: usize) -> Option<usize> {
+        self.root.row_of(event)
+    }
+
+    /// Expands a collapsed event, or collapses an expanded one, which forgets what was expanded below it. Returns whether
+    /// anything changed: an event without children or a hidden one stays as it is. `outline` must be the one
+    /// that the rows were made from.
+    pub fn toggle(&mut self, outline: &Outline, event: usize) -> bool {
+        self.root.set(outline, event, None)
+    }
+
+    /// Expands all that hides an event, and nothing else.
+    pub fn expand_to(&mut self, outline: &Outline, event: usize) {
+        let mut parents: Vec<usize> = outline.parents(event).collect();
+        while let Some(parent) = parents.pop() {
+            self.root.set(outline, parent, Some(true));
+        }
+    }
+
+    /// Collapses everything.
+    pub fn collapse_all(&mut self) {
+        self.root.open.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    /// The rows, written down one by one.
+    fn naive(outline: &Outline, expanded: &BTreeSet<usize>) -> Vec<Row> {
+        fn walk(
+            outline: &Outline,
+            expanded: &BTreeSet<usize>,
+            (event, level): (usize, usize),
+            rows: &mut Vec<Row>,
+        ) {
+            let open = expanded.contains(&event);
+            let has_children = outline.children(event).next().is_some();
+            rows.push(Row {
+                event,
+                level,
+                has_children,
+                expanded: open,
+            });
+            if open {
+                for child in outline.children(event) {
+                    walk(outline, expanded, (child, level + 1), rows);
+                }
+            }
+        }
+        let mut rows = Vec::new();
+        for root in outline.roots() {
+            walk(outline, expanded, (root, 0), &mut rows);
+        }
+        rows
+    }
+
+    fn visible(outline: &Outline, expanded: &BTreeSet<usize>, event: usize) -> bool {
+        outline
+            .parents(event)
+            .all(|parent| expanded.contains(&parent))
+    }
+
+    fn toggle_naively(outline: &Outline, expanded: &mut BTreeSet<usize>, event: usize) {
+        if visible(outline, expanded, event) && outline.has_children(event) {
+            if expanded.remove(&event) {
+                let end = outline.end(event);
+                expanded.retain(|&other| other < event || other >= end);
+            } else {
+                expanded.insert(event);
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn rows_are_those_of_a_plain_walk(
+            depths in prop::collection::vec(0_u8..5, 1..400),
+            moves in prop::collection::vec((any::<bool>(), any::<prop::sample::Index>()), 0..40),
+        ) {
+            let outline = Outline::of_depths(depths.iter().copied(), depths.len());
+            let (mut rows, mut expanded) = (OutlineRows::new(&outline), BTreeSet::new());
+            for (to, index) in moves {
+                let event = index.index(depths.len());
+                if to {
+                    rows.expand_to(&outline, event);
+                    expanded.extend(outline.parents(event));
+                } else {
+                    let before = expanded.clone();
+                    toggle_naively(&outline, &mut expanded, event);
+                    prop_assert_eq!(rows.toggle(&outline, event), before != expanded);
+                }
+                let expected = naive(&outline, &expanded);
+                prop_assert_eq!(rows.len(), expected.len());
+                let found: Vec<_> = (0..rows.len()).map(|k| rows.row(k).unwrap()).collect();
+                prop_assert_eq!(&found, &expected);
+                prop_assert_eq!(rows.row(rows.len()), None);
+                for event in 0..depths.len() {
+                    let row = expected.iter().position(|row| row.event == event);
+                    prop_assert_eq!(rows.row_of(event), row);
+                }
+            }
+            rows.collapse_all();
+            prop_assert_eq!(rows.len(), outline.roots().count());
+        }
+    }
+
+    #[test]
+    fn half_a_million_children_are_rows_at_once() {
+        let count = 500_000;
+        let depths = [0]
+            .into_iter()
+            .chain((0..count).flat_map(|_| [2, 3]))
+            .chain([0]);
+        let depths: Vec<u8> = depths.collect();
+        let outline = Outline::of_depths(depths.iter().copied(), depths.len());
+        let mut rows = OutlineRows::new(&outline);
+        assert!(rows.toggle(&outline, 0));
+        assert_eq!(rows.len(), count + 2);
+        for k in (1..count).step_by(997) {
+            let row = rows.row(k).unwrap();
+            assert_eq!(
+                (row.event, row.level, row.has_children),
+                (2 * k - 1, 1, true)
+            );
+            assert_eq!(outline.parent(row.event), Some(0));
+        }
+        rows.expand_to(&outline, 2 * count);
+        assert_eq!(rows.row_of(2 * count), Some(count + 1));
+        assert_eq!(rows.row(count + 1).unwrap().level, 2);
+        assert_eq!(rows.row(count + 2).unwrap().event, 2 * count + 1);
+        assert!(!rows.toggle(&outline, 2 * count));
+        assert_eq!(rows.row_of(usize::MAX), None);
+    }
+}

@@ -1,0 +1,325 @@
+//! Events in words: one plain sentence for whoever follows the run by ear or line by line.
+//! It reads the recording and the finished run; it decides nothing.
+
+mod gaps;
+mod short;
+
+use tilescope_core::stages::blocks::Axis;
+use tilescope_core::{Fate, Insertion, Moment, Origin, Point, R, Rect, Run, Stage, Variant};
+
+use crate::event::NONE;
+use crate::recording::Recording;
+
+pub use short::short;
+
+/// Returns what the event at `index` does: one sentence that names its samples, with distances in r. Behind
+/// the last event it says that the run has ended.
+#[must_use]
+pub fn sentence(recording: &Recording, index: usize) -> String {
+    let Some(event) = recording.event(index) else {
+        return "The run has ended.".to_owned();
+    };
+    let words = Words(recording);
+    let mut text = match event.moment() {
+        Some(moment) => words.moment(moment, index),
+        None => left_out(event.left_out().unwrap_or(0)),
+    };
+    if let Some(first) = text.get(..1).map(str::to_ascii_uppercase) {
+        text.replace_range(..1, &first);
+    }
+    text.push('.');
+    text
+}
+
+/// Returns a whole number with commas between groups of three digits.
+#[must_use]
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Returns a length in r with two decimals, or three where two would say 1.00 of something else.
+pub(crate) fn radii(units: f64) -> String {
+    let radii = units / f64::from(R);
+    let off = (radii - 1.0).abs();
+    if off > 0.0 && off < 0.005 {
+        format!("{radii:.3} r")
+    } else {
+        format!("{radii:.2} r")
+    }
+}
+
+/// Returns a place in r from the domain's lowest corner.
+pub(crate) fn place(point: Point) -> String {
+    let radii = |x: i32| f64::from(x) / f64::from(R);
+    format!("({:.2}, {:.2}) r", radii(point.x), radii(point.y))
+}
+
+/// Returns the name of a sample: its number and where it comes from.
+pub(crate) fn sample_name(run: &Run, sample: u32) -> String {
+    let number = grouped(sample.into());
+    match run.samples.origins.get(sample as usize) {
+        Some(Origin::Tiled { block, .. }) => {
+            format!("sample {number} of block {}", grouped((*block).into()))
+        }
+        Some(Origin::Inserted { .. }) => format!("inserted sample {number}"),
+        None if sample == NONE => "a sample".to_owned(),
+        None => format!("sample {number}"),
+    }
+}
+
+/// Returns `1 sample` or `7 samples`.
+pub(crate) fn count(number: u64, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", grouped(number))
+}
+
+struct Words<'a>(&'a Recording);
+
+impl Words<'_> {
+    fn sample(&self, sample: u32) -> String {
+        sample_name(self.0.run(), sample)
+    }
+
+    /// Returns how far apart two samples are.
+    fn apart(&self, a: u32, b: u32) -> String {
+        match (self.0.point(a), self.0.point(b)) {
+            (Some(a), Some(b)) => radii((self.0.domain().distance_squared(a, b) as f64).sqrt()),
+            _ => "some way".to_owned(),
+        }
+    }
+
+    fn moment(&self, moment: Moment, index: usize) -> String {
+        match moment {
+            Moment::Begin(stage) => self.begin(stage),
+            Moment::Split { .. } | Moment::Leaf { .. } | Moment::Clip { .. } => self.tree(moment),
+            Moment::Tiled { .. }
+            | Moment::Take { .. }
+            | Moment::Keep { .. }
+            | Moment::Test { .. }
+            | Moment::Eliminate { .. }
+            | Moment::Mark { .. } => self.change(moment, index),
+            Moment::Iteration { .. }
+            | Moment::IterationEnd { .. }
+            | Moment::Rank { .. }
+            | Moment::Finish { .. } => self.round(moment),
+            Moment::Candidate {
+                detector,
+                sites,
+                offset,
+                verdict,
+            } => self.candidate(detector, sites, offset, verdict),
+            Moment::Insert { sample, iteration } => self.insertion(sample, iteration),
+            Moment::Dart {
+                point,
+                ranked,
+                verdict,
+            } => self.dart(point, ranked, verdict),
+            Moment::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
+            _ => self.search(moment),
+        }
+    }
+
+    fn begin(&self, stage: Stage) -> String {
+        let run = self.0.run();
+        let samples = || {
+            count(
+                run.tiles.last().map_or(0, |t| t.samples.end.into()),
+                "sample",
+            )
+        };
+        let blocks = || count(run.blocks.leaves.len() as u64, "block");
+        match stage {
+            Stage::Pattern => "the pattern is about to be made".to_owned(),
+            Stage::Blocks => format!(
+                "the domain, {}, is about to be cut into {}",
+                size(&self.0.domain().rect()),
+                blocks()
+            ),
+            Stage::Tile => format!("the tiling of {} is about to begin", blocks()),
+            Stage::Eliminate if run.parameters.variant == Variant::AsPrinted => format!(
+                "conflicts among {} are about to be resolved and gaps filled in turn",
+                samples()
+            ),
+            Stage::Eliminate => {
+                format!("conflicts among {} are about to be resolved", samples())
+            }
+            Stage::Iterate(k) => format!("iteration {} is about to begin", grouped(k.into())),
+            Stage::Regions => "the regions are about to be sampled".to_owned(),
+            Stage::Finish => "the valid samples are about to be put in order".to_owned(),
+        }
+    }
+
+    fn tree(&self, moment: Moment) -> String {
+        let blocks = &self.0.run().blocks;
+        match moment {
+            Moment::Split { index, turned } => self.split(index, turned),
+            Moment::Leaf { block } => match blocks.leaves.get(block as usize) {
+                Some(leaf) => format!(
+                    "block {} is a leaf of the KD-tree, {}",
+                    grouped(block.into()),
+                    size(&leaf.rect)
+                ),
+                None => format!("block {} is a leaf of the KD-tree", grouped(block.into())),
+            },
+            Moment::Clip { block } => {
+                let tile = self.0.run().tiles.get(block as usize);
+                let samples = tile.map_or(0, |tile| tile.samples.len() as u64);
+                let block = grouped(block.into());
+                format!(
+                    "block {block} receives its clip of the pattern, {}",
+                    count(samples, "sample")
+                )
+            }
+            _ => String::new(),
+        }
+    }
+
+    fn split(&self, index: u32, turned: bool) -> String {
+        let Some(split) = self.0.run().blocks.splits.get(index as usize) else {
+            return format!("node {} of the KD-tree is cut", grouped(index.into()));
+        };
+        let axis = match split.axis {
+            Axis::X => "x",
+            Axis::Y => "y",
+        };
+        let reason = if turned {
+            ", since it is too short across the other axis"
+        } else {
+            ""
+        };
+        let (node, plane) = (size(&split.rect), radii(f64::from(split.plane)));
+        format!("a node, {node}, is cut across {axis} at {plane}{reason}")
+    }
+
+    fn change(&self, moment: Moment, index: usize) -> String {
+        match moment {
+            Moment::Tiled { sample, inside, .. } => self.tiled(sample, inside),
+            Moment::Take { sample, valid } => self.take(sample, valid),
+            Moment::Keep { sample, rest: true } => {
+                format!("{} is kept, since nothing contests it", self.sample(sample))
+            }
+            Moment::Keep { sample, .. } => {
+                format!("{} is kept and claims its disk", self.sample(sample))
+            }
+            Moment::Test {
+                pivot,
+                other,
+                covers,
+            } => {
+                let (a, b) = (self.sample(pivot), self.sample(other));
+                let apart = self.apart(pivot, other);
+                if covers {
+                    format!("{a} covers {b}, {apart} away: they are in conflict")
+                } else {
+                    format!("{a} does not cover {b}, {apart} away")
+                }
+            }
+            Moment::Eliminate { sample, by } => {
+                let (winner, loser) = (self.sample(by), self.sample(sample));
+                format!(
+                    "{winner} eliminates {loser}, {} away",
+                    self.apart(by, sample)
+                )
+            }
+            Moment::Mark { sample, because } if sample == because => {
+                format!("{} stays and becomes a gap detector", self.sample(sample))
+            }
+            Moment::Mark { sample, because } => self.mark(sample, because, index),
+            _ => String::new(),
+        }
+    }
+
+    fn take(&self, sample: u32, valid: bool) -> String {
+        let name = self.sample(sample);
+        match self.0.run().samples.fates.get(sample as usize) {
+            _ if valid => format!("the turn of {name} comes, and it is valid"),
+            Some(&Fate::Eliminated { by }) => {
+                format!(
+                    "{name} is passed over: {} has eliminated it",
+                    self.sample(by)
+                )
+            }
+            _ => format!("{name} is passed over: it is no longer valid"),
+        }
+    }
+
+    fn tiled(&self, sample: u32, inside: bool) -> String {
+        let name = self.sample(sample);
+        let own = match self.0.run().samples.origins.get(sample as usize) {
+            Some(Origin::Tiled { own: true, .. }) => "inside the block",
+            _ => "in the margin around the block",
+        };
+        if inside {
+            format!("{name} is tiled, {own}")
+        } else {
+            format!("{name} would lie outside the domain and is dropped")
+        }
+    }
+
+    fn mark(&self, sample: u32, because: u32, index: usize) -> String {
+        let (name, lost) = (self.sample(sample), self.sample(because));
+        let gone = match self.0.status(because, index) {
+            crate::recording::Status::Dropped => "was dropped",
+            crate::recording::Status::Eliminated => "was eliminated",
+            _ => "opened a place",
+        };
+        let apart = self.apart(sample, because);
+        format!("{name} becomes a gap detector: {lost}, {apart} away, {gone}")
+    }
+
+    fn round(&self, moment: Moment) -> String {
+        match moment {
+            Moment::Iteration { number, detectors } => {
+                let noun = match self.0.run().parameters.insertion {
+                    Insertion::Uniform if self.0.run().parameters.variant == Variant::Staged => {
+                        "active cell"
+                    }
+                    _ => "detector",
+                };
+                let (number, who) = (grouped(number.into()), count(detectors.into(), noun));
+                format!("iteration {number} begins with {who}")
+            }
+            Moment::IterationEnd { number, inserted } => {
+                let (number, what) = (grouped(number.into()), count(inserted.into(), "sample"));
+                format!("iteration {number} ends: it inserted {what}")
+            }
+            Moment::Rank { candidates } => {
+                let verb = if candidates == 1 { "is" } else { "are" };
+                let candidates = count(candidates.into(), "candidate");
+                format!("{candidates} {verb} put in random order")
+            }
+            Moment::Finish { count: number } => {
+                format!("the result is there: {}", count(number.into(), "sample"))
+            }
+            _ => String::new(),
+        }
+    }
+}
+
+/// Returns a length in r: small ones as a part of it, since cells halve.
+fn fraction(units: i32) -> String {
+    if units > 0 && units < R && R % units == 0 {
+        format!("r / {}", grouped(u64::from((R / units).unsigned_abs())))
+    } else {
+        radii(f64::from(units))
+    }
+}
+
+fn size(rect: &Rect) -> String {
+    let width = f64::from(rect.width()) / f64::from(R);
+    format!("{width:.2} by {}", radii(f64::from(rect.height())))
+}
+
+fn left_out(number: u32) -> String {
+    let verb = if number == 1 { "was" } else { "were" };
+    let tests = count(number.into(), "test");
+    format!("{tests} that came to nothing {verb} left out here to stay within the budget")
+}

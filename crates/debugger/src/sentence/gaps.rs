@@ -1,0 +1,165 @@
+//! What the search for gaps, candidates, insertions and darts do, in words.
+//! It reads the recording only.
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Moment, Origin, Point, Verdict};
+
+use super::{Words, count, fraction, grouped, place, radii};
+use crate::event::NONE;
+
+impl Words<'_> {
+    pub(super) fn search(&self, moment: Moment) -> String {
+        match moment {
+            Moment::Detect { sample } => format!("{} begins to look for gaps", self.sample(sample)),
+            Moment::Search {
+                centre,
+                radius,
+                found,
+            } => {
+                let found = count(found.into(), "valid sample");
+                let reach = radii(f64::from(radius));
+                format!(
+                    "within {reach} of {} there are {found}",
+                    self.sample(centre)
+                )
+            }
+            Moment::NoGap { sample } => {
+                format!(
+                    "the neighbours of {} leave no gap around it",
+                    self.sample(sample)
+                )
+            }
+            Moment::Call { pivot, iteration } => {
+                let iteration = grouped(iteration.into());
+                let pivot = self.sample(pivot);
+                format!(
+                    "gaps around {pivot} are about to be found and filled, in iteration {iteration}"
+                )
+            }
+            Moment::Pairs { pivot, others } => {
+                let pairs = u64::from(others) * u64::from(others.saturating_sub(1)) / 2;
+                let (pairs, pivot) = (count(pairs, "pair"), self.sample(pivot));
+                format!("{pivot} is about to form triangles with {pairs} of its test buffer")
+            }
+            Moment::Pass { point, by } => {
+                let inserted = self.sample(by);
+                let apart = self.0.point(by).map_or_else(String::new, |at| {
+                    let squared = self.0.domain().distance_squared(at, point);
+                    format!(", {} away,", radii((squared as f64).sqrt()))
+                });
+                format!(
+                    "the candidate at {} is passed over: {inserted}{apart} covers it",
+                    place(point)
+                )
+            }
+            _ => String::new(),
+        }
+    }
+
+    pub(super) fn candidate(
+        &self,
+        detector: u32,
+        sites: Sites,
+        offset: [i32; 2],
+        verdict: Verdict,
+    ) -> String {
+        let own = self.sample(detector);
+        let others = |ids: &[u32]| {
+            let others: Vec<String> = ids
+                .iter()
+                .filter(|&&id| id != detector)
+                .map(|&id| self.sample(id))
+                .collect();
+            others.join(" and ")
+        };
+        let what = match &sites {
+            Sites::Three(ids) => format!("the circumcentre of {own} with {}", others(ids)),
+            Sites::Border(ids) => {
+                format!("the border point as far from {own} as from {}", others(ids))
+            }
+            Sites::Corner(_) => format!("the corner of the domain that {own} looks at"),
+            Sites::Dart | Sites::Unrecorded => format!("a place near {own}"),
+        };
+        let away = radii(f64::from(offset[0]).hypot(f64::from(offset[1])));
+        let outcome = match verdict {
+            Verdict::Accepted => "lies in a gap".to_owned(),
+            Verdict::TooFar => "is beyond the reach of detection".to_owned(),
+            Verdict::Outside => "lies outside the domain".to_owned(),
+            Verdict::Covered { by } => format!("is covered by {}", self.sample(by)),
+            Verdict::NotNearest { nearer } => format!("is nearer to {}", self.sample(nearer)),
+        };
+        format!("{what}, {away} away, {outcome}")
+    }
+
+    pub(super) fn insertion(&self, sample: u32, iteration: u32) -> String {
+        let name = self.sample(sample);
+        let numbers = |ids: &[u32]| {
+            let all: Vec<String> = ids.iter().map(|&id| grouped(id.into())).collect();
+            match all.split_last() {
+                Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+                _ => all.concat(),
+            }
+        };
+        let at = match self.0.run().samples.origins.get(sample as usize) {
+            Some(Origin::Inserted { sites, .. }) => match sites {
+                Sites::Three(ids) => format!("at the circumcentre of samples {}", numbers(ids)),
+                Sites::Border(ids) => {
+                    format!("on the border, as far from samples {}", numbers(ids))
+                }
+                Sites::Corner(id) => {
+                    format!("in the corner that sample {} looked at", numbers(&[*id]))
+                }
+                Sites::Dart => "where a dart landed".to_owned(),
+                Sites::Unrecorded => "in a gap".to_owned(),
+            },
+            _ => "in a gap".to_owned(),
+        };
+        format!(
+            "{name} is placed {at}, in iteration {}",
+            grouped(iteration.into())
+        )
+    }
+
+    pub(super) fn dart(&self, point: Point, ranked: bool, verdict: Verdict) -> String {
+        let at = place(point);
+        let by = |by: u32| match by {
+            NONE => String::new(),
+            by => format!(" by {}", self.sample(by)),
+        };
+        match (ranked, verdict) {
+            (false, Verdict::Accepted) => format!("a dart lands at {at} in the open"),
+            (true, Verdict::Accepted) => {
+                format!("the dart at {at} is still uncovered when its turn comes")
+            }
+            (false, Verdict::Covered { by: id }) => {
+                format!(
+                    "a dart lands at {at}, which is covered{}, and is forgotten",
+                    by(id)
+                )
+            }
+            (true, Verdict::Covered { by: id }) => {
+                format!(
+                    "the dart at {at} is covered by now{} and is forgotten",
+                    by(id)
+                )
+            }
+            (_, Verdict::Outside) => {
+                format!("a dart at {at} lands outside the domain and is forgotten")
+            }
+            (_, Verdict::TooFar | Verdict::NotNearest { .. }) => {
+                format!("a dart at {at} is out of reach and is forgotten")
+            }
+        }
+    }
+}
+
+pub(super) fn cut(cell: Point, side: i32, kept: u32) -> String {
+    let at = place(cell);
+    let side = fraction(side);
+    let kept = match kept {
+        0 => "no quarter is left open".to_owned(),
+        1 => "one quarter may be open".to_owned(),
+        more => format!("{more} quarters may be open"),
+    };
+    format!("the active cell at {at}, {side} wide, is cut in four: {kept}")
+}

@@ -1,0 +1,155 @@
+//! Events as rows of a list: numbers of samples and as few words as say what happens.
+//! It reads the recording only.
+
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Moment, Verdict};
+
+use super::{Words, count, fraction, grouped, place, radii, size};
+use crate::event::NONE;
+use crate::recording::Recording;
+
+/// Returns what the event at `index` does as a row of a list: at most some 60 characters, with numbers of samples
+/// and no names.
+#[must_use]
+pub fn short(recording: &Recording, index: usize) -> String {
+    let Some(event) = recording.event(index) else {
+        return "end".to_owned();
+    };
+    let words = Words(recording);
+    match event.moment() {
+        Some(moment) => words.short(moment),
+        None => format!(
+            "{} left out",
+            count(event.left_out().unwrap_or(0).into(), "test")
+        ),
+    }
+}
+
+fn number(id: u32) -> String {
+    match id {
+        NONE => "a sample".to_owned(),
+        id => grouped(id.into()),
+    }
+}
+
+impl Words<'_> {
+    fn short(&self, moment: Moment) -> String {
+        match moment {
+            Moment::Begin(stage) => format!("begin: {stage}"),
+            Moment::Split { index, .. } => match self.0.run().blocks.splits.get(index as usize) {
+                Some(split) => format!("cut a node, {}", size(&split.rect)),
+                None => "cut a node".to_owned(),
+            },
+            Moment::Leaf { block } => format!("block {}", number(block)),
+            Moment::Clip { block } => format!("clip for block {}", number(block)),
+            Moment::Iteration { number: k, .. } => format!("iteration {}", number(k)),
+            Moment::IterationEnd {
+                number: k,
+                inserted,
+            } => format!(
+                "end of iteration {}: {} inserted",
+                number(k),
+                number(inserted)
+            ),
+            Moment::Rank { candidates } => {
+                format!("order {}", count(candidates.into(), "candidate"))
+            }
+            Moment::Finish { count: n } => format!("result: {}", count(n.into(), "sample")),
+            Moment::Candidate { sites, verdict, .. } => short_candidate(sites, verdict),
+            Moment::Dart { point, verdict, .. } => {
+                format!("dart at {}: {}", place(point), outcome(verdict))
+            }
+            Moment::Cut { side, kept, .. } => {
+                format!(
+                    "cut a cell of {}: {}",
+                    fraction(side),
+                    count(kept.into(), "quarter")
+                )
+            }
+            Moment::Pass { by, .. } => format!("pass over a candidate: {} covers it", number(by)),
+            _ => self.short_of_sample(moment),
+        }
+    }
+
+    fn short_of_sample(&self, moment: Moment) -> String {
+        match moment {
+            Moment::Tiled { sample, inside, .. } => {
+                format!(
+                    "{} {}",
+                    if inside { "tile" } else { "drop" },
+                    number(sample)
+                )
+            }
+            Moment::Take { sample, valid } => {
+                let lost = if valid { "" } else { ": eliminated before" };
+                format!("take {}{lost}", number(sample))
+            }
+            Moment::Keep { sample, .. } => format!("keep {}", number(sample)),
+            Moment::Test {
+                pivot,
+                other,
+                covers,
+            } => {
+                let verb = if covers { "covers" } else { "does not cover" };
+                let apart = self.apart(pivot, other);
+                format!("{} {verb} {}, {apart}", number(pivot), number(other))
+            }
+            Moment::Eliminate { sample, by } => {
+                let apart = self.apart(by, sample);
+                format!("{} eliminates {}, {apart}", number(by), number(sample))
+            }
+            Moment::Mark { sample, .. } => format!("mark {} as a detector", number(sample)),
+            Moment::Detect { sample } => format!("detector {}", number(sample)),
+            Moment::Search {
+                centre,
+                radius,
+                found,
+            } => {
+                let reach = radii(f64::from(radius));
+                format!(
+                    "{} within {reach} of {}",
+                    count(found.into(), "sample"),
+                    number(centre)
+                )
+            }
+            Moment::NoGap { sample } => format!("no gap around {}", number(sample)),
+            Moment::Call { pivot, .. } => format!("fill gaps around {}", number(pivot)),
+            Moment::Pairs { pivot, others } => {
+                format!(
+                    "pairs of {} with {}",
+                    count(others.into(), "sample"),
+                    number(pivot)
+                )
+            }
+            Moment::Insert { sample, .. } => format!("insert {}", number(sample)),
+            _ => String::new(),
+        }
+    }
+}
+
+fn short_candidate(sites: Sites, verdict: Verdict) -> String {
+    let ids = |ids: &[u32]| {
+        ids.iter()
+            .map(|&id| number(id))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let what = match &sites {
+        Sites::Three(three) => format!("centre {}", ids(three)),
+        Sites::Border(two) => format!("border {}", ids(two)),
+        Sites::Corner(one) => format!("corner {}", ids(&[*one])),
+        Sites::Dart | Sites::Unrecorded => "place".to_owned(),
+    };
+    format!("{what}: {}", outcome(verdict))
+}
+
+fn outcome(verdict: Verdict) -> String {
+    match verdict {
+        Verdict::Accepted => "open".to_owned(),
+        Verdict::TooFar => "too far".to_owned(),
+        Verdict::Outside => "outside".to_owned(),
+        Verdict::Covered { by: NONE } => "covered".to_owned(),
+        Verdict::Covered { by } => format!("covered by {}", number(by)),
+        Verdict::NotNearest { nearer } => format!("nearer to {}", number(nearer)),
+    }
+}
