@@ -170,6 +170,17 @@ impl Stepper {
             }
         }
         self.restarts += 1;
+        self.begin().await
+    }
+
+    /// Goes back to before the first pass, with the halo and the room that proved large enough so far: the device
+    /// only goes forwards.
+    pub async fn rewind(&mut self) -> Result<(), GpuError> {
+        self.reached = None;
+        self.begin().await
+    }
+
+    async fn begin(&mut self) -> Result<(), GpuError> {
         let (halo, room) = (self.halo, self.room);
         self.work = begin(
             &self.gpu,

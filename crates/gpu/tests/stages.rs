@@ -205,19 +205,51 @@ fn a_word_set_on_the_device_is_found_by_the_twin() {
     twin.advance(Stage::Tile, &mut Unobserved).unwrap();
     let equal = pollster::block_on(stepper.run()).unwrap();
     assert_eq!(twin.compare(Stage::Tile, &equal), None);
-    // The first and the last samples lie in the halo, which is not compared.
     let starts = pollster::block_on(stepper.table(Name::Starts, u64::MAX)).unwrap();
     let tiled = starts.rows.iter().map(|row| row[0]).max().unwrap();
-    let place = tiled as usize / 2;
-    let places = pollster::block_on(stepper.table(Name::Places, place as u64 + 1)).unwrap();
-    let [x, y, fate] = places.rows[place][..] else {
-        panic!("{:?}", places.columns);
+    let places = pollster::block_on(stepper.table(Name::Places, tiled as u64)).unwrap();
+    // Most places of the frame lie in the halo, which is not compared: one of these lies in the window.
+    let found: Vec<_> = (0..places.rows.len())
+        .step_by(places.rows.len() / 64)
+        .filter_map(|place| {
+            let [x, y, fate] = places.rows[place][..] else {
+                panic!("{:?}", places.columns);
+            };
+            let word = |x: i64| x as u32 | (y as u32) << CELL_BITS | (fate as u32) << 30;
+            stepper.set_word(Name::Places, place as u64, word(x ^ 1));
+            let corrupted = pollster::block_on(stepper.run()).unwrap();
+            stepper.set_word(Name::Places, place as u64, word(x));
+            twin.compare(Stage::Tile, &corrupted)
+        })
+        .collect();
+    assert!(!found.is_empty());
+    assert!(found.iter().all(|difference| difference.list == "points"));
+    let mended = pollster::block_on(stepper.run()).unwrap();
+    assert_eq!(twin.compare(Stage::Tile, &mended), None);
+}
+
+#[test]
+fn a_run_that_is_rewound_runs_the_same_passes_to_the_same_result() {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
     };
-    let word = (x ^ 1) as u32 | (y as u32) << CELL_BITS | (fate as u32) << 30;
-    stepper.set_word(Name::Places, place as u64, word);
-    let corrupted = pollster::block_on(stepper.run()).unwrap();
-    let found = twin.compare(Stage::Tile, &corrupted).unwrap();
-    assert_eq!(found.list, "points");
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
+    let mut stepper = pollster::block_on(stepper).unwrap();
+    pollster::block_on(stepper.finish()).unwrap();
+    let before = pollster::block_on(stepper.run()).unwrap();
+    pollster::block_on(stepper.rewind()).unwrap();
+    assert!(stepper.reports().is_empty() && stepper.ended_stage().is_none());
+    assert_eq!(
+        pollster::block_on(stepper.step()).unwrap(),
+        Some(Stage::Blocks)
+    );
+    let blocks = pollster::block_on(stepper.run()).unwrap();
+    assert!(difference(&blocks, &before).is_some());
+    pollster::block_on(stepper.finish()).unwrap();
+    let after = pollster::block_on(stepper.run()).unwrap();
+    assert_eq!(difference(&after, &before), None);
 }
 
 proptest! {
