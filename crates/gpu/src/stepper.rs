@@ -114,10 +114,13 @@ impl Stepper {
     /// Runs one pass and reports it, or returns `None` when the run is finished.
     pub async fn step_pass(&mut self) -> Result<Option<PassReport>, GpuError> {
         while !self.work.is_done() {
+            let before = (self.reports().len(), self.restarts);
             let outcome = self.work.run_pass().await?;
             self.begin_anew(outcome.as_ref()).await?;
-            // A run that began anew has no report yet.
-            if let Some(report) = self.reports().last() {
+            // A step may be without passes, and a run that began anew has no report yet.
+            if let Some(report) = self.reports().last()
+                && (self.reports().len(), self.restarts) != before
+            {
                 return Ok(Some(report.clone()));
             }
         }

@@ -108,12 +108,20 @@ fn every_pass_tells_what_it_did() {
     let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
     let mut stepper = pollster::block_on(stepper).unwrap();
     let mut names = Vec::new();
+    let mut ended = Vec::new();
     while let Some(report) = pollster::block_on(stepper.step_pass()).unwrap() {
         let groups = report.workgroups.expect("a pass that was waited for");
         let all: u64 = groups.iter().map(|&n| u64::from(n)).product();
         assert_eq!(report.invocations, Some(64 * all), "{report:?}");
         assert!(!report.bindings.is_empty());
         names.push(report.name);
+        ended.push(stepper.ended_stage());
+        assert_eq!(names.len(), stepper.reports().len(), "{report:?}");
+    }
+    for (pass, (report, next)) in stepper.reports().iter().zip(ended.iter()).enumerate() {
+        let following = stepper.reports().get(pass + 1);
+        let ends = following.is_none_or(|following| following.stage != report.stage);
+        assert_eq!(next.is_some(), ends, "pass {pass}: {report:?}");
     }
     for name in [
         "blocks",

@@ -40,7 +40,14 @@ pub(super) fn show(ui: &mut Ui, table: &BufferTable, shown: &Shown, palette: &Pa
             );
         }
     });
-    header(ui, head, table, &columns, output.state.offset().x, palette);
+    header(
+        ui,
+        head,
+        table,
+        &columns,
+        output.state.clamped_offset().x,
+        palette,
+    );
 }
 
 /// Where columns end: numbers are aligned to the right.

@@ -109,7 +109,7 @@ fn pass(
         return;
     };
     if visit.replayed {
-        let text = "The device only steps forwards: the run began anew to get here.";
+        let text = "The device only steps forwards: the run began anew to get here. Lists that many invocations append to may have their rows in another sequence.";
         ui.label(muted(text, palette));
     }
     ui.add_space(4.0);
