@@ -78,12 +78,13 @@ fn main() {
         );
         take("last", vec![PassCommand::Last]);
         let fault = Fault {
-            after: 6,
-            buffer: Name::Places,
-            place: 9000,
+            after: 73,
+            buffer: Name::Result,
+            place: 40,
             word: 77,
         };
         take("fault", vec![PassCommand::Fault(Some(fault))]);
+        take("frame", vec![PassCommand::Buffer(0)]);
         take("undone", vec![PassCommand::Fault(None)]);
     }
 }

@@ -8,7 +8,7 @@ use egui::{
 use super::list::{self, color, mark};
 use super::model::{PassEntry, Visit, access_text};
 use super::table::{BufferTable, Side};
-use super::{Fault, PassCommand, Passes, grid};
+use super::{Badge, Fault, PassCommand, Passes, grid};
 use crate::sentence::{counted, grouped, stage_name};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Icon, icon_button};
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<
 fn strip(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
     ui.add(Label::new(muted(passes.adapter(), palette)).truncate());
     let times = if passes.has_timestamps() {
-        "times: measured by the adapter, each pass on its own"
+        "times measured by the adapter, pass by pass"
     } else {
         NO_TIMES
     };
@@ -76,23 +76,40 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
             }
         });
     }
-    if let Some((activity, fraction)) = passes.activity() {
-        ui.horizontal(|ui| {
+    // Always a line of the same height: nothing moves when the work ends.
+    ui.horizontal(|ui| {
+        ui.set_height(26.0);
+        if let Some((activity, fraction)) = passes.activity() {
             let bar = ProgressBar::new(fraction).desired_width(160.0);
             ui.add(bar.desired_height(8.0).fill(palette.accent));
             ui.label(RichText::new(activity).color(palette.muted));
             if ui.button("Cancel").clicked() {
                 commands.push(PassCommand::Cancel);
             }
-        });
-    } else if let Some(notice) = passes.notice() {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(notice).color(palette.margin));
+        } else if let Some(notice) = passes.notice() {
             if ui.button("List passes again").clicked() {
                 commands.push(PassCommand::Again);
             }
-        });
-    }
+            let text = RichText::new(notice).color(palette.margin);
+            ui.add(Label::new(text).truncate()).on_hover_text(notice);
+        } else {
+            ui.label(RichText::new(summary(passes.entries())).color(palette.muted));
+        }
+    });
+}
+
+/// Returns how the run compares with the CPU in all.
+fn summary(entries: &[PassEntry]) -> String {
+    let count = |wanted: fn(&Badge) -> bool| entries.iter().filter(|e| wanted(&e.badge)).count();
+    let compared = count(|badge| *badge != Badge::Intermediate);
+    let equal = count(|badge| *badge == Badge::Equal);
+    let passes = counted(entries.len(), "pass", "passes");
+    let stages = counted(compared, "stage", "stages");
+    let are = if equal == 1 { "is" } else { "are" };
+    format!(
+        "{passes}, {stages}: {equal} {are} equal to the CPU, {} differ",
+        compared - equal
+    )
 }
 
 /// The selected pass.
@@ -106,12 +123,13 @@ fn pass(
     title(ui, passes, entry, palette, commands);
     numbers(ui, passes, entry, palette);
     let Some(visit) = passes.visit() else {
+        ui.label(muted(
+            "Its buffers are shown when the run is there.",
+            palette,
+        ));
         return;
     };
-    if visit.replayed {
-        let text = "The device only steps forwards: the run began anew to get here. Lists that many invocations append to may have their rows in another sequence.";
-        ui.label(muted(text, palette));
-    }
+    way(ui, visit, palette);
     ui.add_space(4.0);
     buffers(ui, passes, visit, palette, commands);
     if let Some(table) = passes.shown().table(Some(visit)) {
@@ -129,6 +147,17 @@ fn pass(
         export(ui, passes, palette, commands);
         what_if(ui, visit, table, palette, commands);
     }
+}
+
+/// How the run got here.
+fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
+    let text = if visit.replayed {
+        "Reached by a new run from the beginning: the device only steps forwards."
+    } else {
+        "Reached by stepping forwards."
+    };
+    ui.add(Label::new(muted(text, palette)).truncate())
+        .on_hover_text("Lists that many invocations append to may have their rows in another sequence in every run.");
 }
 
 fn title(
