@@ -20,6 +20,7 @@ pub mod moment;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 mod panels;
+pub mod passes;
 pub mod sentence;
 pub mod session;
 pub mod state;

@@ -21,6 +21,7 @@ mod state;
 mod stepper;
 mod sweep;
 mod table;
+pub mod twin;
 mod upload;
 mod work;
 

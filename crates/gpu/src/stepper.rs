@@ -68,6 +68,8 @@ pub struct Stepper {
     tries: usize,
     /// The last stage of which [`Self::step`] told.
     reached: Option<Stage>,
+    /// How often it began anew.
+    restarts: u32,
     work: Work,
 }
 
@@ -104,6 +106,7 @@ impl Stepper {
             room: None,
             tries: 0,
             reached: None,
+            restarts: 0,
             work,
         })
     }
@@ -111,10 +114,13 @@ impl Stepper {
     /// Runs one pass and reports it, or returns `None` when the run is finished.
     pub async fn step_pass(&mut self) -> Result<Option<PassReport>, GpuError> {
         while !self.work.is_done() {
+            let before = (self.reports().len(), self.restarts);
             let outcome = self.work.run_pass().await?;
             self.begin_anew(outcome.as_ref()).await?;
-            // A run that began anew has no report yet.
-            if let Some(report) = self.reports().last() {
+            // A step may be without passes, and a run that began anew has no report yet.
+            if let Some(report) = self.reports().last()
+                && (self.reports().len(), self.restarts) != before
+            {
                 return Ok(Some(report.clone()));
             }
         }
@@ -124,11 +130,12 @@ impl Stepper {
     /// Runs to the end of a stage and returns it, or `None` when the run is finished.
     pub async fn step(&mut self) -> Result<Option<Stage>, GpuError> {
         while self.step_pass().await?.is_some() {
-            let is_at_end = self.work.is_done() || self.work.is_between_stages();
             // A run that began anew passes stages again.
-            if is_at_end && self.reached < Some(self.work.stage()) {
-                self.reached = Some(self.work.stage());
-                return Ok(self.reached);
+            if let ended @ Some(_) = self.ended_stage()
+                && self.reached < ended
+            {
+                self.reached = ended;
+                return Ok(ended);
             }
         }
         Ok(None)
@@ -165,6 +172,18 @@ impl Stepper {
                 self.room = Some(*room);
             }
         }
+        self.restarts += 1;
+        self.begin().await
+    }
+
+    /// Goes back to before the first pass, with the halo and the room that proved large enough so far: the device
+    /// only goes forwards.
+    pub async fn rewind(&mut self) -> Result<(), GpuError> {
+        self.reached = None;
+        self.begin().await
+    }
+
+    async fn begin(&mut self) -> Result<(), GpuError> {
         let (halo, room) = (self.halo, self.room);
         self.work = begin(
             &self.gpu,
@@ -182,6 +201,21 @@ impl Stepper {
     #[must_use]
     pub fn reports(&self) -> &[PassReport] {
         self.work.device.reports.as_deref().unwrap_or_default()
+    }
+
+    /// Returns the stage that the last pass ended, or `None` in the middle of one. Before the first pass there is none.
+    #[must_use]
+    pub fn ended_stage(&self) -> Option<Stage> {
+        let has_begun = !self.reports().is_empty();
+        let is_at_end = self.work.is_done() || self.work.is_between_stages();
+        (has_begun && is_at_end).then(|| self.work.stage())
+    }
+
+    /// Returns how often the run began anew because its halo or its room proved too small. A run of the same parameters
+    /// on the same device begins anew as often.
+    #[must_use]
+    pub const fn restarts(&self) -> u32 {
+        self.restarts
     }
 
     /// Returns the run so far as core's sequential engine has it after the last whole stage: equal to it,

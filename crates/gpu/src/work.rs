@@ -229,7 +229,10 @@ impl Work {
             }
         }
         // What no pass follows belongs to the one before.
-        while matches!(self.queue.front(), Some(Command::SwapActive)) {
+        let is_pass = |command: &Command| matches!(command, Command::Dispatch { .. });
+        while matches!(self.queue.front(), Some(Command::SwapActive))
+            || !self.queue.is_empty() && !self.queue.iter().any(is_pass)
+        {
             if let Some(command) = self.queue.pop_front() {
                 self.device.submit(&[command], self.stage)?;
             }

@@ -7,85 +7,34 @@ mod device;
 use std::sync::Arc;
 
 use proptest::prelude::*;
+use tilescope_core::windows::CELL_BITS;
 use tilescope_core::{
-    Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Run, Search, Sequential, Stage,
+    Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Search, Sequential, Stage,
     Unobserved,
 };
 use tilescope_gpu::Stepper;
+use tilescope_gpu::layout::Name;
+use tilescope_gpu::twin::{Twin, difference};
 
 use device::gpu;
-
-/// Returns what differs between two runs after the same stage, in a word.
-fn difference(gpu: &Run, cpu: &Run) -> Option<String> {
-    let first = |what: &str, place: Option<usize>| Some(format!("{what} at {place:?}"));
-    if gpu.blocks != cpu.blocks {
-        return first("blocks", None);
-    }
-    if gpu.tiles != cpu.tiles {
-        let pairs = gpu.tiles.iter().zip(&cpu.tiles);
-        return first("tiles", pairs.clone().position(|(a, b)| a != b));
-    }
-    let samples = [(&gpu.samples, &cpu.samples)];
-    for (a, b) in samples {
-        if a.points != b.points {
-            return first(
-                "points",
-                a.points.iter().zip(&b.points).position(|(a, b)| a != b),
-            );
-        }
-        if a.origins != b.origins {
-            return first(
-                "origins",
-                a.origins.iter().zip(&b.origins).position(|(a, b)| a != b),
-            );
-        }
-        if a.fates != b.fates {
-            return first(
-                "fates",
-                a.fates.iter().zip(&b.fates).position(|(a, b)| a != b),
-            );
-        }
-    }
-    if gpu.iterations != cpu.iterations {
-        let pairs = gpu.iterations.iter().zip(&cpu.iterations);
-        return first("iterations", pairs.clone().position(|(a, b)| a != b));
-    }
-    (gpu.result != cpu.result).then(|| "result".to_owned())
-}
 
 /// Runs both engines and compares them after every stage from `first` on.
 fn compare(parameters: &Parameters, first: Stage) -> Result<usize, String> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-    let mut sequential = Sequential::new(parameters, Arc::clone(&pattern)).unwrap();
+    let mut twin = Twin::new(parameters, &pattern).unwrap();
     let mut stepper =
         pollster::block_on(Stepper::new(Arc::clone(gpu()), parameters, &pattern, first))
             .map_err(|error| error.to_string())?;
     let mut compared = 0;
-    let mut done = None;
     while let Some(stage) = pollster::block_on(stepper.step()).map_err(|error| error.to_string())? {
-        // An iteration that finds nothing is no stage of the sequential engine.
-        while done < Some(stage)
-            && (stage == Stage::Finish || sequential.next().is_some_and(|next| next <= stage))
-        {
-            match sequential.step(&mut Unobserved).unwrap() {
-                Some(ran) => done = Some(ran),
-                None => break,
-            }
-        }
-        let mut cpu = sequential.run().clone();
-        if stage != Stage::Finish {
-            cpu.result.clear();
-        }
+        twin.advance(stage, &mut Unobserved).unwrap();
         let gpu = pollster::block_on(stepper.run()).map_err(|error| error.to_string())?;
-        if let Some(what) = difference(&gpu, &cpu) {
+        if let Some(what) = twin.compare(stage, &gpu) {
             return Err(format!("after {stage}: {what}; {parameters:?}"));
         }
         compared += 1;
     }
-    assert!(
-        sequential.next().is_none(),
-        "the sequential engine has more to do"
-    );
+    assert!(twin.is_done(), "the sequential engine has more to do");
     Ok(compared)
 }
 
@@ -159,12 +108,20 @@ fn every_pass_tells_what_it_did() {
     let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
     let mut stepper = pollster::block_on(stepper).unwrap();
     let mut names = Vec::new();
+    let mut ended = Vec::new();
     while let Some(report) = pollster::block_on(stepper.step_pass()).unwrap() {
         let groups = report.workgroups.expect("a pass that was waited for");
         let all: u64 = groups.iter().map(|&n| u64::from(n)).product();
         assert_eq!(report.invocations, Some(64 * all), "{report:?}");
         assert!(!report.bindings.is_empty());
         names.push(report.name);
+        ended.push(stepper.ended_stage());
+        assert_eq!(names.len(), stepper.reports().len(), "{report:?}");
+    }
+    for (pass, (report, next)) in stepper.reports().iter().zip(ended.iter()).enumerate() {
+        let following = stepper.reports().get(pass + 1);
+        let ends = following.is_none_or(|following| following.stage != report.stage);
+        assert_eq!(next.is_some(), ends, "pass {pass}: {report:?}");
     }
     for name in [
         "blocks",
@@ -221,10 +178,86 @@ fn a_run_that_differs_in_one_sample_is_caught() {
     assert_eq!(difference(&other, &cpu), None);
     let sample = other.result[other.result.len() / 2] as usize;
     other.samples.points[sample].x ^= 1;
-    assert!(difference(&other, &cpu).unwrap().contains("points"));
+    let found = difference(&other, &cpu).unwrap();
+    assert_eq!((found.list, found.place), ("points", Some(sample)));
+    assert_ne!(found.device, found.cpu);
     let mut other = cpu.clone();
     other.result.swap(3, 4);
-    assert!(difference(&other, &cpu).is_some());
+    let found = difference(&other, &cpu).unwrap();
+    assert_eq!((found.list, found.place), ("result", Some(3)));
+    let mut other = cpu.clone();
+    let last = other.result.pop().unwrap();
+    let found = difference(&other, &cpu).unwrap();
+    assert_eq!(
+        (found.place, found.device.as_str()),
+        (Some(other.result.len()), "")
+    );
+    assert_eq!(found.cpu, last.to_string());
+    assert!(found.to_string().contains("nothing on the device"));
+}
+
+#[test]
+fn a_word_set_on_the_device_is_found_by_the_twin() {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    };
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
+    let mut stepper = pollster::block_on(stepper).unwrap();
+    assert_eq!((stepper.ended_stage(), stepper.restarts()), (None, 0));
+    let mut twin = Twin::new(&parameters, &pattern).unwrap();
+    while stepper.ended_stage() != Some(Stage::Tile) {
+        pollster::block_on(stepper.step_pass()).unwrap().unwrap();
+    }
+    twin.advance(Stage::Tile, &mut Unobserved).unwrap();
+    let equal = pollster::block_on(stepper.run()).unwrap();
+    assert_eq!(twin.compare(Stage::Tile, &equal), None);
+    let starts = pollster::block_on(stepper.table(Name::Starts, u64::MAX)).unwrap();
+    let tiled = starts.rows.iter().map(|row| row[0]).max().unwrap();
+    let places = pollster::block_on(stepper.table(Name::Places, tiled as u64)).unwrap();
+    // Most places of the frame lie in the halo, which is not compared: one of these lies in the window.
+    let found: Vec<_> = (0..places.rows.len())
+        .step_by(places.rows.len() / 64)
+        .filter_map(|place| {
+            let [x, y, fate] = places.rows[place][..] else {
+                panic!("{:?}", places.columns);
+            };
+            let word = |x: i64| x as u32 | (y as u32) << CELL_BITS | (fate as u32) << 30;
+            stepper.set_word(Name::Places, place as u64, word(x ^ 1));
+            let corrupted = pollster::block_on(stepper.run()).unwrap();
+            stepper.set_word(Name::Places, place as u64, word(x));
+            twin.compare(Stage::Tile, &corrupted)
+        })
+        .collect();
+    assert!(!found.is_empty());
+    assert!(found.iter().all(|difference| difference.list == "points"));
+    let mended = pollster::block_on(stepper.run()).unwrap();
+    assert_eq!(twin.compare(Stage::Tile, &mended), None);
+}
+
+#[test]
+fn a_run_that_is_rewound_runs_the_same_passes_to_the_same_result() {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    };
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
+    let mut stepper = pollster::block_on(stepper).unwrap();
+    pollster::block_on(stepper.finish()).unwrap();
+    let before = pollster::block_on(stepper.run()).unwrap();
+    pollster::block_on(stepper.rewind()).unwrap();
+    assert!(stepper.reports().is_empty() && stepper.ended_stage().is_none());
+    assert_eq!(
+        pollster::block_on(stepper.step()).unwrap(),
+        Some(Stage::Blocks)
+    );
+    let blocks = pollster::block_on(stepper.run()).unwrap();
+    assert!(difference(&blocks, &before).is_some());
+    pollster::block_on(stepper.finish()).unwrap();
+    let after = pollster::block_on(stepper.run()).unwrap();
+    assert_eq!(difference(&after, &before), None);
 }
 
 proptest! {

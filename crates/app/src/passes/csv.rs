@@ -1,0 +1,35 @@
+//! A buffer's table as comma-separated values: for every row both sides of the pass. Files are whole or as they were.
+
+use std::fmt::Write as _;
+
+use tilescope_gpu::layout::Name;
+
+use super::table::BufferTable;
+
+/// Returns the rows as CSV: a header, then row number, whether it changed (0 or 1), and each column before and after
+/// the pass. Lines end with a line feed.
+#[must_use]
+pub fn csv(table: &BufferTable, rows: &[u32]) -> String {
+    let mut text = String::from("row,changed");
+    for side in ["before", "after"] {
+        for column in &table.columns {
+            let _ = write!(text, ",{column} {side}");
+        }
+    }
+    text.push('\n');
+    for &row in rows {
+        let row = row as usize;
+        let _ = write!(text, "{row},{}", u8::from(table.is_changed(row)));
+        for value in table.before(row).iter().chain(table.after(row)) {
+            let _ = write!(text, ",{value}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Returns the name of a file for a buffer of a pass; passes count from 1 there, as on the screen.
+#[must_use]
+pub fn file_name(pass: usize, shader: &str, buffer: Name) -> String {
+    format!("pass-{:03}-{shader}-{}.csv", pass + 1, buffer.as_str())
+}

@@ -1,0 +1,294 @@
+//! The work on the device, in the background: all passes once, each compared with the CPU where that can be; then one
+//! pass between two readings of its buffers. It stops between passes when it is asked to.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use tilescope_core::{Parameters, Pattern, Progress, SampleError, Stage};
+use tilescope_gpu::layout::Name;
+use tilescope_gpu::twin::Twin;
+use tilescope_gpu::{Gpu, GpuError, Stepper, Table};
+
+use super::model::{Badge, PassEntry, Visit};
+use super::table::{BufferTable, MOST_NUMBERS};
+use crate::draft::sentence;
+use crate::jobs::Monitor;
+
+/// A word that is set on the device behind a pass: what if it were another?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// The pass, by its place in the run.
+    pub after: usize,
+    /// The buffer.
+    pub buffer: Name,
+    /// The word's place in it.
+    pub place: u64,
+    /// What it becomes.
+    pub word: u32,
+}
+
+/// What is run.
+#[derive(Clone)]
+pub(super) struct Subject {
+    pub gpu: Arc<Gpu>,
+    pub parameters: Parameters,
+    pub fault: Option<Fault>,
+}
+
+/// Why the work ended early.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Stop {
+    Cancelled,
+    Failed(String),
+}
+
+impl From<GpuError> for Stop {
+    fn from(error: GpuError) -> Self {
+        match error {
+            GpuError::Sample(SampleError::Cancelled { .. }) => Self::Cancelled,
+            error => Self::Failed(sentence(&error.to_string())),
+        }
+    }
+}
+
+impl From<SampleError> for Stop {
+    fn from(error: SampleError) -> Self {
+        GpuError::from(error).into()
+    }
+}
+
+/// A run on the device, somewhere between two passes.
+pub(super) struct Walker {
+    stepper: Stepper,
+    fault: Option<Fault>,
+}
+
+/// All passes, as far as they came.
+pub(super) struct Survey {
+    pub passes: Vec<PassEntry>,
+    pub walker: Option<Walker>,
+    pub stop: Option<Stop>,
+}
+
+/// A pass to be visited, and how.
+pub(super) struct Goal {
+    pub pass: usize,
+    pub entry: PassEntry,
+}
+
+/// How a visit ended, with the run for the next one.
+pub(super) struct Arrival {
+    pub walker: Option<Walker>,
+    pub outcome: Result<Visit, Stop>,
+}
+
+impl Walker {
+    async fn begin(subject: &Subject, pattern: &Arc<Pattern>) -> Result<Self, GpuError> {
+        let gpu = Arc::clone(&subject.gpu);
+        let stepper = Stepper::new(gpu, &subject.parameters, pattern, Stage::Blocks).await?;
+        Ok(Self {
+            stepper,
+            fault: subject.fault,
+        })
+    }
+
+    /// Returns how many passes have been run.
+    pub(super) fn passed(&self) -> usize {
+        self.stepper.reports().len()
+    }
+
+    /// Runs a pass, and sets the word behind it if that is its place; false when the run is finished.
+    async fn step(&mut self) -> Result<bool, GpuError> {
+        if self.stepper.step_pass().await?.is_none() {
+            return Ok(false);
+        }
+        if let Some(fault) = self.fault
+            && fault.after + 1 == self.passed()
+        {
+            self.stepper.set_word(fault.buffer, fault.place, fault.word);
+        }
+        Ok(true)
+    }
+
+    /// Returns the rows of a buffer that are read back.
+    async fn table(&self, name: Name) -> Result<Table, GpuError> {
+        let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
+        let rows = MOST_NUMBERS / columns.max(1);
+        self.stepper.table(name, rows.max(1)).await
+    }
+}
+
+/// Runs all passes and compares the device with the CPU after every stage.
+pub(super) async fn survey(subject: Subject, monitor: Arc<Monitor>) -> Survey {
+    let mut survey = Survey {
+        passes: Vec::new(),
+        walker: None,
+        stop: None,
+    };
+    survey.stop = survey.run(&subject, &monitor).await.err();
+    if let Some(walker) = &survey.walker {
+        // Times arrive later than their passes.
+        for (pass, report) in survey.passes.iter_mut().zip(walker.stepper.reports()) {
+            pass.report = report.clone();
+        }
+    }
+    survey
+}
+
+impl Survey {
+    async fn run(&mut self, subject: &Subject, monitor: &Monitor) -> Result<(), Stop> {
+        let parameters = &subject.parameters;
+        let mut observer = |_: Progress| {
+            if monitor.is_cancelled() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        monitor.set_activity("making the pattern");
+        let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
+        let mut twin = Twin::new(parameters, &pattern)?;
+        let walker = self.walker.insert(Walker::begin(subject, &pattern).await?);
+        let mut restarts = 0;
+        loop {
+            continue_unless_cancelled(monitor)?;
+            if !walker.step().await? {
+                return Ok(());
+            }
+            if walker.stepper.restarts() > restarts {
+                // The stages come again, with more room.
+                restarts = walker.stepper.restarts();
+                self.passes.clear();
+                twin = Twin::new(parameters, &pattern)?;
+            }
+            let mut badge = Badge::Intermediate;
+            if let Some(stage) = walker.stepper.ended_stage() {
+                twin.advance(stage, &mut observer)?;
+                let run = walker.stepper.run().await?;
+                badge = twin
+                    .compare(stage, &run)
+                    .map_or(Badge::Equal, Badge::Differs);
+            }
+            let reports = walker.stepper.reports();
+            if let Some(report) = reports.last() {
+                monitor.set_activity(&format!("pass {}, {}", reports.len(), report.stage));
+                monitor.set_fraction(share(report.stage));
+                self.passes.push(PassEntry {
+                    report: report.clone(),
+                    badge,
+                });
+            }
+        }
+    }
+}
+
+/// Returns how far a run is in a stage: how many passes there will be is known only at its end.
+const fn share(stage: Stage) -> f32 {
+    match stage {
+        Stage::Pattern | Stage::Blocks | Stage::Regions => 0.05,
+        Stage::Tile => 0.15,
+        Stage::Eliminate => 0.4,
+        Stage::Iterate(1) => 0.7,
+        Stage::Iterate(_) => 0.85,
+        Stage::Finish => 0.95,
+    }
+}
+
+fn continue_unless_cancelled(monitor: &Monitor) -> Result<(), Stop> {
+    if monitor.is_cancelled() {
+        return Err(Stop::Cancelled);
+    }
+    Ok(())
+}
+
+/// Takes a run to a pass and reads its buffers before and after it. A run that is beyond it begins anew.
+pub(super) async fn visit(
+    subject: Subject,
+    walker: Option<Walker>,
+    goal: Goal,
+    monitor: Arc<Monitor>,
+) -> Arrival {
+    let mut arrival = Arrival {
+        walker,
+        outcome: Err(Stop::Cancelled),
+    };
+    arrival.outcome = arrival.go(&subject, &goal, &monitor).await;
+    if matches!(arrival.outcome, Err(Stop::Failed(_))) {
+        // Nobody knows what lies on the device now.
+        arrival.walker = None;
+    }
+    arrival
+}
+
+impl Arrival {
+    async fn go(
+        &mut self,
+        subject: &Subject,
+        goal: &Goal,
+        monitor: &Monitor,
+    ) -> Result<Visit, Stop> {
+        let replayed = self.walker.as_ref().is_none_or(|w| w.passed() > goal.pass);
+        let walker = if let Some(walker) = &mut self.walker {
+            if replayed {
+                monitor.set_activity("going back to the beginning");
+                walker.stepper.rewind().await?;
+            }
+            walker
+        } else {
+            let observer = &mut |_: Progress| ControlFlow::Continue(());
+            let pattern = Pattern::of_spec(&subject.parameters.pattern, observer)?;
+            self.walker.insert(Walker::begin(subject, &pattern).await?)
+        };
+        while walker.passed() < goal.pass {
+            continue_unless_cancelled(monitor)?;
+            let (next, last) = (walker.passed() + 1, goal.pass + 1);
+            monitor.set_activity(&format!("running pass {next} of {last}"));
+            monitor.set_fraction(next as f32 / (last + 1) as f32);
+            if !walker.step().await? {
+                return Err(another_way(goal));
+            }
+        }
+        between(walker, goal, replayed, monitor).await
+    }
+}
+
+/// Runs the pass that is next between two readings of its buffers.
+async fn between(
+    walker: &mut Walker,
+    goal: &Goal,
+    replayed: bool,
+    monitor: &Monitor,
+) -> Result<Visit, Stop> {
+    monitor.set_activity("reading buffers");
+    let names = goal.entry.buffers();
+    let mut before = Vec::with_capacity(names.len());
+    for &(name, ..) in &names {
+        continue_unless_cancelled(monitor)?;
+        before.push(walker.table(name).await?);
+    }
+    let is_there = walker.step().await? && walker.passed() == goal.pass + 1;
+    let reports = walker.stepper.reports();
+    let same = |name| name == goal.entry.report.name;
+    if !is_there || !reports.last().is_some_and(|report| same(report.name)) {
+        return Err(another_way(goal));
+    }
+    let mut buffers = Vec::with_capacity(names.len());
+    for (&(name, access, bytes), before) in names.iter().zip(&before) {
+        continue_unless_cancelled(monitor)?;
+        let after = walker.table(name).await?;
+        buffers.push(BufferTable::new(name, access, bytes, before, &after));
+    }
+    Ok(Visit {
+        pass: goal.pass,
+        buffers,
+        replayed,
+    })
+}
+
+fn another_way(goal: &Goal) -> Stop {
+    Stop::Failed(format!(
+        "The run took another way than before: its pass {} is no longer {}. List the passes again.",
+        goal.pass + 1,
+        goal.entry.report.name,
+    ))
+}

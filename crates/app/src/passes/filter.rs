@@ -1,0 +1,199 @@
+//! Which rows of a table are shown: conditions on columns, and whether a row changed. It reads text and judges
+//! rows; it holds none.
+
+use thiserror::Error;
+
+/// The pseudo-column of row numbers.
+const ROW: &str = "row";
+
+/// Why a filter cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum FilterError {
+    /// There is nothing between two commas.
+    #[error("a condition is empty; conditions are separated by one comma each")]
+    Empty,
+    /// A condition has no comparison.
+    #[error(
+        "{text:?} is no condition; write column>number, with >, >=, <, <=, = or !=, or changed"
+    )]
+    NoComparison {
+        /// The condition.
+        text: String,
+    },
+    /// No column has the name.
+    #[error("no column is called {name:?}; there are: {}", columns.join(", "))]
+    NoSuchColumn {
+        /// What was written.
+        name: String,
+        /// The names that are there.
+        columns: Vec<String>,
+    },
+    /// The other side is no whole number of 64 bits.
+    #[error("{text:?} is no whole number between {} and {}", i64::MIN, i64::MAX)]
+    NotANumber {
+        /// What was written.
+        text: String,
+    },
+}
+
+/// How a value is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Comparison {
+    Above,
+    AtLeast,
+    Below,
+    AtMost,
+    Equal,
+    Unequal,
+}
+
+/// The longer ones first: they begin like the shorter ones.
+const COMPARISONS: [(&str, Comparison); 7] = [
+    (">=", Comparison::AtLeast),
+    ("<=", Comparison::AtMost),
+    ("!=", Comparison::Unequal),
+    ("==", Comparison::Equal),
+    (">", Comparison::Above),
+    ("<", Comparison::Below),
+    ("=", Comparison::Equal),
+];
+
+impl Comparison {
+    const fn holds(self, value: i64, number: i64) -> bool {
+        match self {
+            Self::Above => value > number,
+            Self::AtLeast => value >= number,
+            Self::Below => value < number,
+            Self::AtMost => value <= number,
+            Self::Equal => value == number,
+            Self::Unequal => value != number,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Condition {
+    Changed,
+    Row(Comparison, i64),
+    Column(usize, Comparison, i64),
+}
+
+/// Conditions that must all hold.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Filter {
+    conditions: Vec<Condition>,
+}
+
+impl Filter {
+    /// Reads a filter for a table with `columns`: conditions such as `x>5`, `iteration 1 != -1`, `row<100` or
+    /// `changed`, separated by commas. An empty text lets every row pass.
+    ///
+    /// Fails with the first condition that cannot be read.
+    pub fn parse(text: &str, columns: &[String]) -> Result<Self, FilterError> {
+        let mut conditions = Vec::new();
+        if !text.trim().is_empty() {
+            for part in text.split(',') {
+                conditions.push(condition(part.trim(), columns)?);
+            }
+        }
+        Ok(Self { conditions })
+    }
+
+    /// Returns whether it lets every row pass.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.conditions.is_empty()
+    }
+
+    /// Returns whether it lets a row pass: its number, its values and whether it changed.
+    #[must_use]
+    pub fn lets_pass(&self, row: usize, values: &[i64], changed: bool) -> bool {
+        self.conditions.iter().all(|condition| match *condition {
+            Condition::Changed => changed,
+            Condition::Row(comparison, number) => comparison.holds(row as i64, number),
+            Condition::Column(column, comparison, number) => {
+                comparison.holds(values[column], number)
+            }
+        })
+    }
+}
+
+fn condition(text: &str, columns: &[String]) -> Result<Condition, FilterError> {
+    if text.is_empty() {
+        return Err(FilterError::Empty);
+    }
+    if text.eq_ignore_ascii_case("changed") {
+        return Ok(Condition::Changed);
+    }
+    let no_comparison = || FilterError::NoComparison {
+        text: text.to_owned(),
+    };
+    let at = text.find(['<', '>', '=', '!']).ok_or_else(no_comparison)?;
+    let (name, rest) = (text[..at].trim(), &text[at..]);
+    let (sign, comparison) = COMPARISONS
+        .into_iter()
+        .find(|(sign, _)| rest.starts_with(sign))
+        .ok_or_else(no_comparison)?;
+    let number = rest[sign.len()..].trim();
+    let number = number.parse().map_err(|_| FilterError::NotANumber {
+        text: number.to_owned(),
+    })?;
+    if let Some(column) = columns.iter().position(|c| c.eq_ignore_ascii_case(name)) {
+        return Ok(Condition::Column(column, comparison, number));
+    }
+    if name.eq_ignore_ascii_case(ROW) {
+        return Ok(Condition::Row(comparison, number));
+    }
+    Err(FilterError::NoSuchColumn {
+        name: name.to_owned(),
+        columns: columns.to_vec(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn columns() -> Vec<String> {
+        ["x", "iteration 1"].map(str::to_owned).to_vec()
+    }
+
+    fn passing(text: &str) -> Vec<usize> {
+        let filter = Filter::parse(text, &columns()).unwrap();
+        let rows = [([3, -1], false), ([5, 2], true), ([9, -1], true)];
+        let pass = |(row, (values, changed)): (usize, &([i64; 2], bool))| {
+            filter.lets_pass(row, values, *changed).then_some(row)
+        };
+        rows.iter().enumerate().filter_map(pass).collect()
+    }
+
+    #[test]
+    fn conditions_choose_rows() {
+        assert_eq!(passing(""), [0, 1, 2]);
+        assert_eq!(passing("x>3"), [1, 2]);
+        assert_eq!(passing("X >= 3"), [0, 1, 2]);
+        assert_eq!(passing("x<5"), [0]);
+        assert_eq!(passing("x<=5, changed"), [1]);
+        assert_eq!(passing("iteration 1 = -1"), [0, 2]);
+        assert_eq!(passing("iteration 1 == 2"), [1]);
+        assert_eq!(passing("iteration 1 != -1"), [1]);
+        assert_eq!(passing("row>0,row<2"), [1]);
+        assert_eq!(passing("changed,x>100"), [0_usize; 0]);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_named() {
+        let error = |text| Filter::parse(text, &columns()).unwrap_err();
+        assert_eq!(error("x>1,,changed"), FilterError::Empty);
+        let unknown = error("z>1").to_string();
+        assert!(unknown.contains("\"z\"") && unknown.contains("iteration 1"));
+        assert!(matches!(error("x"), FilterError::NoComparison { .. }));
+        assert!(matches!(error("x!1"), FilterError::NoComparison { .. }));
+        for text in ["x>", "x>1.5", "x=>1", "x>99999999999999999999"] {
+            assert!(
+                matches!(error(text), FilterError::NotANumber { .. }),
+                "{text}"
+            );
+        }
+    }
+}

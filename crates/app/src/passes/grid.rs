@@ -1,0 +1,221 @@
+//! A buffer's rows on the screen: only those in sight are laid out. Changed rows have a bar and a ground of their own,
+//! changed cells the colour of the accent.
+
+use egui::{
+    Align2, FontId, Pos2, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, vec2,
+};
+
+use super::shown::Shown;
+use super::table::{BufferTable, Side};
+use crate::theme::Palette;
+
+/// The height of a row, in screen points.
+const ROW: f32 = 20.0;
+
+/// The room between two columns.
+const GAP: f32 = 18.0;
+
+/// Shows the rows in all the room there is.
+pub(super) fn show(ui: &mut Ui, table: &BufferTable, shown: &Shown, palette: &Palette) {
+    if table.total == 1 {
+        fields(ui, table, palette);
+        return;
+    }
+    let columns = Columns::of(ui, table, shown);
+    let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let area = ScrollArea::both().auto_shrink([false, false]);
+    let rows = shown.rows();
+    let output = area.show_rows(ui, ROW, rows.len(), |ui, range| {
+        let width = columns.width.max(ui.available_width());
+        for &number in &rows[range] {
+            row(
+                ui,
+                table,
+                number as usize,
+                shown.side(),
+                &columns,
+                width,
+                palette,
+            );
+        }
+    });
+    header(
+        ui,
+        head,
+        table,
+        &columns,
+        output.state.clamped_offset().x,
+        palette,
+    );
+}
+
+/// Where columns end: numbers are aligned to the right.
+struct Columns {
+    ends: Vec<f32>,
+    width: f32,
+}
+
+impl Columns {
+    fn of(ui: &Ui, table: &BufferTable, shown: &Shown) -> Self {
+        let font = TextStyle::Monospace.resolve(ui.style());
+        let zero = ui
+            .painter()
+            .layout_no_wrap("0".to_owned(), font, palette_free());
+        let character = zero.size().x;
+        let numbers = table.rows().to_string().len().max(3);
+        let mut end = 10.0 + numbers as f32 * character;
+        let mut ends = vec![end];
+        for &width in shown.widths() {
+            end += GAP + width as f32 * character;
+            ends.push(end);
+        }
+        Self {
+            ends,
+            width: end + GAP,
+        }
+    }
+}
+
+/// Measuring needs a colour, and none is seen.
+const fn palette_free() -> egui::Color32 {
+    egui::Color32::TRANSPARENT
+}
+
+fn header(
+    ui: &Ui,
+    rect: Rect,
+    table: &BufferTable,
+    columns: &Columns,
+    offset: f32,
+    palette: &Palette,
+) {
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let names = std::iter::once("row").chain(table.columns.iter().map(String::as_str));
+    for (name, end) in names.zip(&columns.ends) {
+        let at = Pos2::new(rect.left() + end - offset, rect.center().y);
+        let font = FontId::monospace(11.5);
+        painter.text(at, Align2::RIGHT_CENTER, name, font, palette.muted);
+    }
+    let line = Stroke::new(1.0, palette.line);
+    painter.hline(rect.x_range(), rect.bottom() - 0.5, line);
+}
+
+fn row(
+    ui: &mut Ui,
+    table: &BufferTable,
+    number: usize,
+    side: Side,
+    columns: &Columns,
+    width: f32,
+    palette: &Palette,
+) {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::hover());
+    let changed = table.is_changed(number);
+    response.widget_info(|| WidgetInfo::labeled(Role::Row, true, label(table, number)));
+    if changed {
+        ground(ui, rect, palette);
+    }
+    let font = TextStyle::Monospace.resolve(ui.style());
+    let painter = ui.painter();
+    let at = |end: f32| Pos2::new(rect.left() + end, rect.center().y);
+    let text = number.to_string();
+    let small = FontId::monospace(11.0);
+    painter.text(
+        at(columns.ends[0]),
+        Align2::RIGHT_CENTER,
+        text,
+        small,
+        palette.muted,
+    );
+    let (before, after) = (table.before(number), table.after(number));
+    for (column, &end) in columns.ends[1..].iter().enumerate() {
+        let is_other = before.get(column) != after.get(column);
+        let color = if is_other {
+            palette.accent
+        } else {
+            palette.text
+        };
+        let text = table.cell(side, number, column);
+        painter.text(at(end), Align2::RIGHT_CENTER, text, font.clone(), color);
+    }
+}
+
+fn ground(ui: &Ui, rect: Rect, palette: &Palette) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, palette.accent.gamma_multiply(0.10));
+    let bar = Rect::from_min_size(rect.min, vec2(3.0, rect.height()));
+    painter.rect_filled(bar, 0.0, palette.accent);
+}
+
+/// Returns what a reader is told of a row.
+fn label(table: &BufferTable, number: usize) -> String {
+    let mut text = format!("Row {number}");
+    if table.is_changed(number) {
+        text.push_str(", changed");
+    }
+    for (column, name) in table.columns.iter().enumerate() {
+        text.push_str(", ");
+        text.push_str(name);
+        text.push(' ');
+        text.push_str(&table.cell(Side::Both, number, column));
+    }
+    text
+}
+
+/// A buffer with one row: its columns below one another, with both sides.
+fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
+    let rect = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
+    ui.allocate_rect(rect, Sense::hover());
+    let ends = [260.0_f32, 390.0].map(|end| end.min(rect.width() - 20.0));
+    let small = FontId::monospace(11.5);
+    let painter = ui.painter();
+    let at = |rect: Rect, end: f32| Pos2::new(rect.left() + end, rect.center().y);
+    let head = |x, align, text| {
+        painter.text(at(rect, x), align, text, small.clone(), palette.muted);
+    };
+    head(10.0, Align2::LEFT_CENTER, "field");
+    head(ends[0], Align2::RIGHT_CENTER, Side::Before.name());
+    head(ends[1], Align2::RIGHT_CENTER, Side::After.name());
+    painter.hline(
+        rect.x_range(),
+        rect.bottom() - 0.5,
+        Stroke::new(1.0, palette.line),
+    );
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let area = ScrollArea::vertical().auto_shrink([false, false]);
+    area.show_rows(ui, ROW, table.columns.len(), |ui, range| {
+        for column in range {
+            let size = vec2(ui.available_width(), ROW);
+            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+            let [before, after] = [Side::Before, Side::After].map(|s| table.cell(s, 0, column));
+            let both = table.cell(Side::Both, 0, column);
+            let name = &table.columns[column];
+            let label = format!("Field {name}: {both}");
+            response.widget_info(|| WidgetInfo::labeled(Role::Row, true, &label));
+            let mut color = palette.text;
+            if before != after {
+                ground(ui, rect, palette);
+                color = palette.accent;
+            }
+            let font = TextStyle::Monospace.resolve(ui.style());
+            let painter = ui.painter();
+            let name_font = FontId::monospace(12.0);
+            painter.text(
+                at(rect, 10.0),
+                Align2::LEFT_CENTER,
+                name,
+                name_font,
+                palette.muted,
+            );
+            painter.text(
+                at(rect, ends[0]),
+                Align2::RIGHT_CENTER,
+                before,
+                font.clone(),
+                palette.text,
+            );
+            painter.text(at(rect, ends[1]), Align2::RIGHT_CENTER, after, font, color);
+        }
+    });
+}

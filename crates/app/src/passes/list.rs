@@ -1,0 +1,205 @@
+//! The list of passes by stage: number, name, time, and a mark for how each compares with the CPU. Arrow keys go
+//! through it while it has the focus.
+
+use egui::{
+    Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Pos2, Rect, Response, Role,
+    ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
+};
+
+use super::model::{Badge, Line, PassEntry, duration_text};
+use super::{PassCommand, Passes};
+use crate::sentence::{counted, stage_name};
+use crate::theme::{Palette, semibold};
+use crate::widgets::verdict_mark;
+
+/// The height of a line, in screen points.
+const LINE: f32 = 23.0;
+
+/// Shows the list in all the room there is.
+pub(super) fn show(
+    ui: &mut Ui,
+    passes: &Passes,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    let focus = frame(ui, passes, palette);
+    if focus.has_focus() {
+        keys(ui, focus.id, commands);
+    }
+    let longest = passes.entries().iter().filter_map(|p| p.report.seconds);
+    let longest = longest.fold(0.0, f64::max);
+    let selected = selected_line(passes);
+    let has_moved = has_moved(ui, focus.id, selected);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let area = ScrollArea::vertical().auto_shrink([false, false]);
+    area.show_rows(ui, LINE, passes.lines().len(), |ui, range| {
+        if let Some(line) = selected.filter(|_| has_moved) {
+            let top = ui.max_rect().top() + (line as f32 - range.start as f32) * LINE;
+            let size = vec2(ui.available_width(), LINE);
+            let place = Rect::from_min_size(Pos2::new(ui.max_rect().left(), top), size);
+            ui.scroll_to_rect(place.expand2(vec2(0.0, LINE)), None);
+        }
+        for line in &passes.lines()[range] {
+            match line {
+                Line::Stage { .. } => stage(ui, line, palette),
+                Line::Pass(place) => {
+                    if row(ui, passes, *place, longest, palette).clicked() {
+                        focus.request_focus();
+                        commands.push(PassCommand::Select(*place));
+                    }
+                }
+            }
+        }
+    });
+}
+
+/// The frame takes the focus for the whole list, so that it is one stop on the way through the panel.
+fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
+    let rect = ui.max_rect();
+    let id = ui.scope_id().with("passes");
+    let response = ui.interact(rect, id, Sense::focusable_noninteractive());
+    let place = passes.selected().map_or(0, |place| place + 1);
+    let label = format!("Passes: {place} of {}, arrow keys", passes.entries().len());
+    response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, &label));
+    if response.has_focus() {
+        let stroke = Stroke::new(1.0, palette.accent);
+        ui.painter()
+            .rect_stroke(rect.shrink(0.5), 6.0, stroke, StrokeKind::Inside);
+    }
+    response
+}
+
+fn keys(ui: &Ui, id: Id, commands: &mut Vec<PassCommand>) {
+    let filter = EventFilter {
+        vertical_arrows: true,
+        horizontal_arrows: true,
+        ..EventFilter::default()
+    };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+    ui.input_mut(|input| {
+        for (key, command) in [
+            (Key::ArrowUp, PassCommand::Previous),
+            (Key::ArrowDown, PassCommand::Next),
+            (Key::ArrowLeft, PassCommand::Previous),
+            (Key::ArrowRight, PassCommand::Next),
+            (Key::Home, PassCommand::First),
+            (Key::End, PassCommand::Last),
+        ] {
+            // Nobody else shall heed them, too.
+            if input.consume_key(egui::Modifiers::NONE, key) {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+fn selected_line(passes: &Passes) -> Option<usize> {
+    let selected = Line::Pass(passes.selected()?);
+    passes.lines().iter().position(|line| *line == selected)
+}
+
+/// Returns whether the selection is another one than in the frame before.
+fn has_moved(ui: &Ui, id: Id, selected: Option<usize>) -> bool {
+    let before = ui.data_mut(|data| {
+        let before: Option<Option<usize>> = data.get_temp(id);
+        data.insert_temp(id, selected);
+        before
+    });
+    before != Some(selected)
+}
+
+fn stage(ui: &mut Ui, line: &Line, palette: &Palette) {
+    let Line::Stage {
+        stage,
+        passes,
+        seconds,
+    } = line
+    else {
+        return;
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
+    let name = stage_name(*stage);
+    let count = counted(*passes, "pass", "passes");
+    let label = format!("{name}: {count}");
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &label));
+    let painter = ui.painter();
+    let font = FontId::new(12.5, semibold());
+    let left = rect.left_center() + vec2(8.0, 2.0);
+    painter.text(left, Align2::LEFT_CENTER, name, font, palette.text);
+    let right = seconds.map_or(count, duration_text);
+    let font = FontId::proportional(11.5);
+    let at = rect.right_center() + vec2(-12.0, 2.0);
+    painter.text(at, Align2::RIGHT_CENTER, right, font, palette.muted);
+}
+
+fn row(ui: &mut Ui, passes: &Passes, place: usize, longest: f64, palette: &Palette) -> Response {
+    let pass = &passes.entries()[place];
+    let current = passes.selected() == Some(place);
+    let size = vec2(ui.available_width() - 6.0, LINE);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
+    let text = pass.badge.text();
+    let label = format!("Pass {}: {}, {text}", place + 1, pass.report.name);
+    response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, current, &label));
+    let painter = ui.painter();
+    if current {
+        painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));
+    } else if response.hovered() {
+        painter.rect_filled(rect, 5.0, palette.text.gamma_multiply(0.06));
+    }
+    time(ui, rect, pass, longest, palette);
+    let left = rect.left_center();
+    let number = FontId::monospace(11.0);
+    let at = left + vec2(34.0, 0.0);
+    let text = (place + 1).to_string();
+    painter.text(at, Align2::RIGHT_CENTER, text, number, palette.muted);
+    mark(ui, left + vec2(48.0, 0.0), &pass.badge, palette);
+    let font = FontId::proportional(13.0);
+    let at = left + vec2(62.0, 0.0);
+    painter.text(
+        at,
+        Align2::LEFT_CENTER,
+        pass.report.name,
+        font,
+        palette.text,
+    );
+    response.on_hover_cursor(CursorIcon::PointingHand)
+}
+
+/// The time of a pass, and a bar as long as its share of the longest.
+fn time(ui: &Ui, rect: Rect, pass: &PassEntry, longest: f64, palette: &Palette) {
+    let Some(seconds) = pass.report.seconds else {
+        return;
+    };
+    let painter = ui.painter();
+    let right = rect.right() - 8.0;
+    if longest > 0.0 {
+        let length = 62.0 * (seconds / longest) as f32;
+        let min = Pos2::new(right - length, rect.bottom() - 4.0);
+        let bar = Rect::from_min_max(min, Pos2::new(right, rect.bottom() - 2.0));
+        painter.rect_filled(bar, 1.0, palette.accent.gamma_multiply(0.8));
+    }
+    let at = Pos2::new(right, rect.center().y - 1.0);
+    let font = FontId::monospace(11.0);
+    let text = duration_text(seconds);
+    painter.text(at, Align2::RIGHT_CENTER, text, font, palette.muted);
+}
+
+/// A check mark, a cross, or a small dot for passes within a stage.
+pub(super) fn mark(ui: &Ui, at: Pos2, badge: &Badge, palette: &Palette) {
+    match badge {
+        Badge::Equal => verdict_mark(ui.painter(), at, true, palette.inserted),
+        Badge::Differs(_) => verdict_mark(ui.painter(), at, false, palette.conflict),
+        Badge::Intermediate => {
+            ui.painter().circle_filled(at, 1.6, palette.muted);
+        }
+    }
+}
+
+/// Returns the colour of a badge's text.
+pub(super) const fn color(badge: &Badge, palette: &Palette) -> Color32 {
+    match badge {
+        Badge::Equal => palette.inserted,
+        Badge::Differs(_) => palette.conflict,
+        Badge::Intermediate => palette.muted,
+    }
+}

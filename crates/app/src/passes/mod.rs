@@ -1,0 +1,454 @@
+//! The passes of a run on a GPU, one by one: their times, their buffers before and after, and whether the CPU has the
+//! same. [`Passes`] is the state, [`PassCommand`]s change it, [`panel`] shows it. Nothing is shown that was not measured.
+
+pub mod csv;
+mod device;
+pub mod filter;
+mod grid;
+mod list;
+pub mod model;
+pub mod panel;
+mod shown;
+pub mod table;
+
+use std::sync::Arc;
+
+use tilescope_core::{Parameters, Stage};
+use tilescope_gpu::Gpu;
+
+use crate::draft::sentence;
+use crate::jobs::{Job, Wake};
+use crate::sentence::grouped;
+
+pub use device::Fault;
+pub use model::{Badge, Line, PassEntry, Visit};
+pub use shown::Shown;
+pub use table::Side;
+
+use device::{Arrival, Goal, Stop, Subject, Survey, Walker};
+
+/// What the panel asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PassCommand {
+    /// Go to a pass, by its place in the run.
+    Select(usize),
+    /// To the pass before.
+    Previous,
+    /// To the next pass.
+    Next,
+    /// To the first pass.
+    First,
+    /// To the last pass.
+    Last,
+    /// Show a buffer of the pass, by its place.
+    Buffer(usize),
+    /// Show one side of the pass.
+    Side(Side),
+    /// Show the rows that a filter lets pass.
+    Filter(String),
+    /// Stop what runs in the background.
+    Cancel,
+    /// Run and list all passes again.
+    Again,
+    /// The file to write to.
+    Path(String),
+    /// Write the rows shown to that file; on the web, offer their bytes.
+    Export,
+    /// Run again, with a word set behind a pass, or as it is.
+    Fault(Option<Fault>),
+}
+
+/// What runs in the background.
+enum Work {
+    Idle,
+    Survey(Job<Survey>),
+    Visit(Job<Arrival>),
+}
+
+/// The passes of one run.
+pub struct Passes {
+    subject: Subject,
+    wake: Wake,
+    entries: Vec<PassEntry>,
+    lines: Vec<Line>,
+    work: Work,
+    walker: Option<Walker>,
+    selected: Option<usize>,
+    /// Whether the selected pass is still to be visited.
+    is_wanted: bool,
+    /// The stage to go to once the passes are known.
+    wanted_stage: Option<Stage>,
+    visit: Option<Visit>,
+    shown: Shown,
+    notice: Option<String>,
+    path: Option<String>,
+    export: Option<Job<Result<String, String>>>,
+    export_told: Option<Result<String, String>>,
+    download: Option<(String, Vec<u8>)>,
+}
+
+impl Passes {
+    /// Begins to run all passes of a run of `parameters` in the background.
+    ///
+    /// Fails with a sentence when the parameters cannot be sampled, and when the run would be too large to be looked at.
+    pub fn new(gpu: &Arc<Gpu>, parameters: &Parameters, wake: &Wake) -> Result<Self, String> {
+        if let Some(refusal) = model::refusal(parameters) {
+            return Err(refusal);
+        }
+        let mut passes = Self {
+            subject: Subject {
+                gpu: Arc::clone(gpu),
+                parameters: *parameters,
+                fault: None,
+            },
+            wake: Arc::clone(wake),
+            entries: Vec::new(),
+            lines: Vec::new(),
+            work: Work::Idle,
+            walker: None,
+            selected: None,
+            is_wanted: false,
+            wanted_stage: None,
+            visit: None,
+            shown: Shown::default(),
+            notice: None,
+            path: None,
+            export: None,
+            export_told: None,
+            download: None,
+        };
+        passes.survey();
+        Ok(passes)
+    }
+
+    /// Carries out a command.
+    pub fn apply(&mut self, command: PassCommand) {
+        let last = self.entries.len().saturating_sub(1);
+        let at = self.selected.unwrap_or(0);
+        match command {
+            PassCommand::Select(pass) => self.select(pass),
+            PassCommand::Previous => self.select(at.saturating_sub(1)),
+            PassCommand::Next => self.select((at + 1).min(last)),
+            PassCommand::First => self.select(0),
+            PassCommand::Last => self.select(last),
+            PassCommand::Buffer(place) => {
+                self.export_told = None;
+                self.shown.show(self.visit.as_ref(), place);
+            }
+            PassCommand::Side(side) => self.shown.set_side(self.visit.as_ref(), side),
+            PassCommand::Filter(text) => self.shown.set_filter(self.visit.as_ref(), text),
+            PassCommand::Cancel => self.cancel(),
+            PassCommand::Again => self.survey(),
+            PassCommand::Path(path) => self.path = Some(path),
+            PassCommand::Export => self.export(),
+            PassCommand::Fault(fault) => {
+                self.subject.fault = fault;
+                self.survey();
+            }
+        }
+    }
+
+    /// Takes what the background has done and starts what is next. To be called every frame; returns whether anything
+    /// changed.
+    pub fn poll(&mut self) -> bool {
+        let written = self.export.as_ref().and_then(Job::poll);
+        let is_written = written.is_some();
+        if let Some(outcome) = written {
+            self.export = None;
+            self.export_told = Some(outcome.unwrap_or_else(|failure| Err(sentence(&failure))));
+        }
+        let has_arrived = match &self.work {
+            Work::Idle => false,
+            Work::Survey(job) => match job.poll() {
+                Some(outcome) => self.surveyed(outcome),
+                None => false,
+            },
+            Work::Visit(job) => match job.poll() {
+                Some(outcome) => self.visited(outcome),
+                None => false,
+            },
+        };
+        self.go_on();
+        is_written || has_arrived
+    }
+
+    /// Waits until nothing runs in the background. For tests and scripts: a window polls.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&mut self) {
+        loop {
+            match std::mem::replace(&mut self.work, Work::Idle) {
+                Work::Survey(job) => self.surveyed(job.wait()),
+                Work::Visit(job) => self.visited(job.wait()),
+                Work::Idle => break,
+            };
+            self.go_on();
+        }
+        if let Some(job) = self.export.take() {
+            self.export_told = Some(job.wait().unwrap_or_else(Err));
+        }
+    }
+
+    /// Goes to the pass that ends a stage; as soon as the passes are known, if they are not. Returns whether there is
+    /// such a pass, or may be.
+    pub fn select_stage(&mut self, stage: Stage) -> bool {
+        if matches!(self.work, Work::Survey(_)) {
+            self.wanted_stage = Some(stage);
+            return true;
+        }
+        let of_stage = |pass: &PassEntry| pass.report.stage == stage;
+        match self.entries.iter().rposition(of_stage) {
+            Some(pass) => {
+                self.select(pass);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Returns the stage of the selected pass, and whether that pass ends it.
+    #[must_use]
+    pub fn position(&self) -> Option<(Stage, bool)> {
+        let pass = self.selected?;
+        let entry = self.entries.get(pass)?;
+        Some((entry.report.stage, entry.badge != Badge::Intermediate))
+    }
+
+    /// Returns all passes of the run, as far as they are known.
+    #[must_use]
+    pub fn entries(&self) -> &[PassEntry] {
+        &self.entries
+    }
+
+    /// Returns the lines of their list.
+    #[must_use]
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+
+    /// Returns the place of the selected pass.
+    #[must_use]
+    pub const fn selected(&self) -> Option<usize> {
+        self.selected
+    }
+
+    /// Returns the selected pass' buffers, once it was visited.
+    #[must_use]
+    pub fn visit(&self) -> Option<&Visit> {
+        let visit = self.visit.as_ref();
+        visit.filter(|visit| Some(visit.pass) == self.selected)
+    }
+
+    /// Returns what is shown of them.
+    #[must_use]
+    pub const fn shown(&self) -> &Shown {
+        &self.shown
+    }
+
+    /// Returns whether the adapter measures times.
+    #[must_use]
+    pub fn has_timestamps(&self) -> bool {
+        self.subject.gpu.report().has_timestamps
+    }
+
+    /// Returns the adapter's name.
+    #[must_use]
+    pub fn adapter(&self) -> &str {
+        &self.subject.gpu.report().name
+    }
+
+    /// Returns the word that is set in this run, if any.
+    #[must_use]
+    pub const fn fault(&self) -> Option<Fault> {
+        self.subject.fault
+    }
+
+    /// Returns what runs in the background and how far it is, from 0 to 1.
+    #[must_use]
+    pub fn activity(&self) -> Option<(String, f32)> {
+        match &self.work {
+            Work::Idle => None,
+            Work::Survey(job) => Some((job.activity(), job.fraction())),
+            Work::Visit(job) => Some((job.activity(), job.fraction())),
+        }
+    }
+
+    /// Returns what there is to say of the work that ended last: why it did not reach its end.
+    #[must_use]
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
+    /// Returns the file that an export would write.
+    #[must_use]
+    pub fn path(&self) -> String {
+        self.path.clone().unwrap_or_else(|| self.file_name())
+    }
+
+    /// Returns what became of the last export: a sentence either way.
+    #[must_use]
+    pub fn export_told(&self) -> Option<&Result<String, String>> {
+        self.export_told.as_ref()
+    }
+
+    /// Returns the file name and the bytes that were exported where there is no file system. They are handed out once.
+    #[must_use]
+    pub const fn take_download(&mut self) -> Option<(String, Vec<u8>)> {
+        self.download.take()
+    }
+
+    /// Returns the rows shown as CSV.
+    #[must_use]
+    pub fn csv(&self) -> Option<String> {
+        let table = self.shown.table(self.visit())?;
+        Some(csv::csv(table, self.shown.rows()))
+    }
+}
+
+impl Passes {
+    fn survey(&mut self) {
+        // A run with another word goes another way.
+        self.walker = None;
+        self.visit = None;
+        self.entries.clear();
+        self.lines.clear();
+        self.notice = None;
+        self.export_told = None;
+        let subject = self.subject.clone();
+        let work = move |monitor| device::survey(subject, monitor);
+        self.work = Work::Survey(Job::start_future(&self.wake, work));
+    }
+
+    fn surveyed(&mut self, outcome: Result<Survey, String>) -> bool {
+        self.work = Work::Idle;
+        match outcome {
+            Ok(survey) => {
+                self.entries = survey.passes;
+                self.walker = survey.walker;
+                let count = grouped(self.entries.len());
+                self.notice = survey.stop.map(|stop| match stop {
+                    Stop::Cancelled => {
+                        format!("Cancelled after {count} passes: the list is not whole.")
+                    }
+                    Stop::Failed(why) => format!("Stopped after {count} passes. {why}"),
+                });
+            }
+            Err(failure) => self.notice = Some(sentence(&failure)),
+        }
+        self.lines = model::lines(&self.entries);
+        let last = self.entries.len().checked_sub(1);
+        self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
+        self.is_wanted = self.selected.is_some();
+        if let Some(stage) = self.wanted_stage.take() {
+            self.select_stage(stage);
+        }
+        true
+    }
+
+    fn select(&mut self, pass: usize) {
+        if pass >= self.entries.len() {
+            return;
+        }
+        self.selected = Some(pass);
+        self.notice = None;
+        self.export_told = None;
+        self.is_wanted = self.visit().is_none();
+        if let Work::Visit(job) = &self.work {
+            job.cancel();
+        }
+        self.go_on();
+    }
+
+    /// Begins to visit the selected pass where that is wanted and nothing else is at work.
+    fn go_on(&mut self) {
+        let Some(pass) = self.selected.filter(|_| self.is_wanted) else {
+            return;
+        };
+        let (Work::Idle, Some(entry)) = (&self.work, self.entries.get(pass)) else {
+            return;
+        };
+        let goal = Goal {
+            pass,
+            entry: entry.clone(),
+        };
+        let (subject, walker) = (self.subject.clone(), self.walker.take());
+        let work = move |monitor| device::visit(subject, walker, goal, monitor);
+        self.work = Work::Visit(Job::start_future(&self.wake, work));
+    }
+
+    fn visited(&mut self, outcome: Result<Arrival, String>) -> bool {
+        self.work = Work::Idle;
+        let outcome = match outcome {
+            Ok(arrival) => {
+                self.walker = arrival.walker;
+                arrival.outcome
+            }
+            Err(failure) => Err(Stop::Failed(sentence(&failure))),
+        };
+        match outcome {
+            Ok(visit) => {
+                if Some(visit.pass) == self.selected {
+                    self.is_wanted = false;
+                }
+                self.shown.enter(&visit);
+                self.visit = Some(visit);
+            }
+            // Another pass was selected, or nobody waits any more.
+            Err(Stop::Cancelled) => {}
+            Err(Stop::Failed(why)) => {
+                self.is_wanted = false;
+                self.notice = Some(why);
+            }
+        }
+        true
+    }
+
+    fn cancel(&mut self) {
+        match &self.work {
+            Work::Idle => {}
+            Work::Survey(job) => job.cancel(),
+            Work::Visit(job) => {
+                job.cancel();
+                self.is_wanted = false;
+                self.notice = Some(
+                    "Cancelled: this pass was not visited. Select it again to go there.".to_owned(),
+                );
+            }
+        }
+    }
+
+    fn file_name(&self) -> String {
+        let named = self.visit().and_then(|visit| {
+            let table = self.shown.table(Some(visit))?;
+            let pass = self.entries.get(visit.pass)?;
+            Some(csv::file_name(visit.pass, pass.report.name, table.name))
+        });
+        named.unwrap_or_else(|| "pass.csv".to_owned())
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn export(&mut self) {
+        let Some(text) = self.csv() else {
+            return;
+        };
+        let path = std::path::PathBuf::from(self.path().trim());
+        let rows = self.shown.rows().len();
+        self.export_told = None;
+        self.export = Some(Job::start(
+            &self.wake,
+            move |_| match tilescope_formats::write_whole(&path, text.as_bytes()) {
+                Ok(()) => Ok(format!(
+                    "{} rows written to {}.",
+                    grouped(rows),
+                    path.display()
+                )),
+                Err(error) => Err(sentence(&error.to_string())),
+            },
+        ));
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn export(&mut self) {
+        let name = self.path();
+        self.download = self.csv().map(|text| (name, text.into_bytes()));
+    }
+}

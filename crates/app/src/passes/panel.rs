@@ -1,0 +1,378 @@
+//! The panel of passes: their list on the left, the selected pass and a buffer of it on the right. It reads
+//! [`Passes`] and pushes commands; it changes nothing itself.
+
+use egui::{
+    Button, DragValue, FontId, Label, Layout, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2,
+};
+
+use super::list::{self, color, mark};
+use super::model::{PassEntry, Visit, access_text};
+use super::table::{BufferTable, Side};
+use super::{Badge, Fault, PassCommand, Passes, grid};
+use crate::sentence::{counted, grouped, stage_name};
+use crate::theme::{Palette, semibold};
+use crate::widgets::{Icon, icon_button};
+
+/// The width of the list, in screen points.
+const LIST: f32 = 270.0;
+
+/// What is said where times are not measured.
+pub const NO_TIMES: &str = "no timestamps on this adapter";
+
+/// Shows the panel in all the room there is.
+pub fn show(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
+    let area = ui.available_rect_before_wrap();
+    let (left, right) = area.split_left_right_at_x(area.left() + LIST.min(0.45 * area.width()));
+    let column = |rect| {
+        UiBuilder::new()
+            .max_rect(rect)
+            .layout(Layout::top_down(egui::Align::Min))
+    };
+    let mut ui_left = ui.new_child(column(left.shrink2(vec2(0.0, 2.0))).id_salt("list"));
+    strip(&mut ui_left, passes, palette, commands);
+    let right = right.with_min_x(right.left() + 16.0);
+    ui.painter()
+        .vline(right.left() - 8.0, area.y_range(), (1.0, palette.line));
+    let mut ui_right = ui.new_child(column(right.shrink2(vec2(0.0, 2.0))).id_salt("pass"));
+    ui_right.set_clip_rect(right.intersect(ui.clip_rect()));
+    work(&mut ui_right, passes, palette, commands);
+    if let Some(entry) = passes.selected().and_then(|k| passes.entries().get(k)) {
+        pass(&mut ui_right, passes, entry, palette, commands);
+    }
+    ui.advance_cursor_after_rect(area);
+}
+
+/// The list with what it is of.
+fn strip(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
+    ui.add(Label::new(muted(passes.adapter(), palette)).truncate());
+    let times = if passes.has_timestamps() {
+        "times measured by the adapter, pass by pass"
+    } else {
+        NO_TIMES
+    };
+    ui.add(Label::new(muted(times, palette)).truncate());
+    ui.add_space(2.0);
+    ui.scope(|ui| list::show(ui, passes, palette, commands));
+}
+
+fn muted(text: &str, palette: &Palette) -> RichText {
+    RichText::new(text).small().color(palette.muted)
+}
+
+/// What runs in the background, and what came of it.
+fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
+    if let Some(fault) = passes.fault() {
+        ui.horizontal(|ui| {
+            let text = format!(
+                "What if: word {} of {} becomes {} after pass {}.",
+                grouped(fault.place as usize),
+                fault.buffer.as_str(),
+                fault.word,
+                fault.after + 1,
+            );
+            ui.label(RichText::new(text).color(palette.margin));
+            if ui.button("Undo").clicked() {
+                commands.push(PassCommand::Fault(None));
+            }
+        });
+    }
+    // Always a line of the same height: nothing moves when the work ends.
+    ui.horizontal(|ui| {
+        ui.set_height(26.0);
+        if let Some((activity, fraction)) = passes.activity() {
+            let bar = ProgressBar::new(fraction).desired_width(160.0);
+            ui.add(bar.desired_height(8.0).fill(palette.accent));
+            ui.label(RichText::new(activity).color(palette.muted));
+            if ui.button("Cancel").clicked() {
+                commands.push(PassCommand::Cancel);
+            }
+        } else if let Some(notice) = passes.notice() {
+            if ui.button("List passes again").clicked() {
+                commands.push(PassCommand::Again);
+            }
+            let text = RichText::new(notice).color(palette.margin);
+            ui.add(Label::new(text).truncate()).on_hover_text(notice);
+        } else {
+            ui.label(RichText::new(summary(passes.entries())).color(palette.muted));
+        }
+    });
+}
+
+/// Returns how the run compares with the CPU in all.
+fn summary(entries: &[PassEntry]) -> String {
+    let count = |wanted: fn(&Badge) -> bool| entries.iter().filter(|e| wanted(&e.badge)).count();
+    let compared = count(|badge| *badge != Badge::Intermediate);
+    let equal = count(|badge| *badge == Badge::Equal);
+    let passes = counted(entries.len(), "pass", "passes");
+    let stages = counted(compared, "stage", "stages");
+    let are = if equal == 1 { "is" } else { "are" };
+    format!(
+        "{passes}, {stages}: {equal} {are} equal to the CPU, {} differ",
+        compared - equal
+    )
+}
+
+/// The selected pass.
+fn pass(
+    ui: &mut Ui,
+    passes: &Passes,
+    entry: &PassEntry,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    title(ui, passes, entry, palette, commands);
+    numbers(ui, passes, entry, palette);
+    let Some(visit) = passes.visit() else {
+        ui.label(muted(
+            "Its buffers are shown when the run is there.",
+            palette,
+        ));
+        return;
+    };
+    way(ui, visit, palette);
+    ui.add_space(4.0);
+    buffers(ui, passes, visit, palette, commands);
+    if let Some(table) = passes.shown().table(Some(visit)) {
+        tools(ui, passes, table, palette, commands);
+        let foot = 62.0;
+        let room = vec2(
+            ui.available_width(),
+            (ui.available_height() - foot).max(60.0),
+        );
+        ui.allocate_ui(room, |ui| {
+            ui.set_min_size(room);
+            grid::show(ui, table, passes.shown(), palette);
+        });
+        ui.add_space(4.0);
+        export(ui, passes, palette, commands);
+        what_if(ui, visit, table, palette, commands);
+    }
+}
+
+/// How the run got here.
+fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
+    let text = if visit.replayed {
+        "Reached by a new run from the beginning: the device only steps forwards."
+    } else {
+        "Reached by stepping forwards."
+    };
+    ui.add(Label::new(muted(text, palette)).truncate())
+        .on_hover_text("Lists that many invocations append to may have their rows in another sequence in every run.");
+}
+
+fn title(
+    ui: &mut Ui,
+    passes: &Passes,
+    entry: &PassEntry,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    let (at, count) = (passes.selected().unwrap_or(0), passes.entries().len());
+    let first = (at == 0).then_some("This is the first pass.");
+    let last = (at + 1 == count).then_some("This is the last pass.");
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        if icon_button(ui, Icon::Back, "Previous pass", first, palette).clicked() {
+            commands.push(PassCommand::Previous);
+        }
+        if icon_button(ui, Icon::Forward, "Next pass", last, palette).clicked() {
+            commands.push(PassCommand::Next);
+        }
+        ui.add_space(6.0);
+        let name = RichText::new(entry.report.name).font(FontId::new(17.0, semibold()));
+        ui.label(name);
+        ui.add_space(8.0);
+        let stage = stage_name(entry.report.stage);
+        let text = format!("pass {} of {count}, stage {stage}", at + 1);
+        ui.label(RichText::new(text).color(palette.muted));
+    });
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(vec2(16.0, 18.0), egui::Sense::hover());
+        mark(ui, rect.center(), &entry.badge, palette);
+        let text = RichText::new(entry.badge.text()).color(color(&entry.badge, palette));
+        let label = ui.add(Label::new(text).truncate());
+        label.on_hover_text(
+            "After the last pass of a stage everything is compared with the CPU's sequential engine: blocks, tiles, samples, origins, fates, iterations, result.",
+        );
+    });
+}
+
+fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
+    let report = &entry.report;
+    let mut parts = Vec::new();
+    if let Some([x, y, z]) = report.workgroups {
+        let from = if report.indirect {
+            " (counted by the device)"
+        } else {
+            ""
+        };
+        parts.push(format!("{x} \u{d7} {y} \u{d7} {z} workgroups{from}"));
+    }
+    if let Some(count) = report.invocations {
+        parts.push(counted(count as usize, "invocation", "invocations"));
+    }
+    parts.push(match report.seconds {
+        Some(seconds) => super::model::duration_text(seconds),
+        None if passes.has_timestamps() => "not timed".to_owned(),
+        None => NO_TIMES.to_owned(),
+    });
+    ui.label(RichText::new(parts.join("   ")).color(palette.muted));
+}
+
+/// The buffers of the pass, to choose one.
+fn buffers(
+    ui: &mut Ui,
+    passes: &Passes,
+    visit: &Visit,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        for (place, table) in visit.buffers.iter().enumerate() {
+            let access = access_text(table.access);
+            let text = RichText::new(table.name.as_str()).monospace();
+            let is_shown = place == passes.shown().buffer();
+            let count = table.changed_count();
+            let mut button = Button::selectable(is_shown, text).right_text(muted(access, palette));
+            if !is_shown {
+                button = button.stroke((1.0, palette.line));
+            }
+            let response = ui.add(button).on_hover_text(format!(
+                "{access}, {} bytes, {}",
+                grouped(table.bytes as usize),
+                changed_text(count),
+            ));
+            let label = format!(
+                "Buffer {}: {access}, {}",
+                table.name.as_str(),
+                changed_text(count)
+            );
+            response.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
+            });
+            if response.clicked() {
+                commands.push(PassCommand::Buffer(place));
+            }
+        }
+    });
+}
+
+fn changed_text(count: usize) -> String {
+    match count {
+        0 => "nothing changed in the rows read".to_owned(),
+        n => format!("{} changed", counted(n, "row", "rows")),
+    }
+}
+
+/// Which side, which rows.
+fn tools(
+    ui: &mut Ui,
+    passes: &Passes,
+    table: &BufferTable,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    let shown = passes.shown();
+    if table.total <= 1 {
+        return;
+    }
+    ui.horizontal(|ui| {
+        for side in Side::ALL {
+            if ui
+                .selectable_label(shown.side() == side, side.name())
+                .clicked()
+            {
+                commands.push(PassCommand::Side(side));
+            }
+        }
+        ui.add_space(10.0);
+        let label = ui.label(RichText::new("Filter").color(palette.muted));
+        let mut text = shown.filter().to_owned();
+        let edit = TextEdit::singleline(&mut text)
+            .font(egui::TextStyle::Monospace)
+            .hint_text("x>5, changed")
+            .desired_width(170.0);
+        if ui.add(edit).labelled_by(label.id).changed() {
+            commands.push(PassCommand::Filter(text));
+        }
+        ui.add_space(6.0);
+        let (text, color) = match shown.error() {
+            Some(error) => (crate::draft::sentence(&error.to_string()), palette.conflict),
+            None => (count_text(table, shown.rows().len()), palette.muted),
+        };
+        let tip = text.clone();
+        let label = Label::new(RichText::new(text).color(color)).truncate();
+        ui.add(label).on_hover_text(tip);
+    });
+}
+
+/// Returns how many rows are shown of how many, and how many of these were read.
+fn count_text(table: &BufferTable, shown: usize) -> String {
+    let total = table.total as usize;
+    let mut text = format!("{} of {} rows", grouped(shown), grouped(total));
+    if table.rows() < total {
+        text.push_str(&format!(
+            "; only the first {} were read",
+            grouped(table.rows())
+        ));
+    }
+    if table.changed_count() > 0 {
+        text.push_str(&format!(", {} changed", grouped(table.changed_count())));
+    }
+    text
+}
+
+fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {
+    ui.horizontal(|ui| {
+        let label = ui.label(RichText::new("File").color(palette.muted));
+        let mut path = passes.path();
+        let edit = TextEdit::singleline(&mut path)
+            .font(egui::TextStyle::Monospace)
+            .desired_width(260.0);
+        if ui.add(edit).labelled_by(label.id).changed() {
+            commands.push(PassCommand::Path(path));
+        }
+        if ui.button("Export rows as CSV").clicked() {
+            commands.push(PassCommand::Export);
+        }
+        let (text, color) = match passes.export_told() {
+            None => return,
+            Some(Ok(told)) => (told, palette.inserted),
+            Some(Err(told)) => (told, palette.conflict),
+        };
+        let label = Label::new(RichText::new(text).color(color)).truncate();
+        ui.add(label).on_hover_text(text);
+    });
+}
+
+/// A word of the buffer to be set behind the pass.
+fn what_if(
+    ui: &mut Ui,
+    visit: &Visit,
+    table: &BufferTable,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    let id = ui.scope_id().with("what if");
+    let (mut place, mut word) = ui.data(|data| data.get_temp(id)).unwrap_or((0_u64, 0_u32));
+    ui.horizontal(|ui| {
+        let muted = |text: &str| RichText::new(text).color(palette.muted);
+        let label = ui.label(muted("What if word"));
+        let last = (table.bytes / 4).saturating_sub(1);
+        ui.add(DragValue::new(&mut place).range(0..=last))
+            .labelled_by(label.id);
+        let label = ui.label(muted("of this buffer became"));
+        ui.add(DragValue::new(&mut word)).labelled_by(label.id);
+        ui.label(muted("after this pass?"));
+        if ui.button("Try").clicked() {
+            commands.push(PassCommand::Fault(Some(Fault {
+                after: visit.pass,
+                buffer: table.name,
+                place,
+                word,
+            })));
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(id, (place, word)));
+}

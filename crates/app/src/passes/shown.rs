@@ -1,0 +1,115 @@
+//! What is shown of a visited pass: which buffer, which side, which rows. It keeps the choice from pass to pass.
+
+use tilescope_gpu::layout::{Access, Name};
+
+use super::filter::{Filter, FilterError};
+use super::model::Visit;
+use super::table::{BufferTable, Side};
+
+/// A choice of buffer, side and rows, and what follows from it.
+#[derive(Clone, Debug, Default)]
+pub struct Shown {
+    buffer: usize,
+    /// What was chosen last, to be found again in other passes.
+    chosen: Option<Name>,
+    side: Side,
+    text: String,
+    error: Option<FilterError>,
+    rows: Vec<u32>,
+    widths: Vec<usize>,
+}
+
+impl Shown {
+    /// Returns the place of the buffer among those of the pass.
+    #[must_use]
+    pub const fn buffer(&self) -> usize {
+        self.buffer
+    }
+
+    /// Returns the buffer's table.
+    #[must_use]
+    pub fn table<'a>(&self, visit: Option<&'a Visit>) -> Option<&'a BufferTable> {
+        visit?.buffers.get(self.buffer)
+    }
+
+    /// Returns the side.
+    #[must_use]
+    pub const fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Returns the filter as it was typed.
+    #[must_use]
+    pub fn filter(&self) -> &str {
+        &self.text
+    }
+
+    /// Returns why the filter cannot be used, if so. All rows are shown then.
+    #[must_use]
+    pub const fn error(&self) -> Option<&FilterError> {
+        self.error.as_ref()
+    }
+
+    /// Returns the rows that the filter lets pass.
+    #[must_use]
+    pub fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+
+    /// Returns the characters that each column takes at most.
+    #[must_use]
+    pub fn widths(&self) -> &[usize] {
+        &self.widths
+    }
+
+    /// Shows the buffer that was chosen last; where the pass has none such, the first that it changed.
+    pub(super) fn enter(&mut self, visit: &Visit) {
+        let chosen = |table: &BufferTable| Some(table.name) == self.chosen;
+        let changed = |table: &BufferTable| {
+            table.changed_count() > 0 && !matches!(table.access, Access::Read | Access::Uniform)
+        };
+        let place = visit.buffers.iter().position(chosen);
+        let place = place.or_else(|| visit.buffers.iter().position(changed));
+        self.buffer = place.unwrap_or(0);
+        self.refresh(Some(visit));
+    }
+
+    /// Shows another buffer.
+    pub(super) fn show(&mut self, visit: Option<&Visit>, place: usize) {
+        if let Some(table) = visit.and_then(|visit| visit.buffers.get(place)) {
+            self.buffer = place;
+            self.chosen = Some(table.name);
+            self.refresh(visit);
+        }
+    }
+
+    pub(super) fn set_side(&mut self, visit: Option<&Visit>, side: Side) {
+        self.side = side;
+        self.refresh(visit);
+    }
+
+    pub(super) fn set_filter(&mut self, visit: Option<&Visit>, text: String) {
+        self.text = text;
+        self.refresh(visit);
+    }
+
+    fn refresh(&mut self, visit: Option<&Visit>) {
+        (self.rows, self.widths, self.error) = (Vec::new(), Vec::new(), None);
+        let Some(table) = self.table(visit) else {
+            return;
+        };
+        let filter = match Filter::parse(&self.text, &table.columns) {
+            Ok(filter) => filter,
+            Err(error) => {
+                self.error = Some(error);
+                Filter::default()
+            }
+        };
+        self.widths = table.widths(self.side);
+        let passes = |&row: &u32| {
+            let row = row as usize;
+            filter.lets_pass(row, table.side(self.side, row), table.is_changed(row))
+        };
+        self.rows = (0..table.rows() as u32).filter(passes).collect();
+    }
+}

@@ -1,0 +1,203 @@
+//! A buffer of a pass as a table, before and after it. It compares and counts; it reads no device.
+
+use tilescope_gpu::Table;
+use tilescope_gpu::layout::{Access, Name};
+
+/// The most numbers that are read back of a buffer each time, rows times columns: 4 MB for one side of a table, at most
+/// about 80 MB for the ten buffers of the largest pass.
+pub const MOST_NUMBERS: u64 = 500_000;
+
+/// Which side of a pass a table shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// What lay there before.
+    Before,
+    /// What lay there afterwards.
+    After,
+    /// Both where they differ.
+    #[default]
+    Both,
+}
+
+impl Side {
+    /// All of them, in the sequence in which they are offered.
+    pub const ALL: [Self; 3] = [Self::Before, Self::After, Self::Both];
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Before => "before",
+            Self::After => "after",
+            Self::Both => "before \u{2192} after",
+        }
+    }
+}
+
+/// A buffer before and after a pass.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BufferTable {
+    /// Which buffer.
+    pub name: Name,
+    /// What the pass does with it.
+    pub access: Access,
+    /// Its length in bytes.
+    pub bytes: u64,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Rows in the buffer, of which the first were read.
+    pub total: u64,
+    /// Row by row.
+    before: Vec<i64>,
+    /// Nothing where all is as before.
+    after: Option<Vec<i64>>,
+    changed: Vec<bool>,
+    changed_count: usize,
+}
+
+impl BufferTable {
+    /// Returns the table of a buffer that was read before and after a pass. Rows that only one side has are left out.
+    #[must_use]
+    pub fn new(name: Name, access: Access, bytes: u64, before: &Table, after: &Table) -> Self {
+        let rows = before.rows.len().min(after.rows.len());
+        let pairs = before.rows.iter().zip(&after.rows);
+        let changed: Vec<bool> = pairs.map(|(a, b)| a != b).collect();
+        let changed_count = changed.iter().filter(|&&changed| changed).count();
+        let flat = |table: &Table| table.rows[..rows].concat();
+        Self {
+            name,
+            access,
+            bytes,
+            columns: after.columns.clone(),
+            total: after.total,
+            before: flat(before),
+            after: (changed_count > 0).then(|| flat(after)),
+            changed,
+            changed_count,
+        }
+    }
+
+    /// Returns how many rows were read.
+    #[must_use]
+    pub const fn rows(&self) -> usize {
+        self.changed.len()
+    }
+
+    /// Returns how many of these the pass changed.
+    #[must_use]
+    pub const fn changed_count(&self) -> usize {
+        self.changed_count
+    }
+
+    /// Returns whether the pass changed a row.
+    #[must_use]
+    pub fn is_changed(&self, row: usize) -> bool {
+        self.changed.get(row).copied().unwrap_or(false)
+    }
+
+    /// Returns a row before the pass; nothing where there is none.
+    #[must_use]
+    pub fn before(&self, row: usize) -> &[i64] {
+        self.cells(&self.before, row)
+    }
+
+    /// Returns a row after the pass; nothing where there is none.
+    #[must_use]
+    pub fn after(&self, row: usize) -> &[i64] {
+        self.cells(self.after.as_ref().unwrap_or(&self.before), row)
+    }
+
+    fn cells<'a>(&self, of: &'a [i64], row: usize) -> &'a [i64] {
+        let width = self.columns.len();
+        of.get(row * width..(row + 1) * width).unwrap_or_default()
+    }
+
+    /// Returns the row that a side is filtered by: both sides are, by what lies there afterwards.
+    #[must_use]
+    pub fn side(&self, side: Side, row: usize) -> &[i64] {
+        match side {
+            Side::Before => self.before(row),
+            Side::After | Side::Both => self.after(row),
+        }
+    }
+
+    /// Returns the text of a cell; nothing where there is none.
+    #[must_use]
+    pub fn cell(&self, side: Side, row: usize, column: usize) -> String {
+        let value = |of: &[i64]| of.get(column).map_or_else(String::new, i64::to_string);
+        let (before, after) = (value(self.before(row)), value(self.after(row)));
+        match side {
+            Side::Before => before,
+            Side::Both if before != after => format!("{before} \u{2192} {after}"),
+            Side::After | Side::Both => after,
+        }
+    }
+
+    /// Returns the characters that each column takes at most, its name included.
+    #[must_use]
+    pub fn widths(&self, side: Side) -> Vec<usize> {
+        let mut widths: Vec<usize> = self.columns.iter().map(|name| name.len()).collect();
+        let digits = |value: i64| {
+            value
+                .checked_abs()
+                .map_or(20, |v| digits_of(v) + usize::from(value < 0))
+        };
+        for row in 0..self.rows() {
+            let both = side == Side::Both && self.is_changed(row);
+            for (column, width) in widths.iter_mut().enumerate() {
+                let (before, after) = (self.before(row)[column], self.after(row)[column]);
+                let needed = match side {
+                    Side::Before => digits(before),
+                    Side::Both if both && before != after => digits(before) + digits(after) + 3,
+                    Side::After | Side::Both => digits(after),
+                };
+                *width = needed.max(*width);
+            }
+        }
+        widths
+    }
+}
+
+const fn digits_of(value: i64) -> usize {
+    match value.checked_ilog10() {
+        Some(log) => log as usize + 1,
+        None => 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(rows: &[[i64; 2]]) -> Table {
+        Table {
+            columns: vec!["x".to_owned(), "pattern index".to_owned()],
+            rows: rows.iter().map(|row| row.to_vec()).collect(),
+            total: 9,
+        }
+    }
+
+    #[test]
+    fn changed_rows_are_those_that_differ() {
+        let (before, after) = (
+            table(&[[1, 2], [3, 4]]),
+            table(&[[1, 2], [3, -1_000_000_000_000]]),
+        );
+        let table = BufferTable::new(Name::Origins, Access::Update, 72, &before, &after);
+        assert_eq!(
+            (table.rows(), table.total, table.changed_count()),
+            (2, 9, 1)
+        );
+        assert!(!table.is_changed(0) && table.is_changed(1) && !table.is_changed(7));
+        assert_eq!(table.cell(Side::Before, 1, 1), "4");
+        assert_eq!(table.cell(Side::After, 1, 1), "-1000000000000");
+        assert_eq!(table.cell(Side::Both, 1, 1), "4 \u{2192} -1000000000000");
+        assert_eq!(table.cell(Side::Both, 1, 0), "3");
+        assert_eq!(table.cell(Side::Both, 7, 0), "");
+        assert_eq!(table.widths(Side::Before), [1, 13]);
+        assert_eq!(table.widths(Side::Both), [1, 18]);
+        let same = BufferTable::new(Name::Origins, Access::Read, 72, &before, &before);
+        assert_eq!(same.changed_count(), 0);
+        assert_eq!(same.after(1), [3, 4]);
+    }
+}

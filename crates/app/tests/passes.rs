@@ -1,0 +1,309 @@
+//! The passes of runs on a device: visited, compared with the CPU, filtered, exported. Needs an adapter; one that
+//! computes on the CPU will do.
+
+use std::sync::{Arc, OnceLock};
+
+use tilescope_app::jobs::Wake;
+use tilescope_app::passes::table::BufferTable;
+use tilescope_app::passes::{Badge, Fault, Line, PassCommand, Passes, Side};
+use tilescope_core::{Boundary, Insertion, Parameters, Stage};
+use tilescope_gpu::layout::Name;
+use tilescope_gpu::{Choice, Gpu};
+
+fn gpu() -> &'static Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| {
+        let choice = Choice {
+            software: true,
+            ..Choice::default()
+        };
+        let opened = pollster::block_on(Gpu::open(&choice));
+        Arc::new(opened.expect("these tests need a GPU adapter; a software one will do"))
+    })
+}
+
+fn small() -> Parameters {
+    Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    }
+}
+
+fn begun(parameters: &Parameters) -> Passes {
+    let wake: Wake = Arc::new(|| {});
+    Passes::new(gpu(), parameters, &wake).expect("a small run")
+}
+
+fn opened(parameters: &Parameters) -> Passes {
+    let mut passes = begun(parameters);
+    passes.settle();
+    passes
+}
+
+fn last_place(passes: &Passes) -> usize {
+    passes.entries().len() - 1
+}
+
+fn go(passes: &mut Passes, command: PassCommand) {
+    passes.apply(command);
+    passes.settle();
+}
+
+#[test]
+fn every_stage_of_two_variants_ends_equal_to_the_cpu() {
+    let periodic = small();
+    let uniform = Parameters {
+        boundary: Boundary::Bounded,
+        insertion: Insertion::Uniform,
+        ..small()
+    };
+    for parameters in [periodic, uniform] {
+        let passes = opened(&parameters);
+        assert_eq!(passes.notice(), None);
+        let entries = passes.entries();
+        let ends = |k: usize| {
+            let next = entries.get(k + 1);
+            next.is_none_or(|next| next.report.stage != entries[k].report.stage)
+        };
+        for (k, entry) in entries.iter().enumerate() {
+            let expected = if ends(k) {
+                Badge::Equal
+            } else {
+                Badge::Intermediate
+            };
+            assert_eq!(entry.badge, expected, "pass {k} of {parameters:?}");
+        }
+        let equal = entries.iter().filter(|e| e.badge == Badge::Equal).count();
+        assert!(equal >= 5, "{equal} stages");
+        let stages = passes.lines().iter();
+        let stages = stages.filter(|line| matches!(line, Line::Stage { .. }));
+        assert_eq!(stages.count(), equal);
+    }
+}
+
+#[test]
+fn times_are_measured_or_absent() {
+    let passes = opened(&small());
+    let timed = passes.entries().iter();
+    let timed = timed.filter(|entry| entry.report.seconds.is_some()).count();
+    if passes.has_timestamps() {
+        assert!(timed > passes.entries().len() / 2);
+    } else {
+        assert_eq!(timed, 0);
+    }
+}
+
+#[test]
+fn going_back_replays_and_shows_the_same_tables() {
+    let mut passes = opened(&small());
+    assert_eq!(passes.selected(), Some(0));
+    assert!(passes.select_stage(Stage::Tile));
+    passes.settle();
+    assert_eq!(passes.position(), Some((Stage::Tile, true)));
+    let tile = passes.visit().expect("a visit").clone();
+    assert!(!tile.buffers.is_empty());
+    assert!(tile.buffers.iter().any(|table| table.changed_count() > 0));
+    go(&mut passes, PassCommand::Next);
+    let next = passes.visit().expect("a visit").clone();
+    assert!(next.pass == tile.pass + 1 && !next.replayed);
+    assert!(next.buffers != tile.buffers);
+    go(&mut passes, PassCommand::Previous);
+    let again = passes.visit().expect("a visit");
+    assert!(again.replayed);
+    for (again, first) in again.buffers.iter().zip(&tile.buffers) {
+        assert_eq!((again.name, again.rows()), (first.name, first.rows()));
+        assert!(contents(again) == contents(first), "{:?}", first.name);
+    }
+    let at = passes.selected();
+    assert!(!passes.select_stage(Stage::Iterate(99)));
+    assert_eq!(passes.selected(), at);
+}
+
+/// Returns both sides of a table. Lists that many invocations append to have their rows in any sequence.
+fn contents(table: &BufferTable) -> [Vec<Vec<i64>>; 2] {
+    let lists = [Name::Heads, Name::List, Name::Unsure, Name::Proposals];
+    [Side::Before, Side::After].map(|side| {
+        let rows = 0..table.rows();
+        let mut rows: Vec<_> = rows.map(|row| table.side(side, row).to_vec()).collect();
+        if lists.contains(&table.name) {
+            rows.sort_unstable();
+        }
+        rows
+    })
+}
+
+#[test]
+fn what_a_pass_wrote_is_there_before_the_next() {
+    let mut passes = opened(&small());
+    let mut after = std::collections::BTreeMap::new();
+    for pass in 0..12 {
+        go(&mut passes, PassCommand::Select(pass));
+        let visit = passes.visit().expect("a visit");
+        for table in &visit.buffers {
+            let rows = |side| -> Vec<Vec<i64>> {
+                let rows = 0..table.rows();
+                rows.map(|row| table.side(side, row).to_vec()).collect()
+            };
+            // Counters and arguments are cleared between passes; the tables of one pass follow another's elsewhere.
+            let clears = [Name::Counters, Name::Arguments, Name::Heads, Name::Sums];
+            if let Some(known) = after.insert(table.name, rows(Side::After))
+                && !clears.contains(&table.name)
+            {
+                assert!(
+                    known == rows(Side::Before),
+                    "{:?} before pass {pass}",
+                    table.name
+                );
+            }
+        }
+    }
+    assert!(after.contains_key(&Name::Places));
+}
+
+#[test]
+fn a_word_set_behind_a_pass_is_found_and_undone() {
+    let mut passes = opened(&small());
+    let last = last_place(&passes);
+    go(&mut passes, PassCommand::Last);
+    let table = passes.visit().and_then(|visit| {
+        let mut tables = visit.buffers.iter();
+        tables.find(|table| table.name == Name::Result)
+    });
+    let x = table.expect("the result").after(0)[0];
+    let fault = Fault {
+        after: last,
+        buffer: Name::Result,
+        place: 0,
+        word: x as u32 ^ 1,
+    };
+    go(&mut passes, PassCommand::Fault(Some(fault)));
+    assert_eq!(passes.fault(), Some(fault));
+    let Badge::Differs(difference) = &passes.entries()[last].badge else {
+        panic!("{:?}", passes.entries()[last].badge);
+    };
+    assert_eq!((difference.list, difference.place), ("result", Some(0)));
+    assert!(
+        passes.entries()[last]
+            .badge
+            .text()
+            .starts_with("differs from CPU: result at 0")
+    );
+    let earlier = &passes.entries()[..last];
+    assert!(
+        earlier
+            .iter()
+            .all(|e| !matches!(e.badge, Badge::Differs(_)))
+    );
+    let visit = passes.visit().expect("a visit");
+    let result = visit.buffers.iter().find(|t| t.name == Name::Result);
+    assert_eq!(result.expect("the result").after(0)[0], x ^ 1);
+    go(&mut passes, PassCommand::Fault(None));
+    assert_eq!(passes.entries()[last].badge, Badge::Equal);
+}
+
+#[test]
+fn a_visit_can_be_cancelled_and_taken_up_again() {
+    let mut passes = opened(&small());
+    passes.apply(PassCommand::Last);
+    assert!(passes.activity().is_some());
+    passes.apply(PassCommand::Cancel);
+    passes.settle();
+    assert!(passes.visit().is_none() && passes.activity().is_none());
+    assert!(passes.notice().expect("a notice").contains("Cancelled"));
+    go(&mut passes, PassCommand::Last);
+    assert_eq!(passes.visit().map(|visit| visit.pass), passes.selected());
+    assert_eq!(passes.notice(), None);
+}
+
+#[test]
+fn the_listing_can_be_cancelled_and_begun_again() {
+    let mut passes = begun(&small());
+    passes.apply(PassCommand::Cancel);
+    passes.settle();
+    let notice = passes.notice().map(str::to_owned);
+    assert!(notice.is_none_or(|notice| notice.contains("not whole")));
+    go(&mut passes, PassCommand::Again);
+    assert_eq!(passes.notice(), None);
+    let last = &passes.entries()[last_place(&passes)];
+    assert_eq!(
+        (last.report.stage, &last.badge),
+        (Stage::Finish, &Badge::Equal)
+    );
+}
+
+#[test]
+fn the_last_of_many_selections_is_visited() {
+    let mut passes = begun(&small());
+    assert!(passes.select_stage(Stage::Eliminate));
+    passes.settle();
+    assert_eq!(passes.position(), Some((Stage::Eliminate, true)));
+    for pass in [3, 9, 1, 7] {
+        passes.apply(PassCommand::Select(pass));
+    }
+    passes.settle();
+    assert_eq!(passes.visit().map(|visit| visit.pass), Some(7));
+    passes.apply(PassCommand::Select(usize::MAX));
+    assert_eq!(passes.selected(), Some(7));
+}
+
+#[test]
+fn rows_are_filtered_and_the_file_holds_what_is_shown() {
+    let mut passes = opened(&small());
+    passes.select_stage(Stage::Tile);
+    passes.settle();
+    let place = passes.visit().and_then(|visit| {
+        let mut tables = visit.buffers.iter();
+        tables.position(|table| table.name == Name::Places)
+    });
+    go(&mut passes, PassCommand::Buffer(place.expect("places")));
+    let all = passes.shown().rows().len();
+    passes.apply(PassCommand::Filter("z>1".to_owned()));
+    let error = passes.shown().error().expect("an error").to_string();
+    assert!(error.contains("\"z\""));
+    assert_eq!(passes.shown().rows().len(), all);
+    passes.apply(PassCommand::Filter("changed, x>100".to_owned()));
+    assert!(passes.shown().error().is_none());
+    let table = &passes.visit().expect("a visit").buffers[place.expect("places")];
+    let rows = passes.shown().rows();
+    assert!(!rows.is_empty() && rows.len() < table.changed_count());
+    let folder = std::env::temp_dir().join(format!("tilescope-passes-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join(passes.path());
+    assert!(passes.path().ends_with("-places.csv"));
+    let expected: Vec<Vec<i64>> = rows
+        .iter()
+        .map(|&row| {
+            let mut cells = vec![i64::from(row), 1];
+            cells.extend(table.before(row as usize));
+            cells.extend(table.after(row as usize));
+            cells
+        })
+        .collect();
+    go(&mut passes, PassCommand::Path(path.display().to_string()));
+    go(&mut passes, PassCommand::Export);
+    assert!(passes.export_told().expect("a sentence").is_ok());
+    let text = std::fs::read_to_string(&path).expect("the file");
+    let mut lines = text.lines();
+    let head = "row,changed,x before,y before,fate before,x after,y after,fate after";
+    assert_eq!(lines.next(), Some(head));
+    let numbers = |line: &str| line.split(',').map(|n| n.parse().unwrap()).collect();
+    let read: Vec<Vec<i64>> = lines.map(numbers).collect();
+    assert_eq!(read, expected);
+    assert_eq!(std::fs::read_dir(&folder).expect("the folder").count(), 1);
+    let nowhere = folder.join("none").join("a.csv").display().to_string();
+    go(&mut passes, PassCommand::Path(nowhere));
+    go(&mut passes, PassCommand::Export);
+    assert!(passes.export_told().expect("a sentence").is_err());
+    std::fs::remove_dir_all(&folder).expect("the folder goes");
+}
+
+#[test]
+fn a_run_that_is_too_large_is_refused_with_the_limit() {
+    let wake: Wake = Arc::new(|| {});
+    let large = Parameters {
+        radius: 0.0005,
+        ..Parameters::default()
+    };
+    let refusal = Passes::new(gpu(), &large, &wake).err().expect("a refusal");
+    assert!(refusal.contains("500,000 samples"), "{refusal}");
+}

@@ -1,0 +1,206 @@
+//! The panel of passes as a user meets it: found by its labels, clicked, typed into. Needs an adapter; one that
+//! computes on the CPU will do.
+
+use std::sync::{Arc, OnceLock};
+
+use egui::Theme;
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::jobs::Wake;
+use tilescope_app::passes::{Badge, PassCommand, Passes, panel};
+use tilescope_app::theme::{Palette, install};
+use tilescope_core::{Parameters, Stage};
+use tilescope_gpu::{Choice, Gpu};
+
+struct Shown {
+    passes: Passes,
+    theme: Theme,
+}
+
+fn gpu() -> &'static Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| {
+        let choice = Choice {
+            software: true,
+            ..Choice::default()
+        };
+        let opened = pollster::block_on(Gpu::open(&choice));
+        Arc::new(opened.expect("these tests need a GPU adapter; a software one will do"))
+    })
+}
+
+fn begun() -> Harness<'static, Shown> {
+    let parameters = Parameters {
+        radius: 0.02,
+        ..Parameters::default()
+    };
+    let wake: Wake = Arc::new(|| {});
+    let shown = Shown {
+        passes: Passes::new(gpu(), &parameters, &wake).expect("a small run"),
+        theme: Theme::Dark,
+    };
+    Harness::builder()
+        .with_size([1060.0, 640.0])
+        .with_max_steps(64)
+        .build_ui_state(
+            |ui, shown: &mut Shown| {
+                install(ui.ctx(), shown.theme);
+                let mut commands = Vec::new();
+                panel::show(ui, &shown.passes, Palette::of(shown.theme), &mut commands);
+                for command in commands {
+                    shown.passes.apply(command);
+                }
+            },
+            shown,
+        )
+}
+
+fn opened() -> Harness<'static, Shown> {
+    let mut harness = begun();
+    settle(&mut harness);
+    harness
+}
+
+fn settle(harness: &mut Harness<'_, Shown>) {
+    harness.state_mut().passes.settle();
+    harness.run();
+}
+
+fn tiled() -> Harness<'static, Shown> {
+    let mut harness = opened();
+    assert!(harness.state_mut().passes.select_stage(Stage::Tile));
+    settle(&mut harness);
+    harness
+}
+
+#[test]
+fn the_list_is_cancelled_while_it_is_made_and_made_again() {
+    let mut harness = begun();
+    harness.step();
+    harness.get_by_label("Cancel").click();
+    harness.step();
+    harness.step();
+    settle(&mut harness);
+    // The run may have been faster than the click.
+    if harness.state().passes.notice().is_some() {
+        harness.get_by_label_contains("the list is not whole");
+        harness.get_by_label("List passes again").click();
+        harness.step();
+        harness.step();
+        settle(&mut harness);
+    }
+    harness.get_by_label_contains("are equal to the CPU, 0 differ");
+}
+
+#[test]
+fn passes_are_chosen_by_click_button_and_arrow_key() {
+    let mut harness = opened();
+    harness
+        .get_by_label("Pass 3: count, not comparable (intermediate)")
+        .click();
+    harness.step();
+    settle(&mut harness);
+    assert_eq!(harness.state().passes.selected(), Some(2));
+    for (key, pass) in [
+        (egui::Key::ArrowDown, 3),
+        (egui::Key::ArrowDown, 4),
+        (egui::Key::ArrowUp, 3),
+        (egui::Key::Home, 0),
+        (egui::Key::End, harness.state().passes.entries().len() - 1),
+    ] {
+        harness.key_press(key);
+        harness.step();
+        settle(&mut harness);
+        assert_eq!(harness.state().passes.selected(), Some(pass), "{key:?}");
+    }
+    let next = harness.get_by_label("Next pass");
+    assert!(next.accesskit_node().is_disabled());
+    harness.get_by_label_contains("stage Finish");
+    harness.get_by_label("Previous pass").click();
+    harness.step();
+    settle(&mut harness);
+    harness.get_by_label_contains("Reached by a new run from the beginning");
+    let count = harness.state().passes.entries().len();
+    assert_eq!(harness.state().passes.selected(), Some(count - 2));
+}
+
+#[test]
+fn the_selected_pass_is_in_sight() {
+    let mut harness = opened();
+    let last = harness.state().passes.entries().len();
+    let name = harness.state().passes.entries()[last - 1].report.name;
+    let label = format!("Pass {last}: {name}, equal to the CPU");
+    assert!(harness.query_by_label(&label).is_none());
+    harness.state_mut().passes.apply(PassCommand::Last);
+    settle(&mut harness);
+    let rect = harness.get_by_label(&label).rect();
+    assert!(rect.top() > 0.0 && rect.bottom() < 640.0);
+}
+
+#[test]
+fn a_buffer_is_chosen_filtered_and_its_error_is_beside_the_box() {
+    let mut harness = tiled();
+    harness.get_by_label_contains("Buffer origins").click();
+    harness.step();
+    settle(&mut harness);
+    harness.get_by_label_contains("Row 0, changed, image 0 \u{2192}");
+    let all = harness.state().passes.shown().rows().len();
+    assert!(
+        harness
+            .query_by_label_contains(&format!("Row {}", all - 1))
+            .is_none()
+    );
+    let filter = harness.get_by_role_and_label(Role::TextInput, "Filter");
+    filter.focus();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::TextInput, "Filter")
+        .type_text("picture>1");
+    harness.run();
+    let error = harness.get_by_label_contains("No column is called \"picture\"");
+    let field = harness.get_by_role_and_label(Role::TextInput, "Filter");
+    let (error, field) = (error.rect(), field.rect());
+    assert!(error.left() > field.right() && (error.center().y - field.center().y).abs() < 8.0);
+    harness
+        .state_mut()
+        .passes
+        .apply(PassCommand::Filter("row<2".to_owned()));
+    harness.run();
+    harness.get_by_label_contains("2 of ");
+    assert!(harness.query_by_label_contains("Row 2,").is_none());
+    harness.get_by_label("before").click();
+    harness.run();
+    assert_eq!(harness.state().passes.shown().rows(), [0, 1]);
+}
+
+#[test]
+fn a_word_is_tried_and_undone() {
+    let mut harness = tiled();
+    harness.get_by_label("Try").click();
+    harness.step();
+    settle(&mut harness);
+    assert!(harness.state().passes.fault().is_some());
+    harness.get_by_label_contains("What if: word 0 of ");
+    harness.get_by_label("Undo").click();
+    harness.step();
+    settle(&mut harness);
+    assert!(harness.state().passes.fault().is_none());
+    let entries = harness.state().passes.entries();
+    assert!(!entries.is_empty());
+    assert!(
+        entries
+            .iter()
+            .all(|e| !matches!(e.badge, Badge::Differs(_)))
+    );
+}
+
+#[test]
+fn both_themes_are_drawn() {
+    let mut harness = tiled();
+    let dark = harness.render().expect("a picture");
+    harness.state_mut().theme = Theme::Light;
+    harness.run();
+    let light = harness.render().expect("a picture");
+    assert_ne!(dark.as_raw(), light.as_raw());
+}
