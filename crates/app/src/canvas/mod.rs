@@ -2,6 +2,7 @@
 //! remembers between frames are pictures that can be made again.
 
 pub mod index;
+pub mod instanced;
 pub mod layers;
 mod now;
 mod overlay;

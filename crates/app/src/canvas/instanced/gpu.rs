@@ -1,0 +1,339 @@
+//! What lives on the GPU: places, looks and the three pipelines, kept where the renderer finds them. It draws the
+//! ranges it is told to and decides nothing.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use eframe::egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
+
+/// Bytes of a place and of a look.
+pub const BYTES_PER_SAMPLE: u64 = 8;
+/// Frame parameters kept at once: more than one frame of the window ever needs.
+const SLOTS: u32 = 512;
+/// Bytes from one slot to the next: the largest alignment that a device may ask for.
+const SLOT_BYTES: u32 = 256;
+
+/// The parameters of one layer, as the shader reads them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Frame {
+    /// Filled in when the target is known.
+    pub target_size: [f32; 2],
+    pub middle: [f32; 2],
+    pub whole: [i32; 2],
+    pub rest: [f32; 2],
+    pub scale: [f32; 4],
+    pub radii: [f32; 4],
+    pub outline: [f32; 4],
+    pub disk: [f32; 2],
+    pub kinds: u32,
+    pub unused: u32,
+}
+
+/// What is drawn of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Disk,
+    Symbol,
+    Point,
+}
+
+/// What the renderer needs to draw, by canvas.
+#[derive(Default)]
+struct Residents(HashMap<u64, Resident>);
+
+struct Resident {
+    pipelines: [wgpu::RenderPipeline; 3],
+    frames: wgpu::Buffer,
+    parameters: wgpu::BindGroup,
+    places: wgpu::Buffer,
+    looks: wgpu::Buffer,
+}
+
+/// The part of a canvas that is on the GPU.
+pub struct Gpu {
+    render: RenderState,
+    key: u64,
+    places: wgpu::Buffer,
+    looks: wgpu::Buffer,
+}
+
+impl Gpu {
+    pub fn new(render: &RenderState) -> Self {
+        static NEXT_KEY: AtomicU64 = AtomicU64::new(0);
+        let device = &render.device;
+        let frames = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("samples: frames"),
+            size: u64::from(SLOTS * SLOT_BYTES),
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let layout = bind_group_layout(device);
+        let resident = Resident {
+            pipelines: pipelines(render, &layout),
+            parameters: bind_group(device, &layout, &frames),
+            frames,
+            places: sample_buffer(device, "samples: places", 0),
+            looks: sample_buffer(device, "samples: looks", 0),
+        };
+        let gpu = Self {
+            render: render.clone(),
+            key: NEXT_KEY.fetch_add(1, Ordering::Relaxed),
+            places: resident.places.clone(),
+            looks: resident.looks.clone(),
+        };
+        let mut renderer = render.renderer.write();
+        let residents = renderer.callback_resources.entry::<Residents>();
+        let residents = residents.or_insert_with(Residents::default);
+        residents.0.insert(gpu.key, resident);
+        gpu
+    }
+
+    /// Returns the most samples that a buffer of this device can hold.
+    pub fn capacity(&self) -> u64 {
+        self.render.device.limits().max_buffer_size / BYTES_PER_SAMPLE
+    }
+
+    /// Puts samples at `places`, with looks yet to be written.
+    pub fn replace(&mut self, places: &[[i32; 2]]) {
+        let device = &self.render.device;
+        self.places = sample_buffer(device, "samples: places", places.len());
+        self.looks = sample_buffer(device, "samples: looks", places.len());
+        let bytes = bytemuck::cast_slice(places);
+        self.render.queue.write_buffer(&self.places, 0, bytes);
+        let mut renderer = self.render.renderer.write();
+        let residents = renderer.callback_resources.get_mut::<Residents>();
+        if let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) {
+            resident.places = self.places.clone();
+            resident.looks = self.looks.clone();
+        }
+    }
+
+    /// Writes looks from the place `first` on.
+    pub fn write_looks(&self, first: usize, looks: &[[u32; 2]]) {
+        let (offset, bytes) = (first as u64 * BYTES_PER_SAMPLE, bytemuck::cast_slice(looks));
+        self.render.queue.write_buffer(&self.looks, offset, bytes);
+    }
+
+    /// Returns the callback that draws `parts`.
+    pub const fn drawing(&self, kind: Kind, parts: Vec<Part>) -> Drawing {
+        Drawing {
+            key: self.key,
+            kind,
+            parts,
+        }
+    }
+}
+
+impl Drop for Gpu {
+    fn drop(&mut self) {
+        let mut renderer = self.render.renderer.write();
+        if let Some(residents) = renderer.callback_resources.get_mut::<Residents>() {
+            residents.0.remove(&self.key);
+        }
+    }
+}
+
+/// What one layer draws in one frame.
+pub struct Drawing {
+    key: u64,
+    kind: Kind,
+    parts: Vec<Part>,
+}
+
+/// Places to draw and the parameters for them.
+pub struct Part {
+    /// How many parts the canvas drew before: tells the parts of a frame apart.
+    pub number: u32,
+    pub frame: Frame,
+    pub ranges: Vec<Range<u32>>,
+}
+
+impl Part {
+    const fn offset(&self) -> u32 {
+        (self.number % SLOTS) * SLOT_BYTES
+    }
+}
+
+impl CallbackTrait for Drawing {
+    fn prepare(
+        &self,
+        _: &wgpu::Device,
+        queue: &wgpu::Queue,
+        screen: &ScreenDescriptor,
+        _: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let residents = resources.get::<Residents>();
+        if let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) {
+            for part in &self.parts {
+                let frame = Frame {
+                    target_size: screen.size_in_pixels.map(|side| side as f32),
+                    ..part.frame
+                };
+                let bytes = bytemuck::bytes_of(&frame);
+                queue.write_buffer(&resident.frames, u64::from(part.offset()), bytes);
+            }
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        let residents = resources.get::<Residents>();
+        let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) else {
+            return;
+        };
+        // Places are pixels of the target; the clip rectangle is set already.
+        let [width, height] = info.screen_size_px.map(|side| side as f32);
+        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+        pass.set_pipeline(&resident.pipelines[self.kind as usize]);
+        pass.set_vertex_buffer(0, resident.places.slice(..));
+        pass.set_vertex_buffer(1, resident.looks.slice(..));
+        // A frame that was laid out before the samples were replaced must not reach beyond them.
+        let count = (resident.places.size() / BYTES_PER_SAMPLE) as u32;
+        for part in &self.parts {
+            pass.set_bind_group(0, &resident.parameters, &[part.offset()]);
+            for range in part.ranges.iter().filter(|range| range.end <= count) {
+                match self.kind {
+                    Kind::Point => pass.draw(range.clone(), 0..1),
+                    Kind::Disk | Kind::Symbol => pass.draw(0..4, range.clone()),
+                }
+            }
+        }
+    }
+}
+
+fn sample_buffer(device: &wgpu::Device, label: &str, count: usize) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: count.max(1) as u64 * BYTES_PER_SAMPLE,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("samples"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: true,
+                min_binding_size: wgpu::BufferSize::new(size_of::<Frame>() as u64),
+            },
+            count: None,
+        }],
+    })
+}
+
+fn bind_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    frames: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("samples"),
+        layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: frames,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of::<Frame>() as u64),
+            }),
+        }],
+    })
+}
+
+/// Returns the pipelines of disks, symbols and points, in the order of [`Kind`].
+fn pipelines(render: &RenderState, layout: &wgpu::BindGroupLayout) -> [wgpu::RenderPipeline; 3] {
+    let device = &render.device;
+    let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("samples"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    let format = render.target_format;
+    let names = if format.is_srgb() {
+        ["disk_linear", "symbol_linear", "point_linear"]
+    } else {
+        ["disk_gamma", "symbol_gamma", "point_gamma"]
+    };
+    [
+        (Kind::Disk, "disk_corner"),
+        (Kind::Symbol, "symbol_corner"),
+        (Kind::Point, "point"),
+    ]
+    .map(|(kind, vertex)| {
+        let entries = [vertex, names[kind as usize]];
+        pipeline(device, &shader, &layout, format, kind, entries)
+    })
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    shader: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    format: wgpu::TextureFormat,
+    kind: Kind,
+    [vertex, fragment]: [&str; 2],
+) -> wgpu::RenderPipeline {
+    // A point is one vertex: as an instance of its own it would cost a hundred times as much on some devices.
+    let (step_mode, topology) = match kind {
+        Kind::Point => (
+            wgpu::VertexStepMode::Vertex,
+            wgpu::PrimitiveTopology::PointList,
+        ),
+        Kind::Disk | Kind::Symbol => (
+            wgpu::VertexStepMode::Instance,
+            wgpu::PrimitiveTopology::TriangleStrip,
+        ),
+    };
+    let buffer = |attributes| {
+        Some(wgpu::VertexBufferLayout {
+            array_stride: BYTES_PER_SAMPLE,
+            step_mode,
+            attributes,
+        })
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(vertex),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[
+                buffer(&wgpu::vertex_attr_array![0 => Sint32x2]),
+                buffer(&wgpu::vertex_attr_array![1 => Unorm8x4, 2 => Uint32]),
+            ],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology,
+            ..wgpu::PrimitiveState::default()
+        },
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

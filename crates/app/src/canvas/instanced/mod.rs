@@ -1,0 +1,331 @@
+//! Samples and disks drawn by instancing: places and looks stay on the GPU between frames, a frame costs a few draw
+//! calls. It never decides how a sample looks, and draws nothing where the window has no `wgpu` device.
+
+mod gpu;
+mod look;
+mod order;
+mod view;
+
+use std::cell::Cell;
+use std::ops::Range;
+
+use eframe::egui_wgpu::{Callback, RenderState, wgpu};
+use egui::{Painter, Rect};
+use tilescope_core::{Domain, Point, R};
+
+use crate::camera::Camera;
+use gpu::{Gpu, Kind, Part};
+pub use look::{Look, Symbol, Symbols};
+use order::{LEVELS, Order};
+use view::{Copy, View};
+pub use view::{Marks, PaintOptions};
+
+/// Disks of fewer pixels of radius are not drawn.
+pub const MIN_DISK_PIXELS: f64 = 1.0;
+/// Up to this many samples in view are drawn as symbols at any scale.
+const UNCROWDED: usize = 90_000;
+/// From this many pixels per r on, more of them are, if the limits allow it.
+const MIN_SYMBOL_SCALE: f64 = 3.0;
+/// Changed places nearer to one another than this are uploaded together.
+const MAX_UPLOAD_GAP: usize = 128;
+/// The least opacity of a point where many lie on one pixel.
+const MIN_POINT_OPACITY: f32 = 0.25;
+
+/// Why samples cannot be drawn by instancing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InstancedError {
+    /// A buffer of the device cannot hold them.
+    #[error("{count} samples are more than the {limit} that the device draws at once")]
+    TooMany {
+        /// The number of samples.
+        count: u64,
+        /// The most samples that the device can hold.
+        limit: u64,
+    },
+}
+
+/// How much is drawn in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// The most samples drawn as symbols, and disks drawn, at rest; more samples become points.
+    pub symbols: usize,
+    /// The most symbols and disks while the camera moves.
+    pub moving_symbols: usize,
+    /// The most points while the camera moves.
+    pub moving_points: usize,
+}
+
+impl Limits {
+    /// For a GPU.
+    pub const GPU: Self = Self {
+        symbols: 1_000_000,
+        moving_symbols: 400_000,
+        moving_points: 4_000_000,
+    };
+    /// For a device that computes on the CPU.
+    pub const SOFTWARE: Self = Self {
+        symbols: 90_000,
+        moving_symbols: 20_000,
+        moving_points: 300_000,
+    };
+}
+
+/// The camera's movement as the last frames showed it.
+#[derive(Clone, Copy, Default)]
+struct Motion {
+    frame: u64,
+    view: Option<View>,
+    moving: bool,
+}
+
+/// The samples of a session on the GPU.
+pub struct InstancedCanvas {
+    gpu: Gpu,
+    limits: Limits,
+    generation: Option<u64>,
+    version: Option<u64>,
+    order: Order,
+    size: [f64; 2],
+    periodic: bool,
+    /// By place in the buffers.
+    looks: Vec<[u32; 2]>,
+    drawn: Cell<u32>,
+    motion: Cell<Motion>,
+}
+
+impl InstancedCanvas {
+    /// Returns a canvas without samples that draws through `render_state`, which must not use multisampling or a
+    /// depth buffer.
+    #[must_use]
+    pub fn new(render_state: &RenderState) -> Self {
+        let software = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        Self {
+            gpu: Gpu::new(render_state),
+            limits: if software {
+                Limits::SOFTWARE
+            } else {
+                Limits::GPU
+            },
+            generation: None,
+            version: None,
+            order: Order::default(),
+            size: [0.0; 2],
+            periodic: false,
+            looks: Vec::new(),
+            drawn: Cell::new(0),
+            motion: Cell::default(),
+        }
+    }
+
+    /// Returns how much is drawn in a frame.
+    #[must_use]
+    pub const fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    /// Sets how much is drawn in a frame.
+    pub const fn set_limits(&mut self, limits: Limits) {
+        self.limits = limits;
+    }
+
+    /// Takes over the samples of a session, whose ids are their places in `points`, all hidden; does nothing if
+    /// `generation` is that of the samples it has.
+    ///
+    /// Fails when they are too many for the device; the canvas is then empty.
+    pub fn set_points(
+        &mut self,
+        generation: u64,
+        points: &[Point],
+        domain: &Domain,
+    ) -> Result<(), InstancedError> {
+        let (count, limit) = (points.len() as u64, self.gpu.capacity());
+        if self.generation == Some(generation) {
+            return Ok(());
+        }
+        (self.generation, self.version) = (None, None);
+        if count > limit.min(u64::from(u32::MAX)) {
+            self.order = Order::default();
+            self.looks = Vec::new();
+            self.gpu.replace(&[]);
+            return Err(InstancedError::TooMany { count, limit });
+        }
+        self.order = Order::new(domain, points);
+        self.size = [domain.width(), domain.height()].map(|side| f64::from(side) / f64::from(R));
+        self.periodic = domain.is_periodic();
+        let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
+        let places: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
+        self.gpu.replace(&places);
+        self.looks = vec![Look::HIDDEN.packed(); points.len()];
+        self.gpu.write_looks(0, &self.looks);
+        self.generation = Some(generation);
+        Ok(())
+    }
+
+    /// Returns the generation of the samples it has.
+    #[must_use]
+    pub const fn generation(&self) -> Option<u64> {
+        self.generation
+    }
+
+    /// Returns the version of the looks it has.
+    #[must_use]
+    pub const fn version(&self) -> Option<u64> {
+        self.version
+    }
+
+    /// Gives every sample the look that `look` returns for its id, unless `version` is that of the looks it has;
+    /// uploads what changed and returns how many samples that are.
+    pub fn set_looks(&mut self, version: u64, look: impl Fn(u32) -> Look) -> usize {
+        if self.version == Some(version) {
+            return 0;
+        }
+        self.version = Some(version);
+        let mut changed = Vec::new();
+        for (place, &id) in self.order.ids.iter().enumerate() {
+            let packed = look(id).packed();
+            if self.looks[place] != packed {
+                self.looks[place] = packed;
+                changed.push(place);
+            }
+        }
+        self.upload(&changed);
+        changed.len()
+    }
+
+    /// Gives the listed samples new looks, which makes the looks those of `version`; uploads what changed and
+    /// returns how many samples that are. Ids of no sample are passed over.
+    pub fn change_looks(&mut self, version: u64, looks: &[(u32, Look)]) -> usize {
+        self.version = Some(version);
+        let mut changed = Vec::new();
+        for (id, look) in looks {
+            let Some(&place) = self.order.places.get(*id as usize) else {
+                continue;
+            };
+            let (place, packed) = (place as usize, look.packed());
+            if self.looks[place] != packed {
+                self.looks[place] = packed;
+                changed.push(place);
+            }
+        }
+        changed.sort_unstable();
+        changed.dedup();
+        self.upload(&changed);
+        changed.len()
+    }
+
+    /// Uploads the looks at `changed` places, in ascending order, with what lies between near ones.
+    fn upload(&self, changed: &[usize]) {
+        if changed.len() > self.looks.len() / 4 {
+            self.gpu.write_looks(0, &self.looks);
+            return;
+        }
+        for run in changed.chunk_by(|a, b| b - a <= MAX_UPLOAD_GAP) {
+            let (first, last) = (run[0], run[run.len() - 1]);
+            self.gpu.write_looks(first, &self.looks[first..=last]);
+        }
+    }
+
+    /// Draws a layer of the view that `camera` has in `rect`, within the painter's clip rectangle; call it once per
+    /// layer, from the ground up. While the camera moves a layer may be thinned out: returns whether it was, and
+    /// another frame is due.
+    pub fn paint(
+        &self,
+        painter: &Painter,
+        rect: Rect,
+        camera: Camera,
+        options: &PaintOptions,
+    ) -> bool {
+        let view = View::of(painter, rect, camera);
+        let moving = self.is_moving(painter.ctx().cumulative_frame_nr(), view);
+        let clip = painter.clip_rect().intersect(rect);
+        let copies = view.copies(clip, self.size, self.periodic, options);
+        if !clip.is_positive() || copies.is_empty() || self.order.ids.is_empty() {
+            return false;
+        }
+        let parts = self.parts(&copies, LEVELS, options.cull);
+        let seen = count(&parts);
+        let Some((kind, limit)) = self.kind(options.marks, view.scale(), seen, moving) else {
+            return false;
+        };
+        let levels = self.levels_within(&copies, limit, options.cull);
+        let parts = if levels < LEVELS {
+            self.parts(&copies, levels, options.cull)
+        } else {
+            parts
+        };
+        let opacity = self.point_opacity(view.scale(), count(&parts) as f32 / seen.max(1) as f32);
+        let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
+            let mut frame = view.frame(copy.shift, options);
+            frame.scale[3] = opacity;
+            let number = self.drawn.replace(self.drawn.get().wrapping_add(1));
+            Part {
+                number,
+                frame,
+                ranges,
+            }
+        });
+        let drawing = self.gpu.drawing(kind, parts.collect());
+        painter.add(Callback::new_paint_callback(rect, drawing));
+        moving && levels < LEVELS
+    }
+
+    /// Returns whether the view differs from the last frame's.
+    fn is_moving(&self, frame: u64, view: View) -> bool {
+        let last = self.motion.get();
+        if last.view.is_some() && last.frame == frame {
+            return last.moving;
+        }
+        let moving = last.view.is_some_and(|before| before != view);
+        self.motion.set(Motion {
+            frame,
+            view: Some(view),
+            moving,
+        });
+        moving
+    }
+
+    /// Returns what is drawn of `seen` samples, and the most of them, if anything.
+    fn kind(&self, marks: Marks, scale: f64, seen: usize, moving: bool) -> Option<(Kind, usize)> {
+        let limit = |limit| if moving { limit } else { usize::MAX };
+        let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
+        match marks {
+            Marks::Disks if scale < MIN_DISK_PIXELS => None,
+            Marks::Disks => Some((Kind::Disk, limit(symbols).min(self.limits.symbols))),
+            Marks::Symbols(_) => {
+                let fine = scale >= MIN_SYMBOL_SCALE && seen <= self.limits.symbols;
+                if fine || seen <= UNCROWDED {
+                    Some((Kind::Symbol, limit(symbols)))
+                } else {
+                    Some((Kind::Point, limit(points)))
+                }
+            }
+        }
+    }
+
+    fn parts(&self, copies: &[Copy], levels: usize, cull: bool) -> Vec<Vec<Range<u32>>> {
+        let ranges = |copy: &Copy| {
+            if cull {
+                self.order.ranges(copy.low, copy.high, levels)
+            } else {
+                self.order.ranges([0.0; 2], self.size, levels)
+            }
+        };
+        copies.iter().map(ranges).collect()
+    }
+
+    fn levels_within(&self, copies: &[Copy], limit: usize, cull: bool) -> usize {
+        let fits = |levels: &usize| count(&self.parts(copies, *levels, cull)) <= limit;
+        (1..=LEVELS).rev().find(fits).unwrap_or(1)
+    }
+
+    /// Returns the opacity of points when `share` of all samples are drawn: less than 1 where several are expected
+    /// on a pixel, so that all of them are seen in the mixture.
+    fn point_opacity(&self, scale: f64, share: f32) -> f32 {
+        let per_pixel = self.order.ids.len() as f64 / (self.size[0] * self.size[1] * scale * scale);
+        (1.0 / (per_pixel as f32 * share)).clamp(MIN_POINT_OPACITY, 1.0)
+    }
+}
+
+fn count(parts: &[Vec<Range<u32>>]) -> usize {
+    parts.iter().map(|ranges| order::count(ranges)).sum()
+}

@@ -1,0 +1,240 @@
+//! The order of samples on the GPU: levels of an ever denser subset, each sorted by grid cell, so that a part of the
+//! plane is a few ranges and a subset is a prefix. It never draws.
+
+use std::ops::Range;
+
+use tilescope_core::{Domain, Point, R};
+
+/// Every 64th sample, up to every 16th, up to every fourth, the rest.
+pub const LEVELS: usize = 4;
+/// Most cells of the grid; a level holds their offsets.
+const MAX_CELLS: f64 = 65_536.0;
+/// The shortest side of a cell, in r.
+const MIN_CELL: f64 = 4.0;
+/// Ranges nearer to one another than this are drawn in one call.
+const MAX_SKIPPED: u32 = 32;
+/// How far outside a domain a sample may lie, in r, with some room: those that a bounded domain dropped.
+const BEYOND: f64 = 1.5;
+
+/// Which sample is where in the buffers, and which places hold the samples of a cell.
+#[derive(Debug, Default)]
+pub struct Order {
+    side: f64,
+    cells: [usize; 2],
+    size: [f64; 2],
+    /// Per level and cell, the first place; one entry more at the end.
+    starts: Vec<u32>,
+    /// The sample at each place.
+    pub ids: Vec<u32>,
+    /// The place of each sample.
+    pub places: Vec<u32>,
+}
+
+impl Order {
+    /// Returns the order of `points`: the same for the same points.
+    pub fn new(domain: &Domain, points: &[Point]) -> Self {
+        let size = [domain.width(), domain.height()].map(|side| f64::from(side) / f64::from(R));
+        let side = (size[0] * size[1] / MAX_CELLS).sqrt().max(MIN_CELL);
+        let mut order = Self {
+            side,
+            cells: size.map(|length| (length / side) as usize + 1),
+            size,
+            ..Self::default()
+        };
+        let by_cell = order.by_cell(points);
+        order.split_into_levels(points, &by_cell);
+        order
+    }
+
+    fn cell_of(&self, point: Point) -> usize {
+        let axis = |units: i32, k: usize| {
+            let cell = f64::from(units) / f64::from(R) / self.side;
+            (cell.max(0.0) as usize).min(self.cells[k] - 1)
+        };
+        axis(point.y, 1) * self.cells[0] + axis(point.x, 0)
+    }
+
+    const fn cell_count(&self) -> usize {
+        self.cells[0] * self.cells[1]
+    }
+
+    /// Returns the ids sorted by cell, in an arbitrary but fixed order within a cell.
+    fn by_cell(&self, points: &[Point]) -> Vec<u32> {
+        let mut starts = vec![0_u32; self.cell_count() + 1];
+        for &point in points {
+            starts[self.cell_of(point) + 1] += 1;
+        }
+        accumulate(&mut starts);
+        let mut next = starts.clone();
+        let mut ids = vec![0_u32; points.len()];
+        for (id, &point) in (0_u32..).zip(points) {
+            let slot = &mut next[self.cell_of(point)];
+            ids[*slot as usize] = id;
+            *slot += 1;
+        }
+        for cell in 0..self.cell_count() {
+            let cell = &mut ids[starts[cell] as usize..starts[cell + 1] as usize];
+            cell.sort_unstable_by_key(|&id| (hash(points[id as usize]), id));
+        }
+        ids
+    }
+
+    /// Deals the samples to levels by counting along the cells, so that each level is spread evenly.
+    fn split_into_levels(&mut self, points: &[Point], by_cell: &[u32]) {
+        let cells = self.cell_count();
+        self.starts = vec![0_u32; LEVELS * cells + 1];
+        let slot = |k: usize, id: u32| level(k) * cells + self.cell_of(points[id as usize]);
+        let slots: Vec<usize> = (0..).zip(by_cell).map(|(k, &id)| slot(k, id)).collect();
+        for slot in &slots {
+            self.starts[slot + 1] += 1;
+        }
+        accumulate(&mut self.starts);
+        let mut next = self.starts.clone();
+        self.ids = vec![0; points.len()];
+        self.places = vec![0; points.len()];
+        for (&slot, &id) in slots.iter().zip(by_cell) {
+            let place = next[slot];
+            next[slot] += 1;
+            self.ids[place as usize] = id;
+            self.places[id as usize] = place;
+        }
+    }
+
+    /// Returns the places of the samples of the first `levels` levels in the cells that meet the rectangle from
+    /// `low` to `high`, in r: all samples of those levels in it, and some around it.
+    pub fn ranges(&self, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<Range<u32>> {
+        let mut ranges: Vec<Range<u32>> = Vec::new();
+        let (Some(columns), Some(rows)) = (self.span(low, high, 0), self.span(low, high, 1)) else {
+            return ranges;
+        };
+        for level in 0..levels.min(LEVELS) {
+            for row in rows.clone() {
+                let first = level * self.cell_count() + row * self.cells[0];
+                let range = self.starts[first + columns.start]..self.starts[first + columns.end];
+                match ranges.last_mut() {
+                    _ if range.is_empty() => {}
+                    Some(last) if range.start - last.end <= MAX_SKIPPED => last.end = range.end,
+                    _ => ranges.push(range),
+                }
+            }
+        }
+        ranges
+    }
+
+    /// Returns the cells along an axis that meet the interval and may hold samples.
+    fn span(&self, low: [f64; 2], high: [f64; 2], k: usize) -> Option<Range<usize>> {
+        let (low, high) = (low[k] - BEYOND, high[k] + BEYOND);
+        if self.ids.is_empty() || high < 0.0 || low > self.size[k] || low > high {
+            return None;
+        }
+        let cell = |value: f64| ((value.max(0.0) / self.side) as usize).min(self.cells[k] - 1);
+        Some(cell(low)..cell(high) + 1)
+    }
+}
+
+/// Returns how many places `ranges` hold.
+pub fn count(ranges: &[Range<u32>]) -> usize {
+    ranges.iter().map(ExactSizeIterator::len).sum()
+}
+
+const fn level(k: usize) -> usize {
+    match k.trailing_zeros() {
+        6.. => 0,
+        4..6 => 1,
+        2..4 => 2,
+        _ => 3,
+    }
+}
+
+fn accumulate(starts: &mut [u32]) {
+    let mut sum = 0;
+    for start in starts {
+        sum += *start;
+        *start = sum;
+    }
+}
+
+const fn hash(point: Point) -> u32 {
+    let mut bits = (point.x as u32).wrapping_mul(0x9E37_79B1) ^ (point.y as u32).rotate_left(16);
+    bits = (bits ^ bits >> 15).wrapping_mul(0x85EB_CA77);
+    bits = (bits ^ bits >> 13).wrapping_mul(0xC2B2_AE3D);
+    bits ^ bits >> 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::Boundary;
+
+    const SIDE: f64 = 100.0;
+
+    /// A grid of one sample per squared r, in an order that is not by place.
+    fn grid() -> (Domain, Vec<Point>) {
+        let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
+        let at = |k: i32| Point::new((k % 100) * R + R / 2, (k / 100) * R + R / 2);
+        let points = (0..10_000).map(|k| at(k * 37 % 10_000)).collect();
+        (domain, points)
+    }
+
+    fn ids(order: &Order, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<u32> {
+        let ranges = order.ranges(low, high, levels);
+        let places = ranges.into_iter().flatten();
+        places.map(|place| order.ids[place as usize]).collect()
+    }
+
+    #[test]
+    fn every_sample_has_one_place() {
+        let (domain, points) = grid();
+        let order = Order::new(&domain, &points);
+        let mut all = order.ids.clone();
+        all.sort_unstable();
+        assert!(all.iter().copied().eq(0..10_000));
+        for (id, &place) in (0..).zip(&order.places) {
+            assert_eq!(order.ids[place as usize], id);
+        }
+        let whole = order.ranges([-9.0; 2], [SIDE + 9.0; 2], LEVELS);
+        assert_eq!(whole, vec![0..10_000], "all of it is one call");
+    }
+
+    #[test]
+    fn a_view_holds_all_its_samples_and_few_others() {
+        let (domain, points) = grid();
+        let order = Order::new(&domain, &points);
+        let (low, high) = ([20.0, 31.0], [40.0, 44.0]);
+        let seen = ids(&order, low, high, LEVELS);
+        let radii = |units: i32| f64::from(units) / f64::from(R);
+        for (id, point) in (0..).zip(&points) {
+            let (x, y) = (radii(point.x), radii(point.y));
+            if low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1] {
+                assert!(seen.contains(&id), "{point:?}");
+            }
+        }
+        assert!(seen.len() < 1_000, "{}", seen.len());
+        assert!(ids(&order, [SIDE + 2.0, 0.0], [SIDE + 9.0, 9.0], LEVELS).is_empty());
+    }
+
+    #[test]
+    fn levels_are_a_64th_a_16th_a_quarter_and_all_everywhere() {
+        let (domain, points) = grid();
+        let order = Order::new(&domain, &points);
+        for (levels, share) in [(1, 64), (2, 16), (3, 4), (4, 1)] {
+            for corner in [[0.0, 0.0], [0.0, 50.0], [50.0, 0.0], [50.0, 50.0]] {
+                let far = corner.map(|from| from + 49.0);
+                let all = ids(&order, corner, far, LEVELS).len() as f64;
+                let some = ids(&order, corner, far, levels).len() as f64;
+                let ratio = some * f64::from(share) / all;
+                assert!((0.7..1.4).contains(&ratio), "{levels} {corner:?} {ratio}");
+            }
+        }
+        assert_eq!(count(&order.ranges([0.0; 2], [SIDE; 2], 3)), 2_500);
+    }
+
+    #[test]
+    fn samples_outside_the_domain_are_found_and_none_is_well() {
+        let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
+        let order = Order::new(&domain, &[Point::new(-R, 5 * R)]);
+        assert_eq!(ids(&order, [-1.2, 4.0], [-0.9, 6.0], LEVELS), [0]);
+        let empty = Order::new(&domain, &[]);
+        assert!(empty.ranges([0.0; 2], [SIDE; 2], LEVELS).is_empty());
+    }
+}

@@ -1,0 +1,239 @@
+//! From a camera to what is drawn: which copies of the domain meet the view, and the parameters that the shader
+//! needs for each. It holds no state.
+
+use egui::{Color32, Painter, Rect};
+use tilescope_core::R;
+
+use super::gpu::Frame;
+use super::look::Symbols;
+use crate::camera::Camera;
+
+/// Which marks a layer draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marks {
+    /// The disks of all samples whose look shows it.
+    Disks,
+    /// Symbols of these kinds.
+    Symbols(Symbols),
+}
+
+/// What a layer draws and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintOptions {
+    /// What is drawn.
+    pub marks: Marks,
+    /// Whether a periodic domain's images around it are drawn: eight copies, as far as the painter's clip rectangle
+    /// lets them be seen.
+    pub images: bool,
+    /// The radii of dot, cross, diamond and ring, in screen points.
+    pub radii: [f32; 4],
+    /// The colour of outlines.
+    pub outline: Color32,
+    /// Opacity of a disk's fill, relative to its look's colour.
+    pub disk_fill: f32,
+    /// Opacity of a disk's ring, relative to its look's colour.
+    pub disk_ring: f32,
+    /// Whether only what lies near the view is drawn; without, the picture is the same and takes longer.
+    pub cull: bool,
+}
+
+impl PaintOptions {
+    /// Returns the options for disks.
+    #[must_use]
+    pub const fn disks() -> Self {
+        Self {
+            marks: Marks::Disks,
+            images: false,
+            radii: [0.0; 4],
+            outline: Color32::TRANSPARENT,
+            disk_fill: 0.07,
+            disk_ring: 0.62,
+            cull: true,
+        }
+    }
+
+    /// Returns the options for symbols that grow with `scale` (screen points per r) between the sizes at which they
+    /// can be told apart and at which they hide their surroundings.
+    #[must_use]
+    pub const fn symbols(symbols: Symbols, scale: f64) -> Self {
+        let scale = scale as f32;
+        Self {
+            marks: Marks::Symbols(symbols),
+            radii: [
+                (0.2 * scale).clamp(1.0, 5.5),
+                (0.26 * scale).clamp(2.2, 8.0),
+                (0.27 * scale).clamp(2.6, 8.5),
+                (0.33 * scale).clamp(2.4, 9.0),
+            ],
+            ..Self::disks()
+        }
+    }
+
+    /// Returns these options with outlines of `color`.
+    #[must_use]
+    pub const fn with_outline(self, outline: Color32) -> Self {
+        Self { outline, ..self }
+    }
+
+    /// Returns these options with or without images.
+    #[must_use]
+    pub const fn with_images(self, images: bool) -> Self {
+        Self { images, ..self }
+    }
+
+    /// Returns how far from its place a mark reaches, in screen points, with room for antialiasing.
+    fn reach(&self, scale: f64) -> f64 {
+        match self.marks {
+            Marks::Disks => scale + 3.0,
+            Marks::Symbols(_) => {
+                // Sizes up to 15 times the usual are rare, but must not vanish at the border either.
+                f64::from(self.radii.into_iter().fold(0.0, f32::max)) * 2.0 + 4.0
+            }
+        }
+    }
+}
+
+/// A view of the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    pub camera: Camera,
+    pub rect: Rect,
+    pub pixels_per_point: f32,
+}
+
+/// A copy of the domain that meets the view: by how much it is shifted, and the part of the domain to draw, in r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Copy {
+    pub shift: [f64; 2],
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+impl View {
+    pub fn of(painter: &Painter, rect: Rect, camera: Camera) -> Self {
+        Self {
+            camera,
+            rect,
+            pixels_per_point: painter.ctx().pixels_per_point(),
+        }
+    }
+
+    /// Returns pixels per r.
+    pub fn scale(&self) -> f64 {
+        self.camera.scale * f64::from(self.pixels_per_point)
+    }
+
+    /// Returns the copies of a domain of `size` r of which marks may be seen within `clip`; images only of a
+    /// periodic one.
+    pub fn copies(
+        &self,
+        clip: Rect,
+        size: [f64; 2],
+        periodic: bool,
+        options: &PaintOptions,
+    ) -> Vec<Copy> {
+        let reach = options.reach(self.camera.scale) / self.camera.scale;
+        let low = self
+            .camera
+            .domain_from_screen(self.rect, clip.left_bottom());
+        let high = self.camera.domain_from_screen(self.rect, clip.right_top());
+        let steps: &[f64] = if periodic && options.images {
+            &[0.0, -1.0, 1.0]
+        } else {
+            &[0.0]
+        };
+        let mut copies = Vec::new();
+        for up in steps {
+            for right in steps {
+                let shift = [right * size[0], up * size[1]];
+                let part = |bound: [f64; 2], by: f64| [0, 1].map(|k| bound[k] + by - shift[k]);
+                let (low, high) = (part(low, -reach), part(high, reach));
+                // A bounded domain's dropped samples may lie outside it.
+                if (0..2).all(|k| high[k] >= -2.0 && low[k] <= size[k] + 2.0) {
+                    copies.push(Copy { shift, low, high });
+                }
+            }
+        }
+        copies
+    }
+
+    /// Returns the shader's parameters for a copy of the domain that is shifted by `shift` r.
+    pub fn frame(&self, shift: [f64; 2], options: &PaintOptions) -> Frame {
+        let pixels = self.pixels_per_point;
+        let center = [0, 1].map(|k| self.camera.center[k] - shift[k]);
+        // Beyond these bounds nothing is in view, whatever they become.
+        let whole = center.map(|c| c.floor().clamp(-1e9, 1e9));
+        let middle = self.rect.center();
+        let kinds = match options.marks {
+            Marks::Disks => 0,
+            Marks::Symbols(symbols) => symbols.0,
+        };
+        Frame {
+            target_size: [0.0; 2],
+            middle: [middle.x * pixels, middle.y * pixels],
+            whole: whole.map(|w| w as i32),
+            rest: [0, 1].map(|k| ((center[k] - whole[k]) * f64::from(R)) as f32),
+            scale: [
+                self.scale() as f32,
+                (self.scale() / f64::from(R)) as f32,
+                pixels,
+                1.0,
+            ],
+            radii: options.radii.map(|radius| radius * pixels),
+            outline: options
+                .outline
+                .to_array()
+                .map(|byte| f32::from(byte) / 255.0),
+            disk: [options.disk_fill, options.disk_ring],
+            kinds,
+            unused: 0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{pos2, vec2};
+
+    fn view(center: [f64; 2], scale: f64) -> View {
+        View {
+            camera: Camera { center, scale },
+            rect: Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 100.0)),
+            pixels_per_point: 1.0,
+        }
+    }
+
+    #[test]
+    fn images_are_drawn_where_they_meet_the_view_only() {
+        let options = PaintOptions::disks().with_images(true);
+        let copies = |center, options: &PaintOptions, periodic| {
+            let view = view(center, 10.0);
+            let shifts = view.copies(view.rect, [50.0; 2], periodic, options);
+            shifts
+                .iter()
+                .map(|copy| copy.shift)
+                .collect::<Vec<[f64; 2]>>()
+        };
+        assert_eq!(copies([25.0, 25.0], &options, true), [[0.0; 2]]);
+        assert_eq!(copies([1.0, 25.0], &options, true).len(), 2);
+        assert!(copies([1.0, 25.0], &options, true).contains(&[-50.0, 0.0]));
+        assert_eq!(copies([1.0, 1.0], &options, true).len(), 4);
+        assert_eq!(copies([1.0, 1.0], &options, false), [[0.0; 2]]);
+        let none = PaintOptions::disks();
+        assert_eq!(copies([1.0, 1.0], &none, true), [[0.0; 2]]);
+        assert!(copies([-40.0, 25.0], &none, true).is_empty());
+    }
+
+    #[test]
+    fn the_centre_is_split_without_loss() {
+        let center = [60_000.123_456_789, -3.75];
+        let view = view(center, 2_000.0);
+        let frame = view.frame([0.0; 2], &PaintOptions::disks());
+        for (k, center) in center.into_iter().enumerate() {
+            let back = f64::from(frame.whole[k]) + f64::from(frame.rest[k]) / f64::from(R);
+            assert!((back - center).abs() < 1e-7, "{back}");
+        }
+        assert_eq!(frame.whole, [60_000, -4]);
+    }
+}
