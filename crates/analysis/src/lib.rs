@@ -3,7 +3,8 @@
 //! It never depends on the sampler, on a GPU, on files or on a clock.
 //!
 //! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
-//! witnesses; [`StreamVerifier`] gives the same in bounded memory; [`spectrum`] gives the radially averaged periodogram.
+//! witnesses; [`StreamVerifier`] gives the same in bounded memory; [`spectrum`] gives the radially averaged periodogram;
+//! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -35,6 +36,7 @@ mod region;
 mod report;
 pub mod spectrum;
 mod stream;
+pub mod tessellation;
 mod verify;
 mod worst;
 
@@ -44,4 +46,5 @@ pub use region::{Boundary, Region};
 pub use report::{Conflict, Gap, GapKind, Report};
 pub use spectrum::{RadialBin, radial_mean_power};
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
+pub use tessellation::Tessellation;
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};

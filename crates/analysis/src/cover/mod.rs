@@ -49,7 +49,7 @@
 
 mod border;
 mod buried;
-mod circle;
+pub(crate) mod circle;
 mod places;
 mod survey;
 mod tiles;

@@ -1,0 +1,110 @@
+//! Delaunay triangles, Voronoi edges and exact gaps of a set, to be drawn over it.
+//! Only Voronoi cells decide what is uncovered, so places and areas are exact up to rounding.
+//! It gives no verdict: [`verify`](crate::verify) does, in less memory and for larger sets.
+
+mod borders;
+mod cells;
+mod gap_regions;
+mod triangles;
+mod window;
+
+pub use gap_regions::{Edge, GapRegion};
+pub use triangles::Triangle;
+
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::Grid;
+use crate::region::Region;
+use crate::verify::check_point;
+use cells::Cells;
+use window::Window;
+
+/// The triangulation of a set and what its disks leave uncovered, in the unit of the samples.
+#[derive(Clone, Debug)]
+pub struct Tessellation {
+    /// Delaunay triangles. In a periodic domain each appears once and there are two per sample.
+    pub triangles: Vec<Triangle>,
+    /// The edges of the Voronoi cells, each once, clipped to a bounded domain. In a periodic domain each
+    /// begins within half a period of the domain.
+    pub voronoi_edges: Vec<[[f64; 2]; 2]>,
+    /// The connected parts of the domain that lie in no disk.
+    pub gaps: Vec<GapRegion>,
+}
+
+impl Tessellation {
+    /// Returns the tessellation of `points` and the gaps between closed disks of `radius` about them.
+    ///
+    /// Samples at one place count as the first of them. Places closer to a disk than about 10^-12 of the
+    /// radius are taken as covered. One sample or several on a line have cells and gaps, too.
+    ///
+    /// # Errors
+    ///
+    /// [`VerifyError::Empty`], [`VerifyError::TooMany`], [`VerifyError::NotFinite`],
+    /// [`VerifyError::OutOfRegion`], [`VerifyError::BadRegion`], [`VerifyError::BadRadius`] for input that
+    /// has no tessellation, and [`VerifyError::Triangulation`].
+    pub fn of(points: &[[f64; 2]], region: Region, radius: f64) -> Result<Self, VerifyError> {
+        let domain = Domain::new(region)?;
+        let scaled_radius = domain.scale_radius(radius)?;
+        check(points, region)?;
+        let window = Window::new(points, domain, scaled_radius)?;
+        let length = scaled_radius.min(domain.spacing(points.len()));
+        let same = crate::cover::same_place(&domain, length);
+        let cells = Cells::new(&window, &domain, scaled_radius, same);
+        let triangles = if domain.periodic {
+            triangles::around_vertices(&cells)
+        } else {
+            window.triangles
+        };
+        let user = |place: [f64; 2]| place.map(|value| value / domain.scale);
+        Ok(Self {
+            triangles: (triangles.into_iter())
+                .map(|found| found.scaled(domain.scale))
+                .collect(),
+            voronoi_edges: cells.edges().map(|ends| ends.map(user)).collect(),
+            gaps: gap_regions::find(&cells, domain.scale),
+        })
+    }
+
+    /// Returns the total area of the gaps.
+    #[must_use]
+    pub fn uncovered_area(&self) -> f64 {
+        self.gaps.iter().map(|gap| gap.area).sum()
+    }
+
+    /// Returns the gap that holds a place, by its index.
+    #[must_use]
+    pub fn gap_at(&self, place: [f64; 2]) -> Option<usize> {
+        self.gaps.iter().position(|gap| gap.contains(place))
+    }
+}
+
+fn check(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
+    let (count, limit) = (points.len(), Grid::MAX_SAMPLES);
+    if count == 0 {
+        return Err(VerifyError::Empty);
+    }
+    if count > limit {
+        return Err(VerifyError::TooMany { count, limit });
+    }
+    (points.iter().enumerate()).try_for_each(|(index, &point)| check_point(index, point, region))
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn length(a: [f64; 2]) -> f64 {
+    a[0].hypot(a[1])
+}

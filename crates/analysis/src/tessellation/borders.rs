@@ -1,0 +1,141 @@
+//! Chains the arcs and border lines of a gap to closed loops.
+//! Each step is found from how the cells meet, never by comparing places.
+
+use std::f64::consts::TAU;
+
+use super::gap_regions::{Edge, Part, Runs, add};
+use super::{cross, dot, minus};
+
+/// A piece of a border: the arc of a run, or a part of a side on the domain's border.
+#[derive(Clone, Copy)]
+enum Piece {
+    Arc(usize),
+    Line(Part),
+}
+
+/// Which pieces are in a loop already.
+pub(super) struct Drawn {
+    arcs: Vec<bool>,
+    lines: Vec<bool>,
+}
+
+impl Drawn {
+    pub fn new(runs: &Runs<'_>) -> Self {
+        Self {
+            arcs: vec![false; runs.list.len()],
+            lines: vec![false; runs.run_of.len()],
+        }
+    }
+
+    /// The loops of the runs that make a gap.
+    pub fn boundary(&mut self, runs: &Runs<'_>, members: &[(usize, [i32; 2])]) -> Vec<Vec<Edge>> {
+        let mut loops = Vec::new();
+        for &(run, shift) in members {
+            let border = runs.list[run]
+                .parts
+                .iter()
+                .filter(|&&part| runs.is_border(part));
+            let pieces = border
+                .map(|&part| Piece::Line(part))
+                .chain([Piece::Arc(run)]);
+            for piece in pieces {
+                if !*self.mark(piece) {
+                    loops.push(self.chain(runs, piece, shift));
+                }
+            }
+        }
+        loops
+    }
+
+    fn mark(&mut self, piece: Piece) -> &mut bool {
+        match piece {
+            Piece::Arc(run) => &mut self.arcs[run],
+            Piece::Line(part) => &mut self.lines[part],
+        }
+    }
+
+    fn chain(&mut self, runs: &Runs<'_>, first: Piece, shift: [i32; 2]) -> Vec<Edge> {
+        let mut edges = Vec::new();
+        let mut at = Some((first, shift));
+        while let Some((piece, shift)) = at {
+            let drawn = self.mark(piece);
+            if *drawn {
+                break;
+            }
+            *drawn = true;
+            edges.push(runs.edge(piece, shift));
+            at = runs.after(piece, shift);
+        }
+        edges
+    }
+}
+
+impl Runs<'_> {
+    fn is_border(&self, part: Part) -> bool {
+        self.cells.sides[part / 2].beyond.is_none()
+    }
+
+    fn edge(&self, piece: Piece, shift: [i32; 2]) -> Edge {
+        match piece {
+            Piece::Arc(run) => self.arc(run, shift),
+            Piece::Line(part) => {
+                let [from, to] = self.places(part).map(|p| self.cells.shifted(p, shift));
+                Edge::Line { from, to }
+            }
+        }
+    }
+
+    /// The arc of a run, from its last part back to its first.
+    fn arc(&self, run: usize, shift: [i32; 2]) -> Edge {
+        let sample = self.cell(run);
+        let place = self.cells.samples[sample];
+        let (mut last, mut angle) = ([1.0, 0.0], 0.0);
+        for &part in &self.list[run].parts {
+            let [from, to] = self.places(part).map(|end| minus(end, place));
+            angle += cross(from, to).atan2(dot(from, to)).max(0.0);
+            last = to;
+        }
+        let from_angle = last[1].atan2(last[0]);
+        let turn = if self.list[run].closed { TAU } else { angle };
+        Edge::Arc {
+            sample,
+            center: self.cells.shifted(place, shift),
+            from_angle,
+            to_angle: from_angle - turn,
+        }
+    }
+
+    /// The piece that follows, with the gap on the left, and the periods by which it is moved.
+    fn after(&self, piece: Piece, shift: [i32; 2]) -> Option<(Piece, [i32; 2])> {
+        match piece {
+            Piece::Arc(run) if self.list[run].closed => None,
+            Piece::Arc(run) => {
+                let part = *self.list[run].parts.first()?;
+                if self.is_border(part) {
+                    return Some((Piece::Line(part), shift));
+                }
+                let (other, by) = self.across(part)?;
+                Some((Piece::Arc(self.run_of[other]), add(shift, by)))
+            }
+            Piece::Line(part) if self.ends_at_corner(part) => self.after_corner(part, shift),
+            Piece::Line(part) => Some((Piece::Arc(self.run_of[part]), shift)),
+        }
+    }
+
+    /// The border line that begins where another ends: around a corner, or in the next cell along.
+    fn after_corner(&self, part: Part, shift: [i32; 2]) -> Option<(Piece, [i32; 2])> {
+        let cells = self.cells;
+        let (mut side, mut shift) = (cells.next(part / 2), shift);
+        // Rarely more than two cells meet at one place of the border, and never all.
+        for _ in 0..cells.sides.len() {
+            let Some(beyond) = cells.sides[side].beyond else {
+                return cells.sides[side]
+                    .head
+                    .map(|_| (Piece::Line(2 * side), shift));
+            };
+            shift = add(shift, beyond.shift);
+            side = cells.next(cells.sides[side].twin?);
+        }
+        None
+    }
+}

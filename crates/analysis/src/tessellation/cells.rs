@@ -1,0 +1,243 @@
+//! Voronoi cells as sides in one list, each with its twin in the cell beyond, and the parts of each side
+//! that lie outside the disks. Cells of a bounded domain are clipped to it.
+//! It never joins anything across cells.
+
+use super::window::{Corner, Seen, Window, shifted};
+use super::{dot, length, minus, plus};
+use crate::domain::Domain;
+
+/// Corners no further than this beyond the radius, in radii, count as covered: rounding alone makes
+/// larger differences than zero where circles of a lattice just touch.
+const TOUCH: f64 = 1e-12;
+
+/// A directed side of a cell; it ends where the next one of its cell begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    pub cell: usize,
+    pub from: [f64; 2],
+    pub reach: f64,
+    pub beyond: Option<Seen>,
+    /// The same side in the cell beyond.
+    pub twin: Option<usize>,
+    /// How far the part at its start goes that lies outside the disk, as a fraction of the side.
+    pub head: Option<f64>,
+    /// From where on the part at its end lies outside. A side wholly outside has a head of 1 alone.
+    pub tail: Option<f64>,
+}
+
+pub(super) struct Cells {
+    pub domain: Domain,
+    pub radius: f64,
+    pub samples: Vec<[f64; 2]>,
+    pub sides: Vec<Side>,
+    /// Where the sides of each cell begin.
+    starts: Vec<usize>,
+}
+
+impl Cells {
+    pub fn new(window: &Window, domain: &Domain, radius: f64, same: f64) -> Self {
+        let samples = window.samples.clone();
+        let (mut sides, mut starts) = (Vec::with_capacity(6 * samples.len()), vec![0]);
+        for (cell, polygon) in window.polygons.iter().enumerate() {
+            let corners = clipped(polygon, domain, samples[cell]);
+            sides.extend(without_short(&corners, same).map(|corner| Side {
+                cell,
+                from: corner.at,
+                reach: corner.reach,
+                beyond: corner.beyond,
+                twin: None,
+                head: None,
+                tail: None,
+            }));
+            starts.push(sides.len());
+        }
+        let mut cells = Self {
+            domain: *domain,
+            radius,
+            samples,
+            sides,
+            starts,
+        };
+        for side in 0..cells.sides.len() {
+            cells.sides[side].twin = cells.find_twin(side);
+            (cells.sides[side].head, cells.sides[side].tail) = cells.outside(side);
+        }
+        cells
+    }
+
+    /// The sides of a cell, in counter-clockwise sequence.
+    pub fn of(&self, cell: usize) -> std::ops::Range<usize> {
+        self.starts[cell]..self.starts[cell + 1]
+    }
+
+    pub fn next(&self, side: usize) -> usize {
+        let range = self.of(self.sides[side].cell);
+        if side + 1 == range.end {
+            range.start
+        } else {
+            side + 1
+        }
+    }
+
+    pub fn before(&self, side: usize) -> usize {
+        let range = self.of(self.sides[side].cell);
+        if side == range.start {
+            range.end - 1
+        } else {
+            side - 1
+        }
+    }
+
+    /// The ends of a side.
+    pub fn ends(&self, side: usize) -> [[f64; 2]; 2] {
+        [self.sides[side].from, self.sides[self.next(side)].from]
+    }
+
+    /// A place of a side, as a fraction.
+    pub fn place(&self, side: usize, at: f64) -> [f64; 2] {
+        let [from, to] = self.ends(side);
+        if at >= 1.0 {
+            return to;
+        }
+        [0, 1].map(|k| from[k] + at * (to[k] - from[k]))
+    }
+
+    pub fn shifted(&self, place: [f64; 2], shift: [i32; 2]) -> [f64; 2] {
+        shifted(place, shift, &self.domain)
+    }
+
+    /// The sides between two cells, each once.
+    pub fn edges(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        (0..self.sides.len())
+            .filter(
+                |&side| match (self.sides[side].twin, self.sides[side].beyond) {
+                    (Some(twin), _) => side < twin,
+                    (None, beyond) => beyond.is_some(),
+                },
+            )
+            .map(|side| self.ends(side))
+    }
+
+    fn find_twin(&self, side: usize) -> Option<usize> {
+        let Side { cell, beyond, .. } = self.sides[side];
+        let beyond = beyond?;
+        let back = Seen {
+            sample: cell as u32,
+            shift: beyond.shift.map(|k| -k),
+        };
+        (self.of(beyond.sample as usize)).find(|&other| self.sides[other].beyond == Some(back))
+    }
+
+    /// The parts of a side outside the disk of its cell: on a side the distance is convex, so there are
+    /// one at each end at most.
+    fn outside(&self, index: usize) -> (Option<f64>, Option<f64>) {
+        let side = &self.sides[index];
+        let beyond_disk = |reach: f64| reach > self.radius * (1.0 + TOUCH);
+        let out = [side.reach, self.sides[self.next(index)].reach].map(beyond_disk);
+        if out == [false; 2] {
+            return (None, None);
+        }
+        let sample = self.samples[side.cell];
+        let [from, to] = self.ends(index);
+        let whole = length(minus(to, from));
+        let along = minus(to, from).map(|value| value / whole);
+        let to_sample = minus(sample, from);
+        // Beyond a side lies the mirror image of the sample, which both cells see at the same distance.
+        let height = match side.beyond {
+            Some(Seen {
+                sample: other,
+                shift,
+            }) => {
+                0.5 * length(minus(
+                    self.shifted(self.samples[other as usize], shift),
+                    sample,
+                ))
+            }
+            None => (along[0] * to_sample[1] - along[1] * to_sample[0]).abs(),
+        };
+        let foot = dot(to_sample, along);
+        let half = ((self.radius - height) * (self.radius + height))
+            .max(0.0)
+            .sqrt();
+        let at = |value: f64| (value / whole).clamp(0.0, 1.0);
+        let crosses = height < self.radius && foot - half > 0.0 && foot + half < whole;
+        match out {
+            [true, true] if crosses => (Some(at(foot - half)), Some(at(foot + half))),
+            [true, true] => (Some(1.0), None),
+            [true, false] => (Some(at(foot - half).min(1.0 - f64::EPSILON)), None),
+            _ => (None, Some(at(foot + half))),
+        }
+    }
+}
+
+/// The polygon inside a bounded domain; a periodic one has no border.
+fn clipped(polygon: &[Corner], domain: &Domain, sample: [f64; 2]) -> Vec<Corner> {
+    let mut corners = polygon.to_vec();
+    if domain.periodic {
+        return corners;
+    }
+    for axis in [0, 1] {
+        for upper in [false, true] {
+            let bound = if upper { domain.extent[axis] } else { 0.0 };
+            let inside = |corner: &Corner| {
+                if upper {
+                    corner.at[axis] <= bound
+                } else {
+                    corner.at[axis] >= bound
+                }
+            };
+            if !corners.iter().all(inside) {
+                corners = cut(&corners, axis, bound, sample, inside);
+            }
+        }
+    }
+    corners
+}
+
+/// Cuts a convex polygon along a line of the border.
+fn cut(
+    corners: &[Corner],
+    axis: usize,
+    bound: f64,
+    sample: [f64; 2],
+    inside: impl Fn(&Corner) -> bool,
+) -> Vec<Corner> {
+    let mut kept = Vec::with_capacity(corners.len() + 1);
+    for (index, a) in corners.iter().enumerate() {
+        let b = &corners[(index + 1) % corners.len()];
+        let crossing = |beyond| {
+            // From the lower end, so that both cells at a side find the same place.
+            let (low, high) = if a.at[axis] < b.at[axis] {
+                (a.at, b.at)
+            } else {
+                (b.at, a.at)
+            };
+            let part = (bound - low[axis]) / (high[axis] - low[axis]);
+            let mut at = plus(low, minus(high, low).map(|value| value * part));
+            at[axis] = bound;
+            Corner {
+                at,
+                reach: length(minus(at, sample)),
+                beyond,
+            }
+        };
+        match (inside(a), inside(b)) {
+            (true, true) => kept.push(*a),
+            (true, false) => kept.extend([*a, crossing(None)]),
+            (false, true) => kept.push(crossing(a.beyond)),
+            (false, false) => {}
+        }
+    }
+    kept
+}
+
+/// Leaves out sides without length: cocircular samples make them, and not the same ones in every cell.
+fn without_short(corners: &[Corner], same: f64) -> impl Iterator<Item = &Corner> {
+    corners
+        .iter()
+        .enumerate()
+        .filter_map(move |(index, corner)| {
+            let next = &corners[(index + 1) % corners.len()];
+            (length(minus(next.at, corner.at)) > same).then_some(corner)
+        })
+}

@@ -1,0 +1,336 @@
+//! The uncovered set as connected regions with exact borders of arcs and lines.
+//! In its Voronoi cell a sample's disk alone decides, so each cell gives strips between an arc and its
+//! sides, and strips that share a part of a side belong together.
+
+use super::borders::Drawn;
+use super::cells::Cells;
+use super::{cross, dot, minus, plus};
+
+/// The largest angle of a chord of [`GapRegion::fill`]: it departs from the arc by 0.002 radii.
+const CHORD: f64 = 0.126;
+
+/// How far, relative to a strip, a place may lie beyond it.
+const SEAM: f64 = 1e-12;
+
+/// A part of a gap's border, with the gap on its left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edge {
+    /// Part of a disk's border, clockwise about the sample; a whole circle spans a full turn.
+    Arc {
+        /// The sample, by index.
+        sample: usize,
+        /// Its place, as the gap sees it.
+        center: [f64; 2],
+        /// The direction of the start from the centre, in radians, counter-clockwise from the x axis.
+        from_angle: f64,
+        /// The direction of the end; smaller than that of the start.
+        to_angle: f64,
+    },
+    /// Part of the border of a bounded domain.
+    Line {
+        /// The start.
+        from: [f64; 2],
+        /// The end.
+        to: [f64; 2],
+    },
+}
+
+/// A connected part of the domain that no disk covers.
+///
+/// In a periodic domain its places are unwrapped, so that a gap across a seam is in one piece. A gap that
+/// goes around the domain meets itself a period further on.
+#[derive(Clone, Debug)]
+pub struct GapRegion {
+    /// Its area.
+    pub area: f64,
+    /// The loops of its border, each with the gap on its left: the outer one and one for each island.
+    pub boundary: Vec<Vec<Edge>>,
+    /// The samples whose disks bound it or whose Voronoi cells reach into it, in ascending order.
+    pub sites: Vec<usize>,
+    /// The place furthest from all samples and its distance from the nearest.
+    pub deepest: ([f64; 2], f64),
+    /// Triangles that cover it for drawing; they lie over the disks around by 0.002 radii at most.
+    pub fill: Vec<[[f64; 2]; 3]>,
+    strips: Vec<Strip>,
+    radius: f64,
+    period: Option<[f64; 2]>,
+}
+
+/// What lies between a disk and a part of a side.
+#[derive(Clone, Copy, Debug)]
+struct Strip {
+    center: [f64; 2],
+    from: [f64; 2],
+    to: [f64; 2],
+}
+
+impl GapRegion {
+    /// Returns whether a place lies in the gap; in a periodic domain any of its copies will do.
+    #[must_use]
+    pub fn contains(&self, place: [f64; 2]) -> bool {
+        self.strips.iter().any(|strip| {
+            let mut offset = minus(place, strip.center);
+            if let Some(period) = self.period {
+                // No place of a cell is further than half a period from its sample.
+                offset = [0, 1].map(|k| offset[k] - period[k] * (offset[k] / period[k]).round());
+            }
+            let (from, to) = (
+                minus(strip.from, strip.center),
+                minus(strip.to, strip.center),
+            );
+            // A place on a side between two cells must not fall between them by rounding.
+            let least = -SEAM * dot(from, from).max(dot(to, to));
+            cross(from, offset) >= least
+                && cross(offset, to) >= least
+                && cross(minus(to, from), minus(offset, from)) >= least
+                && dot(offset, offset) > self.radius * self.radius
+        })
+    }
+}
+
+/// A part of a side: twice the side's index, and one more for the part at its end.
+pub(super) type Part = usize;
+
+/// Whether a part lies at the start of its side, or is the whole of it.
+fn is_head(part: Part) -> bool {
+    part.is_multiple_of(2)
+}
+
+/// Consecutive parts of one cell, counter-clockwise, and the arc inside them.
+pub(super) struct Run {
+    pub parts: Vec<Part>,
+    /// Whether the arc is the whole circle.
+    pub closed: bool,
+}
+
+/// The parts of all sides, by run.
+pub(super) struct Runs<'a> {
+    pub cells: &'a Cells,
+    pub list: Vec<Run>,
+    pub run_of: Vec<usize>,
+}
+
+const NO_RUN: usize = usize::MAX;
+
+/// Returns the gaps, in the unit of the samples.
+pub(super) fn find(cells: &Cells, scale: f64) -> Vec<GapRegion> {
+    let runs = Runs::new(cells);
+    let mut seen = vec![false; runs.list.len()];
+    let mut drawn = Drawn::new(&runs);
+    let mut gaps = Vec::new();
+    for first in 0..runs.list.len() {
+        if !seen[first] {
+            let members = runs.connected(first, &mut seen);
+            gaps.push(runs.gap(&members, &mut drawn).in_user_units(scale));
+        }
+    }
+    gaps
+}
+
+impl<'a> Runs<'a> {
+    fn new(cells: &'a Cells) -> Self {
+        let mut runs = Self {
+            cells,
+            list: Vec::new(),
+            run_of: vec![NO_RUN; 2 * cells.sides.len()],
+        };
+        for cell in 0..cells.samples.len() {
+            runs.add_cell(cell);
+        }
+        runs
+    }
+
+    fn add_cell(&mut self, cell: usize) {
+        let sides = &self.cells.sides;
+        let has = |part: &Part| {
+            let side = &sides[part / 2];
+            if is_head(*part) { side.head } else { side.tail }.is_some()
+        };
+        let mut parts: Vec<Part> = self
+            .cells
+            .of(cell)
+            .flat_map(|s| [2 * s, 2 * s + 1])
+            .filter(has)
+            .collect();
+        let Some(start) = parts.iter().position(|&part| !is_head(part)) else {
+            if !parts.is_empty() {
+                let closed = parts.iter().all(|&part| self.ends_at_corner(part));
+                self.push(Run { parts, closed });
+            }
+            return;
+        };
+        // From a part that begins on the circle on; a new run begins wherever the next does.
+        parts.rotate_left(start);
+        let mut rest = &parts[..];
+        while !rest.is_empty() {
+            let next = rest[1..].iter().position(|part| !is_head(*part));
+            let (run, others) = rest.split_at(next.map_or(rest.len(), |at| at + 1));
+            self.push(Run {
+                parts: run.to_vec(),
+                closed: false,
+            });
+            rest = others;
+        }
+    }
+
+    fn push(&mut self, run: Run) {
+        for &part in &run.parts {
+            self.run_of[part] = self.list.len();
+        }
+        self.list.push(run);
+    }
+
+    /// Whether a part goes on to the end of its side; otherwise it ends on the circle.
+    pub fn ends_at_corner(&self, part: Part) -> bool {
+        !is_head(part) || self.cells.sides[part / 2].head == Some(1.0)
+    }
+
+    pub fn places(&self, part: Part) -> [[f64; 2]; 2] {
+        let side = &self.cells.sides[part / 2];
+        let [from, to] = if is_head(part) {
+            [0.0, side.head.unwrap_or(0.0)]
+        } else {
+            [side.tail.unwrap_or(1.0), 1.0]
+        };
+        [
+            self.cells.place(part / 2, from),
+            self.cells.place(part / 2, to),
+        ]
+    }
+
+    /// The same part in the cell beyond and how many periods on that is.
+    pub fn across(&self, part: Part) -> Option<(Part, [i32; 2])> {
+        let side = &self.cells.sides[part / 2];
+        let (twin, beyond) = (side.twin?, side.beyond?);
+        let whole = self.cells.sides[twin].head == Some(1.0);
+        let other = if whole || !is_head(part) {
+            2 * twin
+        } else {
+            2 * twin + 1
+        };
+        (self.run_of[other] != NO_RUN).then_some((other, beyond.shift))
+    }
+
+    /// The runs that belong together, each with the periods by which it is moved.
+    fn connected(&self, first: usize, seen: &mut [bool]) -> Vec<(usize, [i32; 2])> {
+        let mut members = vec![(first, [0, 0])];
+        seen[first] = true;
+        let mut next = 0;
+        while let Some(&(run, shift)) = members.get(next) {
+            next += 1;
+            for &part in &self.list[run].parts {
+                let Some((other, by)) = self.across(part) else {
+                    continue;
+                };
+                let other = self.run_of[other];
+                if !seen[other] {
+                    seen[other] = true;
+                    members.push((other, add(shift, by)));
+                }
+            }
+        }
+        members
+    }
+
+    pub fn cell(&self, run: usize) -> usize {
+        self.cells.sides[self.list[run].parts[0] / 2].cell
+    }
+
+    fn gap(&self, members: &[(usize, [i32; 2])], drawn: &mut Drawn) -> GapRegion {
+        let cells = self.cells;
+        let mut gap = GapRegion {
+            area: 0.0,
+            boundary: drawn.boundary(self, members),
+            sites: members.iter().map(|&(run, _)| self.cell(run)).collect(),
+            deepest: ([0.0; 2], 0.0),
+            fill: Vec::new(),
+            strips: Vec::new(),
+            radius: cells.radius,
+            period: cells.domain.periodic.then_some(cells.domain.extent),
+        };
+        gap.sites.sort_unstable();
+        gap.sites.dedup();
+        for &(run, shift) in members {
+            let center = cells.shifted(cells.samples[self.cell(run)], shift);
+            for &part in &self.list[run].parts {
+                let [from, to] = self.places(part).map(|place| cells.shifted(place, shift));
+                gap.add_strip(Strip { center, from, to });
+                // The distance is convex on every side: the deepest place is a corner.
+                let side = if is_head(part) {
+                    part / 2
+                } else {
+                    cells.next(part / 2)
+                };
+                let reach = cells.sides[side].reach;
+                if reach > gap.deepest.1 {
+                    gap.deepest = (if is_head(part) { from } else { to }, reach);
+                }
+            }
+        }
+        gap
+    }
+}
+
+impl GapRegion {
+    /// Adds what lies between the disk and a part of a side: a triangle less a sector.
+    fn add_strip(&mut self, strip: Strip) {
+        let (from, to) = (
+            minus(strip.from, strip.center),
+            minus(strip.to, strip.center),
+        );
+        let angle = cross(from, to).atan2(dot(from, to));
+        // Along a border through the sample there is nothing between.
+        if angle <= 0.0 {
+            return;
+        }
+        self.area += 0.5 * (cross(from, to) - self.radius * self.radius * angle);
+        self.strips.push(strip);
+        let count = (angle / CHORD).ceil().max(1.0);
+        self.fill.reserve(2 * count as usize);
+        let first = from[1].atan2(from[0]);
+        let across = minus(to, from);
+        let at = |k: f64| {
+            let (sin, cos) = (first + angle * (k / count)).sin_cos();
+            let ray = [cos, sin];
+            let reach = cross(from, across) / cross(ray, across);
+            let inner = ray.map(|value| value * self.radius);
+            let outer = match k {
+                0.0 => from,
+                _ if k >= count => to,
+                _ => ray.map(|value| value * reach),
+            };
+            [inner, outer].map(|offset| plus(strip.center, offset))
+        };
+        let mut before = at(0.0);
+        for k in 1..=count as u32 {
+            let [[a, b], [d, c]] = [before, at(f64::from(k))];
+            self.fill.extend([[a, b, c], [a, c, d]]);
+            before = [d, c];
+        }
+    }
+
+    fn in_user_units(mut self, scale: f64) -> Self {
+        let user = |place: &mut [f64; 2]| *place = place.map(|value| value / scale);
+        self.area /= scale * scale;
+        self.radius /= scale;
+        self.period = self.period.map(|period| period.map(|value| value / scale));
+        user(&mut self.deepest.0);
+        self.deepest.1 /= scale;
+        self.fill.iter_mut().flatten().for_each(user);
+        for strip in &mut self.strips {
+            let places = [&mut strip.center, &mut strip.from, &mut strip.to];
+            places.into_iter().for_each(user);
+        }
+        for edge in self.boundary.iter_mut().flatten() {
+            match edge {
+                Edge::Arc { center, .. } => user(center),
+                Edge::Line { from, to } => [from, to].into_iter().for_each(user),
+            }
+        }
+        self
+    }
+}
+
+pub(super) fn add(a: [i32; 2], b: [i32; 2]) -> [i32; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}

@@ -1,0 +1,76 @@
+//! Delaunay triangles of a set. Those of a periodic set are read off the corners of its Voronoi cells, so
+//! that cocircular samples at a seam are cut into triangles in one way only.
+
+use super::cells::Cells;
+use super::{cross, minus};
+use crate::cover::circle::circumcircle;
+
+/// A Delaunay triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    /// Its samples, by index.
+    pub sites: [usize; 3],
+    /// Their places, counter-clockwise; in a periodic domain copies that belong together, which may lie
+    /// outside it.
+    pub corners: [[f64; 2]; 3],
+    /// The centre of the circle through them.
+    pub center: [f64; 2],
+    /// The radius of that circle: the distance from its centre to the nearest samples.
+    pub circumradius: f64,
+}
+
+impl Triangle {
+    pub(super) fn new(mut sites: [usize; 3], mut corners: [[f64; 2]; 3]) -> Self {
+        let [a, b, c] = corners;
+        if cross(minus(b, a), minus(c, a)) < 0.0 {
+            sites.swap(1, 2);
+            corners.swap(1, 2);
+        }
+        let circle = circumcircle(corners);
+        Self {
+            sites,
+            corners,
+            center: circle.center,
+            circumradius: circle.square.sqrt(),
+        }
+    }
+
+    /// The triangle in the unit of the samples.
+    pub(super) fn scaled(self, scale: f64) -> Self {
+        let user = |place: [f64; 2]| place.map(|value| value / scale);
+        Self {
+            corners: self.corners.map(user),
+            center: user(self.center),
+            circumradius: self.circumradius / scale,
+            ..self
+        }
+    }
+}
+
+/// Goes around every Voronoi vertex of a periodic set, once, and cuts the polygon of its samples.
+pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
+    let mut done = vec![false; cells.sides.len()];
+    let mut triangles = Vec::with_capacity(2 * cells.samples.len());
+    let mut around: Vec<(usize, [f64; 2])> = Vec::new();
+    for start in 0..cells.sides.len() {
+        around.clear();
+        let (mut side, mut shift) = (start, [0, 0]);
+        while !done[side] {
+            done[side] = true;
+            let sample = cells.sides[side].cell;
+            around.push((sample, cells.shifted(cells.samples[sample], shift)));
+            let before = cells.before(side);
+            let (Some(twin), Some(beyond)) = (cells.sides[before].twin, cells.sides[before].beyond)
+            else {
+                break;
+            };
+            shift = [shift[0] + beyond.shift[0], shift[1] + beyond.shift[1]];
+            side = twin;
+        }
+        for pair in around.windows(2).skip(1) {
+            let [a, b, c] = [around[0], pair[0], pair[1]];
+            triangles.push(Triangle::new([a.0, b.0, c.0], [a.1, b.1, c.1]));
+        }
+    }
+    triangles
+}

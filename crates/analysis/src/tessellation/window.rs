@@ -1,0 +1,201 @@
+//! The samples with as many copies across the periods, or far guards, as make every cell bounded and true.
+//! It gives the polygon around each sample, not clipped. It knows no radius but as a first guess.
+
+use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
+
+use super::triangles::Triangle;
+use crate::cover::circle::circumcircle;
+use crate::domain::Domain;
+use crate::error::VerifyError;
+
+/// A sample, seen from the home domain `shift` periods away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Seen {
+    pub sample: u32,
+    pub shift: [i32; 2],
+}
+
+/// The sites that keep the cells of a bounded domain finite.
+const GUARD: u32 = u32::MAX;
+
+#[derive(Clone, Copy, Debug)]
+struct Site {
+    position: Point2<f64>,
+    seen: Seen,
+}
+
+impl HasPosition for Site {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.position
+    }
+}
+
+/// The start of a side of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub at: [f64; 2],
+    /// Its distance from the samples around.
+    pub reach: f64,
+    /// The sample beyond the side; none beyond the border.
+    pub beyond: Option<Seen>,
+}
+
+/// The polygons of the cells, counter-clockwise, in the domain's unit.
+pub(super) struct Window {
+    pub samples: Vec<[f64; 2]>,
+    /// Empty for a sample at the place of another.
+    pub polygons: Vec<Vec<Corner>>,
+    /// The triangles of a bounded set; of a periodic one some are doubled or missing at the seams.
+    pub triangles: Vec<Triangle>,
+}
+
+impl Window {
+    pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
+        let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
+        let failed = |cause| VerifyError::Triangulation {
+            corner: [0.0; 2],
+            cause,
+        };
+        let spacing = domain.spacing(samples.len());
+        let mut halo = 4.0 * radius.clamp(spacing, 8.0 * spacing);
+        loop {
+            let mut found =
+                triangulate(home_and_copies(&samples, &domain, halo)).map_err(failed)?;
+            let triangles = triangles(&found);
+            if !domain.periodic {
+                for guard in guards(&domain) {
+                    let inserted = found.insert(guard);
+                    inserted.map_err(|error| failed(error.to_string()))?;
+                }
+            }
+            let all = !domain.periodic || domain.extent.iter().all(|extent| halo >= *extent);
+            if let Some(polygons) = polygons(&found, &samples, &domain, halo, all) {
+                return Ok(Self {
+                    samples,
+                    polygons,
+                    triangles,
+                });
+            }
+            halo *= 2.0;
+        }
+    }
+}
+
+/// The samples, each place once, and their copies no further than `halo` from the domain. A period is
+/// always enough: the nearest copies are half a period away at most, from places as far beyond.
+fn home_and_copies(samples: &[[f64; 2]], domain: &Domain, halo: f64) -> Vec<Site> {
+    let mut order: Vec<u32> = (0..samples.len() as u32).collect();
+    let at = |id: u32| samples[id as usize];
+    order.sort_unstable_by(|&a, &b| {
+        at(a)
+            .partial_cmp(&at(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+            .then(a.cmp(&b))
+    });
+    order.dedup_by(|later, first| at(*later) == at(*first));
+    let shifts: &[i32] = if domain.periodic { &[0, -1, 1] } else { &[0] };
+    let mut sites = Vec::with_capacity(order.len() * 3 / 2);
+    for sample in order {
+        for &across in shifts {
+            for &along in shifts {
+                let shift = [across, along];
+                let place = shifted(at(sample), shift, domain);
+                let near = |k: usize| (-halo..=domain.extent[k] + halo).contains(&place[k]);
+                if shift == [0, 0] || (near(0) && near(1)) {
+                    let [x, y] = place.map(accepted);
+                    let position = Point2::new(x, y);
+                    let seen = Seen { sample, shift };
+                    sites.push(Site { position, seen });
+                }
+            }
+        }
+    }
+    sites
+}
+
+/// Coordinates that the triangulation refuses as too small become zero.
+fn accepted(value: f64) -> f64 {
+    if value.abs() < spade::MIN_ALLOWED_VALUE {
+        0.0
+    } else {
+        value
+    }
+}
+
+/// A place `shift` periods on.
+pub(super) fn shifted(place: [f64; 2], shift: [i32; 2], domain: &Domain) -> [f64; 2] {
+    [0, 1].map(|k| place[k] + f64::from(shift[k]) * domain.extent[k])
+}
+
+/// Sites so far off that no place of the domain is nearest to them, on all sides.
+fn guards(domain: &Domain) -> [Site; 4] {
+    let [width, height] = domain.extent;
+    let far = 16.0 * width.hypot(height);
+    let (x, y) = (width / 2.0, height / 2.0);
+    [[x - far, y], [x + far, y], [x, y - far], [x, y + far]].map(|[x, y]| Site {
+        position: Point2::new(x, y),
+        seen: Seen {
+            sample: GUARD,
+            shift: [0, 0],
+        },
+    })
+}
+
+fn triangulate(sites: Vec<Site>) -> Result<DelaunayTriangulation<Site>, String> {
+    DelaunayTriangulation::bulk_load(sites).map_err(|error| error.to_string())
+}
+
+fn triangles(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
+    (found.inner_faces())
+        .map(|face| {
+            let corners = face.positions().map(|p| [p.x, p.y]);
+            let sites = face.vertices().map(|v| v.data().seen.sample as usize);
+            Triangle::new(sites, corners)
+        })
+        .collect()
+}
+
+/// The polygon around each sample; none if a circle reaches beyond the halo, where copies are missing.
+/// A circle inside the halo is empty for the whole set, so its triangle is one of the whole set.
+fn polygons(
+    found: &DelaunayTriangulation<Site>,
+    samples: &[[f64; 2]],
+    domain: &Domain,
+    halo: f64,
+    all: bool,
+) -> Option<Vec<Vec<Corner>>> {
+    let mut polygons = vec![Vec::new(); samples.len()];
+    let homes = (found.vertices())
+        .filter(|vertex| vertex.data().seen.sample != GUARD && vertex.data().seen.shift == [0, 0]);
+    for vertex in homes {
+        let polygon = &mut polygons[vertex.data().seen.sample as usize];
+        let first = vertex.out_edge()?;
+        let mut edge = first;
+        loop {
+            // The side towards a neighbour begins in the triangle before it.
+            let face = edge.cw().face().as_inner()?;
+            let circle = circumcircle(face.positions().map(|p| [p.x, p.y]));
+            let reach = circle.square.sqrt();
+            let inside = |k: usize| {
+                circle.center[k] - reach >= -halo
+                    && circle.center[k] + reach <= domain.extent[k] + halo
+            };
+            if !(all || inside(0) && inside(1)) {
+                return None;
+            }
+            let beyond = edge.to().data().seen;
+            polygon.push(Corner {
+                at: circle.center,
+                reach,
+                beyond: (beyond.sample != GUARD).then_some(beyond),
+            });
+            edge = edge.ccw();
+            if edge == first {
+                break;
+            }
+        }
+    }
+    Some(polygons)
+}
