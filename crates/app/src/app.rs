@@ -165,6 +165,10 @@ impl Behavior<Panel> for Shower<'_> {
         64.0
     }
 
+    fn tab_title_spacing(&self, _: &egui::Visuals) -> f32 {
+        6.0
+    }
+
     fn tab_bar_height(&self, _: &egui::Style) -> f32 {
         27.0
     }

@@ -10,6 +10,7 @@ use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
 use crate::device::Engine;
 use crate::layout::Panel;
+use crate::passes::PassCommand;
 use crate::theme::Look;
 
 /// A parameter that is typed as a number.
@@ -120,6 +121,10 @@ pub enum DebugCommand {
     RemoveBookmark(usize),
     /// Goes to the cause of the last event.
     Why,
+    /// Goes behind an event and everything that it holds.
+    SelectEvent(usize),
+    /// Shows what an event holds, or no longer.
+    ToggleEvent(usize),
     /// Types what the event browser looks for.
     Query(String),
     /// Selects something, and looks up its history.
@@ -182,6 +187,10 @@ pub enum Command {
     PaletteChoice(usize),
     /// Moves in time.
     Time(TimeCommand),
+    /// Runs the passes of the session's parameters on the GPU, to be looked at.
+    OpenPasses,
+    /// Does something with the passes.
+    Passes(PassCommand),
     /// Does something with the debugger.
     Debug(DebugCommand),
     /// Tells where the canvas is in the window.

@@ -27,13 +27,15 @@ pub enum Panel {
     Verification,
     /// What symbols mean.
     Legend,
+    /// The passes of the GPU.
+    Passes,
     /// What happened, and the clocks.
     Timeline,
 }
 
 impl Panel {
     /// Every panel.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Parameters,
         Self::Statistics,
         Self::Events,
@@ -44,6 +46,7 @@ impl Panel {
         Self::Watches,
         Self::Verification,
         Self::Legend,
+        Self::Passes,
         Self::Timeline,
     ];
 
@@ -61,6 +64,7 @@ impl Panel {
             Self::Watches => "Watches",
             Self::Verification => "Verification",
             Self::Legend => "Legend",
+            Self::Passes => "GPU passes",
             Self::Timeline => "Timeline",
         }
     }
@@ -80,13 +84,8 @@ impl Default for Layout {
                 .collect();
             tiles.insert_tab_tile(panes)
         };
-        let left = tabs(&[
-            Panel::Parameters,
-            Panel::Events,
-            Panel::Bookmarks,
-            Panel::Statistics,
-        ]);
-        let upper = tabs(&[Panel::Pseudocode]);
+        let left = tabs(&[Panel::Parameters, Panel::Events, Panel::Bookmarks]);
+        let upper = tabs(&[Panel::Pseudocode, Panel::Statistics]);
         let lower = tabs(&[
             Panel::Verification,
             Panel::Inspector,
@@ -94,7 +93,8 @@ impl Default for Layout {
             Panel::Legend,
         ]);
         let canvas = tiles.insert_pane(Panel::Canvas);
-        let timeline = tiles.insert_pane(Panel::Timeline);
+        let timeline = [Panel::Timeline, Panel::Passes].map(|panel| tiles.insert_pane(panel));
+        let timeline = tiles.insert_tab_tile(timeline.to_vec());
         let right = linear(
             &mut tiles,
             LinearDir::Vertical,
@@ -102,7 +102,7 @@ impl Default for Layout {
         );
         let middle = [(left, 0.195), (canvas, 0.605), (right, 0.2)];
         let middle = linear(&mut tiles, LinearDir::Horizontal, &middle);
-        let rows = [(middle, 0.874), (timeline, 0.126)];
+        let rows = [(middle, 0.846), (timeline, 0.154)];
         let root = linear(&mut tiles, LinearDir::Vertical, &rows);
         Self(Tree::new(egui::Id::unique("layout"), root, tiles))
     }

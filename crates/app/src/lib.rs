@@ -10,7 +10,6 @@ pub mod camera;
 pub mod canvas;
 pub mod clock;
 pub mod command;
-pub mod density;
 pub mod device;
 pub mod draft;
 pub mod export;

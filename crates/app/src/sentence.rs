@@ -1,9 +1,6 @@
 //! What happened at a stage, in one sentence. Numbers come from the run; nothing is computed here.
 
-use std::fmt::Write as _;
-
 use tilescope_core::{Boundary, Stage};
-use tilescope_debugger::{Listings, NONE, Recording, query};
 
 use crate::session::{Session, radii};
 
@@ -124,32 +121,6 @@ fn iteration_sentence(session: &Session, k: u32) -> String {
             "uncovered places"
         ),
     )
-}
-
-/// Returns what the event at `index` does.
-#[must_use]
-pub fn event_sentence(recording: &Recording, index: usize) -> String {
-    let row = event_row(recording, index);
-    let line = recording
-        .event(index)
-        .and_then(|event| Listings::shipped().line(event.line()));
-    line.map_or_else(|| row.clone(), |line| format!("{row} ({}).", line.text))
-}
-
-/// Returns a short row about the event at `index`.
-#[must_use]
-pub fn event_row(recording: &Recording, index: usize) -> String {
-    let Some(event) = recording.event(index) else {
-        return "the end".to_owned();
-    };
-    let mut text = event.kind().name().to_owned();
-    for sample in event.samples().into_iter().filter(|&id| id != NONE) {
-        let _ = write!(text, " {}", grouped(sample as usize));
-    }
-    if let Some(verdict) = query::verdict_name(event) {
-        let _ = write!(text, ": {verdict}");
-    }
-    text
 }
 
 #[cfg(test)]

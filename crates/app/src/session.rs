@@ -8,11 +8,10 @@ use tilescope_core::{
     MAXIMAL_DENSITY, Moment, Observer, Parameters, Pattern, Progress, R, Run, SampleError,
     SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
-use tilescope_debugger::{DEFAULT_BUDGET, Recording};
+use tilescope_debugger::{DEFAULT_BUDGET, Outline, Recording};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
 use crate::canvas::index::SampleIndex;
-use crate::density::Density;
 use crate::jobs::Monitor;
 
 /// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
@@ -41,8 +40,8 @@ pub struct Session {
     pub index: SampleIndex,
     /// Pairs of tiled samples that cover one another: the conflicts before elimination.
     pub conflicts: Vec<[u32; 2]>,
-    /// How many events change something.
-    pub density: Density,
+    /// The tree of its events, where they were kept.
+    pub outline: Option<Outline>,
     /// Changes with every session, so that pictures made from an old one are not reused.
     pub generation: u64,
     /// Who made it: "CPU", or "GPU" with the adapter's name.
@@ -184,13 +183,13 @@ impl Session {
     }
 
     fn of(source: Source, generation: u64) -> Self {
-        let (run, starts, density) = match &source {
+        let (run, starts, outline) = match &source {
             Source::Recorded(recording) => (
                 recording.run(),
                 stage_starts(recording),
-                Density::of(recording),
+                Some(Outline::new(recording)),
             ),
-            Source::Run(run) => (&**run, Vec::new(), Density::default()),
+            Source::Run(run) => (&**run, Vec::new(), None),
         };
         let conflicts = match run.counted {
             Some(_) => Vec::new(),
@@ -202,7 +201,7 @@ impl Session {
             index: SampleIndex::new(&run.domain, &run.samples.points),
             conflicts,
             starts,
-            density,
+            outline,
             generation,
             engine: "CPU".to_owned(),
             failure: None,

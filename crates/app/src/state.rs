@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::Rect;
 use tilescope_analysis::VerifyError;
 use tilescope_core::{SampleError, Stage};
-use tilescope_debugger::Debugger;
+use tilescope_debugger::{Debugger, OutlineRows};
 
 use crate::actions::Palette;
 use crate::camera::{Camera, Flight};
@@ -18,6 +18,7 @@ use crate::draft::Draft;
 use crate::export::ExportForm;
 use crate::jobs::{Job, Wake};
 use crate::layout::Layout;
+use crate::passes::Passes;
 use crate::session::Session;
 use crate::theme::Look;
 use crate::verification::{Sight, Verdict};
@@ -62,6 +63,12 @@ pub struct State {
     pub stage: usize,
     /// The events of the session and the cursor among them, where they were kept.
     pub debugger: Option<Debugger>,
+    /// What the event browser shows of the tree.
+    pub rows: Option<OutlineRows>,
+    /// The cursor to which the event browser was opened last.
+    revealed: usize,
+    /// The passes of the session's parameters on the GPU, once they were asked for.
+    pub passes: Option<Passes>,
     /// How time runs.
     pub playback: Playback,
     /// What the event browser looks for.
@@ -129,6 +136,9 @@ impl State {
             verification: Verification::Nothing,
             stage: 0,
             debugger: None,
+            rows: None,
+            revealed: 0,
+            passes: None,
             playback: Playback::default(),
             query: EventQuery::default(),
             history_found: Found::default(),
@@ -229,6 +239,8 @@ impl State {
             Command::TogglePalette | Command::PaletteText(_) | Command::PaletteChoice(_) => {
                 self.apply_to_palette(command);
             }
+            Command::OpenPasses => self.open_passes(),
+            Command::Passes(command) => self.apply_to_passes(command),
             Command::Debug(command) => {
                 self.apply_to_debugger(command);
                 self.follow_cursor();

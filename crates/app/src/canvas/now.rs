@@ -15,21 +15,23 @@ pub fn paint(scene: &Scene<'_>) {
         return;
     };
     let palette = scene.palette;
+    let shift = context
+        .examined
+        .map_or([0.0; 2], |examined| shift_of(scene, &examined));
     if let Some(search) = context.search {
-        let centre = scene.session.place(search.centre);
+        let centre = moved(scene.session.place(search.centre), shift);
         let radius = radii(search.radius) as f32 * scene.scale();
         dashed_circle(scene, scene.at(centre), radius, palette.detector);
         if let Some(debugger) = scene.shown.debugger {
             for id in debugger.recording().test_buffer(&search) {
                 let at = scene.at(scene.session.image_near(id, centre));
-                scene
-                    .painter
-                    .circle_stroke(at, ring(scene), Stroke::new(1.3, palette.detector));
+                let stroke = Stroke::new(1.3, palette.detector);
+                scene.painter.circle_stroke(at, ring(scene), stroke);
             }
         }
     }
     if let Some(examined) = &context.examined {
-        examination(scene, examined);
+        examination(scene, examined, shift);
     }
     if let Some((dart, verdict)) = context.dart {
         let at = scene.at([radii(dart.x), radii(dart.y)]);
@@ -47,6 +49,29 @@ pub fn paint(scene: &Scene<'_>) {
         scene.painter.circle_stroke(at, scene.scale(), faint);
     }
     last_event(scene);
+}
+
+fn moved(place: [f64; 2], shift: [f64; 2]) -> [f64; 2] {
+    [place[0] + shift[0], place[1] + shift[1]]
+}
+
+/// Returns by how much to move what surrounds a place under test so that the place lies in the domain: in a
+/// periodic one its detector may lie across the border.
+fn shift_of(scene: &Scene<'_>, examined: &Examined) -> [f64; 2] {
+    if !scene.session.run().domain.is_periodic() {
+        return [0.0; 2];
+    }
+    let detector = scene.session.place(examined.detector);
+    let size = scene.session.size_radii();
+    let axis = |k: usize| {
+        let place = detector[k] + radii(examined.offset[k]);
+        if radii(examined.offset[k]).abs() < size[k] {
+            -(place / size[k]).floor() * size[k]
+        } else {
+            0.0
+        }
+    };
+    [axis(0), axis(1)]
 }
 
 fn ring(scene: &Scene<'_>) -> f32 {
@@ -118,8 +143,8 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
 }
 
 /// Draws the circle through the sites of a place under test, and what the verdict is.
-fn examination(scene: &Scene<'_>, examined: &Examined) {
-    let detector = scene.session.place(examined.detector);
+fn examination(scene: &Scene<'_>, examined: &Examined, shift: [f64; 2]) {
+    let detector = moved(scene.session.place(examined.detector), shift);
     let offset = examined.offset.map(radii);
     let center = [detector[0] + offset[0], detector[1] + offset[1]];
     let at = scene.at(center);

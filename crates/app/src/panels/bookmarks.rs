@@ -5,7 +5,7 @@ use tilescope_debugger::{Debugger, Listings};
 
 use super::no_events;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use crate::sentence::{event_row, grouped};
+use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, heading, icon_button};
@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let text = RichText::new(format!("event {}", grouped(mark.event))).monospace();
             let link = ui
                 .link(text)
-                .on_hover_text(event_row(debugger.recording(), mark.event));
+                .on_hover_text(tilescope_debugger::short(debugger.recording(), mark.event));
             if link.clicked() {
                 commands.push(Command::Time(TimeCommand::Jump(mark.event)));
             }

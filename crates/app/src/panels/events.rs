@@ -1,14 +1,14 @@
-//! The event browser: the events around the cursor with their depths, or those that a query finds. A click goes
-//! there.
+//! The event browser: the tree of events, or those that a query finds. Selecting one goes behind it, and behind all that
+//! it holds.
 
 use egui::{
     Align2, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
 };
-use tilescope_debugger::{Debugger, Listings};
+use tilescope_debugger::{Debugger, OutlineRows};
 
 use super::no_events;
-use crate::command::{Command, DebugCommand, TimeCommand};
-use crate::sentence::{counted, event_row, grouped};
+use crate::command::{Command, DebugCommand};
+use crate::sentence::{counted, grouped};
 use crate::state::{Found, MOST_FOUND, State};
 use crate::theme::Palette;
 
@@ -52,98 +52,163 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     list(ui, state, debugger, found, commands);
 }
 
-/// Shows rows of events: all of them, or those given.
-pub fn list(
+/// A row to be shown: an event, how far it is indented, and whether it can be expanded, or is.
+struct Line {
+    event: usize,
+    level: usize,
+    expanded: Option<bool>,
+}
+
+/// Shows the tree of events, or those that were found.
+fn list(
     ui: &mut Ui,
     state: &State,
     debugger: &Debugger,
-    events: Option<&[usize]>,
+    found: Option<&[usize]>,
     commands: &mut Vec<Command>,
 ) {
-    let count = events.map_or(debugger.recording().len(), <[usize]>::len);
-    let event_at = |row: usize| events.map_or(row, |events| events[row]);
-    let cursor = debugger.state().cursor();
+    let last = debugger.state().cursor().checked_sub(1);
+    let rows = state.rows.as_ref();
+    let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
+    let line = |row: usize| match found {
+        Some(events) => Some(Line {
+            event: events[row],
+            level: 0,
+            expanded: None,
+        }),
+        None => rows?.row(row).map(|row| Line {
+            event: row.event,
+            level: row.level,
+            expanded: row.has_children.then_some(row.expanded),
+        }),
+    };
+    let here = match (found, last) {
+        (Some(events), Some(last)) => events
+            .partition_point(|&event| event <= last)
+            .checked_sub(1),
+        (None, Some(last)) => visible_row(state, last),
+        (_, None) => None,
+    };
     ui.spacing_mut().item_spacing.y = 0.0;
     let mut area = ScrollArea::vertical()
         .auto_shrink([false, false])
-        .id_salt(events.is_some());
-    let here = match events {
-        None => cursor,
-        Some(events) => events.partition_point(|&event| event < cursor),
-    };
-    let seen = ui.scope_id().with(("seen", events.is_some()));
-    if ui.data(|data| data.get_temp::<usize>(seen)) != Some(cursor) {
-        ui.data_mut(|data| data.insert_temp(seen, cursor));
-        let offset = here as f32 * ROW - 0.4 * ui.available_height();
+        .id_salt(found.is_some());
+    let seen = ui.scope_id().with(("seen", found.is_some()));
+    if ui.data(|data| data.get_temp::<Option<usize>>(seen)) != Some(here) {
+        ui.data_mut(|data| data.insert_temp(seen, here));
+        let offset = here.unwrap_or(0) as f32 * ROW - 0.4 * ui.available_height();
         area = area.vertical_scroll_offset(offset.max(0.0));
     }
     area.show_rows(ui, ROW, count, |ui, rows| {
         for row in rows {
-            show_row(ui, state, debugger, event_at(row), cursor, commands);
+            if let Some(line) = line(row) {
+                show_row(ui, state, debugger, &line, here == Some(row), commands);
+            }
         }
     });
+}
+
+/// Returns the row of an event, or of the nearest one around it that can be seen.
+fn visible_row(state: &State, event: usize) -> Option<usize> {
+    let rows = state.rows.as_ref()?;
+    let outline = state.session.as_ref()?.outline.as_ref()?;
+    let around = std::iter::once(event).chain(outline.parents(event));
+    around.filter_map(|event| rows.row_of(event)).next()
 }
 
 fn show_row(
     ui: &mut Ui,
     state: &State,
     debugger: &Debugger,
-    index: usize,
-    cursor: usize,
+    line: &Line,
+    current: bool,
     commands: &mut Vec<Command>,
 ) {
     let palette = Palette::of(state.look);
-    let Some(event) = debugger.recording().event(index) else {
-        return;
-    };
+    let index = line.event;
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width() - 10.0, ROW), Sense::click());
-    let text = event_row(debugger.recording(), index);
-    let next = index == cursor;
-    response.widget_info(|| {
-        WidgetInfo::selected(
-            Role::Button,
-            true,
-            next,
-            format!("Event {}: {text}", grouped(index)),
-        )
-    });
-    if next {
+    let text = tilescope_debugger::short(debugger.recording(), index);
+    let label = format!("Event {}: {text}", grouped(index));
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
+    if current {
         ui.painter()
             .rect_filled(rect, 3.0, palette.accent.gamma_multiply(0.22));
     } else if response.hovered() || response.has_focus() {
         ui.painter()
             .rect_filled(rect, 3.0, palette.text.gamma_multiply(0.07));
     }
+    let indent = 10.0 * line.level as f32;
+    if let Some(expanded) = line.expanded {
+        arrow(ui, rect, indent, index, expanded, palette, commands);
+    }
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-    let ink = if index < cursor {
-        palette.text
-    } else {
-        palette.muted
-    };
-    let left = rect.left_center();
-    painter.text(
-        left + vec2(56.0, 0.0),
+    let past = index < debugger.state().cursor();
+    let ink = if past { palette.text } else { palette.muted };
+    let number = painter.text(
+        rect.right_center() - vec2(2.0, 0.0),
         Align2::RIGHT_CENTER,
         grouped(index),
-        FontId::monospace(10.5),
+        FontId::monospace(10.0),
         palette.muted,
     );
-    let indent = 64.0 + 8.0 * f32::from(event.depth());
+    let painter = painter.with_clip_rect(
+        painter
+            .clip_rect()
+            .intersect(egui::Rect::everything_left_of(number.left() - 4.0)),
+    );
     painter.text(
-        left + vec2(indent, 0.0),
+        rect.left_center() + vec2(18.0 + indent, 0.0),
         Align2::LEFT_CENTER,
         text,
         FontId::proportional(12.0),
         ink,
     );
-    let line = Listings::shipped().line(event.line());
-    let tip = line.map_or_else(String::new, |line| format!("{}  {}", line.id, line.text));
+    let tip = tilescope_debugger::sentence(debugger.recording(), index);
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
         .on_hover_text(tip)
         .clicked()
     {
-        commands.push(Command::Time(TimeCommand::Jump(index)));
+        commands.push(Command::Debug(DebugCommand::SelectEvent(index)));
+    }
+}
+
+fn arrow(
+    ui: &Ui,
+    rect: egui::Rect,
+    indent: f32,
+    event: usize,
+    expanded: bool,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let at = rect.left_center() + vec2(9.0 + indent, 0.0);
+    let area = egui::Rect::from_center_size(at, vec2(16.0, ROW));
+    let response = ui.interact(area, ui.scope_id().with(("arrow", event)), Sense::click());
+    let name = format!(
+        "{} event {}",
+        if expanded { "Collapse" } else { "Expand" },
+        grouped(event)
+    );
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    let corners = if expanded {
+        [vec2(-4.0, -2.0), vec2(4.0, -2.0), vec2(0.0, 3.0)]
+    } else {
+        [vec2(-2.0, -4.0), vec2(3.0, 0.0), vec2(-2.0, 4.0)]
+    };
+    let color = if response.hovered() || response.has_focus() {
+        palette.text
+    } else {
+        palette.muted
+    };
+    let corners = corners.map(|v| at + v).to_vec();
+    ui.painter().add(egui::Shape::convex_polygon(
+        corners,
+        color,
+        egui::Stroke::NONE,
+    ));
+    if response.clicked() {
+        commands.push(Command::Debug(DebugCommand::ToggleEvent(event)));
     }
 }

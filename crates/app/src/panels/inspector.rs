@@ -9,7 +9,7 @@ use tilescope_debugger::{Debugger, why};
 use super::divide;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
-use crate::sentence::{counted, event_row, event_sentence, grouped};
+use crate::sentence::{counted, grouped};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{heading, row};
@@ -62,12 +62,12 @@ fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let text = format!(
             "{:>7}  {}",
             grouped(event),
-            event_row(debugger.recording(), event)
+            tilescope_debugger::short(debugger.recording(), event)
         );
         let ink = if past { palette.text } else { palette.muted };
         let label = RichText::new(text).monospace().size(11.0).color(ink);
         let response = ui.add(egui::Button::new(label).frame(false).truncate());
-        let tip = event_sentence(debugger.recording(), event);
+        let tip = tilescope_debugger::sentence(debugger.recording(), event);
         if response.on_hover_text(tip).clicked() {
             commands.push(Command::Time(TimeCommand::Jump(event + 1)));
         }
@@ -96,14 +96,18 @@ fn why(
     heading(ui, "Why? The causes of the last event");
     let recording = debugger.recording();
     for event in std::iter::once(last).chain(why::causes(recording, last)) {
-        let text = format!("{:>7}  {}", grouped(event), event_row(recording, event));
+        let text = format!(
+            "{:>7}  {}",
+            grouped(event),
+            tilescope_debugger::short(recording, event)
+        );
         let label = RichText::new(text)
             .monospace()
             .size(11.0)
             .color(palette.text);
         let response = ui.add(egui::Button::new(label).frame(false).truncate());
         if response
-            .on_hover_text(event_sentence(recording, event))
+            .on_hover_text(tilescope_debugger::sentence(recording, event))
             .clicked()
         {
             commands.push(Command::Time(TimeCommand::Jump(event + 1)));

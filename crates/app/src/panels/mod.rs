@@ -89,6 +89,7 @@ pub fn show_panel(
             });
         }
         Panel::Pseudocode => filled(ui, side, |ui| pseudocode::show(ui, state, commands)),
+        Panel::Passes => filled(ui, side, |ui| passes(ui, state, commands)),
         Panel::Events => filled(ui, side, |ui| events::show(ui, state, commands)),
         _ => filled(ui, side, |ui| {
             scrolled(ui, |ui| match panel {
@@ -99,7 +100,11 @@ pub fn show_panel(
                 Panel::Watches => watches::show(ui, state, commands),
                 Panel::Verification => verification::show(ui, state, commands),
                 Panel::Legend => legend::show(ui, state, commands),
-                Panel::Canvas | Panel::Timeline | Panel::Pseudocode | Panel::Events => {}
+                Panel::Canvas
+                | Panel::Timeline
+                | Panel::Pseudocode
+                | Panel::Events
+                | Panel::Passes => {}
             });
         }),
     }
@@ -150,4 +155,26 @@ fn no_events(ui: &mut Ui, state: &State) {
         }
     };
     ui.label(egui::RichText::new(text).color(palette.muted));
+}
+
+/// Shows the passes of the GPU, or how to come to see them.
+fn passes(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    if let Some(passes) = &state.passes {
+        let mut own = Vec::new();
+        crate::passes::panel::show(ui, passes, palette, &mut own);
+        commands.extend(own.into_iter().map(Command::Passes));
+        return;
+    }
+    let text = "Every compute pass of this session's run on the GPU, with its buffers before and after, compared with the CPU.";
+    ui.label(egui::RichText::new(text).color(palette.muted));
+    let refusal = state.passes_refusal();
+    let button = ui.add_enabled(refusal.is_none(), egui::Button::new("Run the passes"));
+    let button = button.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
+    if button.clicked() {
+        commands.push(Command::OpenPasses);
+    }
+    if let Some(refusal) = refusal {
+        ui.label(egui::RichText::new(refusal).color(palette.muted));
+    }
 }

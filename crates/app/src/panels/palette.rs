@@ -22,6 +22,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.set_width(480.0);
         field(ui, open, commands);
         ui.add_space(6.0);
+        let seen = ui.scope_id().with("seen");
+        let moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
+        ui.data_mut(|data| data.insert_temp(seen, choice));
         let mut done = keys(ui, choice, found.len(), commands).then_some(choice);
         ScrollArea::vertical()
             .max_height(12.0 * ROW)
@@ -29,7 +32,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
                 for (place, action) in found.iter().enumerate() {
-                    if show_action(ui, state, action, place == choice) {
+                    if show_action(ui, state, action, place == choice, moved) {
                         done = Some(place);
                     }
                 }
@@ -82,7 +85,7 @@ fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bo
     })
 }
 
-fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool) -> bool {
+fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool, moved: bool) -> bool {
     let palette = Palette::of(state.look);
     let enabled = action.refusal.is_none();
     let sense = if enabled {
@@ -95,7 +98,9 @@ fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool) -> boo
     if chosen {
         ui.painter()
             .rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.22));
-        ui.scroll_to_rect(rect, None);
+        if moved {
+            ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
+        }
     } else if response.hovered() {
         ui.painter()
             .rect_filled(rect, 5.0, palette.text.gamma_multiply(0.07));

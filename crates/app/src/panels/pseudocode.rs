@@ -110,7 +110,7 @@ fn show_line(
         ui.painter()
             .line_segment(ends, Stroke::new(2.5, palette.accent));
         if moved {
-            ui.scroll_to_rect(rect, None);
+            ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
         }
     } else if text.hovered() || text.has_focus() {
         ui.painter()

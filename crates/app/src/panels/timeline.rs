@@ -7,7 +7,7 @@ use super::track;
 use crate::actions::time_refusals;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
-use crate::sentence::{counted, event_sentence, grouped, stage_sentence};
+use crate::sentence::{counted, grouped, stage_sentence};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, icon_button};
@@ -119,7 +119,7 @@ pub fn happened(state: &State) -> String {
     };
     match (shown.debugger, shown.cursor().checked_sub(1)) {
         (Some(debugger), Some(last)) if !shown.ends_stage() => {
-            event_sentence(debugger.recording(), last)
+            tilescope_debugger::sentence(debugger.recording(), last)
         }
         _ => stage_sentence(shown.session, shown.stage),
     }

@@ -8,6 +8,7 @@ use egui::{
     vec2,
 };
 use tilescope_core::Stage;
+use tilescope_debugger::Recording;
 
 use crate::command::{Command, TimeCommand};
 use crate::sentence::stage_name;
@@ -101,8 +102,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         show_segment(ui, state, segment, rect, commands);
     }
     let painter = ui.painter_at(rect.expand(6.0));
-    if state.debugger.is_some() {
-        density(&painter, session, &segments, rect, palette);
+    if let Some(recording) = session.recording() {
+        density(&painter, recording, &segments, rect, palette);
     }
     marks(&painter, state, &segments, rect, palette);
     let x = x_of(&segments, cursor);
@@ -174,20 +175,17 @@ fn show_segment(
 /// Draws how often something changed: conflicts, gaps and insertions among all events.
 fn density(
     painter: &Painter,
-    session: &Session,
+    recording: &Recording,
     segments: &[Segment],
     rect: Rect,
     palette: &Palette,
 ) {
     for segment in segments {
         let columns = ((segment.right - segment.left - 2.0) / 2.0).max(1.0) as usize;
-        for column in 0..columns {
-            let from = segment.events.start + segment.events.len() * column / columns;
-            let to = segment.events.start + segment.events.len() * (column + 1) / columns;
-            if to <= from {
-                continue;
-            }
-            let shares = session.density.shares(from..to);
+        let counts = tilescope_debugger::density(recording, segment.events.clone(), columns);
+        for (column, count) in counts.iter().enumerate() {
+            let total = count.total().max(1) as f32;
+            let shares = [count.conflicts, count.gaps, count.insertions].map(|n| n as f32 / total);
             let x = segment.left + 2.0 + 2.0 * column as f32;
             let mut bottom = rect.top() + BAR - 1.0;
             for (share, color) in

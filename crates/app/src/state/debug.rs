@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use tilescope_core::{Point, R};
-use tilescope_debugger::{Bookmark, DEFAULT_BUDGET, Debugger, LineId, Query, Recording, why};
+use tilescope_debugger::{
+    Bookmark, DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Recording, why,
+};
 
 use super::State;
 use crate::command::{DebugCommand, Selection};
@@ -68,6 +70,13 @@ impl State {
         match command {
             DebugCommand::Query(text) => self.ask(text),
             DebugCommand::Pick(selection) => self.pick(selection),
+            DebugCommand::SelectEvent(event) => self.select_event(event),
+            DebugCommand::ToggleEvent(event) => {
+                let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+                if let (Some(outline), Some(rows)) = (outline, &mut self.rows) {
+                    rows.toggle(outline, event);
+                }
+            }
             command => {
                 if let Some(debugger) = &mut self.debugger {
                     change(debugger, command);
@@ -91,10 +100,39 @@ impl State {
             }
             debugger
         });
+        self.rows = session.outline.as_ref().map(OutlineRows::new);
+        (self.revealed, self.passes) = (usize::MAX, None);
         self.history_found = Found::Nothing;
         self.playback.range = None;
         let text = std::mem::take(&mut self.query.text);
         self.ask(text);
+    }
+
+    /// Goes behind an event and everything that it holds; the tree stays as it is.
+    fn select_event(&mut self, event: usize) {
+        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+        if let Some(outline) = outline {
+            let end = outline.end(event);
+            self.jump(end);
+            self.revealed = end;
+        }
+    }
+
+    /// Opens the tree of events down to the last one, if the cursor was moved elsewhere than in the tree.
+    pub(super) fn reveal(&mut self) {
+        let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
+            return;
+        };
+        if !self.layout.shows(crate::layout::Panel::Events) {
+            return;
+        }
+        self.revealed = cursor;
+        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+        if let (Some(outline), Some(rows), Some(last)) =
+            (outline, &mut self.rows, cursor.checked_sub(1))
+        {
+            rows.expand_to(outline, last);
+        }
     }
 
     fn look(&self, look: impl FnOnce(&Recording) -> Vec<usize> + Send + 'static) -> Found {
@@ -181,7 +219,10 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
                 debugger.jump(cause + 1);
             }
         }
-        DebugCommand::Query(_) | DebugCommand::Pick(_) => {}
+        DebugCommand::Query(_)
+        | DebugCommand::Pick(_)
+        | DebugCommand::SelectEvent(_)
+        | DebugCommand::ToggleEvent(_) => {}
     }
 }
 

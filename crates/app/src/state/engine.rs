@@ -9,6 +9,7 @@ use super::State;
 use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::draft::sentence;
 use crate::jobs::Job;
+use crate::passes::{PassCommand, Passes};
 use crate::session::{Failure, Session};
 
 impl State {
@@ -92,6 +93,48 @@ impl State {
         if let Device::Testing(job) = &self.device {
             let outcome = job.wait();
             self.finish_test(outcome);
+        }
+    }
+
+    /// Returns why the passes cannot be looked at now, or `None` if they can.
+    #[must_use]
+    pub fn passes_refusal(&self) -> Option<String> {
+        if self.session.is_none() {
+            return Some("There is no session yet.".to_owned());
+        }
+        match &self.device {
+            Device::Ready(_) => None,
+            Device::Unknown => {
+                Some("Choose the GPU as the engine first: it is opened and tested then.".to_owned())
+            }
+            device => device.said(),
+        }
+    }
+
+    pub(super) fn open_passes(&mut self) {
+        let (Some(gpu), Some(session)) = (self.device.ready(), &self.session) else {
+            return;
+        };
+        match Passes::new(gpu, &session.run().parameters, &self.wake) {
+            Ok(passes) => self.passes = Some(passes),
+            Err(refusal) => self.tell(sentence(&refusal), true),
+        }
+    }
+
+    /// Carries out a command of the passes; the timeline follows to the stage that the chosen pass ends.
+    pub(super) fn apply_to_passes(&mut self, command: PassCommand) {
+        let Some(passes) = &mut self.passes else {
+            return;
+        };
+        let before = passes.position();
+        passes.apply(command);
+        let after = passes.position();
+        if let (true, Some((stage, true))) = (before != after, after) {
+            let stages = self.session.as_ref().map(|session| session.stages.clone());
+            let place = stages.and_then(|stages| stages.iter().position(|&other| other == stage));
+            if let Some(place) = place {
+                self.show_stage(place);
+            }
         }
     }
 }

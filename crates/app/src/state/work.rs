@@ -35,6 +35,7 @@ impl State {
             }
         }
         let plays = self.playback.is_playing() && self.play(dt_secs);
+        self.reveal();
         self.flight.is_some() || plays
     }
 
@@ -53,6 +54,9 @@ impl State {
             self.finish_verification(outcome);
         }
         self.history_found.poll();
+        if let Some(passes) = &mut self.passes {
+            passes.poll();
+        }
         self.query.found.poll();
         #[cfg(not(target_arch = "wasm32"))]
         self.poll_export();
@@ -133,6 +137,9 @@ impl State {
             self.finish_verification(outcome);
         }
         self.history_found.settle();
+        if let Some(passes) = &mut self.passes {
+            passes.settle();
+        }
         self.query.found.settle();
         if let Some(job) = self.exporting.take() {
             let outcome = job.wait();
