@@ -418,20 +418,34 @@ fn debug(list: &mut List, state: &State) {
 /// count.
 pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
     let typing = ctx.text_edit_focused();
+    let listed = state.palette.is_some();
+    let any = ctx.input(|input| {
+        input
+            .events
+            .iter()
+            .any(|e| matches!(e, egui::Event::Key { pressed: true, .. }))
+    });
     let mut commands = Vec::new();
+    if !any {
+        return commands;
+    }
     ctx.input_mut(|input| {
-        for action in actions(state) {
+        for action in actions(state)
+            .into_iter()
+            .filter(|action| action.refusal.is_none())
+        {
             let Some(shortcut) = action.shortcut else {
                 continue;
             };
+            if listed && action.command != Command::TogglePalette {
+                continue;
+            }
             let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
             let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);
             let free = !typing || modifiers.command || function;
             if free && input.key_pressed(key) && input.modifiers.matches_exact(modifiers) {
                 input.consume_key(modifiers, key);
-                if action.refusal.is_none() {
-                    commands.push(action.command);
-                }
+                commands.push(action.command);
             }
         }
     });
