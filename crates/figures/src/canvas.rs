@@ -9,7 +9,10 @@ use crate::scene::{
 };
 
 /// Height of the caption, in pixels at a picture width of 1000.
-const CAPTION: f64 = 44.0;
+pub(crate) const CAPTION: f64 = 44.0;
+
+/// Margin around the frame, in pixels at a picture width of 1000.
+pub(crate) const MARGIN: f64 = 16.0;
 
 /// Disks of a smaller radius in pixels are left out.
 const SMALLEST_DISK: f64 = 12.0;
@@ -41,11 +44,11 @@ impl Default for PictureOptions {
 /// A scene in the making: user units, y upwards, one frame below a caption.
 pub(crate) struct Canvas<'a> {
     pub(crate) options: &'a PictureOptions,
-    size: [f64; 2],
-    periodic: bool,
-    radius: f64,
-    shown: Rect,
-    frame: Rect,
+    pub(crate) size: [f64; 2],
+    pub(crate) periodic: bool,
+    pub(crate) radius: f64,
+    pub(crate) shown: Rect,
+    pub(crate) frame: Rect,
     view: View,
     scene: Scene,
 }
@@ -60,7 +63,7 @@ impl<'a> Canvas<'a> {
         let whole = Rect::new([0.0; 2], size);
         let shown = options.window.unwrap_or(whole);
         let scale = options.width / 1000.0;
-        let margin = 16.0 * scale;
+        let margin = MARGIN * scale;
         let top = margin + CAPTION * scale;
         let inner = options.width - 2.0 * margin;
         let height = inner * (shown.max[1] - shown.min[1]) / (shown.max[0] - shown.min[0]);
@@ -229,14 +232,14 @@ impl<'a> Canvas<'a> {
     /// Hatches the domain and lays the disks on top: what stays hatched is a gap, exactly.
     pub(crate) fn coverage(&mut self, points: &[[f64; 2]]) {
         let mut gaps = self.group("gaps");
+        let rect = self.flip_rect(self.domain_shown());
+        let solid = Style::filled(with_alpha(self.palette().gap, 170));
+        gaps.shapes.push(Shape::Rect { rect, style: solid });
         let hatch = Hatch {
             color: self.palette().gap,
             spacing: 5.0,
             width: 2.0,
         };
-        let rect = self.flip_rect(Rect::new([0.0; 2], self.size));
-        let solid = Style::filled(with_alpha(self.palette().gap, 170));
-        gaps.shapes.push(Shape::Rect { rect, style: solid });
         let style = Style {
             fill: Some(Fill::Hatch(hatch)),
             stroke: None,
@@ -254,6 +257,14 @@ impl<'a> Canvas<'a> {
         self.push([gaps, disks]);
         // Their overlapping fills would veil the gaps.
         self.rings(points, None);
+    }
+
+    /// Returns the part of the domain, and of its copies, that is shown.
+    fn domain_shown(&self) -> Rect {
+        if self.periodic && self.options.window.is_some() {
+            return self.shown;
+        }
+        Rect::new([0.0; 2], self.size)
     }
 
     pub(crate) fn finish(mut self, caption: &str) -> Scene {

@@ -1,4 +1,4 @@
-//! A scene of shapes, as SVG and as PNG.
+//! A scene of shapes, as SVG and as PNG, and frames as animations.
 //!
 //! The room for pictures that leave the program: one [`Scene`], several exporters that agree, and the [`Palette`]
 //! that the app's canvas shares. Invariant: the same scene gives the same bytes on every platform. Never opens
@@ -17,10 +17,13 @@
 //! # Ok::<(), tilescope_figures::FigureError>(())
 //! ```
 
+pub mod animation;
 mod canvas;
 mod error;
 mod fonts;
 mod geometry;
+pub mod moment;
+
 mod palette;
 mod png;
 mod raster;
@@ -28,9 +31,11 @@ mod scene;
 mod stages;
 mod svg;
 
+pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
 pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
+pub use moment::{Layers, MomentOptions, moment_scene};
 pub use palette::{Color, Palette, with_alpha};
 pub use png::to_png;
 pub use raster::{Pixels, to_pixels};

@@ -64,7 +64,12 @@ fn text_chunks(scene: &Scene) -> impl Iterator<Item = (String, String)> {
         .into_iter()
         .chain(scene.metadata.iter().cloned())
         .filter(|(_, value)| !value.is_empty())
-        .map(|(key, value)| (keyword(&key), value.replace('\0', " ")))
+        .map(|(key, value)| text_chunk(&key, &value))
+}
+
+/// A keyword and a text as chunks may hold them.
+pub(crate) fn text_chunk(key: &str, value: &str) -> (String, String) {
+    (keyword(key), value.replace('\0', " "))
 }
 
 /// `key` as the specification wants keywords: 1 to 79 printable characters without outer spaces.

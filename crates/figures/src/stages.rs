@@ -238,7 +238,7 @@ impl Canvas<'_> {
     }
 }
 
-fn unit(domain: &Domain) -> [f64; 2] {
+pub(crate) fn unit(domain: &Domain) -> [f64; 2] {
     let [width, height] = domain.size();
     [
         width / f64::from(domain.width()),
