@@ -144,7 +144,7 @@ fn a_buffer_is_chosen_filtered_and_its_error_is_beside_the_box() {
     harness.get_by_label_contains("Buffer origins").click();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("Row 0, changed, image 0 \u{2192}");
+    harness.get_by_label_contains("Row 0, changed, image 0, pattern index 0 \u{2192}");
     let all = harness.state().passes.shown().rows().len();
     assert!(
         harness

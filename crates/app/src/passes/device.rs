@@ -66,6 +66,8 @@ pub(super) struct Walker {
 /// All passes, as far as they came.
 pub(super) struct Survey {
     pub passes: Vec<PassEntry>,
+    /// How often the run began anew with more room or a wider halo.
+    pub restarts: u32,
     pub walker: Option<Walker>,
     pub stop: Option<Stop>,
 }
@@ -122,6 +124,7 @@ impl Walker {
 pub(super) async fn survey(subject: Subject, monitor: Arc<Monitor>) -> Survey {
     let mut survey = Survey {
         passes: Vec::new(),
+        restarts: 0,
         walker: None,
         stop: None,
     };
@@ -149,15 +152,14 @@ impl Survey {
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
         let mut twin = Twin::new(parameters, &pattern)?;
         let walker = self.walker.insert(Walker::begin(subject, &pattern).await?);
-        let mut restarts = 0;
         loop {
             continue_unless_cancelled(monitor)?;
             if !walker.step().await? {
                 return Ok(());
             }
-            if walker.stepper.restarts() > restarts {
-                // The stages come again, with more room.
-                restarts = walker.stepper.restarts();
+            if walker.stepper.restarts() > self.restarts {
+                // The stages come again.
+                self.restarts = walker.stepper.restarts();
                 self.passes.clear();
                 twin = Twin::new(parameters, &pattern)?;
             }

@@ -71,6 +71,7 @@ pub struct Passes {
     wake: Wake,
     entries: Vec<PassEntry>,
     lines: Vec<Line>,
+    restarts: u32,
     work: Work,
     walker: Option<Walker>,
     selected: Option<usize>,
@@ -104,6 +105,7 @@ impl Passes {
             wake: Arc::clone(wake),
             entries: Vec::new(),
             lines: Vec::new(),
+            restarts: 0,
             work: Work::Idle,
             walker: None,
             selected: None,
@@ -225,6 +227,12 @@ impl Passes {
         &self.lines
     }
 
+    /// Returns how often the run began anew, with more room or a wider halo, until it had enough of both.
+    #[must_use]
+    pub const fn restarts(&self) -> u32 {
+        self.restarts
+    }
+
     /// Returns the place of the selected pass.
     #[must_use]
     pub const fn selected(&self) -> Option<usize> {
@@ -323,6 +331,7 @@ impl Passes {
         match outcome {
             Ok(survey) => {
                 self.entries = survey.passes;
+                self.restarts = survey.restarts;
                 self.walker = survey.walker;
                 let count = grouped(self.entries.len());
                 self.notice = survey.stop.map(|stop| match stop {

@@ -93,23 +93,29 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
             let text = RichText::new(notice).color(palette.margin);
             ui.add(Label::new(text).truncate()).on_hover_text(notice);
         } else {
-            ui.label(RichText::new(summary(passes.entries())).color(palette.muted));
+            ui.label(RichText::new(summary(passes)).color(palette.muted));
         }
     });
 }
 
 /// Returns how the run compares with the CPU in all.
-fn summary(entries: &[PassEntry]) -> String {
+fn summary(passes: &Passes) -> String {
+    let entries = passes.entries();
     let count = |wanted: fn(&Badge) -> bool| entries.iter().filter(|e| wanted(&e.badge)).count();
     let compared = count(|badge| *badge != Badge::Intermediate);
     let equal = count(|badge| *badge == Badge::Equal);
-    let passes = counted(entries.len(), "pass", "passes");
+    let all = counted(entries.len(), "pass", "passes");
     let stages = counted(compared, "stage", "stages");
     let are = if equal == 1 { "is" } else { "are" };
-    format!(
-        "{passes}, {stages}: {equal} {are} equal to the CPU, {} differ",
-        compared - equal
-    )
+    let differ = compared - equal;
+    let again = match passes.restarts() {
+        0 => String::new(),
+        n => format!(
+            "; begun anew {} with more room or a wider halo",
+            counted(n as usize, "time", "times")
+        ),
+    };
+    format!("{all}, {stages}: {equal} {are} equal to the CPU, {differ} differ{again}")
 }
 
 /// The selected pass.

@@ -98,7 +98,9 @@ impl Shown {
         let Some(table) = self.table(visit) else {
             return;
         };
-        let filter = match Filter::parse(&self.text, &table.columns) {
+        // A table with one row is shown whole, field by field.
+        let text = if table.total > 1 { &self.text } else { "" };
+        let filter = match Filter::parse(text, &table.columns) {
             Ok(filter) => filter,
             Err(error) => {
                 self.error = Some(error);
