@@ -4,17 +4,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use egui::Theme;
 use egui_kittest::Harness;
 use tilescope_app::passes::{Fault, PassCommand, Passes, panel};
-use tilescope_app::theme::{Palette, install};
+use tilescope_app::theme::{Look, Palette, install};
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
 
 struct Shown {
     passes: Passes,
-    theme: Theme,
+    look: Look,
 }
 
 fn main() {
@@ -32,15 +31,15 @@ fn main() {
     let passes = Passes::new(&Arc::new(gpu), &parameters, &wake).expect("a small run");
     let shown = Shown {
         passes,
-        theme: Theme::Dark,
+        look: Look::Dark,
     };
     let mut harness = Harness::builder()
         .with_size([1060.0, 640.0])
         .with_max_steps(64)
         .build_ui_state(
             |ui, shown: &mut Shown| {
-                install(ui.ctx(), shown.theme);
-                let palette = Palette::of(shown.theme);
+                install(ui.ctx(), shown.look.theme());
+                let palette = Palette::of(shown.look);
                 ui.painter()
                     .rect_filled(ui.ctx().content_rect(), 0.0, palette.panel);
                 let mut commands = Vec::new();
@@ -55,8 +54,8 @@ fn main() {
         passes.select_stage(Stage::Tile);
         passes.settle();
     };
-    for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
-        harness.state_mut().theme = theme;
+    for (look, name) in [(Look::Dark, "dark"), (Look::Light, "light")] {
+        harness.state_mut().look = look;
         places(&mut harness.state_mut().passes);
         let mut take = |what: &str, commands: Vec<PassCommand>| {
             for command in commands {

@@ -123,6 +123,12 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         ],
     );
     shoot("moment-gap-light", vec![Command::ToggleTheme]);
+    let nets = [Layer::Delaunay, Layer::Voronoi, Layer::Circumcircles];
+    shoot("moment-geometry", nets.map(Command::ToggleLayer).to_vec());
+    shoot(
+        "moment-no-geometry",
+        nets.map(Command::ToggleLayer).to_vec(),
+    );
     shoot(
         "moment-insertion",
         vec![

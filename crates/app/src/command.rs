@@ -203,7 +203,7 @@ pub enum Command {
     Fit,
     /// Flies to a place, given in r, until about this many r are visible.
     FlyTo([f64; 2], f64),
-    /// Flies to the block that holds a place, given in r.
+    /// Flies to the gap that holds a place, given in r, else to its block.
     FlyToBlock([f64; 2]),
     /// Flies to what decides a verdict.
     FlyToWitness(Witness),

@@ -13,6 +13,7 @@ pub mod command;
 pub mod device;
 pub mod draft;
 pub mod export;
+pub mod geometry;
 pub mod jobs;
 pub mod layout;
 pub mod moment;

@@ -16,6 +16,7 @@ use crate::command::Command;
 use crate::device::{Device, Engine};
 use crate::draft::Draft;
 use crate::export::ExportForm;
+use crate::geometry::Geometry;
 use crate::jobs::{Job, Wake};
 use crate::layout::Layout;
 use crate::passes::Passes;
@@ -73,6 +74,8 @@ pub struct State {
     pub playback: Playback,
     /// What the event browser looks for.
     pub query: EventQuery,
+    /// The triangulation of the moment.
+    pub geometry: Geometry,
     /// The history of what is selected.
     pub history_found: Found,
     /// The layers shown.
@@ -141,6 +144,7 @@ impl State {
             passes: None,
             playback: Playback::default(),
             query: EventQuery::default(),
+            geometry: Geometry::default(),
             history_found: Found::default(),
             layers: Layers::default(),
             colouring: Colouring::default(),

@@ -84,6 +84,13 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
             let corners = corners.map(|v| at + v).to_vec();
             painter.add(Shape::closed_line(corners, thin(palette.candidate)));
         }
+        Layer::Delaunay | Layer::Voronoi => net_symbol(painter, layer, at, palette),
+        Layer::Circumcircles => {
+            painter.circle_stroke(at, 6.0, thin(palette.conflict));
+            for angle in [0.4_f32, 2.5, 4.4] {
+                painter.circle_filled(at + 6.0 * Vec2::angled(angle), 1.8, palette.conflict);
+            }
+        }
         Layer::Inserted => {
             let corners = [
                 vec2(0.0, -5.5),
@@ -98,6 +105,20 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
                 Stroke::NONE,
             ));
         }
+    }
+}
+
+fn net_symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
+    let corners = [vec2(-6.0, 4.0), vec2(1.0, -5.5), vec2(6.0, 4.5)];
+    let (ends, color) = match layer {
+        Layer::Delaunay => {
+            let [a, b, c] = corners;
+            ([[a, b], [b, c], [c, a]], palette.sample)
+        }
+        _ => (corners.map(|corner| [Vec2::ZERO, corner]), palette.detector),
+    };
+    for ends in ends {
+        painter.line_segment(ends.map(|v| at + v), Stroke::new(1.3, color));
     }
 }
 

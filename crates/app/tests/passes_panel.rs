@@ -3,19 +3,18 @@
 
 use std::sync::{Arc, OnceLock};
 
-use egui::Theme;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::jobs::Wake;
 use tilescope_app::passes::{Badge, PassCommand, Passes, panel};
-use tilescope_app::theme::{Palette, install};
+use tilescope_app::theme::{Look, Palette, install};
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::{Choice, Gpu};
 
 struct Shown {
     passes: Passes,
-    theme: Theme,
+    look: Look,
 }
 
 fn gpu() -> &'static Arc<Gpu> {
@@ -38,16 +37,16 @@ fn begun() -> Harness<'static, Shown> {
     let wake: Wake = Arc::new(|| {});
     let shown = Shown {
         passes: Passes::new(gpu(), &parameters, &wake).expect("a small run"),
-        theme: Theme::Dark,
+        look: Look::Dark,
     };
     Harness::builder()
         .with_size([1060.0, 640.0])
         .with_max_steps(64)
         .build_ui_state(
             |ui, shown: &mut Shown| {
-                install(ui.ctx(), shown.theme);
+                install(ui.ctx(), shown.look.theme());
                 let mut commands = Vec::new();
-                panel::show(ui, &shown.passes, Palette::of(shown.theme), &mut commands);
+                panel::show(ui, &shown.passes, Palette::of(shown.look), &mut commands);
                 for command in commands {
                     shown.passes.apply(command);
                 }
@@ -199,7 +198,7 @@ fn a_word_is_tried_and_undone() {
 fn both_themes_are_drawn() {
     let mut harness = tiled();
     let dark = harness.render().expect("a picture");
-    harness.state_mut().theme = Theme::Light;
+    harness.state_mut().look = Look::Light;
     harness.run();
     let light = harness.render().expect("a picture");
     assert_ne!(dark.as_raw(), light.as_raw());

@@ -23,11 +23,17 @@ pub enum Layer {
     Candidates,
     /// Inserted samples.
     Inserted,
+    /// Delaunay triangles.
+    Delaunay,
+    /// Voronoi cells.
+    Voronoi,
+    /// Circumcircles of Delaunay triangles that are larger than r.
+    Circumcircles,
 }
 
 impl Layer {
     /// Every layer, in the order of the chips.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::Pattern,
         Self::Blocks,
         Self::Samples,
@@ -38,6 +44,9 @@ impl Layer {
         Self::Detectors,
         Self::Candidates,
         Self::Inserted,
+        Self::Delaunay,
+        Self::Voronoi,
+        Self::Circumcircles,
     ];
 
     /// Returns the name on its chip.
@@ -54,6 +63,9 @@ impl Layer {
             Self::Detectors => "Detectors",
             Self::Candidates => "Candidates",
             Self::Inserted => "Inserted",
+            Self::Delaunay => "Delaunay",
+            Self::Voronoi => "Voronoi",
+            Self::Circumcircles => "Circles > r",
         }
     }
 
@@ -71,6 +83,11 @@ impl Layer {
             Self::Detectors => "Samples that look for gaps around themselves.",
             Self::Candidates => "Uncovered circumcentres: places where a sample may go.",
             Self::Inserted => "Samples that were inserted into gaps.",
+            Self::Delaunay => "The Delaunay triangles of the samples that cover their disks.",
+            Self::Voronoi => "The Voronoi cells of these samples.",
+            Self::Circumcircles => {
+                "Empty circles through three samples that are larger than r: each proves a gap."
+            }
         }
     }
 }
@@ -81,7 +98,13 @@ pub struct Layers(u16);
 
 impl Default for Layers {
     fn default() -> Self {
-        let hidden = [Layer::Pattern, Layer::Disks];
+        let hidden = [
+            Layer::Pattern,
+            Layer::Disks,
+            Layer::Delaunay,
+            Layer::Voronoi,
+            Layer::Circumcircles,
+        ];
         let shown = Layer::ALL.into_iter().filter(|l| !hidden.contains(l));
         Self(shown.fold(0, |bits, layer| bits | 1 << layer as u16))
     }
@@ -92,6 +115,15 @@ impl Layers {
     #[must_use]
     pub const fn has(self, layer: Layer) -> bool {
         self.0 & 1 << layer as u16 != 0
+    }
+
+    /// Returns whether a layer is on that needs the triangulation of the moment.
+    #[must_use]
+    pub const fn wants_geometry(self) -> bool {
+        self.has(Layer::Gaps)
+            || self.has(Layer::Delaunay)
+            || self.has(Layer::Voronoi)
+            || self.has(Layer::Circumcircles)
     }
 
     /// Switches `layer`.

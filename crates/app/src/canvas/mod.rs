@@ -1,6 +1,7 @@
 //! The canvas: input, layers, and what lies over them. It reads the state and pushes commands; what it
 //! remembers between frames are pictures that can be made again.
 
+mod geometry;
 pub mod index;
 pub mod instanced;
 pub mod layers;
@@ -120,6 +121,9 @@ impl Canvas {
             return Some(format!(
                 "More than {most} symbols in view{others}: drawn as points. Zoom in."
             ));
+        }
+        if let Some(tessellation) = state.geometry.of(&shown).filter(|_| stage >= Stage::Tile) {
+            geometry::paint(&scene, tessellation);
         }
         scene.symbols(&mut self.sprites, fine);
         let wants_disks = state.layers.has(Layer::Disks) || state.layers.has(Layer::Gaps);

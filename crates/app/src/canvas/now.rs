@@ -27,6 +27,12 @@ pub fn paint(scene: &Scene<'_>) {
                 let at = scene.at(scene.session.image_near(id, centre));
                 let stroke = Stroke::new(1.3, palette.detector);
                 scene.painter.circle_stroke(at, ring(scene), stroke);
+                // An image across the border is there as long as it is in the buffer.
+                scene.painter.circle_filled(
+                    at,
+                    0.45 * ring(scene),
+                    palette.sample.gamma_multiply(0.7),
+                );
             }
         }
     }
@@ -81,7 +87,11 @@ fn ring(scene: &Scene<'_>) -> f32 {
 /// Draws the pair that was compared, and a heavy ring about what changed.
 fn last_event(scene: &Scene<'_>) {
     let (session, palette) = (scene.session, scene.palette);
-    let Some(moment) = scene.shown.last_event().and_then(|event| event.moment()) else {
+    let Some(moment) = scene
+        .shown
+        .last_event()
+        .and_then(tilescope_debugger::Event::moment)
+    else {
         return;
     };
     let changed = |id: u32, color: Color32| {

@@ -112,8 +112,8 @@ fn list(
 fn visible_row(state: &State, event: usize) -> Option<usize> {
     let rows = state.rows.as_ref()?;
     let outline = state.session.as_ref()?.outline.as_ref()?;
-    let around = std::iter::once(event).chain(outline.parents(event));
-    around.filter_map(|event| rows.row_of(event)).next()
+    let mut around = std::iter::once(event).chain(outline.parents(event));
+    around.find_map(|event| rows.row_of(event))
 }
 
 fn show_row(

@@ -31,7 +31,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.spacing_mut().interact_size.y = 18.0;
         match (id, state.place, state.shown()) {
             (Some(id), _, Some(shown)) => sample(ui, &shown, id, palette, commands),
-            (None, Some(at), Some(shown)) => place(ui, &shown, at, palette),
+            (None, Some(at), Some(shown)) => {
+                place(ui, &shown, at, palette);
+                gap(ui, state, &shown, at);
+            }
             _ => {
                 let text = "Click a sample, or any place, to read what happened there.";
                 ui.label(RichText::new(text).color(palette.muted));
@@ -134,6 +137,34 @@ fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
             row(ui, "Covered", covered, palette);
         }
         None => row(ui, "Covered", "no: nothing is near", palette),
+    }
+}
+
+/// Shows the gap that holds a place.
+fn gap(ui: &mut Ui, state: &State, shown: &Shown<'_>, at: [f64; 2]) {
+    let palette = Palette::of(state.look);
+    let Some(tessellation) = state.geometry.of(shown) else {
+        return;
+    };
+    if let Some(gap) = tessellation.gap_at(at).map(|gap| &tessellation.gaps[gap]) {
+        row(
+            ui,
+            "Area of the gap",
+            &format!("{:.5} r\u{b2}", gap.area),
+            palette,
+        );
+        row(
+            ui,
+            "Samples around it",
+            &gap.sites.len().to_string(),
+            palette,
+        );
+        row(
+            ui,
+            "Farthest from them",
+            &format!("{:.4} r", gap.deepest.1),
+            palette,
+        );
     }
 }
 

@@ -100,7 +100,18 @@ impl State {
         }
     }
 
+    /// Flies to the gap that holds a place, else to its block.
     fn fly_to_block(&mut self, place: [f64; 2]) {
+        let gap = self.shown().and_then(|shown| {
+            let tessellation = self.geometry.of(&shown)?;
+            let gap = tessellation.gap_at(place)?;
+            Some(tessellation.gaps[gap].deepest.0)
+        });
+        if let Some(deepest) = gap {
+            self.pick(Selection::Place(place));
+            self.fly_to(deepest, 5.0);
+            return;
+        }
         let Some(session) = &self.session else {
             return;
         };

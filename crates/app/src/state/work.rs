@@ -36,7 +36,16 @@ impl State {
         }
         let plays = self.playback.is_playing() && self.play(dt_secs);
         self.reveal();
+        self.want_geometry();
         self.flight.is_some() || plays
+    }
+
+    fn want_geometry(&mut self) {
+        let mut geometry = std::mem::take(&mut self.geometry);
+        if let Some(shown) = self.shown().filter(|_| self.layers.wants_geometry()) {
+            geometry.want(&shown, &self.wake);
+        }
+        self.geometry = geometry;
     }
 
     fn poll(&mut self) {
@@ -136,6 +145,10 @@ impl State {
             let outcome = job.wait();
             self.finish_verification(outcome);
         }
+        self.want_geometry();
+        self.geometry.settle();
+        self.want_geometry();
+        self.geometry.settle();
         self.history_found.settle();
         if let Some(passes) = &mut self.passes {
             passes.settle();

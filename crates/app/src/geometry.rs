@@ -1,0 +1,105 @@
+//! The triangulation of the moment: Delaunay triangles, Voronoi edges and exact gaps of the samples that cover their
+//! disks. It is asked of `tilescope_analysis` in the background; nothing is decided by it.
+
+use std::sync::Arc;
+
+use tilescope_analysis::{Boundary, Region, Tessellation};
+
+use crate::jobs::{Job, Wake};
+use crate::moment::Shown;
+use crate::session::{Session, radii};
+
+/// Sets with more samples than this are not triangulated for the canvas: it would take seconds for each moment.
+pub const MOST_SAMPLES: usize = 200_000;
+
+/// A session's generation and a cursor.
+pub type Key = (u64, usize);
+
+/// The triangulation of the moment, as far as it is known.
+#[derive(Default)]
+pub struct Geometry {
+    work: Option<(Key, Job<Option<Tessellation>>)>,
+    ready: Option<(Key, Arc<Tessellation>)>,
+    /// The last moment that has none.
+    failed: Option<Key>,
+}
+
+/// Returns what a moment is known by.
+#[must_use]
+pub fn key_of(shown: &Shown<'_>) -> Key {
+    (shown.session.generation, shown.cursor())
+}
+
+impl Geometry {
+    /// Returns the triangulation of a moment, in r, if it is the one that is known.
+    #[must_use]
+    pub fn of(&self, shown: &Shown<'_>) -> Option<&Arc<Tessellation>> {
+        let (key, ready) = self.ready.as_ref()?;
+        (*key == key_of(shown)).then_some(ready)
+    }
+
+    /// Takes what is finished, and has the moment's triangulation made if it is neither known nor on its way. One is made
+    /// at a time; the one that is asked for last is made in the end.
+    pub fn want(&mut self, shown: &Shown<'_>, wake: &Wake) {
+        self.poll();
+        let key = key_of(shown);
+        let known = self.ready.as_ref().is_some_and(|(ready, _)| *ready == key);
+        if known || self.work.is_some() || self.failed == Some(key) {
+            return;
+        }
+        if shown.session.run().samples.len() > MOST_SAMPLES {
+            self.failed = Some(key);
+            return;
+        }
+        let (points, region) = (covering(shown), region_of(shown.session));
+        let job = Job::start(wake, move |_| Tessellation::of(&points, region, 1.0).ok());
+        self.work = Some((key, job));
+    }
+
+    fn poll(&mut self) {
+        let outcome = self
+            .work
+            .as_ref()
+            .and_then(|(key, job)| Some((*key, job.poll()?)));
+        if let Some((key, outcome)) = outcome {
+            self.work = None;
+            self.take(key, outcome);
+        }
+    }
+
+    fn take(&mut self, key: Key, outcome: Result<Option<Tessellation>, String>) {
+        match outcome {
+            Ok(Some(tessellation)) => self.ready = Some((key, Arc::new(tessellation))),
+            _ => self.failed = Some(key),
+        }
+    }
+
+    /// Waits for what is on its way.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&mut self) {
+        if let Some((key, job)) = self.work.take() {
+            let outcome = job.wait();
+            self.take(key, outcome);
+        }
+    }
+}
+
+/// Returns the places of the samples that cover their disks, in r.
+fn covering(shown: &Shown<'_>) -> Vec<[f64; 2]> {
+    let points = &shown.session.run().samples.points;
+    let ids = (0..points.len() as u32).filter(|&id| shown.covers(id));
+    ids.map(|id| shown.session.place(id)).collect()
+}
+
+fn region_of(session: &Session) -> Region {
+    let domain = &session.run().domain;
+    Region {
+        width: radii(domain.width()),
+        height: radii(domain.height()),
+        boundary: if domain.is_periodic() {
+            Boundary::Periodic
+        } else {
+            Boundary::Bounded
+        },
+    }
+}
