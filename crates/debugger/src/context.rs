@@ -60,30 +60,36 @@ impl Context {
             return;
         };
         match moment {
-            Moment::Begin(stage) => {
-                let iteration = self.iteration;
-                *self = Self {
-                    phase: Some(stage),
-                    iteration,
-                    ..Self::default()
-                };
-            }
+            Moment::Begin(stage) => self.enter(stage, self.iteration),
+            Moment::Iteration { number, .. } => self.enter(Stage::Iterate(number), number),
             Moment::Clip { block } => self.block = Some(block),
             Moment::Tiled { sample, .. }
             | Moment::Take { sample, .. }
-            | Moment::Detect { sample } => {
-                self.take(sample);
-            }
-            Moment::Keep { sample, rest: true } => self.take(sample),
-            Moment::Iteration { number, .. } => {
-                let phase = Some(Stage::Iterate(number));
-                *self = Self {
-                    phase,
-                    iteration: number,
-                    ..Self::default()
-                };
-            }
+            | Moment::Detect { sample }
+            | Moment::Keep { sample, rest: true } => self.take(sample),
             Moment::Call { iteration, .. } => self.iteration = iteration,
+            Moment::Test { other, .. } => self.other = Some(other),
+            Moment::Rank { .. } => {
+                (self.sample, self.search, self.examined) = (None, None, None);
+            }
+            Moment::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
+            Moment::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
+            _ => self.look(moment, index),
+        }
+    }
+
+    /// Begins a phase or an iteration.
+    fn enter(&mut self, phase: Stage, iteration: u32) {
+        *self = Self {
+            phase: Some(phase),
+            iteration,
+            ..Self::default()
+        };
+    }
+
+    /// Notes a search or an examined place.
+    fn look(&mut self, moment: Moment, event: u32) {
+        match moment {
             Moment::Search {
                 centre,
                 radius,
@@ -94,10 +100,9 @@ impl Context {
                     centre,
                     radius,
                     found,
-                    event: index,
+                    event,
                 });
             }
-            Moment::Test { other, .. } => self.other = Some(other),
             Moment::Candidate {
                 detector,
                 sites,
@@ -111,11 +116,6 @@ impl Context {
                     verdict,
                 });
             }
-            Moment::Rank { .. } => {
-                (self.sample, self.search, self.examined) = (None, None, None);
-            }
-            Moment::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
-            Moment::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
             _ => {}
         }
     }

@@ -134,14 +134,28 @@ type Places = [Option<Point>; 5];
 
 /// Returns a moment without ids, and the places that they stand for.
 fn placed(recording: &Recording, moment: Moment) -> (Moment, Places) {
-    let mut places = [None; 5];
+    let mut places = of_block(recording, moment);
     let mut bare = moment;
     let mut at = 0;
-    let mut take = |id: &mut u32| {
+    strip(&mut bare, &mut |id: &mut u32| {
         places[at] = recording.point(*id);
         (*id, at) = (0, at + 1);
-    };
-    match &mut bare {
+    });
+    if let Moment::Candidate { sites, .. } = bare {
+        let first_after = match sites {
+            Sites::Three(_) => 4,
+            Sites::Border(_) => 3,
+            _ => 2,
+        };
+        // The detector comes before the sites, the sample of the verdict behind them.
+        places[1..first_after].sort_unstable_by_key(|place| place.map(Point::row_major));
+    }
+    (bare, places)
+}
+
+/// Takes all ids of samples out of a moment.
+fn strip(moment: &mut Moment, take: &mut impl FnMut(&mut u32)) {
+    match moment {
         Moment::Tiled { sample, .. }
         | Moment::Take { sample, .. }
         | Moment::Keep { sample, .. }
@@ -153,20 +167,17 @@ fn placed(recording: &Recording, moment: Moment) -> (Moment, Places) {
         | Moment::Pass { by: sample, .. }
         | Moment::Insert { sample, .. } => take(sample),
         Moment::Test {
-            pivot: one, other, ..
+            pivot: a, other: b, ..
         }
-        | Moment::Eliminate {
-            sample: one,
-            by: other,
-        }
+        | Moment::Eliminate { sample: a, by: b }
         | Moment::Mark {
-            sample: one,
-            because: other,
+            sample: a,
+            because: b,
         } => {
-            take(one);
-            take(other);
+            take(a);
+            take(b);
         }
-        Moment::Dart { verdict, .. } => nobody(verdict, &mut take),
+        Moment::Dart { verdict, .. } => nobody(verdict, take),
         Moment::Candidate {
             detector,
             sites,
@@ -174,22 +185,11 @@ fn placed(recording: &Recording, moment: Moment) -> (Moment, Places) {
             ..
         } => {
             take(detector);
-            nobody(verdict, &mut take);
-            anywhere(sites, &mut take);
-            // The detector and the sample of the verdict have places of their own.
-            let sites = if matches!(
-                verdict,
-                Verdict::Covered { .. } | Verdict::NotNearest { .. }
-            ) {
-                2
-            } else {
-                1
-            };
-            places[sites..].sort_unstable_by_key(|place| place.map(Point::row_major));
+            anywhere(sites, take);
+            nobody(verdict, take);
         }
-        _ => places = of_block(recording, moment),
+        _ => {}
     }
-    (bare, places)
 }
 
 /// Takes the id out of a verdict.

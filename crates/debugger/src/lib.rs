@@ -11,6 +11,7 @@ mod event;
 mod expression;
 mod index;
 mod kind;
+mod life;
 mod lines;
 mod listing;
 pub mod moves;
@@ -30,12 +31,13 @@ pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
 pub use kind::Kind;
+pub use life::{Life, Status};
 pub use lines::Lines;
 pub use listing::{Line, LineId, Listing, ListingError, Listings};
 pub use moves::{Direction, Step, Target};
 pub use outline::{Outline, OutlineRows, Row};
 pub use query::{Query, QueryError};
-pub use recording::{Life, Recording, Status};
+pub use recording::Recording;
 pub use sentence::{grouped, sentence, short};
 pub use session::{
     Bookmark, MAX_BOOKMARKS, MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, PatternFile,

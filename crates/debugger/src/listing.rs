@@ -99,6 +99,14 @@ const TEXTS: [(&str, &str); 9] = [
     ),
 ];
 
+const REFERENCE: (&str, &str) = (
+    "reference",
+    include_str!("../../../assets/pseudocode/reference.txt"),
+);
+
+static COMPARISON: LazyLock<Listings> =
+    LazyLock::new(|| Listings::parse(&[REFERENCE]).unwrap_or_default());
+
 static SHIPPED: LazyLock<Listings> = LazyLock::new(|| Listings::parse(&TEXTS).unwrap_or_default());
 
 impl Listings {
@@ -106,6 +114,13 @@ impl Listings {
     #[must_use]
     pub fn shipped() -> &'static Self {
         &SHIPPED
+    }
+
+    /// Returns the reference sampler's listing, to be shown beside the others. No event names its lines, and their
+    /// numbers are its own.
+    #[must_use]
+    pub fn comparison() -> &'static Self {
+        &COMPARISON
     }
 
     /// Returns the listings of named texts.
@@ -188,6 +203,18 @@ mod tests {
             assert_eq!(listings.line(listings.find(&line.id).unwrap()), Some(line));
         }
         assert!(listings.lines().iter().any(|line| line.erratum.is_some()));
+    }
+
+    #[test]
+    fn the_reference_sampler_is_told_apart_from_what_is_executed() {
+        let listings = Listings::parse(&[REFERENCE]).unwrap();
+        assert_eq!(&listings, Listings::comparison());
+        assert_eq!(listings.listings.len(), 1);
+        assert_eq!(listings.lines().len(), 10);
+        for line in listings.lines() {
+            assert!(line.explanation.ends_with('.'), "{}", line.id);
+            assert_eq!(Listings::shipped().find(&line.id), None);
+        }
     }
 
     #[test]

@@ -167,8 +167,7 @@ fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
     let Some(place) = recording.point(sample) else {
         return false;
     };
-    let stays = |&id: &u32| {
-        id != sample && recording.status(id, index + 1) == crate::recording::Status::Kept
-    };
+    let stays =
+        |&id: &u32| id != sample && recording.status(id, index + 1) == crate::life::Status::Kept;
     recording.valid_near(place, R, index + 1).iter().any(stays)
 }

@@ -199,52 +199,87 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
     })
 }
 
+/// A comparison in words.
+struct Word<'a> {
+    text: &'a str,
+    name: &'a str,
+    value: &'a str,
+    comparison: Comparison,
+}
+
+fn kind_of(name: &str) -> Option<Kind> {
+    Kind::ALL.iter().copied().find(|kind| kind.name() == name)
+}
+
 fn parse_word(word: &str) -> Result<Term, QueryError> {
-    let named = |name: &str| Kind::ALL.iter().copied().find(|kind| kind.name() == name);
     let signs = COMPARISONS.iter();
     let split = signs.filter_map(|&(sign, c)| word.split_once(sign).map(|parts| (parts, c)));
     let Some(((name, value), comparison)) = split.min_by_key(|((name, _), _)| name.len()) else {
         let unknown = || QueryError::UnknownWord { word: word.into() };
-        return named(word)
-            .map(|kind| Term::Kind(kind, true))
-            .ok_or_else(unknown);
+        let kind = kind_of(word).ok_or_else(unknown)?;
+        return Ok(Term::Kind(kind, true));
     };
-    let unknown_value = || QueryError::UnknownValue {
-        word: word.into(),
-        value: value.into(),
+    let word = Word {
+        text: word,
+        name,
+        value,
+        comparison,
     };
-    let same = || match comparison {
-        Comparison::Equal => Ok(true),
-        Comparison::Unequal => Ok(false),
-        _ => Err(QueryError::NotOrdered { word: word.into() }),
-    };
-    let whole = || {
-        let error = |_| QueryError::NotANumber {
-            word: word.into(),
-            value: value.into(),
-        };
-        value.parse::<u32>().map_err(error)
-    };
-    let number = |number| Ok(Term::Number(number, comparison, whole()?.into()));
-    match name {
-        "kind" => Ok(Term::Kind(named(value).ok_or_else(unknown_value)?, same()?)),
-        "line" => {
-            let line = Listings::shipped().find(value).ok_or_else(unknown_value)?;
-            Ok(Term::Line(line, same()?))
+    word.term()
+}
+
+impl Word<'_> {
+    fn term(&self) -> Result<Term, QueryError> {
+        match self.name {
+            "kind" => Ok(Term::Kind(self.known(kind_of(self.value))?, self.same()?)),
+            "line" => {
+                let line = self.known(Listings::shipped().find(self.value))?;
+                Ok(Term::Line(line, self.same()?))
+            }
+            "verdict" => {
+                let name = VERDICTS.into_iter().find(|&name| name == self.value);
+                Ok(Term::Verdict(self.known(name)?, self.same()?))
+            }
+            "sample" => Ok(Term::Sample(self.whole()?, self.same()?)),
+            "event" => self.number(Number::Event),
+            "iteration" => self.number(Number::Iteration),
+            "block" => self.number(Number::Block),
+            "depth" => self.number(Number::Depth),
+            _ => Err(QueryError::UnknownName {
+                word: self.text.into(),
+                name: self.name.into(),
+            }),
         }
-        "verdict" => {
-            let name = VERDICTS.into_iter().find(|&name| name == value);
-            Ok(Term::Verdict(name.ok_or_else(unknown_value)?, same()?))
+    }
+
+    fn known<T>(&self, value: Option<T>) -> Result<T, QueryError> {
+        value.ok_or_else(|| QueryError::UnknownValue {
+            word: self.text.into(),
+            value: self.value.into(),
+        })
+    }
+
+    /// Returns whether equality is asked for, rather than its contrary.
+    fn same(&self) -> Result<bool, QueryError> {
+        match self.comparison {
+            Comparison::Equal => Ok(true),
+            Comparison::Unequal => Ok(false),
+            _ => Err(QueryError::NotOrdered {
+                word: self.text.into(),
+            }),
         }
-        "sample" => Ok(Term::Sample(whole()?, same()?)),
-        "event" => number(Number::Event),
-        "iteration" => number(Number::Iteration),
-        "block" => number(Number::Block),
-        "depth" => number(Number::Depth),
-        _ => Err(QueryError::UnknownName {
-            word: word.into(),
-            name: name.into(),
-        }),
+    }
+
+    fn whole(&self) -> Result<u32, QueryError> {
+        self.value.parse().map_err(|_| QueryError::NotANumber {
+            word: self.text.into(),
+            value: self.value.into(),
+        })
+    }
+
+    fn number(&self, number: Number) -> Result<Term, QueryError> {
+        let value = self.whole()?.into();
+        Ok(Term::Number(number, self.comparison, value))
     }
 }
 

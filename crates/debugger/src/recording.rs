@@ -11,57 +11,15 @@ use tilescope_core::{
 
 use crate::context::{Context, Search};
 use crate::density::Density;
-use crate::event::{Event, NONE};
+use crate::event::Event;
 use crate::index::{BySample, Classes};
 use crate::kind::Kind;
+use crate::life::{Life, Status, UNBORN, note_change};
 use crate::moves::Direction;
 use crate::tape::Tape;
 
 /// Events between two contexts that are kept.
 pub(crate) const STRIDE: usize = 1024;
-
-/// How a sample stands at a moment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Status {
-    /// It does not exist yet.
-    Absent,
-    /// It is tiled and valid, and its turn has not come.
-    Undecided,
-    /// It is valid and stays.
-    Kept,
-    /// It was eliminated.
-    Eliminated,
-    /// It was tiled outside a bounded domain.
-    Dropped,
-}
-
-impl Status {
-    /// Returns whether the sample covers its disk.
-    #[must_use]
-    pub const fn is_valid(self) -> bool {
-        matches!(self, Self::Undecided | Self::Kept)
-    }
-}
-
-/// The events that changed a sample, [`NONE`] where none did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Life {
-    /// It was tiled or inserted.
-    pub born: u32,
-    /// It was kept.
-    pub kept: u32,
-    /// It was eliminated or dropped.
-    pub lost: u32,
-    /// It became a detector.
-    pub marked: u32,
-}
-
-const UNBORN: Life = Life {
-    born: NONE,
-    kept: NONE,
-    lost: NONE,
-    marked: NONE,
-};
 
 /// A recorded run.
 pub struct Recording {
@@ -390,24 +348,5 @@ impl Recording {
 
     pub(crate) fn tallies(&self) -> &[Density] {
         &self.tallies
-    }
-}
-
-fn note_change(lives: &mut [Life], moment: Moment, index: u32) {
-    match moment {
-        Moment::Tiled { sample, inside, .. } => {
-            let life = &mut lives[sample as usize];
-            life.born = index;
-            if !inside {
-                life.lost = index;
-            }
-        }
-        Moment::Keep { sample, .. } => lives[sample as usize].kept = index,
-        Moment::Eliminate { sample, .. } => lives[sample as usize].lost = index,
-        Moment::Insert { sample, .. } => {
-            let life = &mut lives[sample as usize];
-            (life.born, life.kept) = (index, index);
-        }
-        _ => {}
     }
 }

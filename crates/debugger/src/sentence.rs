@@ -267,8 +267,8 @@ impl Words<'_> {
     fn mark(&self, sample: u32, because: u32, index: usize) -> String {
         let (name, lost) = (self.sample(sample), self.sample(because));
         let gone = match self.0.status(because, index) {
-            crate::recording::Status::Dropped => "was dropped",
-            crate::recording::Status::Eliminated => "was eliminated",
+            crate::life::Status::Dropped => "was dropped",
+            crate::life::Status::Eliminated => "was eliminated",
             _ => "opened a place",
         };
         let apart = self.apart(sample, because);

@@ -5,7 +5,8 @@ use tilescope_core::Moment;
 
 use crate::context::Context;
 use crate::event::Event;
-use crate::recording::{Recording, Status};
+use crate::life::Status;
+use crate::recording::Recording;
 
 /// How many samples stand how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

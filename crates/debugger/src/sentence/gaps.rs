@@ -41,19 +41,18 @@ impl Words<'_> {
                 let (pairs, pivot) = (count(pairs, "pair"), self.sample(pivot));
                 format!("{pivot} is about to form triangles with {pairs} of its test buffer")
             }
-            Moment::Pass { point, by } => {
-                let inserted = self.sample(by);
-                let apart = self.0.point(by).map_or_else(String::new, |at| {
-                    let squared = self.0.domain().distance_squared(at, point);
-                    format!(", {} away,", radii((squared as f64).sqrt()))
-                });
-                format!(
-                    "the candidate at {} is passed over: {inserted}{apart} covers it",
-                    place(point)
-                )
-            }
+            Moment::Pass { point, by } => self.pass(point, by),
             _ => String::new(),
         }
+    }
+
+    fn pass(&self, point: Point, by: u32) -> String {
+        let (at, inserted) = (place(point), self.sample(by));
+        let apart = self.0.point(by).map_or_else(String::new, |by| {
+            let squared = self.0.domain().distance_squared(by, point);
+            format!(", {} away,", radii((squared as f64).sqrt()))
+        });
+        format!("the candidate at {at} is passed over: {inserted}{apart} covers it")
     }
 
     pub(super) fn candidate(

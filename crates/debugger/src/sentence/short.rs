@@ -99,6 +99,12 @@ impl Words<'_> {
                 format!("{} eliminates {}, {apart}", number(by), number(sample))
             }
             Moment::Mark { sample, .. } => format!("mark {} as a detector", number(sample)),
+            _ => Self::short_of_search(moment),
+        }
+    }
+
+    fn short_of_search(moment: Moment) -> String {
+        match moment {
             Moment::Detect { sample } => format!("detector {}", number(sample)),
             Moment::Search {
                 centre,

@@ -1,0 +1,69 @@
+//! How samples stand, and which events changed them. It holds no positions and no tape.
+
+use tilescope_core::Moment;
+
+use crate::event::NONE;
+
+/// How a sample stands at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// It does not exist yet.
+    Absent,
+    /// It is tiled and valid, and its turn has not come.
+    Undecided,
+    /// It is valid and stays.
+    Kept,
+    /// It was eliminated.
+    Eliminated,
+    /// It was tiled outside a bounded domain.
+    Dropped,
+}
+
+impl Status {
+    /// Returns whether the sample covers its disk.
+    #[must_use]
+    pub const fn is_valid(self) -> bool {
+        matches!(self, Self::Undecided | Self::Kept)
+    }
+}
+
+/// The events that changed a sample, [`NONE`] where none did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Life {
+    /// It was tiled or inserted.
+    pub born: u32,
+    /// It was kept.
+    pub kept: u32,
+    /// It was eliminated or dropped.
+    pub lost: u32,
+    /// It became a detector.
+    pub marked: u32,
+}
+
+/// The life of a sample before anything happened to it.
+pub(crate) const UNBORN: Life = Life {
+    born: NONE,
+    kept: NONE,
+    lost: NONE,
+    marked: NONE,
+};
+
+/// Writes down what a moment does to a sample's life.
+pub(crate) fn note_change(lives: &mut [Life], moment: Moment, index: u32) {
+    match moment {
+        Moment::Tiled { sample, inside, .. } => {
+            let life = &mut lives[sample as usize];
+            life.born = index;
+            if !inside {
+                life.lost = index;
+            }
+        }
+        Moment::Keep { sample, .. } => lives[sample as usize].kept = index,
+        Moment::Eliminate { sample, .. } => lives[sample as usize].lost = index,
+        Moment::Insert { sample, .. } => {
+            let life = &mut lives[sample as usize];
+            (life.born, life.kept) = (index, index);
+        }
+        _ => {}
+    }
+}
