@@ -120,7 +120,7 @@ pub fn write_gif(
     progress: FrameProgress<'_>,
 ) -> Result<(), AnimationError> {
     let mut frames = Frames::new(frames, delay, progress)?;
-    let first = frames.first(&[MAX_GIF_SIDE; 2])?;
+    let first = frames.first(MAX_GIF_SIDE)?;
     let (width, height) = (first.width as u16, first.height as u16);
     let mut encoder = Encoder::new(out, width, height, &[]).map_err(refused)?;
     encoder.set_repeat(Repeat::Infinite).map_err(refused)?;
@@ -168,7 +168,7 @@ pub fn write_apng(
 ) -> Result<(), AnimationError> {
     let count = frames.len();
     let mut frames = Frames::new(frames, delay, progress)?;
-    let first = frames.first(&[u32::MAX; 2])?;
+    let first = frames.first(u32::MAX)?;
     let mut encoder = png::Encoder::new(out, first.width, first.height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
@@ -206,7 +206,7 @@ fn with_program(metadata: &[(String, String)]) -> impl Iterator<Item = (String, 
 
 /// Frames, one at a time, each checked against the limits.
 struct Frames<'a, I> {
-    frames: I,
+    source: I,
     count: usize,
     written: usize,
     size: [u32; 2],
@@ -225,20 +225,20 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
             return Err(AnimationError::Delay { delay });
         }
         Ok(Self {
-            frames,
+            source: frames,
             count,
             written: 0,
             size: [0; 2],
             progress,
         })
     }
-    fn first(&mut self, sides: &[u32; 2]) -> Result<Pixels, AnimationError> {
+    fn first(&mut self, largest_side: u32) -> Result<Pixels, AnimationError> {
         self.tell()?;
         let pixels = self.draw()?;
         let (width, height) = (pixels.width, pixels.height);
         let area = u64::from(width) * u64::from(height);
         let limit = match area {
-            _ if width > sides[0] || height > sides[1] => u64::from(sides[0]),
+            _ if width.max(height) > largest_side => u64::from(largest_side),
             1..=MAX_FRAME_PIXELS => {
                 self.size = [width, height];
                 return Ok(pixels);
@@ -286,7 +286,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
 
     fn draw(&mut self) -> Result<Pixels, AnimationError> {
         let index = self.written;
-        match self.frames.next() {
+        match self.source.next() {
             Some(frame) => frame.map_err(|cause| AnimationError::Frame { index, cause }),
             None => Err(AnimationError::Missing {
                 found: index,

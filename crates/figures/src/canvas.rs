@@ -136,6 +136,25 @@ impl<'a> Canvas<'a> {
             })
     }
 
+    /// Returns the copies of a rectangle that reach into the shown part.
+    fn copies(&self, rect: Rect) -> impl Iterator<Item = Rect> + use<> {
+        let steps: &[f64] = if self.periodic {
+            &[0.0, -1.0, 1.0]
+        } else {
+            &[0.0]
+        };
+        let (size, shown) = (self.size, self.shown);
+        let shifts = steps
+            .iter()
+            .flat_map(|&dx| steps.iter().map(move |&dy| [dx, dy]));
+        shifts
+            .map(move |shift| {
+                let moved = |p: [f64; 2]| [0, 1].map(|k| p[k] + shift[k] * size[k]);
+                Rect::new(moved(rect.min), moved(rect.max))
+            })
+            .filter(move |r| (0..2).all(|k| r.min[k] < shown.max[k] && shown.min[k] < r.max[k]))
+    }
+
     /// Pixels of one radius.
     pub(crate) fn radius_px(&self) -> f64 {
         self.radius * self.view.scale
@@ -184,10 +203,10 @@ impl<'a> Canvas<'a> {
         for (index, rect) in blocks.enumerate() {
             let (tint, border) = self.palette().block(index);
             let style = Style::filled(tint).with_stroke(Stroke::new(border, 1.0));
-            group.shapes.push(Shape::Rect {
-                rect: self.flip_rect(rect),
-                style,
-            });
+            for copy in self.copies(rect) {
+                let rect = self.flip_rect(copy);
+                group.shapes.push(Shape::Rect { rect, style });
+            }
         }
         self.push([group]);
     }
@@ -195,15 +214,13 @@ impl<'a> Canvas<'a> {
     pub(crate) fn block_borders(&mut self, blocks: impl Iterator<Item = Rect>) {
         let mut group = self.group("block borders");
         let stroke = Stroke::new(with_alpha(self.palette().muted, 130), 1.0);
-        for rect in blocks {
-            let style = Style {
-                fill: None,
-                stroke: Some(stroke),
-            };
-            group.shapes.push(Shape::Rect {
-                rect: self.flip_rect(rect),
-                style,
-            });
+        let style = Style {
+            fill: None,
+            stroke: Some(stroke),
+        };
+        for copy in blocks.flat_map(|rect| self.copies(rect)) {
+            let rect = self.flip_rect(copy);
+            group.shapes.push(Shape::Rect { rect, style });
         }
         self.push([group]);
     }

@@ -85,6 +85,12 @@ impl MomentOptions {
         }
     }
 
+    fn is_drawable(&self) -> bool {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let lengths = [self.scale, self.size[0], self.size[1]];
+        lengths.into_iter().all(positive) && self.center.iter().all(|value| value.is_finite())
+    }
+
     /// The shown part of the plane in user units, for samples of `radius`.
     fn window(&self, radius: f64) -> Rect {
         let px = self.size[0] / 1000.0;
@@ -102,6 +108,9 @@ impl MomentOptions {
 /// above 0 give a scene that no exporter accepts.
 #[must_use]
 pub fn moment_scene(recording: &Recording, cursor: usize, options: &MomentOptions) -> Scene {
+    if !options.is_drawable() {
+        return Scene::new(0.0, 0.0, options.palette.background);
+    }
     let state = State::at(recording, cursor);
     let domain = recording.domain();
     let picture = PictureOptions {

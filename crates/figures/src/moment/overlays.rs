@@ -120,13 +120,18 @@ impl MomentView<'_> {
             .shapes
             .push(Shape::circle(self.canvas.flip(at), radius, style));
         let found = self.recording.test_buffer(search);
-        for place in found
+        // Squares, so that they are told from the rings of detectors.
+        let (size, style) = (
+            2.5 * self.canvas.dot_px(),
+            Style::stroked(palette.accent, 1.6 * self.px()),
+        );
+        let places = found
             .iter()
-            .filter_map(|&id| self.beside(at, search.centre, id))
-        {
+            .filter_map(|&id| self.beside(at, search.centre, id));
+        for place in places.map(|place| self.canvas.flip(place)) {
             group
                 .shapes
-                .push(self.ring(place, 1.5, palette.accent, 2.0));
+                .push(Shape::marker(Marker::Square, place, size, style));
         }
         self.canvas.push([group]);
     }
