@@ -246,8 +246,8 @@ fn the_last_of_many_selections_is_visited() {
     assert_eq!(passes.selected(), Some(7));
 }
 
-#[test]
-fn rows_are_filtered_and_the_file_holds_what_is_shown() {
+/// Returns the passes at the end of tiling, with the places shown.
+fn at_places() -> Passes {
     let mut passes = opened(&small());
     passes.select_stage(Stage::Tile);
     passes.settle();
@@ -256,6 +256,12 @@ fn rows_are_filtered_and_the_file_holds_what_is_shown() {
         tables.position(|table| table.name == Name::Places)
     });
     go(&mut passes, PassCommand::Buffer(place.expect("places")));
+    passes
+}
+
+#[test]
+fn rows_are_filtered_and_a_filter_that_cannot_be_read_shows_all() {
+    let mut passes = at_places();
     let all = passes.shown().rows().len();
     passes.apply(PassCommand::Filter("z>1".to_owned()));
     let error = passes.shown().error().expect("an error").to_string();
@@ -263,22 +269,26 @@ fn rows_are_filtered_and_the_file_holds_what_is_shown() {
     assert_eq!(passes.shown().rows().len(), all);
     passes.apply(PassCommand::Filter("changed, x>100".to_owned()));
     assert!(passes.shown().error().is_none());
-    let table = &passes.visit().expect("a visit").buffers[place.expect("places")];
+    let table = passes.shown().table(passes.visit()).expect("a table");
     let rows = passes.shown().rows();
     assert!(!rows.is_empty() && rows.len() < table.changed_count());
+    assert!(rows.iter().all(|&row| table.after(row as usize)[0] > 100));
+}
+
+#[test]
+fn the_file_holds_the_rows_shown() {
+    let mut passes = at_places();
+    passes.apply(PassCommand::Filter("changed, x>100".to_owned()));
     let folder = std::env::temp_dir().join(format!("tilescope-passes-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let path = folder.join(passes.path());
     assert!(passes.path().ends_with("-places.csv"));
-    let expected: Vec<Vec<i64>> = rows
-        .iter()
-        .map(|&row| {
-            let mut cells = vec![i64::from(row), 1];
-            cells.extend(table.before(row as usize));
-            cells.extend(table.after(row as usize));
-            cells
-        })
-        .collect();
+    let path = folder.join(passes.path());
+    let table = passes.shown().table(passes.visit()).expect("a table");
+    let cells = |&row: &u32| {
+        let (before, after) = (table.before(row as usize), table.after(row as usize));
+        [&[i64::from(row), 1], before, after].concat()
+    };
+    let expected: Vec<Vec<i64>> = passes.shown().rows().iter().map(cells).collect();
     go(&mut passes, PassCommand::Path(path.display().to_string()));
     go(&mut passes, PassCommand::Export);
     assert!(passes.export_told().expect("a sentence").is_ok());
@@ -288,7 +298,7 @@ fn rows_are_filtered_and_the_file_holds_what_is_shown() {
     assert_eq!(lines.next(), Some(head));
     let numbers = |line: &str| line.split(',').map(|n| n.parse().unwrap()).collect();
     let read: Vec<Vec<i64>> = lines.map(numbers).collect();
-    assert_eq!(read, expected);
+    assert!(read == expected && !read.is_empty());
     assert_eq!(std::fs::read_dir(&folder).expect("the folder").count(), 1);
     let nowhere = folder.join("none").join("a.csv").display().to_string();
     go(&mut passes, PassCommand::Path(nowhere));
