@@ -1,7 +1,7 @@
 //! The passes of runs on a device: visited, compared with the CPU, filtered, exported. Needs an adapter; one that
 //! computes on the CPU will do.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, RwLock};
 
 use tilescope_app::jobs::Wake;
 use tilescope_app::passes::table::BufferTable;
@@ -30,7 +30,13 @@ fn small() -> Parameters {
 }
 
 fn begun(parameters: &Parameters) -> Passes {
-    let wake: Wake = Arc::new(|| {});
+    held(parameters, &Arc::default())
+}
+
+/// Returns passes whose background work waits at its next report of progress for as long as `gate` is held.
+fn held(parameters: &Parameters, gate: &Arc<RwLock<()>>) -> Passes {
+    let gate = Arc::clone(gate);
+    let wake: Wake = Arc::new(move || drop(gate.read()));
     Passes::new(gpu(), parameters, &wake).expect("a small run")
 }
 
@@ -203,10 +209,14 @@ fn a_word_set_behind_a_pass_is_found_and_undone() {
 
 #[test]
 fn a_visit_can_be_cancelled_and_taken_up_again() {
-    let mut passes = opened(&small());
+    let gate = Arc::default();
+    let mut passes = held(&small(), &gate);
+    passes.settle();
+    let closed = gate.write().expect("the gate");
     passes.apply(PassCommand::Last);
     assert!(passes.activity().is_some());
     passes.apply(PassCommand::Cancel);
+    drop(closed);
     passes.settle();
     assert!(passes.visit().is_none() && passes.activity().is_none());
     assert!(passes.notice().expect("a notice").contains("Cancelled"));
@@ -217,11 +227,14 @@ fn a_visit_can_be_cancelled_and_taken_up_again() {
 
 #[test]
 fn the_listing_can_be_cancelled_and_begun_again() {
-    let mut passes = begun(&small());
+    let gate = Arc::default();
+    let closed = RwLock::write(&gate).expect("the gate");
+    let mut passes = held(&small(), &gate);
     passes.apply(PassCommand::Cancel);
+    drop(closed);
     passes.settle();
-    let notice = passes.notice().map(str::to_owned);
-    assert!(notice.is_none_or(|notice| notice.contains("not whole")));
+    assert!(passes.entries().len() <= 1);
+    assert!(passes.notice().expect("a notice").contains("not whole"));
     go(&mut passes, PassCommand::Again);
     assert_eq!(passes.notice(), None);
     let last = &passes.entries()[last_place(&passes)];

@@ -5,7 +5,7 @@ use super::device::{self, Arrival, Goal, Stop, Survey};
 use super::{Passes, Work, csv, model};
 use crate::draft::sentence;
 use crate::jobs::Job;
-use crate::sentence::grouped;
+use crate::sentence::{counted, grouped};
 
 impl Passes {
     pub(super) fn survey(&mut self) {
@@ -28,12 +28,12 @@ impl Passes {
                 self.entries = survey.passes;
                 self.restarts = survey.restarts;
                 self.walker = survey.walker;
-                let count = grouped(self.entries.len());
+                let count = counted(self.entries.len(), "pass", "passes");
                 self.notice = survey.stop.map(|stop| match stop {
                     Stop::Cancelled => {
-                        format!("Cancelled after {count} passes: the list is not whole.")
+                        format!("Cancelled after {count}: the list is not whole.")
                     }
-                    Stop::Failed(why) => format!("Stopped after {count} passes. {why}"),
+                    Stop::Failed(why) => format!("Stopped after {count}. {why}"),
                 });
             }
             Err(failure) => self.notice = Some(sentence(&failure)),
