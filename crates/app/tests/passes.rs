@@ -1,7 +1,7 @@
 //! The passes of runs on a device: visited, compared with the CPU, filtered, exported. Needs an adapter; one that
 //! computes on the CPU will do.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, RwLock};
 
 use tilescope_app::jobs::Wake;
 use tilescope_app::passes::table::BufferTable;
@@ -30,7 +30,13 @@ fn small() -> Parameters {
 }
 
 fn begun(parameters: &Parameters) -> Passes {
-    let wake: Wake = Arc::new(|| {});
+    held(parameters, &Arc::default())
+}
+
+/// Returns passes whose background work waits at its next report of progress for as long as `gate` is held.
+fn held(parameters: &Parameters, gate: &Arc<RwLock<()>>) -> Passes {
+    let gate = Arc::clone(gate);
+    let wake: Wake = Arc::new(move || drop(gate.read()));
     Passes::new(gpu(), parameters, &wake).expect("a small run")
 }
 
@@ -203,10 +209,14 @@ fn a_word_set_behind_a_pass_is_found_and_undone() {
 
 #[test]
 fn a_visit_can_be_cancelled_and_taken_up_again() {
-    let mut passes = opened(&small());
+    let gate = Arc::default();
+    let mut passes = held(&small(), &gate);
+    passes.settle();
+    let closed = gate.write().expect("the gate");
     passes.apply(PassCommand::Last);
     assert!(passes.activity().is_some());
     passes.apply(PassCommand::Cancel);
+    drop(closed);
     passes.settle();
     assert!(passes.visit().is_none() && passes.activity().is_none());
     assert!(passes.notice().expect("a notice").contains("Cancelled"));
@@ -217,11 +227,14 @@ fn a_visit_can_be_cancelled_and_taken_up_again() {
 
 #[test]
 fn the_listing_can_be_cancelled_and_begun_again() {
-    let mut passes = begun(&small());
+    let gate = Arc::default();
+    let closed = RwLock::write(&gate).expect("the gate");
+    let mut passes = held(&small(), &gate);
     passes.apply(PassCommand::Cancel);
+    drop(closed);
     passes.settle();
-    let notice = passes.notice().map(str::to_owned);
-    assert!(notice.is_none_or(|notice| notice.contains("not whole")));
+    assert!(passes.entries().len() <= 1);
+    assert!(passes.notice().expect("a notice").contains("not whole"));
     go(&mut passes, PassCommand::Again);
     assert_eq!(passes.notice(), None);
     let last = &passes.entries()[last_place(&passes)];
@@ -246,8 +259,8 @@ fn the_last_of_many_selections_is_visited() {
     assert_eq!(passes.selected(), Some(7));
 }
 
-#[test]
-fn rows_are_filtered_and_the_file_holds_what_is_shown() {
+/// Returns the passes at the end of tiling, with the places shown.
+fn at_places() -> Passes {
     let mut passes = opened(&small());
     passes.select_stage(Stage::Tile);
     passes.settle();
@@ -256,6 +269,12 @@ fn rows_are_filtered_and_the_file_holds_what_is_shown() {
         tables.position(|table| table.name == Name::Places)
     });
     go(&mut passes, PassCommand::Buffer(place.expect("places")));
+    passes
+}
+
+#[test]
+fn rows_are_filtered_and_a_filter_that_cannot_be_read_shows_all() {
+    let mut passes = at_places();
     let all = passes.shown().rows().len();
     passes.apply(PassCommand::Filter("z>1".to_owned()));
     let error = passes.shown().error().expect("an error").to_string();
@@ -263,22 +282,26 @@ fn rows_are_filtered_and_the_file_holds_what_is_shown() {
     assert_eq!(passes.shown().rows().len(), all);
     passes.apply(PassCommand::Filter("changed, x>100".to_owned()));
     assert!(passes.shown().error().is_none());
-    let table = &passes.visit().expect("a visit").buffers[place.expect("places")];
+    let table = passes.shown().table(passes.visit()).expect("a table");
     let rows = passes.shown().rows();
     assert!(!rows.is_empty() && rows.len() < table.changed_count());
+    assert!(rows.iter().all(|&row| table.after(row as usize)[0] > 100));
+}
+
+#[test]
+fn the_file_holds_the_rows_shown() {
+    let mut passes = at_places();
+    passes.apply(PassCommand::Filter("changed, x>100".to_owned()));
     let folder = std::env::temp_dir().join(format!("tilescope-passes-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let path = folder.join(passes.path());
     assert!(passes.path().ends_with("-places.csv"));
-    let expected: Vec<Vec<i64>> = rows
-        .iter()
-        .map(|&row| {
-            let mut cells = vec![i64::from(row), 1];
-            cells.extend(table.before(row as usize));
-            cells.extend(table.after(row as usize));
-            cells
-        })
-        .collect();
+    let path = folder.join(passes.path());
+    let table = passes.shown().table(passes.visit()).expect("a table");
+    let cells = |&row: &u32| {
+        let (before, after) = (table.before(row as usize), table.after(row as usize));
+        [&[i64::from(row), 1], before, after].concat()
+    };
+    let expected: Vec<Vec<i64>> = passes.shown().rows().iter().map(cells).collect();
     go(&mut passes, PassCommand::Path(path.display().to_string()));
     go(&mut passes, PassCommand::Export);
     assert!(passes.export_told().expect("a sentence").is_ok());
@@ -288,7 +311,7 @@ fn rows_are_filtered_and_the_file_holds_what_is_shown() {
     assert_eq!(lines.next(), Some(head));
     let numbers = |line: &str| line.split(',').map(|n| n.parse().unwrap()).collect();
     let read: Vec<Vec<i64>> = lines.map(numbers).collect();
-    assert_eq!(read, expected);
+    assert!(read == expected && !read.is_empty());
     assert_eq!(std::fs::read_dir(&folder).expect("the folder").count(), 1);
     let nowhere = folder.join("none").join("a.csv").display().to_string();
     go(&mut passes, PassCommand::Path(nowhere));

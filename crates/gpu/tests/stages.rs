@@ -12,9 +12,9 @@ use tilescope_core::{
     Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Search, Sequential, Stage,
     Unobserved,
 };
-use tilescope_gpu::Stepper;
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::twin::{Twin, difference};
+use tilescope_gpu::{PassReport, Stepper};
 
 use device::gpu;
 
@@ -98,6 +98,17 @@ fn every_stage_may_be_the_first_one_of_the_device() {
     }
 }
 
+/// Asserts that those passes and no others end a stage behind which another one comes.
+fn assert_ends(reports: &[PassReport], ended: &[Option<Stage>]) {
+    assert_eq!(reports.len(), ended.len());
+    for (pass, report) in reports.iter().enumerate() {
+        let next = reports.get(pass + 1);
+        let ends = next.is_none_or(|next| next.stage != report.stage);
+        let expected = ends.then_some(report.stage);
+        assert_eq!(ended[pass], expected, "pass {pass}: {report:?}");
+    }
+}
+
 #[test]
 fn every_pass_tells_what_it_did() {
     let parameters = Parameters {
@@ -118,11 +129,7 @@ fn every_pass_tells_what_it_did() {
         ended.push(stepper.ended_stage());
         assert_eq!(names.len(), stepper.reports().len(), "{report:?}");
     }
-    for (pass, (report, next)) in stepper.reports().iter().zip(ended.iter()).enumerate() {
-        let following = stepper.reports().get(pass + 1);
-        let ends = following.is_none_or(|following| following.stage != report.stage);
-        assert_eq!(next.is_some(), ends, "pass {pass}: {report:?}");
-    }
+    assert_ends(stepper.reports(), &ended);
     for name in [
         "blocks",
         "tile",

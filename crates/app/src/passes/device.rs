@@ -171,14 +171,10 @@ impl Survey {
                     .compare(stage, &run)
                     .map_or(Badge::Equal, Badge::Differs);
             }
-            let reports = walker.stepper.reports();
-            if let Some(report) = reports.last() {
-                monitor.set_activity(&format!("pass {}, {}", reports.len(), report.stage));
+            if let Some(report) = walker.stepper.reports().last().cloned() {
+                monitor.set_activity(&format!("pass {}, {}", walker.passed(), report.stage));
                 monitor.set_fraction(share(report.stage));
-                self.passes.push(PassEntry {
-                    report: report.clone(),
-                    badge,
-                });
+                self.passes.push(PassEntry { report, badge });
             }
         }
     }

@@ -165,57 +165,51 @@ fn label(table: &BufferTable, number: usize) -> String {
 
 /// A buffer with one row: its columns below one another, with both sides.
 fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
-    let rect = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), ROW));
-    ui.allocate_rect(rect, Sense::hover());
-    let ends = [260.0_f32, 390.0].map(|end| end.min(rect.width() - 20.0));
-    let small = FontId::monospace(11.5);
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let painter = ui.painter();
-    let at = |rect: Rect, end: f32| Pos2::new(rect.left() + end, rect.center().y);
+    let ends = field_ends(rect);
+    let small = FontId::monospace(11.5);
     let head = |x, align, text| {
-        painter.text(at(rect, x), align, text, small.clone(), palette.muted);
+        let at = Pos2::new(rect.left() + x, rect.center().y);
+        painter.text(at, align, text, small.clone(), palette.muted);
     };
     head(10.0, Align2::LEFT_CENTER, "field");
     head(ends[0], Align2::RIGHT_CENTER, Side::Before.name());
     head(ends[1], Align2::RIGHT_CENTER, Side::After.name());
-    painter.hline(
-        rect.x_range(),
-        rect.bottom() - 0.5,
-        Stroke::new(1.0, palette.line),
-    );
+    let line = Stroke::new(1.0, palette.line);
+    painter.hline(rect.x_range(), rect.bottom() - 0.5, line);
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show_rows(ui, ROW, table.columns.len(), |ui, range| {
         for column in range {
-            let size = vec2(ui.available_width(), ROW);
-            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-            let [before, after] = [Side::Before, Side::After].map(|s| table.cell(s, 0, column));
-            let both = table.cell(Side::Both, 0, column);
-            let name = &table.columns[column];
-            let label = format!("Field {name}: {both}");
-            response.widget_info(|| WidgetInfo::labeled(Role::Row, true, &label));
-            let mut color = palette.text;
-            if before != after {
-                ground(ui, rect, palette);
-                color = palette.accent;
-            }
-            let font = TextStyle::Monospace.resolve(ui.style());
-            let painter = ui.painter();
-            let name_font = FontId::monospace(12.0);
-            painter.text(
-                at(rect, 10.0),
-                Align2::LEFT_CENTER,
-                name,
-                name_font,
-                palette.muted,
-            );
-            painter.text(
-                at(rect, ends[0]),
-                Align2::RIGHT_CENTER,
-                before,
-                font.clone(),
-                palette.text,
-            );
-            painter.text(at(rect, ends[1]), Align2::RIGHT_CENTER, after, font, color);
+            field(ui, table, column, palette);
         }
     });
+}
+
+/// Returns where the values of both sides end.
+fn field_ends(rect: Rect) -> [f32; 2] {
+    [260.0_f32, 390.0].map(|end| end.min(rect.width() - 20.0))
+}
+
+fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let name = &table.columns[column];
+    let label = format!("Field {name}: {}", table.cell(Side::Both, 0, column));
+    response.widget_info(|| WidgetInfo::labeled(Role::Row, true, &label));
+    let [before, after] = [Side::Before, Side::After].map(|side| table.cell(side, 0, column));
+    let mut color = palette.text;
+    if before != after {
+        ground(ui, rect, palette);
+        color = palette.accent;
+    }
+    let font = TextStyle::Monospace.resolve(ui.style());
+    let painter = ui.painter();
+    let at = |x: f32| Pos2::new(rect.left() + x, rect.center().y);
+    let small = FontId::monospace(12.0);
+    painter.text(at(10.0), Align2::LEFT_CENTER, name, small, palette.muted);
+    let ends = field_ends(rect).map(at);
+    let right = Align2::RIGHT_CENTER;
+    painter.text(ends[0], right, before, font.clone(), palette.text);
+    painter.text(ends[1], right, after, font, color);
 }

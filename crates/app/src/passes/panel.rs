@@ -316,17 +316,22 @@ fn tools(
 /// Returns how many rows are shown of how many, and how many of these were read.
 fn count_text(table: &BufferTable, shown: usize) -> String {
     let total = table.total as usize;
-    let mut text = format!("{} of {} rows", grouped(shown), grouped(total));
-    if table.rows() < total {
-        text.push_str(&format!(
-            "; only the first {} were read",
-            grouped(table.rows())
-        ));
-    }
-    if table.changed_count() > 0 {
-        text.push_str(&format!(", {} changed", grouped(table.changed_count())));
-    }
-    text
+    let (rows, changed) = (table.rows(), table.changed_count());
+    let read = if rows < total {
+        format!("; only the first {} were read", grouped(rows))
+    } else {
+        String::new()
+    };
+    let changed = if changed > 0 {
+        format!(", {} changed", grouped(changed))
+    } else {
+        String::new()
+    };
+    format!(
+        "{} of {} rows{read}{changed}",
+        grouped(shown),
+        grouped(total)
+    )
 }
 
 fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<PassCommand>) {

@@ -136,7 +136,7 @@ impl BufferTable {
     /// Returns the characters that each column takes at most, its name included.
     #[must_use]
     pub fn widths(&self, side: Side) -> Vec<usize> {
-        let mut widths: Vec<usize> = self.columns.iter().map(|name| name.len()).collect();
+        let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();
         let digits = |value: i64| {
             value
                 .checked_abs()

@@ -1,0 +1,161 @@
+//! What the passes do in the background: list, visit, export; and what they make of the outcome. It decides what is next
+//! and waits for nothing.
+
+use super::device::{self, Arrival, Goal, Stop, Survey};
+use super::{Passes, Work, csv, model};
+use crate::draft::sentence;
+use crate::jobs::Job;
+use crate::sentence::{counted, grouped};
+
+impl Passes {
+    pub(super) fn survey(&mut self) {
+        // A run with another word goes another way.
+        self.walker = None;
+        self.visit = None;
+        self.entries.clear();
+        self.lines.clear();
+        self.notice = None;
+        self.export_told = None;
+        let subject = self.subject.clone();
+        let work = move |monitor| device::survey(subject, monitor);
+        self.work = Work::Survey(Job::start_future(&self.wake, work));
+    }
+
+    pub(super) fn surveyed(&mut self, outcome: Result<Survey, String>) -> bool {
+        self.work = Work::Idle;
+        match outcome {
+            Ok(survey) => {
+                self.entries = survey.passes;
+                self.restarts = survey.restarts;
+                self.walker = survey.walker;
+                let count = counted(self.entries.len(), "pass", "passes");
+                self.notice = survey.stop.map(|stop| match stop {
+                    Stop::Cancelled => {
+                        format!("Cancelled after {count}: the list is not whole.")
+                    }
+                    Stop::Failed(why) => format!("Stopped after {count}. {why}"),
+                });
+            }
+            Err(failure) => self.notice = Some(sentence(&failure)),
+        }
+        self.lines = model::lines(&self.entries);
+        let last = self.entries.len().checked_sub(1);
+        self.selected = last.map(|last| self.selected.unwrap_or(0).min(last));
+        self.is_wanted = self.selected.is_some();
+        if let Some(stage) = self.wanted_stage.take() {
+            self.select_stage(stage);
+        }
+        true
+    }
+
+    pub(super) fn select(&mut self, pass: usize) {
+        let is_on_its_way = self.is_wanted && self.selected == Some(pass);
+        if pass >= self.entries.len() || is_on_its_way {
+            return;
+        }
+        self.selected = Some(pass);
+        self.notice = None;
+        self.export_told = None;
+        self.is_wanted = self.visit().is_none();
+        if let Work::Visit(job) = &self.work {
+            job.cancel();
+        }
+        self.go_on();
+    }
+
+    /// Begins to visit the selected pass where that is wanted and nothing else is at work.
+    pub(super) fn go_on(&mut self) {
+        let Some(pass) = self.selected.filter(|_| self.is_wanted) else {
+            return;
+        };
+        let (Work::Idle, Some(entry)) = (&self.work, self.entries.get(pass)) else {
+            return;
+        };
+        let goal = Goal {
+            pass,
+            entry: entry.clone(),
+        };
+        let (subject, walker) = (self.subject.clone(), self.walker.take());
+        let work = move |monitor| device::visit(subject, walker, goal, monitor);
+        self.work = Work::Visit(Job::start_future(&self.wake, work));
+    }
+
+    pub(super) fn visited(&mut self, outcome: Result<Arrival, String>) -> bool {
+        self.work = Work::Idle;
+        let outcome = match outcome {
+            Ok(arrival) => {
+                self.walker = arrival.walker;
+                arrival.outcome
+            }
+            Err(failure) => Err(Stop::Failed(sentence(&failure))),
+        };
+        match outcome {
+            Ok(visit) => {
+                if Some(visit.pass) == self.selected {
+                    self.is_wanted = false;
+                    // It may have been cancelled too late.
+                    self.notice = None;
+                }
+                self.shown.enter(&visit);
+                self.visit = Some(visit);
+            }
+            // Another pass was selected, or nobody waits any more.
+            Err(Stop::Cancelled) => {}
+            Err(Stop::Failed(why)) => {
+                self.is_wanted = false;
+                self.notice = Some(why);
+            }
+        }
+        true
+    }
+
+    pub(super) fn cancel(&mut self) {
+        match &self.work {
+            Work::Idle => {}
+            Work::Survey(job) => job.cancel(),
+            Work::Visit(job) => {
+                job.cancel();
+                self.is_wanted = false;
+                self.notice = Some(
+                    "Cancelled: this pass was not visited. Select it again to go there.".to_owned(),
+                );
+            }
+        }
+    }
+
+    pub(super) fn file_name(&self) -> String {
+        let named = self.visit().and_then(|visit| {
+            let table = self.shown.table(Some(visit))?;
+            let pass = self.entries.get(visit.pass)?;
+            Some(csv::file_name(visit.pass, pass.report.name, table.name))
+        });
+        named.unwrap_or_else(|| "pass.csv".to_owned())
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn export(&mut self) {
+        let Some(text) = self.csv() else {
+            return;
+        };
+        let path = std::path::PathBuf::from(self.path().trim());
+        let rows = self.shown.rows().len();
+        self.export_told = None;
+        self.export = Some(Job::start(
+            &self.wake,
+            move |_| match tilescope_formats::write_whole(&path, text.as_bytes()) {
+                Ok(()) => Ok(format!(
+                    "{} rows written to {}.",
+                    grouped(rows),
+                    path.display()
+                )),
+                Err(error) => Err(sentence(&error.to_string())),
+            },
+        ));
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    pub(super) fn export(&mut self) {
+        let name = self.path();
+        self.download = self.csv().map(|text| (name, text.into_bytes()));
+    }
+}
