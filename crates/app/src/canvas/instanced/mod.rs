@@ -71,7 +71,7 @@ impl Limits {
     pub const SOFTWARE: Self = Self {
         symbols: 90_000,
         moving_symbols: 20_000,
-        moving_points: 300_000,
+        moving_points: 150_000,
         still: 10_000,
     };
 }
