@@ -335,9 +335,12 @@ fn a_crowd_becomes_points_of_one_pixel() {
     };
     let is_central = |&id: &u32| radii(id).iter().all(|x| (x - 200.0).abs() < 5.0);
     let chosen = (0..400_000).find(is_central).expect("a sample there");
-    let shown = |id| match id == chosen {
-        true => Look::new(Symbol::Diamond, RED),
-        false => Look::HIDDEN,
+    let shown = |id| {
+        if id == chosen {
+            Look::new(Symbol::Diamond, RED)
+        } else {
+            Look::HIDDEN
+        }
     };
     harness.state_mut().canvas.set_looks(2, shown);
     harness.state_mut().camera.center = radii(chosen);
