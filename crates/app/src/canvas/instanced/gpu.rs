@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use eframe::egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
 
+use super::pipeline::pipelines;
 use super::still::{Origin, Stills};
 
 /// Bytes of a place and of a look.
@@ -291,90 +292,5 @@ fn bind_group(
                 size: wgpu::BufferSize::new(size_of::<Frame>() as u64),
             }),
         }],
-    })
-}
-
-/// Returns the pipelines of disks, symbols and points, in the order of [`Kind`].
-fn pipelines(render: &RenderState, layout: &wgpu::BindGroupLayout) -> [wgpu::RenderPipeline; 3] {
-    let device = &render.device;
-    let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("samples"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    let format = render.target_format;
-    let names = if format.is_srgb() {
-        ["disk_linear", "symbol_linear", "point_linear"]
-    } else {
-        ["disk_gamma", "symbol_gamma", "point_gamma"]
-    };
-    [
-        (Kind::Disk, "disk_corner"),
-        (Kind::Symbol, "symbol_corner"),
-        (Kind::Point, "point"),
-    ]
-    .map(|(kind, vertex)| {
-        let entries = [vertex, names[kind as usize]];
-        pipeline(device, &shader, &layout, format, kind, entries)
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    shader: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    format: wgpu::TextureFormat,
-    kind: Kind,
-    [vertex, fragment]: [&str; 2],
-) -> wgpu::RenderPipeline {
-    // A point is one vertex: as an instance of its own it would cost a hundred times as much on some devices.
-    let (step_mode, topology) = match kind {
-        Kind::Point => (
-            wgpu::VertexStepMode::Vertex,
-            wgpu::PrimitiveTopology::PointList,
-        ),
-        Kind::Disk | Kind::Symbol => (
-            wgpu::VertexStepMode::Instance,
-            wgpu::PrimitiveTopology::TriangleStrip,
-        ),
-    };
-    let buffer = |attributes| {
-        Some(wgpu::VertexBufferLayout {
-            array_stride: BYTES_PER_SAMPLE,
-            step_mode,
-            attributes,
-        })
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(vertex),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[
-                buffer(&wgpu::vertex_attr_array![0 => Sint32x2]),
-                buffer(&wgpu::vertex_attr_array![1 => Unorm8x4, 2 => Uint32]),
-            ],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

@@ -4,6 +4,7 @@
 mod gpu;
 mod look;
 mod order;
+mod pipeline;
 mod still;
 mod view;
 
@@ -250,17 +251,12 @@ impl InstancedCanvas {
         if !clip.is_positive() || copies.is_empty() || self.order.ids.is_empty() {
             return false;
         }
-        let parts = self.parts(&copies, LEVELS, options.cull);
-        let seen = count(&parts);
+        let seen = count(&self.parts(&copies, LEVELS, options.cull));
         let Some((kind, limit)) = self.kind(options.marks, view.scale(), seen, moving) else {
             return false;
         };
         let levels = self.levels_within(&copies, limit, options.cull);
-        let parts = if levels < LEVELS {
-            self.parts(&copies, levels, options.cull)
-        } else {
-            parts
-        };
+        let parts = self.parts(&copies, levels, options.cull);
         let drawn = count(&parts);
         let still = (!moving && drawn >= self.limits.still).then_some(layer);
         let opacity = self.point_opacity(view.scale(), drawn as f32 / seen.max(1) as f32);

@@ -7,6 +7,7 @@ use std::ops::Range;
 use eframe::egui_wgpu::{RenderState, wgpu};
 
 use super::gpu::{Frame, Kind};
+use super::pipeline::pipeline;
 
 /// What a picture was made from.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +49,11 @@ impl Stills {
                 count: None,
             }],
         });
+        let shader = device.create_shader_module(wgpu::include_wgsl!("still.wgsl"));
+        let triangles = wgpu::PrimitiveTopology::TriangleList;
+        let entries = ["corner", "color"];
         Self {
-            pipeline: pipeline(device, &layout, render.target_format),
+            pipeline: pipeline(render, &layout, &shader, entries, &[], triangles),
             layout,
             format: render.target_format,
             pictures: HashMap::new(),
@@ -131,42 +135,4 @@ impl Stills {
             group,
         }
     }
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    format: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let shader = device.create_shader_module(wgpu::include_wgsl!("still.wgsl"));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("samples at rest"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("samples at rest"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("corner"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some("color"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }
