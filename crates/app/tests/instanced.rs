@@ -270,7 +270,13 @@ fn what_is_left_out_for_the_view_would_not_be_seen() {
         };
         let mut harness = probe(&domain, &points, camera);
         let look = |id: u32| Look::new(Symbol::Dot, RED).with_disk(id.is_multiple_of(7));
-        harness.state_mut().canvas.set_looks(2, look);
+        let canvas = &mut harness.state_mut().canvas;
+        canvas.set_looks(2, look);
+        // A kept picture is rounded once more than one drawn in place.
+        canvas.set_limits(Limits {
+            still: usize::MAX,
+            ..canvas.limits()
+        });
         let mut shot = |cull: bool| {
             let layers = [
                 PaintOptions::disks(),
@@ -329,9 +335,12 @@ fn a_crowd_becomes_points_of_one_pixel() {
     };
     let is_central = |&id: &u32| radii(id).iter().all(|x| (x - 200.0).abs() < 5.0);
     let chosen = (0..400_000).find(is_central).expect("a sample there");
-    let shown = |id| match id == chosen {
-        true => Look::new(Symbol::Diamond, RED),
-        false => Look::HIDDEN,
+    let shown = |id| {
+        if id == chosen {
+            Look::new(Symbol::Diamond, RED)
+        } else {
+            Look::HIDDEN
+        }
     };
     harness.state_mut().canvas.set_looks(2, shown);
     harness.state_mut().camera.center = radii(chosen);
@@ -445,5 +454,57 @@ fn new_samples_replace_the_old_ones() {
     assert_eq!(second.at_pos(pos), RED.to_array());
     let canvas = &mut harness.state_mut().canvas;
     canvas.set_points(3, &[], &domain).expect("none");
+    assert_eq!(shoot(&mut harness).marked(), 0);
+}
+
+#[test]
+fn a_picture_kept_at_rest_is_the_one_drawn_anew() {
+    let domain = domain([100.0; 2], Boundary::Periodic);
+    let camera = Camera {
+        center: [3.0, 50.0],
+        scale: 6.0,
+    };
+    let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);
+    let disks = PaintOptions::disks().with_images(true);
+    harness.state_mut().layers.insert(0, disks);
+    let teal = Color32::from_rgb(10, 160, 140);
+    for version in 2..4 {
+        // Every layer changes with the version, which kept pictures must follow.
+        let look = |id| Look::new(Symbol::Dot, [RED, teal][(id + version) as usize % 2]);
+        let look = |id: u32| look(id).with_disk(id.is_multiple_of(version + 3));
+        let mut shot = |still: usize| {
+            let canvas = &mut harness.state_mut().canvas;
+            canvas.set_limits(Limits {
+                still,
+                ..canvas.limits()
+            });
+            canvas.set_looks(version.into(), look);
+            shoot(&mut harness);
+            shoot(&mut harness)
+        };
+        let (kept, anew) = (shot(0), shot(usize::MAX));
+        assert!(kept.marked() > 5_000);
+        let apart = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|k| a[k].abs_diff(b[k])).max();
+        let pairs = kept.pixels.iter().zip(&anew.pixels);
+        let worst = pairs.filter_map(apart).max();
+        assert!(worst <= Some(4), "rounding differs only: {worst:?}");
+    }
+}
+
+#[test]
+fn a_kept_picture_follows_new_looks() {
+    let domain = domain([100.0; 2], Boundary::Bounded);
+    let camera = Camera {
+        center: [50.0; 2],
+        scale: 6.0,
+    };
+    let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);
+    harness.state_mut().canvas.set_limits(Limits {
+        still: 0,
+        ..Limits::SOFTWARE
+    });
+    assert!(shoot(&mut harness).marked() > 5_000);
+    let canvas = &mut harness.state_mut().canvas;
+    canvas.set_looks(9, |_| Look::HIDDEN);
     assert_eq!(shoot(&mut harness).marked(), 0);
 }

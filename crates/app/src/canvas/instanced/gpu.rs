@@ -1,11 +1,15 @@
 //! What lives on the GPU: places, looks and the three pipelines, kept where the renderer finds them. It draws the
 //! ranges it is told to and decides nothing.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use eframe::egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
+
+use super::pipeline::pipelines;
+use super::still::{Origin, Stills};
 
 /// Bytes of a place and of a look.
 pub const BYTES_PER_SAMPLE: u64 = 8;
@@ -16,7 +20,7 @@ const SLOT_BYTES: u32 = 256;
 
 /// The parameters of one layer, as the shader reads them.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Frame {
     /// Filled in when the target is known.
     pub target_size: [f32; 2],
@@ -49,6 +53,7 @@ struct Resident {
     parameters: wgpu::BindGroup,
     places: wgpu::Buffer,
     looks: wgpu::Buffer,
+    stills: Stills,
 }
 
 /// The part of a canvas that is on the GPU.
@@ -57,6 +62,7 @@ pub struct Gpu {
     key: u64,
     places: wgpu::Buffer,
     looks: wgpu::Buffer,
+    revision: Cell<u64>,
 }
 
 impl Gpu {
@@ -76,12 +82,14 @@ impl Gpu {
             frames,
             places: sample_buffer(device, "samples: places", 0),
             looks: sample_buffer(device, "samples: looks", 0),
+            stills: Stills::new(render),
         };
         let gpu = Self {
             render: render.clone(),
             key: NEXT_KEY.fetch_add(1, Ordering::Relaxed),
             places: resident.places.clone(),
             looks: resident.looks.clone(),
+            revision: Cell::new(0),
         };
         let mut renderer = render.renderer.write();
         let residents = renderer.callback_resources.entry::<Residents>();
@@ -97,6 +105,7 @@ impl Gpu {
 
     /// Puts samples at `places`, with looks yet to be written.
     pub fn replace(&mut self, places: &[[i32; 2]]) {
+        self.revision.update(|revision| revision + 1);
         let device = &self.render.device;
         self.places = sample_buffer(device, "samples: places", places.len());
         self.looks = sample_buffer(device, "samples: looks", places.len());
@@ -112,16 +121,19 @@ impl Gpu {
 
     /// Writes looks from the place `first` on.
     pub fn write_looks(&self, first: usize, looks: &[[u32; 2]]) {
+        self.revision.update(|revision| revision + 1);
         let (offset, bytes) = (first as u64 * BYTES_PER_SAMPLE, bytemuck::cast_slice(looks));
         self.render.queue.write_buffer(&self.looks, offset, bytes);
     }
 
-    /// Returns the callback that draws `parts`.
-    pub const fn drawing(&self, kind: Kind, parts: Vec<Part>) -> Drawing {
+    /// Returns the callback that draws `parts`, by way of the picture of a layer if one is named.
+    pub const fn drawing(&self, kind: Kind, parts: Vec<Part>, still: Option<u32>) -> Drawing {
         Drawing {
             key: self.key,
+            revision: self.revision.get(),
             kind,
             parts,
+            still,
         }
     }
 }
@@ -138,8 +150,10 @@ impl Drop for Gpu {
 /// What one layer draws in one frame.
 pub struct Drawing {
     key: u64,
+    revision: u64,
     kind: Kind,
     parts: Vec<Part>,
+    still: Option<u32>,
 }
 
 /// Places to draw and the parameters for them.
@@ -156,24 +170,62 @@ impl Part {
     }
 }
 
+impl Drawing {
+    /// Draws the samples in a pass over the whole target.
+    fn draw(&self, resident: &Resident, pass: &mut wgpu::RenderPass<'static>) {
+        pass.set_pipeline(&resident.pipelines[self.kind as usize]);
+        pass.set_vertex_buffer(0, resident.places.slice(..));
+        pass.set_vertex_buffer(1, resident.looks.slice(..));
+        // A frame that was laid out before the samples were replaced must not reach beyond them.
+        let count = (resident.places.size() / BYTES_PER_SAMPLE) as u32;
+        for part in &self.parts {
+            pass.set_bind_group(0, &resident.parameters, &[part.offset()]);
+            for range in part.ranges.iter().filter(|range| range.end <= count) {
+                match self.kind {
+                    Kind::Point => pass.draw(range.clone(), 0..1),
+                    Kind::Disk | Kind::Symbol => pass.draw(0..4, range.clone()),
+                }
+            }
+        }
+    }
+
+    fn origin(&self, frame: impl Fn(&Part) -> Frame) -> Origin {
+        let parts = self.parts.iter();
+        Origin {
+            kind: self.kind,
+            revision: self.revision,
+            parts: parts
+                .map(|part| (frame(part), part.ranges.clone()))
+                .collect(),
+        }
+    }
+}
+
 impl CallbackTrait for Drawing {
     fn prepare(
         &self,
-        _: &wgpu::Device,
+        device: &wgpu::Device,
         queue: &wgpu::Queue,
         screen: &ScreenDescriptor,
-        _: &mut wgpu::CommandEncoder,
+        encoder: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
-        let residents = resources.get::<Residents>();
-        if let Some(resident) = residents.and_then(|all| all.0.get(&self.key)) {
-            for part in &self.parts {
-                let frame = Frame {
-                    target_size: screen.size_in_pixels.map(|side| side as f32),
-                    ..part.frame
-                };
-                let bytes = bytemuck::bytes_of(&frame);
-                queue.write_buffer(&resident.frames, u64::from(part.offset()), bytes);
+        let residents = resources.get_mut::<Residents>();
+        let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) else {
+            return Vec::new();
+        };
+        let frame = |part: &Part| Frame {
+            target_size: screen.size_in_pixels.map(|side| side as f32),
+            ..part.frame
+        };
+        for part in &self.parts {
+            let (offset, frame) = (u64::from(part.offset()), frame(part));
+            queue.write_buffer(&resident.frames, offset, bytemuck::bytes_of(&frame));
+        }
+        if let Some(layer) = self.still {
+            let (size, origin) = (screen.size_in_pixels, self.origin(frame));
+            if let Some(mut pass) = resident.stills.renew(device, encoder, layer, size, origin) {
+                self.draw(resident, &mut pass);
             }
         }
         Vec::new()
@@ -192,19 +244,9 @@ impl CallbackTrait for Drawing {
         // Places are pixels of the target; the clip rectangle is set already.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
-        pass.set_pipeline(&resident.pipelines[self.kind as usize]);
-        pass.set_vertex_buffer(0, resident.places.slice(..));
-        pass.set_vertex_buffer(1, resident.looks.slice(..));
-        // A frame that was laid out before the samples were replaced must not reach beyond them.
-        let count = (resident.places.size() / BYTES_PER_SAMPLE) as u32;
-        for part in &self.parts {
-            pass.set_bind_group(0, &resident.parameters, &[part.offset()]);
-            for range in part.ranges.iter().filter(|range| range.end <= count) {
-                match self.kind {
-                    Kind::Point => pass.draw(range.clone(), 0..1),
-                    Kind::Disk | Kind::Symbol => pass.draw(0..4, range.clone()),
-                }
-            }
+        match self.still {
+            Some(layer) => resident.stills.copy(pass, layer),
+            None => self.draw(resident, pass),
         }
     }
 }
@@ -250,90 +292,5 @@ fn bind_group(
                 size: wgpu::BufferSize::new(size_of::<Frame>() as u64),
             }),
         }],
-    })
-}
-
-/// Returns the pipelines of disks, symbols and points, in the order of [`Kind`].
-fn pipelines(render: &RenderState, layout: &wgpu::BindGroupLayout) -> [wgpu::RenderPipeline; 3] {
-    let device = &render.device;
-    let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("samples"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    let format = render.target_format;
-    let names = if format.is_srgb() {
-        ["disk_linear", "symbol_linear", "point_linear"]
-    } else {
-        ["disk_gamma", "symbol_gamma", "point_gamma"]
-    };
-    [
-        (Kind::Disk, "disk_corner"),
-        (Kind::Symbol, "symbol_corner"),
-        (Kind::Point, "point"),
-    ]
-    .map(|(kind, vertex)| {
-        let entries = [vertex, names[kind as usize]];
-        pipeline(device, &shader, &layout, format, kind, entries)
-    })
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    shader: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    format: wgpu::TextureFormat,
-    kind: Kind,
-    [vertex, fragment]: [&str; 2],
-) -> wgpu::RenderPipeline {
-    // A point is one vertex: as an instance of its own it would cost a hundred times as much on some devices.
-    let (step_mode, topology) = match kind {
-        Kind::Point => (
-            wgpu::VertexStepMode::Vertex,
-            wgpu::PrimitiveTopology::PointList,
-        ),
-        Kind::Disk | Kind::Symbol => (
-            wgpu::VertexStepMode::Instance,
-            wgpu::PrimitiveTopology::TriangleStrip,
-        ),
-    };
-    let buffer = |attributes| {
-        Some(wgpu::VertexBufferLayout {
-            array_stride: BYTES_PER_SAMPLE,
-            step_mode,
-            attributes,
-        })
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(vertex),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module: shader,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[
-                buffer(&wgpu::vertex_attr_array![0 => Sint32x2]),
-                buffer(&wgpu::vertex_attr_array![1 => Unorm8x4, 2 => Uint32]),
-            ],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: shader,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

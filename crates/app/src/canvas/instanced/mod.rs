@@ -4,6 +4,8 @@
 mod gpu;
 mod look;
 mod order;
+mod pipeline;
+mod still;
 mod view;
 
 use std::cell::Cell;
@@ -47,12 +49,15 @@ pub enum InstancedError {
 /// How much is drawn in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// The most samples drawn as symbols, and disks drawn, at rest; more samples become points.
+    /// The most samples drawn as symbols; more in view become points.
     pub symbols: usize,
     /// The most symbols and disks while the camera moves.
     pub moving_symbols: usize,
     /// The most points while the camera moves.
     pub moving_points: usize,
+    /// From this many samples on, a layer at rest is kept as a picture of the window's size and not drawn anew until
+    /// it changes.
+    pub still: usize,
 }
 
 impl Limits {
@@ -61,12 +66,14 @@ impl Limits {
         symbols: 1_000_000,
         moving_symbols: 400_000,
         moving_points: 4_000_000,
+        still: 200_000,
     };
     /// For a device that computes on the CPU.
     pub const SOFTWARE: Self = Self {
         symbols: 90_000,
         moving_symbols: 20_000,
-        moving_points: 300_000,
+        moving_points: 150_000,
+        still: 10_000,
     };
 }
 
@@ -76,6 +83,8 @@ struct Motion {
     frame: u64,
     view: Option<View>,
     moving: bool,
+    /// How many layers the frame has so far.
+    layers: u32,
 }
 
 /// The samples of a session on the GPU.
@@ -236,24 +245,21 @@ impl InstancedCanvas {
         options: &PaintOptions,
     ) -> bool {
         let view = View::of(painter, rect, camera);
-        let moving = self.is_moving(painter.ctx().cumulative_frame_nr(), view);
+        let (moving, layer) = self.next_layer(painter.ctx().cumulative_frame_nr(), view);
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
         if !clip.is_positive() || copies.is_empty() || self.order.ids.is_empty() {
             return false;
         }
-        let parts = self.parts(&copies, LEVELS, options.cull);
-        let seen = count(&parts);
+        let seen = count(&self.parts(&copies, LEVELS, options.cull));
         let Some((kind, limit)) = self.kind(options.marks, view.scale(), seen, moving) else {
             return false;
         };
         let levels = self.levels_within(&copies, limit, options.cull);
-        let parts = if levels < LEVELS {
-            self.parts(&copies, levels, options.cull)
-        } else {
-            parts
-        };
-        let opacity = self.point_opacity(view.scale(), count(&parts) as f32 / seen.max(1) as f32);
+        let parts = self.parts(&copies, levels, options.cull);
+        let drawn = count(&parts);
+        let still = (!moving && drawn >= self.limits.still).then_some(layer);
+        let opacity = self.point_opacity(view.scale(), drawn as f32 / seen.max(1) as f32);
         let parts = copies.iter().zip(parts).map(|(copy, ranges)| {
             let mut frame = view.frame(copy.shift, options);
             frame.scale[3] = opacity;
@@ -264,24 +270,29 @@ impl InstancedCanvas {
                 ranges,
             }
         });
-        let drawing = self.gpu.drawing(kind, parts.collect());
+        let drawing = self.gpu.drawing(kind, parts.collect(), still);
         painter.add(Callback::new_paint_callback(rect, drawing));
         moving && levels < LEVELS
     }
 
-    /// Returns whether the view differs from the last frame's.
-    fn is_moving(&self, frame: u64, view: View) -> bool {
+    /// Returns whether the view differs from the last frame's, and the number of this layer in its frame.
+    fn next_layer(&self, frame: u64, view: View) -> (bool, u32) {
         let last = self.motion.get();
-        if last.view.is_some() && last.frame == frame {
-            return last.moving;
-        }
-        let moving = last.view.is_some_and(|before| before != view);
-        self.motion.set(Motion {
-            frame,
-            view: Some(view),
-            moving,
-        });
-        moving
+        let next = if last.view.is_some() && last.frame == frame {
+            Motion {
+                layers: last.layers + 1,
+                ..last
+            }
+        } else {
+            Motion {
+                frame,
+                view: Some(view),
+                moving: last.view.is_some_and(|before| before != view),
+                layers: 0,
+            }
+        };
+        self.motion.set(next);
+        (next.moving, next.layers)
     }
 
     /// Returns what is drawn of `seen` samples, and the most of them, if anything.
@@ -290,7 +301,7 @@ impl InstancedCanvas {
         let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
         match marks {
             Marks::Disks if scale < MIN_DISK_PIXELS => None,
-            Marks::Disks => Some((Kind::Disk, limit(symbols).min(self.limits.symbols))),
+            Marks::Disks => Some((Kind::Disk, limit(symbols))),
             Marks::Symbols(_) => {
                 let fine = scale >= MIN_SYMBOL_SCALE && seen <= self.limits.symbols;
                 if fine || seen <= UNCROWDED {

@@ -12,7 +12,7 @@ const MAX_CELLS: f64 = 65_536.0;
 /// The shortest side of a cell, in r.
 const MIN_CELL: f64 = 4.0;
 /// Ranges nearer to one another than this are drawn in one call.
-const MAX_SKIPPED: u32 = 32;
+const MAX_SKIPPED: u32 = 256;
 /// How far outside a domain a sample may lie, in r, with some room: those that a bounded domain dropped.
 const BEYOND: f64 = 1.5;
 

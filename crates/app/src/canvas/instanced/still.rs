@@ -1,0 +1,138 @@
+//! Layers at rest as pictures: drawn once, then copied to the target until anything of them changes. It compares
+//! what pictures were made from and draws no samples itself.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use eframe::egui_wgpu::{RenderState, wgpu};
+
+use super::gpu::{Frame, Kind};
+use super::pipeline::pipeline;
+
+/// What a picture was made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Origin {
+    pub kind: Kind,
+    /// Counts the uploads of places and looks.
+    pub revision: u64,
+    pub parts: Vec<(Frame, Vec<Range<u32>>)>,
+}
+
+struct Picture {
+    origin: Option<Origin>,
+    size: [u32; 2],
+    view: wgpu::TextureView,
+    group: wgpu::BindGroup,
+}
+
+/// The pictures of a canvas, one per layer.
+pub struct Stills {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+    format: wgpu::TextureFormat,
+    pictures: HashMap<u32, Picture>,
+}
+
+impl Stills {
+    pub fn new(render: &RenderState) -> Self {
+        let device = &render.device;
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("samples at rest"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            }],
+        });
+        let shader = device.create_shader_module(wgpu::include_wgsl!("still.wgsl"));
+        let triangles = wgpu::PrimitiveTopology::TriangleList;
+        let entries = ["corner", "color"];
+        Self {
+            pipeline: pipeline(render, &layout, &shader, entries, &[], triangles),
+            layout,
+            format: render.target_format,
+            pictures: HashMap::new(),
+        }
+    }
+
+    /// Returns the pass to draw the picture of `layer` in, cleared, unless it was made from `origin` already; takes
+    /// for granted that it is then made.
+    pub fn renew(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        layer: u32,
+        size: [u32; 2],
+        origin: Origin,
+    ) -> Option<wgpu::RenderPass<'static>> {
+        if self.pictures.get(&layer).is_none_or(|old| old.size != size) {
+            let picture = self.blank(device, size);
+            self.pictures.insert(layer, picture);
+        }
+        let picture = self.pictures.get_mut(&layer)?;
+        if picture.origin.as_ref() == Some(&origin) {
+            return None;
+        }
+        picture.origin = Some(origin);
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("samples at rest"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &picture.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        Some(pass.forget_lifetime())
+    }
+
+    /// Copies the picture of `layer` to the target, within the clip rectangle that is set.
+    pub fn copy(&self, pass: &mut wgpu::RenderPass<'static>, layer: u32) {
+        if let Some(picture) = self.pictures.get(&layer) {
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &picture.group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+
+    fn blank(&self, device: &wgpu::Device, [width, height]: [u32; 2]) -> Picture {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("samples at rest"),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: self.format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("samples at rest"),
+            layout: &self.layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
+        });
+        Picture {
+            origin: None,
+            size: [width, height],
+            view,
+            group,
+        }
+    }
+}
