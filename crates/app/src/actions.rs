@@ -175,7 +175,7 @@ fn file(list: &mut List, state: &State) {
 
 fn edit(list: &mut List, state: &State) {
     let mut add = |name: &str, keys, command, refusal: Option<&str>| {
-        list.add(Menu::Edit, name, keys, command, refusal)
+        list.add(Menu::Edit, name, keys, command, refusal);
     };
     let no_past = (!state.can_undo()).then_some("Nothing was changed yet.");
     let no_future = (!state.can_redo()).then_some("Nothing was undone.");
@@ -267,7 +267,7 @@ fn go(list: &mut List, state: &State) {
     let [at_end, at_start] = time_refusals(state);
     let no_events = state.debugger.is_none().then_some(NO_EVENTS);
     let mut add = |name: String, keys, command, refusal: Option<&str>| {
-        list.add(Menu::Go, name, keys, command, refusal)
+        list.add(Menu::Go, name, keys, command, refusal);
     };
     add(
         "Play or pause".to_owned(),

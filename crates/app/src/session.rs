@@ -184,11 +184,12 @@ impl Session {
 
     fn of(source: Source, generation: u64) -> Self {
         let (run, starts, outline) = match &source {
-            Source::Recorded(recording) => (
-                recording.run(),
-                stage_starts(recording),
-                Some(Outline::new(recording)),
-            ),
+            Source::Recorded(recording) => {
+                // Now, in the background, rather than with the first search.
+                recording.prepare();
+                let outline = Outline::new(recording);
+                (recording.run(), stage_starts(recording), Some(outline))
+            }
             Source::Run(run) => (&**run, Vec::new(), None),
         };
         let conflicts = match run.counted {

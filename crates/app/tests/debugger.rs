@@ -42,7 +42,10 @@ fn cursor(harness: &Harness<'_, App>) -> usize {
 
 fn next_kind(harness: &Harness<'_, App>) -> Option<Kind> {
     let debugger = harness.state().state.debugger.as_ref();
-    debugger.expect("events").event().map(|event| event.kind())
+    debugger
+        .expect("events")
+        .event()
+        .map(tilescope_debugger::Event::kind)
 }
 
 #[test]

@@ -120,7 +120,7 @@ fn last_event(scene: &Scene<'_>) {
         Moment::Insert { sample, .. } => changed(sample, palette.inserted),
         Moment::Mark { sample, .. } => changed(sample, palette.detector),
         Moment::Keep { sample, .. } | Moment::Tiled { sample, .. } => {
-            changed(sample, palette.accent)
+            changed(sample, palette.accent);
         }
         _ => {}
     }

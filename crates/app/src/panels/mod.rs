@@ -85,7 +85,7 @@ pub fn show_panel(
         }
         Panel::Timeline => {
             filled(ui, frame.inner_margin(Margin::symmetric(16, 8)), |ui| {
-                timeline::show(ui, state, commands)
+                timeline::show(ui, state, commands);
             });
         }
         Panel::Pseudocode => filled(ui, side, |ui| pseudocode::show(ui, state, commands)),
