@@ -5,7 +5,7 @@ use super::device::{self, Arrival, Goal, Stop, Survey};
 use super::{Passes, Work, csv, model};
 use crate::draft::sentence;
 use crate::jobs::Job;
-use crate::sentence::{counted, grouped};
+use crate::sentence::counted;
 
 impl Passes {
     pub(super) fn survey(&mut self) {
@@ -138,16 +138,12 @@ impl Passes {
             return;
         };
         let path = std::path::PathBuf::from(self.path().trim());
-        let rows = self.shown.rows().len();
+        let rows = counted(self.shown.rows().len(), "row", "rows");
         self.export_told = None;
         self.export = Some(Job::start(
             &self.wake,
             move |_| match tilescope_formats::write_whole(&path, text.as_bytes()) {
-                Ok(()) => Ok(format!(
-                    "{} rows written to {}.",
-                    grouped(rows),
-                    path.display()
-                )),
+                Ok(()) => Ok(format!("{rows} written to {}.", path.display())),
                 Err(error) => Err(sentence(&error.to_string())),
             },
         ));
