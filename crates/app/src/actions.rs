@@ -419,14 +419,21 @@ fn debug(list: &mut List, state: &State) {
 pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
     let typing = ctx.text_edit_focused();
     let listed = state.palette.is_some();
-    let any = ctx.input(|input| {
-        input
-            .events
-            .iter()
-            .any(|e| matches!(e, egui::Event::Key { pressed: true, .. }))
+    // Each press comes with the modifiers of its own moment: a slow frame may hold presses and releases of several.
+    let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
+        let presses = input.events.iter().filter_map(|event| match *event {
+            egui::Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } => Some((key, modifiers)),
+            _ => None,
+        });
+        presses.collect()
     });
     let mut commands = Vec::new();
-    if !any {
+    if presses.is_empty() {
         return commands;
     }
     ctx.input_mut(|input| {
@@ -443,7 +450,9 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
             let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
             let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);
             let free = !typing || modifiers.command || function;
-            if free && input.key_pressed(key) && input.modifiers.matches_exact(modifiers) {
+            let same =
+                |&(other, held): &(Key, Modifiers)| other == key && held.matches_exact(modifiers);
+            if free && presses.iter().any(same) {
                 input.consume_key(modifiers, key);
                 commands.push(action.command);
             }

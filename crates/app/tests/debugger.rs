@@ -132,6 +132,28 @@ fn time_goes_both_ways_by_keys_alone() {
 }
 
 #[test]
+fn a_press_counts_with_the_modifiers_of_its_moment() {
+    let mut harness = opened();
+    let end = cursor(&harness);
+    // All in one frame, as a slow machine or a fast typist has it: Shift is up again when the frame begins.
+    for pressed in [true, false] {
+        harness.event_modifiers(
+            egui::Event::Key {
+                key: Key::E,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::SHIFT,
+            },
+            Modifiers::NONE,
+        );
+    }
+    harness.run();
+    assert!(cursor(&harness) < end);
+    assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
+}
+
+#[test]
 fn the_arrows_follow_the_clock() {
     let mut harness = opened();
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
