@@ -139,6 +139,15 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
             Command::GoToCurrent,
         ],
     );
+    shoot(
+        "passes",
+        vec![
+            Command::Engine(tilescope_app::device::Engine::Gpu),
+            Command::OpenPanel(Panel::Passes),
+        ],
+    );
+    shoot("passes-run", vec![Command::OpenPasses]);
+    shoot("passes-closed", vec![Command::OpenPanel(Panel::Canvas)]);
     shoot("projector", vec![Command::Look(Look::Projector)]);
     let actions = Command::PaletteText("next".to_owned());
     shoot(

@@ -85,6 +85,7 @@ impl Default for Layout {
             tiles.insert_tab_tile(panes)
         };
         let left = tabs(&[Panel::Parameters, Panel::Events, Panel::Bookmarks]);
+        let canvas = tabs(&[Panel::Canvas, Panel::Passes]);
         let upper = tabs(&[Panel::Pseudocode, Panel::Statistics]);
         let lower = tabs(&[
             Panel::Verification,
@@ -92,9 +93,7 @@ impl Default for Layout {
             Panel::Watches,
             Panel::Legend,
         ]);
-        let canvas = tiles.insert_pane(Panel::Canvas);
-        let timeline = [Panel::Timeline, Panel::Passes].map(|panel| tiles.insert_pane(panel));
-        let timeline = tiles.insert_tab_tile(timeline.to_vec());
+        let timeline = tiles.insert_pane(Panel::Timeline);
         let right = linear(
             &mut tiles,
             LinearDir::Vertical,
@@ -102,7 +101,7 @@ impl Default for Layout {
         );
         let middle = [(left, 0.195), (canvas, 0.605), (right, 0.2)];
         let middle = linear(&mut tiles, LinearDir::Horizontal, &middle);
-        let rows = [(middle, 0.846), (timeline, 0.154)];
+        let rows = [(middle, 0.874), (timeline, 0.126)];
         let root = linear(&mut tiles, LinearDir::Vertical, &rows);
         Self(Tree::new(egui::Id::unique("layout"), root, tiles))
     }

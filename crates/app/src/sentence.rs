@@ -7,15 +7,7 @@ use crate::session::{Session, radii};
 /// Returns `count` with thin groups of three digits.
 #[must_use]
 pub fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    tilescope_debugger::grouped(count as u64)
 }
 
 /// Returns "1 sample" or "2 samples".

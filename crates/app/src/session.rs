@@ -260,12 +260,6 @@ impl Session {
             Variant::Staged => 0,
         }
     }
-
-    /// Returns whether sample `id` can be seen after `stage`.
-    #[must_use]
-    pub fn exists(&self, id: u32, stage: Stage) -> bool {
-        self.run().standing(id, stage) != Standing::Absent
-    }
 }
 
 /// Runs `parameters` on a device: to the last stage with all of them kept, or for the result alone.

@@ -207,12 +207,13 @@ impl State {
         match command {
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
-            command => {
+            command if undo::concerns(&command) => {
                 let before = self.memento();
                 let remembered = command.clone();
                 self.carry_out(command);
                 self.remember(before, &remembered);
             }
+            command => self.carry_out(command),
         }
         self.follow_pattern();
     }
@@ -285,6 +286,6 @@ mod engine;
 mod export;
 #[cfg(test)]
 mod tests;
-pub mod time;
+mod time;
 mod undo;
 mod work;

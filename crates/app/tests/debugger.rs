@@ -12,19 +12,8 @@ use tilescope_app::{App, Command};
 use tilescope_core::Stage;
 use tilescope_debugger::{Kind, Listings};
 
-fn opened() -> Harness<'static, App> {
-    let mut harness = Harness::builder()
-        .with_size([1440.0, 900.0])
-        .with_max_steps(64)
-        .build_eframe(|creation| App::new(&creation.egui_ctx));
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, App>) {
-    harness.state_mut().state.settle();
-    harness.run();
-}
+mod support;
+use support::{opened, settle};
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
     harness.state_mut().state.apply(command);

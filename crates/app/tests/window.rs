@@ -9,19 +9,8 @@ use tilescope_app::device::Engine;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
 
-fn opened() -> Harness<'static, App> {
-    let mut harness = Harness::builder()
-        .with_size([1440.0, 900.0])
-        .with_max_steps(64)
-        .build_eframe(|creation| App::new(&creation.egui_ctx));
-    settle(&mut harness);
-    harness
-}
-
-fn settle(harness: &mut Harness<'_, App>) {
-    harness.state_mut().state.settle();
-    harness.run();
-}
+mod support;
+use support::{opened, settle};
 
 fn shown_stage(harness: &Harness<'_, App>) -> Stage {
     harness.state().state.current_stage().expect("a session")
@@ -32,6 +21,7 @@ fn it_opens_on_a_finished_verified_session() {
     let harness = opened();
     harness.get_by_label("Verdict: verified");
     harness.get_by_label_contains("Finish: 10,041 samples");
+    harness.get_by_label_contains("event 45,961 of 45,961");
     assert_eq!(shown_stage(&harness), Stage::Finish);
 }
 

@@ -290,8 +290,10 @@ impl Recording {
         }
     }
 
-    /// Returns the event that first accepted the place made by `sites` before event `end`.
-    pub(crate) fn gap(&self, sites: Sites, end: usize) -> Option<usize> {
+    /// Returns the last event before `end` that accepted the place made by `sites`. It takes the logarithm of the number
+    /// of places.
+    #[must_use]
+    pub fn gap(&self, sites: Sites, end: usize) -> Option<usize> {
         let first = self.gaps.partition_point(|(other, _)| *other < sites);
         let same = self.gaps[first..]
             .iter()

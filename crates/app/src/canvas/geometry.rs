@@ -8,7 +8,9 @@ use tilescope_analysis::tessellation::Edge;
 use super::layers::Layer;
 use super::paint::Scene;
 
-/// Most circles drawn at once.
+/// Circles wider than this, in r, are hardly curved where they can be seen.
+const WIDEST: f64 = 50.0;
+/// Most circles drawn at once: beyond, one sees none.
 const MOST_CIRCLES: usize = 4_000;
 /// By how much a radius may exceed r from rounding alone.
 const HAIR: f64 = 1e-6;
@@ -83,13 +85,15 @@ fn circumcircles(scene: &Scene<'_>, tessellation: &Tessellation) {
         .triangles
         .iter()
         .filter(|t| t.circumradius > 1.0 + HAIR);
-    for triangle in wide.take(MOST_CIRCLES) {
+    let mut drawn = 0;
+    for triangle in wide {
         shifts(scene, |shift| {
             let center = [triangle.center[0] + shift[0], triangle.center[1] + shift[1]];
             let reach = triangle.circumradius;
             let near =
                 |k: usize| center[k] + reach > scene.low[k] && center[k] - reach < scene.high[k];
-            if near(0) && near(1) && reach < 50.0 {
+            if near(0) && near(1) && reach < WIDEST && drawn < MOST_CIRCLES {
+                drawn += 1;
                 scene
                     .painter
                     .circle_stroke(scene.at(center), reach as f32 * scene.scale(), stroke);

@@ -5,8 +5,8 @@ use egui::{
     Align2, Color32, ColorImage, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind,
     Vec2, pos2, vec2,
 };
-use tilescope_core::{Origin, Point, Rect as LatticeRect, Stage, Standing};
-use tilescope_debugger::{Kind, Recording};
+use tilescope_core::stages::detect::Candidate;
+use tilescope_core::{Iteration, Origin, Point, Rect as LatticeRect, Stage, Standing};
 
 use super::layers::{Colouring, Layer};
 use super::raster::{Density, Frame};
@@ -381,24 +381,17 @@ impl<'a> Scene<'a> {
     }
 
     /// Returns the candidates of an iteration that have been found by now.
-    fn candidates(&self, iteration: &tilescope_core::Iteration) -> Vec<Point> {
-        match self.shown.debugger.filter(|_| !self.shown.ends_stage()) {
-            None => iteration
-                .candidates
-                .iter()
-                .map(|candidate| candidate.point)
-                .collect(),
-            Some(debugger) => {
-                let recording = debugger.recording();
+    fn candidates<'b>(&'b self, iteration: &'b Iteration) -> impl Iterator<Item = Point> + 'b {
+        let debugger = self.shown.debugger.filter(|_| !self.shown.ends_stage());
+        let found = move |candidate: &&Candidate| {
+            debugger.is_none_or(|debugger| {
                 let cursor = debugger.state().cursor();
-                let events = recording.tape().before(cursor);
-                let of_stage = events.take_while(|(_, event)| event.kind() != Kind::Iteration);
-                let found = of_stage.filter(|(_, event)| Recording::is_gap(event));
-                found
-                    .filter_map(|(_, event)| recording.place(event))
-                    .collect()
-            }
-        }
+                let recording = debugger.recording();
+                recording.gap(candidate.sites, cursor).is_some()
+            })
+        };
+        let candidates = iteration.candidates.iter().filter(found);
+        candidates.map(|candidate| candidate.point)
     }
 
     /// Draws the current samples and the place that a verdict was followed to.

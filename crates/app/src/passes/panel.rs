@@ -80,12 +80,13 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
     ui.horizontal(|ui| {
         ui.set_height(26.0);
         if let Some((activity, fraction)) = passes.activity() {
-            let bar = ProgressBar::new(fraction).desired_width(160.0);
-            ui.add(bar.desired_height(8.0).fill(palette.accent));
-            ui.label(RichText::new(activity).color(palette.muted));
+            // Before the words, whose lengths change: it stays under the pointer.
             if ui.button("Cancel").clicked() {
                 commands.push(PassCommand::Cancel);
             }
+            let bar = ProgressBar::new(fraction).desired_width(160.0);
+            ui.add(bar.desired_height(8.0).fill(palette.accent));
+            ui.label(RichText::new(activity).color(palette.muted));
         } else if let Some(notice) = passes.notice() {
             if ui.button("List passes again").clicked() {
                 commands.push(PassCommand::Again);

@@ -73,7 +73,16 @@ impl State {
     /// Shows a session and says if the CPU had to stand in for the GPU.
     pub(super) fn show_made(&mut self, mut session: Session) {
         let failure = session.failure.take();
+        let differs = session.has_stages() && session.recording().is_none();
+        let engine = session.engine.clone();
         self.show(session);
+        if differs {
+            let text = format!(
+                "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
+                 The passes of the GPU show where the two part."
+            );
+            self.tell(text, true);
+        }
         if let Some(Failure { name, error }) = failure {
             self.device.failed(&error);
             if !matches!(self.device, Device::Ready(_)) {

@@ -317,6 +317,21 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
 }
 
 #[test]
+fn a_run_of_a_gpu_that_differs_is_shown_without_events_and_told_of() {
+    let mut state = settled();
+    let mut run = state.session.as_ref().unwrap().run().clone();
+    run.samples.points[7].x += 1;
+    let mut session = Session::from_run(run, 9);
+    session.engine = "GPU (some card)".to_owned();
+    state.show_made(session);
+    let notice = state.notice.clone().unwrap();
+    assert!(notice.is_error && notice.text.contains("GPU (some card) differs from the CPU"));
+    assert!(state.debugger.is_none() && state.cursor().is_none());
+    state.apply(Command::ShowStage(2));
+    assert_eq!(state.current_stage(), Some(Stage::Tile));
+}
+
+#[test]
 fn the_variant_as_printed_is_made_by_the_cpu_whoever_is_chosen() {
     let mut state = on_the_gpu();
     state.apply(Command::Choose(Choice::Variant(

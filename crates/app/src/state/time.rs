@@ -52,8 +52,8 @@ impl State {
             TimeCommand::Step(step, direction) => self.step(step, direction),
             TimeCommand::RunTo(target, direction) => self.run_to(target, direction),
             TimeCommand::Continue(direction) => self.run_on(direction),
-            TimeCommand::LoopStart => self.set_range(|range, at, _| range.start = at),
-            TimeCommand::LoopEnd => self.set_range(|range, at, _| range.end = at),
+            TimeCommand::LoopStart => self.set_range(|range, at| range.start = at),
+            TimeCommand::LoopEnd => self.set_range(|range, at| range.end = at),
             TimeCommand::Loop(ref range) => self.playback.range.clone_from(range),
         }
     }
@@ -79,18 +79,17 @@ impl State {
         self.stage = session.stage_at(debugger.state().cursor());
     }
 
-    /// Has the stage follow the cursor.
+    /// Has the stage follow the cursor, which the debugger has moved.
     pub(super) fn follow_cursor(&mut self) {
-        if let Some((cursor, _)) = self.cursor() {
-            self.jump(cursor);
+        if let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) {
+            self.stage = session.stage_at(cursor);
         }
     }
 
     fn step(&mut self, step: Step, direction: Direction) {
         if let Some(debugger) = &mut self.debugger {
             debugger.step(step, direction);
-            let cursor = debugger.state().cursor();
-            self.jump(cursor);
+            self.follow_cursor();
         }
     }
 
@@ -100,8 +99,7 @@ impl State {
             return;
         };
         let stop = debugger.run_to(target, direction);
-        let cursor = debugger.state().cursor();
-        self.jump(cursor);
+        self.follow_cursor();
         if stop == Stop::End {
             let way = match direction {
                 Direction::Forwards => "after",
@@ -119,8 +117,7 @@ impl State {
             return;
         };
         let stop = debugger.run(direction);
-        let cursor = debugger.state().cursor();
-        self.jump(cursor);
+        self.follow_cursor();
         if let Stop::BadCondition(index, error) = stop {
             let text = format!(
                 "The condition of breakpoint {} cannot be computed: {error}",
@@ -194,9 +191,8 @@ impl State {
         let ticks = self.playback.advance(dt_secs);
         for _ in 0..ticks {
             self.tick(Direction::Forwards);
-            let past = |range: &std::ops::Range<usize>, at: usize| at >= range.end;
             match (self.playback.range.clone(), self.cursor()) {
-                (Some(range), Some((at, _))) if past(&range, at) => {
+                (Some(range), Some((at, _))) if at >= range.end => {
                     self.jump(range.start);
                     break;
                 }
@@ -213,12 +209,12 @@ impl State {
         self.playback.is_playing()
     }
 
-    fn set_range(&mut self, change: impl FnOnce(&mut std::ops::Range<usize>, usize, usize)) {
+    fn set_range(&mut self, change: impl FnOnce(&mut std::ops::Range<usize>, usize)) {
         let Some((at, len)) = self.cursor() else {
             return;
         };
         let mut range = self.playback.range.clone().unwrap_or(0..len);
-        change(&mut range, at, len);
+        change(&mut range, at);
         self.playback.range = (range.start < range.end).then_some(range);
     }
 
@@ -250,8 +246,7 @@ fn next_line(debugger: &Debugger, direction: Direction) -> usize {
 }
 
 /// Returns what a run looks for, as a noun.
-#[must_use]
-pub fn name_of(target: Target) -> String {
+fn name_of(target: Target) -> String {
     match target {
         Target::Line(_) => "execution of this line".to_owned(),
         Target::Kind(kind) => format!("event of kind \"{}\"", kind.name()),

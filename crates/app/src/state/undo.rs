@@ -27,6 +27,21 @@ pub struct History {
     typing: Option<Field>,
 }
 
+/// Returns whether a command may change what can be undone. The others, such as moves of the pointer, come with every
+/// frame.
+pub(super) const fn concerns(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Type(..)
+            | Command::Choose(_)
+            | Command::ResetParameters
+            | Command::ToggleLayer(_)
+            | Command::Colour(_)
+            | Command::OpenPanel(_)
+            | Command::ResetLayout
+    )
+}
+
 impl State {
     /// Returns whether there is something to undo.
     #[must_use]
