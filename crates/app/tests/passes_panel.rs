@@ -1,6 +1,7 @@
 //! The panel of passes as a user meets it: found by its labels, clicked, typed into. Needs an adapter; one that
 //! computes on the CPU will do.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, RwLock};
 
 use egui::accesskit::Role;
@@ -29,14 +30,24 @@ fn gpu() -> &'static Arc<Gpu> {
     })
 }
 
-/// Returns the panel; its background work waits at its next report of progress for as long as `gate` is held.
-fn begun(gate: &Arc<RwLock<()>>) -> Harness<'static, Shown> {
+/// Where background work waits at its next report of progress for as long as the lock is held.
+#[derive(Default)]
+struct Gate {
+    lock: RwLock<()>,
+    reached: AtomicBool,
+}
+
+/// Returns the panel; its background work passes through `gate`.
+fn begun(gate: &Arc<Gate>) -> Harness<'static, Shown> {
     let parameters = Parameters {
         radius: 0.02,
         ..Parameters::default()
     };
     let gate = Arc::clone(gate);
-    let wake: Wake = Arc::new(move || drop(gate.read()));
+    let wake: Wake = Arc::new(move || {
+        gate.reached.store(true, Ordering::SeqCst);
+        drop(gate.lock.read());
+    });
     let shown = Shown {
         passes: Passes::new(gpu(), &parameters, &wake).expect("a small run"),
         look: Look::Dark,
@@ -77,10 +88,14 @@ fn tiled() -> Harness<'static, Shown> {
 
 #[test]
 fn the_list_is_cancelled_while_it_is_made_and_made_again() {
-    let gate = Arc::default();
-    let closed = RwLock::write(&gate).expect("the gate");
+    let gate = Arc::<Gate>::default();
+    let closed = gate.lock.write().expect("the gate");
     let mut harness = begun(&gate);
-    harness.step();
+    // From there on nothing that is shown changes, so that the button is where it was seen.
+    while !gate.reached.load(Ordering::SeqCst) {
+        std::thread::yield_now();
+    }
+    harness.run();
     harness.get_by_label("Cancel").click();
     harness.step();
     harness.step();

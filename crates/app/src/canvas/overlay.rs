@@ -3,7 +3,7 @@
 use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::paint::tag;
-use crate::session::Session;
+use super::subject::Subject;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::verification::Sight;
@@ -28,9 +28,9 @@ pub fn waiting(painter: &Painter, rect: Rect, state: &State, palette: &Palette) 
 }
 
 /// Draws a bar of a round number of r, about 80 screen points long.
-pub fn scale_bar(painter: &Painter, rect: Rect, state: &State, palette: &Palette) {
-    let radii = round_length(110.0 / state.camera.scale);
-    let length = (radii * state.camera.scale) as f32;
+pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
+    let radii = round_length(110.0 / subject.camera.scale);
+    let length = (radii * subject.camera.scale) as f32;
     let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
     let to = from + vec2(length, 0.0);
     let ground = Rect::from_two_pos(from + vec2(-9.0, -28.0), to + vec2(9.0, 9.0));
@@ -60,18 +60,15 @@ fn round_length(radii: f64) -> f64 {
 pub fn cursor(
     painter: &Painter,
     rect: Rect,
-    state: &State,
+    subject: &Subject<'_>,
     pointer: Option<Pos2>,
     palette: &Palette,
 ) {
-    let Some(session) = &state.session else {
-        return;
-    };
-    let zoom = format!("{:>7.2} px/r", state.camera.scale);
+    let zoom = format!("{:>7.2} px/r", subject.camera.scale);
     let text = match pointer {
         Some(pos) => {
-            let place = state.camera.domain_from_screen(state.viewport, pos);
-            let radius = session.run().domain.radius();
+            let place = subject.camera.domain_from_screen(rect, pos);
+            let radius = subject.shown.session.run().domain.radius();
             format!(
                 "x {:>8.4}  y {:>8.4}  {zoom}",
                 place[0] * radius,
@@ -97,11 +94,11 @@ pub fn note(painter: &Painter, rect: Rect, text: Option<&str>, palette: &Palette
 }
 
 /// Draws the place that a verdict was followed to.
-pub fn sight(painter: &Painter, rect: Rect, state: &State, session: &Session, palette: &Palette) {
-    let Some(sight) = state.sight else {
+pub fn sight(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
+    let Some(sight) = subject.sight else {
         return;
     };
-    let at = |place| state.camera.screen_from_domain(rect, place);
+    let at = |place| subject.camera.screen_from_domain(rect, place);
     let fine = |value: f64| {
         if value < 1.0 {
             palette.conflict
@@ -111,8 +108,8 @@ pub fn sight(painter: &Painter, rect: Rect, state: &State, session: &Session, pa
     };
     match sight {
         Sight::Pair([a, b], distance) => {
-            let from = session.place(a);
-            let ends = [at(from), at(session.image_near(b, from))];
+            let from = subject.shown.session.place(a);
+            let ends = [at(from), at(subject.shown.session.image_near(b, from))];
             let color = fine(distance);
             painter.line_segment(ends, Stroke::new(2.5, color));
             let text = format!("{distance:.6} r");
@@ -126,7 +123,7 @@ pub fn sight(painter: &Painter, rect: Rect, state: &State, session: &Session, pa
             } else {
                 palette.conflict
             };
-            let reach = (radius * state.camera.scale) as f32;
+            let reach = (radius * subject.camera.scale) as f32;
             let circle: Vec<Pos2> = (0..=96)
                 .map(|k| {
                     at(center) + egui::Vec2::angled(k as f32 / 96.0 * std::f32::consts::TAU) * reach

@@ -11,9 +11,9 @@ use tilescope_core::{Iteration, Origin, Point, Rect as LatticeRect, Stage, Stand
 use super::layers::{Colouring, Layer};
 use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites, Stamp};
+use super::subject::Subject;
 use crate::moment::Shown;
 use crate::session::{Session, radii};
-use crate::state::State;
 use crate::theme::Palette;
 
 /// Disks larger than this are drawn as circles, not as pictures, in screen points.
@@ -25,7 +25,7 @@ const MIN_LABELLED_BLOCK: f32 = 84.0;
 pub struct Scene<'a> {
     pub painter: &'a Painter,
     pub rect: Rect,
-    pub state: &'a State,
+    pub subject: Subject<'a>,
     pub session: &'a Session,
     pub shown: Shown<'a>,
     pub stage: Stage,
@@ -40,15 +40,15 @@ impl<'a> Scene<'a> {
     pub fn new(
         painter: &'a Painter,
         rect: Rect,
-        state: &'a State,
-        shown: Shown<'a>,
+        subject: Subject<'a>,
         palette: &'a Palette,
     ) -> Self {
-        let (low, high) = state.camera.visible(rect);
+        let (low, high) = subject.camera.visible(rect);
+        let shown = subject.shown;
         Self {
             painter,
             rect,
-            state,
+            subject,
             session: shown.session,
             shown,
             stage: shown.stage,
@@ -59,15 +59,15 @@ impl<'a> Scene<'a> {
     }
 
     pub(super) fn at(&self, place: [f64; 2]) -> Pos2 {
-        self.state.camera.screen_from_domain(self.rect, place)
+        self.subject.camera.screen_from_domain(self.rect, place)
     }
 
     pub(super) fn scale(&self) -> f32 {
-        self.state.camera.scale as f32
+        self.subject.camera.scale as f32
     }
 
     pub(super) fn has(&self, layer: Layer) -> bool {
-        self.state.layers.has(layer)
+        self.subject.layers.has(layer)
     }
 
     fn screen_rect(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
@@ -177,7 +177,7 @@ impl<'a> Scene<'a> {
     }
 
     fn visit(&self, mut visit: impl FnMut(u32, Pos2, Standing)) {
-        let reach = 6.0 / self.state.camera.scale;
+        let reach = 6.0 / self.subject.camera.scale;
         self.session
             .index
             .visit(self.low, self.high, reach, |seen| {
@@ -282,7 +282,7 @@ impl<'a> Scene<'a> {
     pub fn sample_color(&self, id: u32) -> Color32 {
         match (
             self.session.run().samples.origins[id as usize],
-            self.state.colouring,
+            self.subject.colouring,
         ) {
             (Origin::Inserted { .. }, _) => self.palette.inserted,
             (Origin::Tiled { block, .. }, Colouring::Block) => self.palette.block(block),
@@ -396,24 +396,18 @@ impl<'a> Scene<'a> {
 
     /// Draws the current samples and the place that a verdict was followed to.
     fn highlight(&self, sprites: &mut Sprites) {
-        super::overlay::sight(
-            self.painter,
-            self.rect,
-            self.state,
-            self.session,
-            self.palette,
-        );
+        super::overlay::sight(self.painter, self.rect, &self.subject, self.palette);
         let radius = (0.45 * self.scale()).clamp(6.0, 14.0);
         let stamp = sprites.stamp(self.painter.ctx(), Sprite::Halo, radius);
         let mut mesh = Mesh::with_texture(stamp.texture);
         let stroke = Stroke::new(1.2, self.palette.halo.gamma_multiply(0.8));
-        if let Some(place) = self.state.place {
+        if let Some(place) = self.subject.place {
             let at = self.at(place);
             for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {
                 self.painter.line_segment([at - side, at + side], stroke);
             }
         }
-        if let Some(id) = self.state.selected {
+        if let Some(id) = self.subject.selected {
             let place = self.session.place(id);
             if self.stage >= Stage::Tile {
                 self.painter
@@ -426,9 +420,9 @@ impl<'a> Scene<'a> {
             add_stamp(&mut mesh, stamp, self.at(place), self.palette.halo);
         }
         if let Some(id) = self
-            .state
+            .subject
             .hovered
-            .filter(|_| self.state.hovered != self.state.selected)
+            .filter(|_| self.subject.hovered != self.subject.selected)
         {
             let color = self.palette.halo.gamma_multiply(0.6);
             add_stamp(&mut mesh, stamp, self.at(self.session.place(id)), color);
@@ -447,7 +441,7 @@ impl<'a> Scene<'a> {
                 return;
             }
             let color = match self.session.run().samples.origins[seen.id as usize] {
-                Origin::Tiled { block, .. } if self.state.colouring == Colouring::Block => {
+                Origin::Tiled { block, .. } if self.subject.colouring == Colouring::Block => {
                     colors[block as usize]
                 }
                 _ => self.sample_color(seen.id),

@@ -4,6 +4,7 @@
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
 
 use super::State;
+use crate::canvas::subject::Subject;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
@@ -17,6 +18,22 @@ impl State {
             session,
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
+        })
+    }
+
+    /// Returns what the canvas shows.
+    #[must_use]
+    pub fn subject(&self) -> Option<Subject<'_>> {
+        Some(Subject {
+            shown: self.shown()?,
+            camera: self.camera,
+            layers: self.layers,
+            colouring: self.colouring,
+            hovered: self.hovered,
+            selected: self.selected,
+            place: self.place,
+            sight: self.sight,
+            geometry: &self.geometry,
         })
     }
 

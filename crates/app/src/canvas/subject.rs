@@ -1,0 +1,31 @@
+//! What a canvas shows and how: a moment of a run, seen through a camera. Two canvases side by side have one each;
+//! neither knows which of two runs it shows.
+
+use crate::camera::Camera;
+use crate::canvas::layers::{Colouring, Layers};
+use crate::geometry::Geometry;
+use crate::moment::Shown;
+use crate::verification::Sight;
+
+/// A moment, and how it is seen.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The moment.
+    pub shown: Shown<'a>,
+    /// The view.
+    pub camera: Camera,
+    /// The layers shown.
+    pub layers: Layers,
+    /// What the colour of samples means.
+    pub colouring: Colouring,
+    /// The sample under the pointer.
+    pub hovered: Option<u32>,
+    /// The selected sample.
+    pub selected: Option<u32>,
+    /// The selected place, in r.
+    pub place: Option<[f64; 2]>,
+    /// The place that a verdict was followed to.
+    pub sight: Option<Sight>,
+    /// The triangulation of the moment, as far as it is known.
+    pub geometry: &'a Geometry,
+}
