@@ -82,6 +82,8 @@ pub struct Passes {
     visit: Option<Visit>,
     shown: Shown,
     notice: Option<String>,
+    /// Why the list is not whole.
+    unlisted: Option<String>,
     path: Option<String>,
     export: Option<Job<Result<String, String>>>,
     export_told: Option<Result<String, String>>,
@@ -114,6 +116,7 @@ impl Passes {
             visit: None,
             shown: Shown::default(),
             notice: None,
+            unlisted: None,
             path: None,
             export: None,
             export_told: None,
@@ -280,10 +283,11 @@ impl Passes {
         }
     }
 
-    /// Returns what there is to say of the work that ended last: why it did not reach its end.
+    /// Returns what there is to say of the work that ended last: why it did not reach its end, or why the list is not
+    /// whole.
     #[must_use]
     pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
+        self.notice.as_deref().or(self.unlisted.as_deref())
     }
 
     /// Returns the file that an export would write.

@@ -14,7 +14,7 @@ impl Passes {
         self.visit = None;
         self.entries.clear();
         self.lines.clear();
-        self.notice = None;
+        (self.notice, self.unlisted) = (None, None);
         self.export_told = None;
         let subject = self.subject.clone();
         let work = move |monitor| device::survey(subject, monitor);
@@ -29,14 +29,14 @@ impl Passes {
                 self.restarts = survey.restarts;
                 self.walker = survey.walker;
                 let count = counted(self.entries.len(), "pass", "passes");
-                self.notice = survey.stop.map(|stop| match stop {
+                self.unlisted = survey.stop.map(|stop| match stop {
                     Stop::Cancelled => {
                         format!("Cancelled after {count}: the list is not whole.")
                     }
                     Stop::Failed(why) => format!("Stopped after {count}. {why}"),
                 });
             }
-            Err(failure) => self.notice = Some(sentence(&failure)),
+            Err(failure) => self.unlisted = Some(sentence(&failure)),
         }
         self.lines = model::lines(&self.entries);
         let last = self.entries.len().checked_sub(1);
