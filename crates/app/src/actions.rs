@@ -1,6 +1,8 @@
 //! Every action of the window in one list: menus, shortcuts and the palette show it, and all issue the same
 //! commands. What cannot be done now says why.
 
+mod compare;
+
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
 
@@ -24,11 +26,20 @@ pub enum Menu {
     Go,
     /// Breakpoints, bookmarks, causes.
     Debug,
+    /// The second run.
+    Compare,
 }
 
 impl Menu {
     /// Every menu.
-    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::View, Self::Go, Self::Debug];
+    pub const ALL: [Self; 6] = [
+        Self::File,
+        Self::Edit,
+        Self::View,
+        Self::Go,
+        Self::Debug,
+        Self::Compare,
+    ];
 
     /// Returns its name.
     #[must_use]
@@ -39,6 +50,7 @@ impl Menu {
             Self::View => "View",
             Self::Go => "Go",
             Self::Debug => "Debug",
+            Self::Compare => "Compare",
         }
     }
 }
@@ -116,6 +128,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     view(&mut list);
     go(&mut list, state);
     debug(&mut list, state);
+    compare::compare(&mut list, state);
     list.actions
 }
 
@@ -254,7 +267,8 @@ pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
         return [Some(NO_SESSION); 2];
     };
     let (at, last) = state
-        .cursor()
+        .pass_tick()
+        .or_else(|| state.cursor())
         .unwrap_or((state.stage, session.stages.len() - 1));
     [
         (at == last).then_some("This is the end of the run."),
@@ -301,7 +315,8 @@ fn go(list: &mut List, state: &State) {
     );
     for clock in Clock::ALL {
         let command = Command::Time(TimeCommand::Clock(clock));
-        add(format!("Clock: {}", clock.name()), None, command, no_events);
+        let refusal = state.clock_refusal(clock);
+        add(format!("Clock: {}", clock.name()), None, command, refusal);
     }
     let ways = [
         (Direction::Forwards, "", no_events.or(at_end)),

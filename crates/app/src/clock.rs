@@ -13,11 +13,13 @@ pub enum Clock {
     /// A stage or an iteration.
     #[default]
     Stage,
+    /// A compute pass of the GPU.
+    Pass,
 }
 
 impl Clock {
     /// Every clock.
-    pub const ALL: [Self; 3] = [Self::Event, Self::Line, Self::Stage];
+    pub const ALL: [Self; 4] = [Self::Event, Self::Line, Self::Stage, Self::Pass];
 
     /// Returns its name.
     #[must_use]
@@ -26,6 +28,7 @@ impl Clock {
             Self::Event => "event",
             Self::Line => "line",
             Self::Stage => "stage",
+            Self::Pass => "GPU pass",
         }
     }
 
@@ -35,7 +38,7 @@ impl Clock {
         match self {
             Self::Event => 0.25,
             Self::Line => 0.5,
-            Self::Stage => 1.2,
+            Self::Stage | Self::Pass => 1.2,
         }
     }
 }

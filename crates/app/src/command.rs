@@ -8,6 +8,7 @@ use tilescope_formats::Precision;
 
 use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
+use crate::compare::CompareCommand;
 use crate::device::Engine;
 use crate::layout::Panel;
 use crate::passes::PassCommand;
@@ -191,6 +192,8 @@ pub enum Command {
     OpenPasses,
     /// Does something with the passes.
     Passes(PassCommand),
+    /// Does something with the comparison of two runs.
+    Compare(CompareCommand),
     /// Does something with the debugger.
     Debug(DebugCommand),
     /// Tells where the canvas is in the window.

@@ -29,13 +29,15 @@ pub enum Panel {
     Legend,
     /// The passes of the GPU.
     Passes,
+    /// The second run beside the first.
+    Compare,
     /// What happened, and the clocks.
     Timeline,
 }
 
 impl Panel {
     /// Every panel.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Parameters,
         Self::Statistics,
         Self::Events,
@@ -47,6 +49,7 @@ impl Panel {
         Self::Verification,
         Self::Legend,
         Self::Passes,
+        Self::Compare,
         Self::Timeline,
     ];
 
@@ -65,6 +68,7 @@ impl Panel {
             Self::Verification => "Verification",
             Self::Legend => "Legend",
             Self::Passes => "GPU passes",
+            Self::Compare => "Compare",
             Self::Timeline => "Timeline",
         }
     }
@@ -86,7 +90,7 @@ impl Default for Layout {
         };
         let left = tabs(&[Panel::Parameters, Panel::Events, Panel::Bookmarks]);
         let canvas = tabs(&[Panel::Canvas, Panel::Passes]);
-        let upper = tabs(&[Panel::Pseudocode, Panel::Statistics]);
+        let upper = tabs(&[Panel::Pseudocode, Panel::Statistics, Panel::Compare]);
         let lower = tabs(&[
             Panel::Verification,
             Panel::Inspector,

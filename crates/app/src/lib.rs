@@ -10,6 +10,7 @@ pub mod camera;
 pub mod canvas;
 pub mod clock;
 pub mod command;
+pub mod compare;
 pub mod device;
 pub mod draft;
 pub mod export;

@@ -13,6 +13,7 @@ use crate::camera::{Camera, Flight};
 use crate::canvas::layers::{Colouring, Layers};
 use crate::clock::Playback;
 use crate::command::Command;
+use crate::compare::Comparison;
 use crate::device::{Device, Engine};
 use crate::draft::Draft;
 use crate::export::ExportForm;
@@ -24,6 +25,8 @@ use crate::session::Session;
 use crate::theme::Look;
 use crate::verification::{Sight, Verdict};
 pub use debug::{EventQuery, Found, MOST_FOUND};
+pub use hits::{Hits, MOST_HITS};
+pub use side::Side;
 
 /// What the verifier has said so far.
 pub enum Verification {
@@ -70,8 +73,12 @@ pub struct State {
     revealed: usize,
     /// The passes of the session's parameters on the GPU, once they were asked for.
     pub passes: Option<Passes>,
+    /// The second run, and what is known of the two together.
+    pub comparison: Option<(Side, Comparison)>,
     /// How time runs.
     pub playback: Playback,
+    /// Where the breakpoints would stop a run.
+    pub hits: Hits,
     /// What the event browser looks for.
     pub query: EventQuery,
     /// The triangulation of the moment.
@@ -142,7 +149,9 @@ impl State {
             rows: None,
             revealed: 0,
             passes: None,
+            comparison: None,
             playback: Playback::default(),
+            hits: Hits::default(),
             query: EventQuery::default(),
             geometry: Geometry::default(),
             history_found: Found::default(),
@@ -216,6 +225,7 @@ impl State {
             command => self.carry_out(command),
         }
         self.follow_pattern();
+        self.follow_first();
     }
 
     fn carry_out(&mut self, command: Command) {
@@ -246,6 +256,7 @@ impl State {
             }
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
+            Command::Compare(command) => self.apply_to_comparison(command),
             Command::Debug(command) => {
                 self.apply_to_debugger(command);
                 self.follow_cursor();
@@ -281,9 +292,12 @@ impl State {
 }
 
 mod camera;
+mod compare;
 mod debug;
 mod engine;
 mod export;
+mod hits;
+mod side;
 #[cfg(test)]
 mod tests;
 mod time;

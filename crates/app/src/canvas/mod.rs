@@ -1,6 +1,7 @@
 //! The canvas: one picture of samples, or two side by side, and what lies over them. It reads the state and pushes
 //! commands; what it remembers between frames are pictures that can be made again.
 
+mod contrast;
 mod geometry;
 pub mod index;
 mod input;
@@ -17,6 +18,7 @@ pub mod subject;
 use egui::{Rect, Sense, Ui, vec2};
 
 use crate::command::Command;
+use crate::compare::CompareCommand;
 use crate::state::State;
 use crate::theme::Palette;
 use pane::Pane;
@@ -36,6 +38,7 @@ const UNIT: Rect = Rect {
 #[derive(Default)]
 pub struct Canvas {
     first: Pane,
+    second: Pane,
 }
 
 impl Canvas {
@@ -43,14 +46,48 @@ impl Canvas {
     pub fn show(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let size = ui.available_size().max(vec2(1.0, 1.0));
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-        let side = Side {
-            rect,
-            name: "Canvas of samples",
-            viewport: state.viewport,
-            subject: state.subject(),
-            state,
+        let subject = state.subject();
+        let Some((second, comparison)) = &state.comparison else {
+            let side = Side {
+                rect,
+                name: "Canvas of samples",
+                viewport: state.viewport,
+                waiting: state.sampling.is_some(),
+                subject,
+            };
+            side.show(ui, state, &mut self.first, commands);
+            return;
         };
-        side.show(ui, &mut self.first, commands);
+        ui.painter()
+            .rect_filled(rect, 0.0, Palette::of(state.look).line);
+        let [left, right] = contrast::halves(rect);
+        let left = Side {
+            rect: contrast::heading(ui, left, state, &contrast::first_title(state)),
+            name: "Canvas of run A",
+            viewport: state.viewport,
+            waiting: state.sampling.is_some(),
+            subject,
+        };
+        left.show(ui, state, &mut self.first, commands);
+        let subject = state.second_subject();
+        let right = Side {
+            rect: contrast::heading(ui, right, state, &contrast::second_title(state, second)),
+            name: "Canvas of run B",
+            viewport: second.viewport,
+            waiting: second.sampling.is_some(),
+            subject,
+        };
+        let mut own = Vec::new();
+        right.show(ui, state, &mut self.second, &mut own);
+        let on_other = |command| CompareCommand::OnOther(Box::new(command));
+        commands.extend(own.into_iter().map(on_other).map(Command::Compare));
+        contrast::echo(
+            ui,
+            [left.rect, right.rect],
+            [&left.subject, &right.subject],
+            comparison,
+            state,
+        );
     }
 }
 
@@ -60,23 +97,24 @@ struct Side<'a> {
     name: &'a str,
     /// Where it was in the frame before.
     viewport: Rect,
+    /// Whether a run is at work for it.
+    waiting: bool,
     subject: Option<Subject<'a>>,
-    state: &'a State,
 }
 
 impl Side<'_> {
-    fn show(&self, ui: &mut Ui, pane: &mut Pane, commands: &mut Vec<Command>) {
+    fn show(&self, ui: &mut Ui, state: &State, pane: &mut Pane, commands: &mut Vec<Command>) {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
         if rect != self.viewport {
             commands.push(Command::Viewport(rect));
         }
-        let palette = Palette::of(self.state.look);
+        let palette = Palette::of(state.look);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, palette.outside);
         let Some(subject) = &self.subject else {
-            overlay::waiting(&painter, rect, self.state, palette);
+            overlay::waiting(&painter, rect, self.waiting, palette);
             return;
         };
         input::handle(ui, &response, subject, commands);

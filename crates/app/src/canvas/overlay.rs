@@ -4,16 +4,15 @@ use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::paint::tag;
 use super::subject::Subject;
-use crate::state::State;
 use crate::theme::Palette;
 use crate::verification::Sight;
 
 const INSET: f32 = 18.0;
 
-/// Says that the first session is on its way, or why there is none.
-pub fn waiting(painter: &Painter, rect: Rect, state: &State, palette: &Palette) {
-    let text = if state.sampling.is_some() {
-        "Sampling the first session\u{2026}"
+/// Says that a session is on its way, or why there is none.
+pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) {
+    let text = if at_work {
+        "Sampling\u{2026}"
     } else {
         "There is no session: choose parameters and run."
     };

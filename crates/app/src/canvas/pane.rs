@@ -82,6 +82,7 @@ impl Pane {
             geometry::paint(&scene, tessellation);
         }
         scene.symbols(&mut self.sprites, fine);
+        super::contrast::paint(&scene);
         let wants_disks = subject.layers.has(Layer::Disks) || subject.layers.has(Layer::Gaps);
         (!fine && wants_disks)
             .then(|| format!("Disks and gaps appear from {MIN_DISK_SCALE} points per r: zoom in."))

@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::canvas::layers::{Colouring, Layers};
 use crate::geometry::Geometry;
 use crate::moment::Shown;
+use crate::session::Session;
 use crate::verification::Sight;
 
 /// A moment, and how it is seen.
@@ -28,4 +29,17 @@ pub struct Subject<'a> {
     pub sight: Option<Sight>,
     /// The triangulation of the moment, as far as it is known.
     pub geometry: &'a Geometry,
+    /// What only one of two compared runs has.
+    pub contrast: Option<Contrast<'a>>,
+}
+
+/// The samples that only one of two compared runs has, seen from one of them.
+#[derive(Clone, Copy)]
+pub struct Contrast<'a> {
+    /// Those that this run alone has.
+    pub here: &'a [u32],
+    /// Those that the other run alone has.
+    pub there: &'a [u32],
+    /// The other run.
+    pub other: &'a Session,
 }

@@ -1,6 +1,7 @@
 //! The panels of the window. Each reads the state and pushes commands; none changes anything.
 
 mod bookmarks;
+mod compare;
 mod engine;
 mod events;
 mod export;
@@ -100,6 +101,7 @@ pub fn show_panel(
                 Panel::Watches => watches::show(ui, state, commands),
                 Panel::Verification => verification::show(ui, state, commands),
                 Panel::Legend => legend::show(ui, state, commands),
+                Panel::Compare => compare::show(ui, state, commands),
                 Panel::Canvas
                 | Panel::Timeline
                 | Panel::Pseudocode

@@ -1,6 +1,6 @@
 //! The timeline: what happened last, in a sentence, and the ways through time.
 
-use egui::{Align, ComboBox, Key, Layout, RichText, Role, Ui, WidgetInfo};
+use egui::{Align, Button, ComboBox, Key, Layout, RichText, Role, Ui, WidgetInfo};
 use tilescope_core::Stage;
 
 use super::track;
@@ -143,25 +143,23 @@ fn capital(name: &str) -> String {
 /// What a tick is, and how fast time runs.
 fn clocks(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let playback = &state.playback;
-    let refusal = "This session has no events: its only clock is the stage.";
-    ui.add_enabled_ui(state.debugger.is_some(), |ui| {
-        let chosen = ComboBox::from_id_salt("clock")
-            .width(64.0)
-            .selected_text(playback.clock.name());
-        let response = chosen.show_ui(ui, |ui| {
-            for clock in Clock::ALL {
-                if ui
-                    .selectable_label(playback.clock == clock, clock.name())
-                    .clicked()
-                {
-                    commands.push(Command::Time(TimeCommand::Clock(clock)));
-                }
+    let chosen = ComboBox::from_id_salt("clock")
+        .width(72.0)
+        .selected_text(playback.clock.name());
+    let response = chosen.show_ui(ui, |ui| {
+        for clock in Clock::ALL {
+            let refusal = state.clock_refusal(clock);
+            let button = Button::selectable(playback.clock == clock, clock.name());
+            let response = ui.add_enabled(refusal.is_none(), button);
+            let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
+            if response.clicked() {
+                commands.push(Command::Time(TimeCommand::Clock(clock)));
             }
-        });
-        let response = response.response.on_disabled_hover_text(refusal);
-        response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
-        response.on_hover_text("What one tick of play and the arrow keys is");
+        }
     });
+    let response = response.response;
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
+    response.on_hover_text("What one tick of play and the arrow keys is");
     let chosen = ComboBox::from_id_salt("speed")
         .width(58.0)
         .selected_text(format!("{}\u{d7}", playback.speed));

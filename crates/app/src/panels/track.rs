@@ -204,7 +204,21 @@ fn density(
     }
 }
 
-/// Draws bookmarks and the range of the loop.
+/// Draws where the breakpoints would stop a run.
+fn hits(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
+    let mut last = f32::NEG_INFINITY;
+    for &event in state.hits.events() {
+        let x = x_of(segments, event);
+        // Two marks on one pixel look like one.
+        if x - last >= 1.0 {
+            last = x;
+            let ends = [pos2(x, rect.top() - 1.0), pos2(x, rect.top() + 4.0)];
+            painter.line_segment(ends, Stroke::new(1.6, palette.conflict));
+        }
+    }
+}
+
+/// Draws bookmarks, hits of breakpoints and the range of the loop.
 fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
     if let Some(range) = &state.playback.range {
         let ends = [range.start, range.end].map(|cursor| x_of(segments, cursor));
@@ -221,6 +235,7 @@ fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pal
     let Some(debugger) = &state.debugger else {
         return;
     };
+    hits(painter, state, segments, rect, palette);
     for mark in &debugger.bookmarks {
         let at = pos2(x_of(segments, mark.event), rect.top() + BAR + 2.0);
         let flag = [vec2(0.0, -5.0), vec2(4.0, 1.0), vec2(-4.0, 1.0)].map(|v| at + v);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::Variant;
+use tilescope_core::{Parameters, Variant};
 use tilescope_gpu::{Gpu, GpuError};
 
 use super::State;
@@ -49,10 +49,11 @@ impl State {
         }
     }
 
-    /// Starts a run with whoever is chosen.
-    pub(super) fn start_sampling(&mut self, generation: u64) {
-        let parameters = self.draft.parameters;
-        let job = match self.device_for_run() {
+    /// Starts a run of `parameters` by `engine`.
+    pub(super) fn start_sampling(&mut self, parameters: Parameters, engine: Engine) {
+        self.generation += 1;
+        let generation = self.generation;
+        let job = match self.device_for_run(&parameters, engine) {
             Some(gpu) => Job::start_future(&self.wake, move |monitor| async move {
                 Session::sample_on(gpu, &parameters, generation, &monitor).await
             }),
@@ -64,9 +65,8 @@ impl State {
     }
 
     /// Algorithm 4 as printed is for the CPU, whoever is chosen.
-    fn device_for_run(&self) -> Option<Arc<Gpu>> {
-        let is_chosen =
-            self.engine == Engine::Gpu && self.draft.parameters.variant == Variant::Staged;
+    fn device_for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
+        let is_chosen = engine == Engine::Gpu && parameters.variant == Variant::Staged;
         self.device.ready().filter(|_| is_chosen).map(Arc::clone)
     }
 
@@ -127,6 +127,16 @@ impl State {
         match Passes::new(gpu, &session.run().parameters, &self.wake) {
             Ok(passes) => self.passes = Some(passes),
             Err(refusal) => self.tell(sentence(&refusal), true),
+        }
+    }
+
+    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage is chosen.
+    pub(super) fn lead_passes(&mut self) {
+        let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
+            return;
+        };
+        if passes.position().is_none_or(|(other, _)| other != stage) {
+            passes.select_stage(stage);
         }
     }
 

@@ -8,6 +8,7 @@ use crate::canvas::subject::Subject;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
+use crate::passes::PassCommand;
 
 impl State {
     /// Returns the moment that is shown.
@@ -34,6 +35,7 @@ impl State {
             place: self.place,
             sight: self.sight,
             geometry: &self.geometry,
+            contrast: self.contrast(false),
         })
     }
 
@@ -48,6 +50,7 @@ impl State {
         if self.session.is_none() {
             return;
         }
+        let before = self.stage;
         match *command {
             Command::ShowStage(place) => self.show_stage(place),
             Command::StepBack => self.tick(Direction::Backwards),
@@ -59,11 +62,42 @@ impl State {
             _ => {}
         }
         self.forget_unseen();
+        if before != self.stage {
+            self.lead_passes();
+        }
+    }
+
+    /// Returns why a clock cannot be chosen, or `None` if it can.
+    #[must_use]
+    pub fn clock_refusal(&self, clock: Clock) -> Option<&'static str> {
+        match clock {
+            Clock::Pass => self.passes.is_none().then_some(
+                "The passes of the GPU have not been run: the panel of GPU passes runs them.",
+            ),
+            Clock::Stage => None,
+            Clock::Event | Clock::Line => self
+                .debugger
+                .is_none()
+                .then_some("This session has no events."),
+        }
+    }
+
+    /// Returns the place of the chosen pass and of the last one, where the clock ticks by passes.
+    #[must_use]
+    pub fn pass_tick(&self) -> Option<(usize, usize)> {
+        let passes = self
+            .passes
+            .as_ref()
+            .filter(|_| self.playback.clock == Clock::Pass)?;
+        Some((passes.selected()?, passes.entries().len().checked_sub(1)?))
     }
 
     fn apply_to_time(&mut self, command: &TimeCommand) {
         match *command {
-            TimeCommand::Clock(clock) => self.playback.clock = clock,
+            TimeCommand::Clock(clock) if self.clock_refusal(clock).is_none() => {
+                self.playback.clock = clock;
+            }
+            TimeCommand::Clock(_) => {}
             TimeCommand::Speed(speed) => self.playback.speed = speed,
             TimeCommand::Jump(cursor) => self.jump(cursor),
             TimeCommand::Step(step, direction) => self.step(step, direction),
@@ -146,6 +180,13 @@ impl State {
 
     /// Goes on or back by one tick of the clock.
     fn tick(&mut self, direction: Direction) {
+        if self.playback.clock == Clock::Pass && self.passes.is_some() {
+            self.apply_to_passes(match direction {
+                Direction::Forwards => PassCommand::Next,
+                Direction::Backwards => PassCommand::Previous,
+            });
+            return;
+        }
         let Some(debugger) = &self.debugger else {
             let place = match direction {
                 Direction::Forwards => self.stage.saturating_add(1),
@@ -160,7 +201,7 @@ impl State {
                 let cursor = next_line(debugger, direction);
                 self.jump(cursor);
             }
-            Clock::Stage => self.tick_stage(direction),
+            Clock::Stage | Clock::Pass => self.tick_stage(direction),
         }
     }
 
@@ -178,7 +219,7 @@ impl State {
 
     /// Returns whether there is nothing left to play.
     fn at_end(&self) -> bool {
-        match self.cursor() {
+        match self.pass_tick().or_else(|| self.cursor()) {
             Some((cursor, len)) => cursor == len,
             None => self
                 .session

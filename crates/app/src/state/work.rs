@@ -18,15 +18,24 @@ impl State {
         if self.run_refusal().is_some() {
             return;
         }
-        self.generation += 1;
         self.notice = None;
-        self.start_sampling(self.generation);
+        self.start_sampling(self.draft.parameters, self.engine);
     }
 
     /// Goes on by `dt_secs`: takes what jobs have finished, moves the camera, plays. Returns whether
     /// something is moving, so that another frame is due.
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
+        self.fly_on(dt_secs);
+        let plays = self.playback.is_playing() && self.play(dt_secs);
+        self.reveal();
+        self.want_hits();
+        self.want_geometry();
+        let flies = self.advance_second(dt_secs);
+        self.flight.is_some() || plays || flies
+    }
+
+    pub(super) fn fly_on(&mut self, dt_secs: f32) {
         if let Some(flight) = &mut self.flight {
             let (camera, arrived) = flight.advance(dt_secs);
             self.camera = camera;
@@ -34,13 +43,9 @@ impl State {
                 self.flight = None;
             }
         }
-        let plays = self.playback.is_playing() && self.play(dt_secs);
-        self.reveal();
-        self.want_geometry();
-        self.flight.is_some() || plays
     }
 
-    fn want_geometry(&mut self) {
+    pub(super) fn want_geometry(&mut self) {
         let mut geometry = std::mem::take(&mut self.geometry);
         if let Some(shown) = self.shown().filter(|_| self.layers.wants_geometry()) {
             geometry.want(&shown, &self.wake);
@@ -54,6 +59,13 @@ impl State {
         {
             self.finish_test(outcome);
         }
+        self.poll_run();
+        #[cfg(not(target_arch = "wasm32"))]
+        self.poll_export();
+    }
+
+    /// Takes what concerns the run at hand.
+    pub(super) fn poll_run(&mut self) {
         if let Some(outcome) = self.sampling.as_ref().and_then(Job::poll) {
             self.finish_sampling(outcome);
         }
@@ -67,8 +79,6 @@ impl State {
             passes.poll();
         }
         self.query.found.poll();
-        #[cfg(not(target_arch = "wasm32"))]
-        self.poll_export();
     }
 
     pub(super) fn finish_sampling(
@@ -105,12 +115,8 @@ impl State {
         if let Some(debugger) = &mut self.debugger {
             debugger.jump(usize::MAX);
         }
-        let session = Arc::new(session);
-        self.session = Some(Arc::clone(&session));
-        self.verification = Verification::Pending(Job::start(&self.wake, move |monitor| {
-            let (points, region) = (session.run().positions(), region_of(&session));
-            Verdict::of(&points, region, session.run().domain.radius(), monitor)
-        }));
+        self.session = Some(Arc::new(session));
+        self.verify();
         let from_pattern = self.before_pattern.take().is_some();
         if !same_domain || from_pattern {
             self.fitted = true;
@@ -119,6 +125,17 @@ impl State {
                 self.camera = self.fitting();
             }
         }
+    }
+
+    /// Has the session at hand verified.
+    pub(super) fn verify(&mut self) {
+        let Some(session) = self.session.clone() else {
+            return;
+        };
+        self.verification = Verification::Pending(Job::start(&self.wake, move |monitor| {
+            let (points, region) = (session.run().positions(), region_of(&session));
+            Verdict::of(&points, region, session.run().domain.radius(), monitor)
+        }));
     }
 
     pub(super) fn finish_verification(
@@ -137,6 +154,17 @@ impl State {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         self.settle_device();
+        self.settle_run();
+        self.settle_second();
+        if let Some(job) = self.exporting.take() {
+            let outcome = job.wait();
+            self.finish_export(outcome);
+        }
+    }
+
+    /// Waits for what concerns the run at hand.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle_run(&mut self) {
         if let Some(job) = self.sampling.take() {
             let outcome = job.wait();
             self.finish_sampling(outcome);
@@ -150,13 +178,11 @@ impl State {
         self.want_geometry();
         self.geometry.settle();
         self.history_found.settle();
+        self.want_hits();
+        self.hits.settle();
         if let Some(passes) = &mut self.passes {
             passes.settle();
         }
         self.query.found.settle();
-        if let Some(job) = self.exporting.take() {
-            let outcome = job.wait();
-            self.finish_export(outcome);
-        }
     }
 }

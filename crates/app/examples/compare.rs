@@ -1,0 +1,54 @@
+//! Renders two runs side by side, without a display: `cargo run --release -p tilescope-app --example compare FOLDER`.
+
+use std::path::Path;
+
+use egui_kittest::Harness;
+use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::layout::Panel;
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+
+fn main() {
+    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
+    let mut harness = Harness::builder()
+        .with_size([1600.0, 1000.0])
+        .with_max_steps(64)
+        .build_eframe(|creation| App::new(&creation.egui_ctx));
+    harness.state_mut().state.settle();
+    harness.run();
+    let mut shoot = |name: &str, commands: Vec<Command>| {
+        for command in commands {
+            harness.state_mut().state.apply(command);
+            harness.state_mut().state.settle();
+            harness.run();
+        }
+        let image = harness.render().expect("a picture of the window");
+        let path = Path::new(&folder).join(format!("{name}.png"));
+        image.save(&path).expect("a writable folder");
+        println!("{}", path.display());
+    };
+    let start = |rival| Command::Compare(CompareCommand::Start(rival));
+    shoot("none", vec![Command::OpenPanel(Panel::Compare)]);
+    shoot("order", vec![start(Rival::Order), Command::ShowStage(3)]);
+    let near = Command::FlyTo([37.0, 45.0], 24.0);
+    shoot("order-near", vec![near.clone()]);
+    shoot("light", vec![Command::ToggleTheme]);
+    shoot(
+        "search",
+        vec![
+            Command::Type(Field::Leaf, "6".to_owned()),
+            Command::Run,
+            start(Rival::Search),
+            Command::Compare(CompareCommand::GoToDivergence),
+        ],
+    );
+    shoot(
+        "projector",
+        vec![
+            Command::Look(Look::Projector),
+            Command::Time(TimeCommand::Jump(20_000)),
+            near,
+        ],
+    );
+}

@@ -1,0 +1,79 @@
+//! The actions of the comparison.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::{Action, List, Menu};
+use crate::command::Command;
+use crate::compare::{CompareCommand, Rival};
+use crate::state::State;
+
+const NO_SECOND: &str = "There is no second run.";
+
+/// Adds the actions to the list.
+pub(super) fn compare(list: &mut List, state: &State) {
+    let mut add = |name: String, key: Option<Key>, command, refusal: Option<String>| {
+        list.actions.push(Action {
+            menu: Menu::Compare,
+            name,
+            shortcut: key.map(|key| KeyboardShortcut::new(Modifiers::NONE, key)),
+            command: Command::Compare(command),
+            refusal,
+        });
+    };
+    for rival in Rival::ALL {
+        let name = format!("Compare with {}", rival.name());
+        add(
+            name,
+            None,
+            CompareCommand::Start(rival),
+            state.rival_refusal(rival),
+        );
+    }
+    let no_session = state
+        .session
+        .is_none()
+        .then(|| "There is no session yet.".to_owned());
+    let name = "Keep this run as B".to_owned();
+    add(name, None, CompareCommand::Keep, no_session);
+    let second = state.comparison.as_ref();
+    let ready = second.is_some_and(|(side, _)| side.session.is_some());
+    let refusal = |there: bool| (!there).then(|| NO_SECOND.to_owned());
+    add(
+        "Swap A and B".to_owned(),
+        Some(Key::X),
+        CompareCommand::Swap,
+        refusal(ready),
+    );
+    add(
+        "Go to where A and B part".to_owned(),
+        Some(Key::D),
+        CompareCommand::GoToDivergence,
+        refusal(ready),
+    );
+    for (name, on, command) in [
+        (
+            "Cameras together",
+            second.is_none_or(|(_, c)| !c.linked_cameras),
+            CompareCommand::LinkCameras as fn(bool) -> CompareCommand,
+        ),
+        (
+            "Clocks together",
+            second.is_none_or(|(_, c)| !c.linked_clocks),
+            CompareCommand::LinkClocks,
+        ),
+        (
+            "Mark differences",
+            second.is_none_or(|(_, c)| !c.shows_differences),
+            CompareCommand::ShowDifferences,
+        ),
+    ] {
+        let name = format!("{name}: {}", if on { "on" } else { "off" });
+        add(name, None, command(on), refusal(second.is_some()));
+    }
+    add(
+        "Close B".to_owned(),
+        None,
+        CompareCommand::Close,
+        refusal(second.is_some()),
+    );
+}

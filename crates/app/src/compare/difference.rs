@@ -1,0 +1,147 @@
+//! Which samples only one of two runs has at a moment. Samples are compared by place, on the lattice, to the bit.
+
+use tilescope_core::Point;
+
+use crate::jobs::{Job, Wake};
+use crate::moment::Shown;
+
+/// Sets of more samples are compared in the background: it would take longer than a frame.
+const MOST_AT_ONCE: usize = 50_000;
+
+/// A pair of moments: the generation of each session, and its cursor.
+type Key = [(u64, usize); 2];
+
+/// The samples that only one of two runs has: their ids in that run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Difference {
+    /// Those of the first run alone.
+    pub first: Vec<u32>,
+    /// Those of the second run alone.
+    pub second: Vec<u32>,
+    /// How many both have.
+    pub common: usize,
+}
+
+/// The difference of the moments that are shown, as far as it is known.
+#[derive(Default)]
+pub struct Differences {
+    work: Option<(Key, Job<Difference>)>,
+    ready: Option<(Key, Difference)>,
+}
+
+/// Returns whether samples of two moments can be compared by place: both runs have the same domain.
+#[must_use]
+pub fn comparable(a: &Shown<'_>, b: &Shown<'_>) -> bool {
+    let (a, b) = (&a.session.run().domain, &b.session.run().domain);
+    a.width() == b.width()
+        && a.height() == b.height()
+        && a.boundary() == b.boundary()
+        && a.radius().to_bits() == b.radius().to_bits()
+}
+
+fn key_of(a: &Shown<'_>, b: &Shown<'_>) -> Key {
+    [a, b].map(|shown| (shown.session.generation, shown.cursor()))
+}
+
+impl Differences {
+    /// Returns the difference of two moments, if it is the one that is known.
+    #[must_use]
+    pub fn of(&self, a: &Shown<'_>, b: &Shown<'_>) -> Option<&Difference> {
+        let (key, ready) = self.ready.as_ref()?;
+        (*key == key_of(a, b)).then_some(ready)
+    }
+
+    /// Has the difference of two moments made if it is neither known nor at work. One is made at a time.
+    pub fn want(&mut self, a: &Shown<'_>, b: &Shown<'_>, wake: &Wake) {
+        self.take();
+        let key = key_of(a, b);
+        let known = self.ready.as_ref().is_some_and(|(ready, _)| *ready == key);
+        if known || self.work.is_some() || !comparable(a, b) {
+            return;
+        }
+        let [first, second] = [a, b].map(covering);
+        if first.len() + second.len() <= MOST_AT_ONCE {
+            self.ready = Some((key, between(first, second)));
+            return;
+        }
+        let job = Job::start(wake, move |_| between(first, second));
+        self.work = Some((key, job));
+    }
+
+    fn take(&mut self) {
+        let outcome = self
+            .work
+            .as_ref()
+            .and_then(|(key, job)| Some((*key, job.poll()?)));
+        if let Some((key, outcome)) = outcome {
+            self.work = None;
+            self.ready = outcome.ok().map(|difference| (key, difference));
+        }
+    }
+
+    /// Waits for what is at work.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn settle(&mut self) {
+        if let Some((key, job)) = self.work.take() {
+            self.ready = job.wait().ok().map(|difference| (key, difference));
+        }
+    }
+}
+
+/// Returns the samples that cover their disks at a moment, with their places.
+fn covering(shown: &Shown<'_>) -> Vec<(Point, u32)> {
+    let points = &shown.session.run().samples.points;
+    let all = points.iter().copied().zip(0..);
+    all.filter(|&(_, id)| shown.covers(id)).collect()
+}
+
+/// Returns what only one of two lists of places holds.
+#[must_use]
+pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> Difference {
+    let order = |&(point, id): &(Point, u32)| (point.x, point.y, id);
+    first.sort_unstable_by_key(order);
+    second.sort_unstable_by_key(order);
+    let mut difference = Difference::default();
+    let (mut i, mut j) = (0, 0);
+    while i < first.len() && j < second.len() {
+        let (a, b) = (first[i], second[j]);
+        match (a.0.x, a.0.y).cmp(&(b.0.x, b.0.y)) {
+            std::cmp::Ordering::Less => {
+                difference.first.push(a.1);
+                i += 1;
+            }
+            std::cmp::Ordering::Greater => {
+                difference.second.push(b.1);
+                j += 1;
+            }
+            std::cmp::Ordering::Equal => {
+                difference.common += 1;
+                (i, j) = (i + 1, j + 1);
+            }
+        }
+    }
+    difference.first.extend(first[i..].iter().map(|a| a.1));
+    difference.second.extend(second[j..].iter().map(|b| b.1));
+    difference
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_one_list_alone_holds_is_found_whatever_the_ids_and_the_order() {
+        let at = |x: i32, y: i32, id: u32| (Point::new(x, y), id);
+        let first = vec![at(5, 5, 0), at(1, 9, 1), at(7, 7, 2)];
+        let second = vec![at(7, 7, 8), at(5, 5, 7), at(1, 8, 6), at(9, 9, 5)];
+        let difference = between(first.clone(), second);
+        assert_eq!(difference.first, [1]);
+        assert_eq!(difference.second, [6, 5]);
+        assert_eq!(difference.common, 2);
+        let none = between(first.clone(), first);
+        assert_eq!(
+            (none.first.len(), none.second.len(), none.common),
+            (0, 0, 3)
+        );
+    }
+}

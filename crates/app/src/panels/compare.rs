@@ -1,0 +1,225 @@
+//! Two runs side by side: what the second one is to be, how the two hang together, what differs and where they part.
+
+use egui::{Button, ProgressBar, RichText, Ui};
+use tilescope_debugger::Divergence;
+
+use crate::command::Command;
+use crate::compare::{CompareCommand, Comparison, Rival, contrast, difference};
+use crate::sentence::{counted, grouped, stage_name};
+use crate::state::{Side, State};
+use crate::theme::Palette;
+use crate::widgets::{heading, primary_button, row};
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let mut own = Vec::new();
+    if let Some((side, comparison)) = &state.comparison {
+        second(ui, side, palette, &mut own);
+        if let (Some(a), Some(b)) = (&state.session, &side.session) {
+            heading(ui, "What differs in the parameters");
+            let differing = contrast(&a.run().parameters, &b.run().parameters);
+            if differing.is_empty() {
+                ui.label(
+                    RichText::new("Nothing: the parameters are the same.").color(palette.muted),
+                );
+            }
+            for (name, first, second) in differing {
+                row(ui, &name, &format!("A {first}   B {second}"), palette);
+            }
+            row(
+                ui,
+                "samples",
+                &format!(
+                    "A {}   B {}",
+                    grouped(a.summary.count),
+                    grouped(b.summary.count)
+                ),
+                palette,
+            );
+            parting(ui, state, side, comparison, &mut own);
+            now(ui, state, side, comparison, &mut own);
+        }
+        links(ui, comparison, &mut own);
+        ui.add_space(8.0);
+    } else {
+        let text = "A second run beside this one: same view, same moment, what differs, and the first event at which the two part.";
+        ui.label(RichText::new(text).color(palette.muted));
+    }
+    rivals(ui, state, &mut own);
+    commands.extend(own.into_iter().map(Command::Compare));
+}
+
+fn second(ui: &mut Ui, side: &Side, palette: &Palette, own: &mut Vec<CompareCommand>) {
+    ui.horizontal(|ui| {
+        let ready = side.session.is_some();
+        let swap = ui.add_enabled(ready, Button::new("Swap A and B"));
+        if swap
+            .on_hover_text("All panels show run A.")
+            .on_disabled_hover_text("The second run is not there yet.")
+            .clicked()
+        {
+            own.push(CompareCommand::Swap);
+        }
+        if ui.button("Close B").clicked() {
+            own.push(CompareCommand::Close);
+        }
+        if side.sampling.is_some() && ui.button("Cancel B").clicked() {
+            own.push(CompareCommand::OnOther(Box::new(Command::Cancel)));
+        }
+    });
+    // The bar has its room whether or not there is progress.
+    match &side.sampling {
+        Some(job) => {
+            let bar = ProgressBar::new(job.fraction()).desired_height(6.0);
+            ui.add(bar.fill(palette.accent));
+        }
+        None => ui.add_space(6.0),
+    }
+}
+
+fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
+    heading(ui, "Compare this run with");
+    for rival in Rival::ALL {
+        let refusal = state.rival_refusal(rival);
+        let button = ui.add_enabled(refusal.is_none(), Button::new(rival.name()).frame(true));
+        let button = button.on_disabled_hover_text(refusal.unwrap_or_default());
+        if button.clicked() {
+            own.push(CompareCommand::Start(rival));
+        }
+    }
+    let kept = ui.add_enabled(
+        state.session.is_some(),
+        Button::new("the run after this one"),
+    );
+    let kept = kept
+        .on_hover_text("Keeps this run as B; then change the parameters and run.")
+        .on_disabled_hover_text("There is no session yet.");
+    if kept.clicked() {
+        own.push(CompareCommand::Keep);
+    }
+}
+
+fn parting(
+    ui: &mut Ui,
+    state: &State,
+    side: &Side,
+    comparison: &Comparison,
+    own: &mut Vec<CompareCommand>,
+) {
+    let palette = Palette::of(state.look);
+    heading(ui, "Where they part");
+    let (Some(a), Some(b)) = (&state.session, &side.session) else {
+        return;
+    };
+    let Some(divergence) = comparison.divergence(a, b) else {
+        let text = comparison.failure().unwrap_or("Being looked for\u{2026}");
+        ui.label(RichText::new(text).color(palette.muted));
+        return;
+    };
+    let lines: Vec<String> = match divergence {
+        Divergence::Same => {
+            vec!["Nowhere: every event is the same, sample by sample, to the bit.".to_owned()]
+        }
+        Divergence::Domain { a, b } => vec![
+            "The domains differ: the runs cannot be compared event by event.".to_owned(),
+            format!("A: {a}."),
+            format!("B: {b}."),
+        ],
+        Divergence::Events {
+            a,
+            sentence_a,
+            sentence_b,
+            ..
+        } => vec![
+            format!(
+                "The first {} are the same. Then:",
+                counted(*a, "event", "events")
+            ),
+            format!("A: {sentence_a}"),
+            format!("B: {sentence_b}"),
+        ],
+        Divergence::Ends {
+            a_goes_on,
+            event,
+            sentence,
+        } => vec![
+            format!(
+                "All {} of the shorter run are the same.",
+                counted(*event, "event", "events")
+            ),
+            format!("{} goes on: {sentence}", if *a_goes_on { "A" } else { "B" }),
+        ],
+        Divergence::Stage { stage, a, b, .. } => vec![
+            format!("At stage {}.", stage_name(*stage)),
+            format!("A: {a}"),
+            format!("B: {b}"),
+        ],
+    };
+    for line in lines {
+        ui.label(line);
+    }
+    let parts = !matches!(divergence, Divergence::Same | Divergence::Domain { .. });
+    let refusal = (!parts).then_some("There is no such event.");
+    if primary_button(ui, "Go there in both", refusal, palette).clicked() {
+        own.push(CompareCommand::GoToDivergence);
+    }
+}
+
+fn now(
+    ui: &mut Ui,
+    state: &State,
+    side: &Side,
+    comparison: &Comparison,
+    own: &mut Vec<CompareCommand>,
+) {
+    let palette = Palette::of(state.look);
+    heading(ui, "Samples at this moment");
+    let (Some(a), Some(b)) = (state.shown(), side.shown()) else {
+        return;
+    };
+    let number = |count: Option<usize>| count.map_or_else(|| "\u{2013}".to_owned(), grouped);
+    let found = comparison.differences.of(&a, &b);
+    if difference::comparable(&a, &b) {
+        row(ui, "in both", &number(found.map(|d| d.common)), palette);
+        row(
+            ui,
+            "in A alone",
+            &number(found.map(|d| d.first.len())),
+            palette,
+        );
+        row(
+            ui,
+            "in B alone",
+            &number(found.map(|d| d.second.len())),
+            palette,
+        );
+    } else {
+        let text = "The domains differ: places cannot be compared.";
+        ui.label(RichText::new(text).color(palette.muted));
+    }
+    let mut on = comparison.shows_differences;
+    let text = "Mark them on the canvas";
+    let hint = "A square: this run alone has it. Four corners: the other run alone has it.";
+    if ui.checkbox(&mut on, text).on_hover_text(hint).changed() {
+        own.push(CompareCommand::ShowDifferences(on));
+    }
+}
+
+fn links(ui: &mut Ui, comparison: &Comparison, own: &mut Vec<CompareCommand>) {
+    heading(ui, "Together");
+    let mut on = comparison.linked_cameras;
+    if ui.checkbox(&mut on, "Cameras move together").changed() {
+        own.push(CompareCommand::LinkCameras(on));
+    }
+    let mut on = comparison.linked_clocks;
+    let hint =
+        "The same event as long as the runs are the same, then the same share of the same stage.";
+    if ui
+        .checkbox(&mut on, "Clocks run together")
+        .on_hover_text(hint)
+        .changed()
+    {
+        own.push(CompareCommand::LinkClocks(on));
+    }
+}

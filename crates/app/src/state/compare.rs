@@ -1,0 +1,331 @@
+//! The commands of the comparison, and how the second run follows the first. What differs is found out in
+//! [`crate::compare`].
+
+use std::sync::Arc;
+
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence};
+
+use super::{Side, State};
+use crate::canvas::subject::{Contrast, Subject};
+use crate::command::Command;
+use crate::compare::link::{At, common, corresponding};
+use crate::compare::{CompareCommand, Rival};
+use crate::device::{Device, Engine};
+use crate::layout::Panel;
+
+impl State {
+    pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
+        match command {
+            CompareCommand::Start(rival) => self.start_comparison(rival),
+            CompareCommand::Keep => self.keep(),
+            CompareCommand::Swap => self.swap(),
+            CompareCommand::Close => {
+                self.comparison = None;
+                self.fitted = true;
+            }
+            CompareCommand::GoToDivergence => self.go_to_divergence(),
+            CompareCommand::OnOther(command) => self.carry_out_on_second(*command),
+            CompareCommand::LinkCameras(_)
+            | CompareCommand::LinkClocks(_)
+            | CompareCommand::ShowDifferences(_) => {
+                if let Some((_, comparison)) = &mut self.comparison {
+                    match command {
+                        CompareCommand::LinkCameras(on) => comparison.linked_cameras = on,
+                        CompareCommand::LinkClocks(on) => comparison.linked_clocks = on,
+                        CompareCommand::ShowDifferences(on) => comparison.shows_differences = on,
+                        _ => {}
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns why there cannot be such a second run now, or `None` if there can.
+    #[must_use]
+    pub fn rival_refusal(&self, rival: Rival) -> Option<String> {
+        let Some(session) = &self.session else {
+            return Some("There is no session yet.".to_owned());
+        };
+        if rival == Rival::Typed {
+            return self.run_refusal();
+        }
+        if rival == Rival::Engine && self.other_engine() == Engine::Gpu {
+            return match &self.device {
+                Device::Ready(_) => None,
+                Device::Unknown => Some(
+                    "Choose the GPU as the engine first: it is opened and tested then.".to_owned(),
+                ),
+                device => device.said(),
+            };
+        }
+        let first = &session.run().parameters;
+        let second = rival.parameters(first, &self.draft.parameters);
+        let refused = second.validate_sequential().err();
+        refused.map(|error| crate::draft::sentence(&error.to_string()))
+    }
+
+    /// Returns the engine that did not make the session.
+    #[must_use]
+    pub fn other_engine(&self) -> Engine {
+        let by_gpu = self
+            .session
+            .as_ref()
+            .is_some_and(|session| session.engine != "CPU");
+        if by_gpu { Engine::Cpu } else { Engine::Gpu }
+    }
+
+    fn start_comparison(&mut self, rival: Rival) {
+        if self.rival_refusal(rival).is_some() {
+            return;
+        }
+        let Some(session) = &self.session else {
+            return;
+        };
+        let parameters = rival.parameters(&session.run().parameters, &self.draft.parameters);
+        let engine = match rival {
+            Rival::Engine => self.other_engine(),
+            _ => self.engine,
+        };
+        self.comparison.get_or_insert_default();
+        self.layout.open(Panel::Compare);
+        self.with_second(|state| state.start_sampling(parameters, engine));
+    }
+
+    /// Makes the run at hand the second one, too, at the same moment.
+    fn keep(&mut self) {
+        let Some(session) = self.session.clone() else {
+            return;
+        };
+        self.layout.open(Panel::Compare);
+        let (side, _) = self.comparison.get_or_insert_default();
+        let viewport = side.viewport;
+        *side = Side::default();
+        side.debugger = session
+            .recording()
+            .map(|recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET));
+        (side.stage, side.camera, side.viewport) = (self.stage, self.camera, viewport);
+        side.session = Some(session);
+        self.with_second(Self::verify);
+    }
+
+    /// The form shows the parameters of the run at hand.
+    fn swap(&mut self) {
+        if let Some((mut side, comparison)) = self.comparison.take() {
+            let viewports = (self.viewport, side.viewport);
+            self.exchange(&mut side);
+            (self.viewport, side.viewport) = viewports;
+            self.playback.range = None;
+            self.comparison = Some((side, comparison));
+        }
+        if let Some(session) = &self.session {
+            self.draft = crate::draft::Draft::from_parameters(session.run().parameters);
+        }
+    }
+
+    /// Has the second run stand in for the one at hand while `act` does something.
+    pub(super) fn with_second<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        let (mut side, comparison) = self.comparison.take()?;
+        let playback = self.playback.clone();
+        self.exchange(&mut side);
+        let result = act(self);
+        self.exchange(&mut side);
+        self.playback = playback;
+        self.comparison = Some((side, comparison));
+        Some(result)
+    }
+
+    /// What is done to the view or the moment of the second run is done to the first, too, where the two are linked.
+    fn carry_out_on_second(&mut self, command: Command) {
+        let moves = moves_camera(&command);
+        let before = self.second_at();
+        self.with_second(|state| state.carry_out(command));
+        let after = self.second_at();
+        let Some((side, comparison)) = &mut self.comparison else {
+            return;
+        };
+        if moves && comparison.linked_cameras {
+            (self.camera, self.fitted) = (side.camera, side.fitted);
+            self.flight = side.flight.take();
+        }
+        if comparison.linked_clocks && before != after {
+            self.follow_second();
+        }
+    }
+
+    fn at(&self) -> Option<At> {
+        self.session.as_ref().map(|_| At {
+            stage: self.stage,
+            cursor: self.cursor().map(|(cursor, _)| cursor),
+        })
+    }
+
+    fn second_at(&self) -> Option<At> {
+        let (side, _) = self.comparison.as_ref()?;
+        side.session.as_ref().map(|_| At {
+            stage: side.stage,
+            cursor: side.debugger.as_ref().map(|d| d.state().cursor()),
+        })
+    }
+
+    fn follow_second(&mut self) {
+        let (Some(at), Some((side, comparison))) = (self.second_at(), &self.comparison) else {
+            return;
+        };
+        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+            return;
+        };
+        let common = common(comparison.divergence(first, second)).map(|[a, b]| [b, a]);
+        let to = corresponding(second, at, first, common);
+        self.go_to(to);
+    }
+
+    /// Has the second run follow the first where the two are linked.
+    pub(super) fn follow_first(&mut self) {
+        let Some((side, comparison)) = &mut self.comparison else {
+            return;
+        };
+        if comparison.linked_cameras {
+            (side.camera, side.fitted, side.flight) = (self.camera, self.fitted, None);
+        }
+        if !comparison.linked_clocks {
+            return;
+        }
+        let (Some(at), Some((side, comparison))) = (self.at(), &self.comparison) else {
+            return;
+        };
+        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+            return;
+        };
+        let common = common(comparison.divergence(first, second));
+        let to = corresponding(first, at, second, common);
+        if self.second_at() != Some(to) {
+            self.with_second(|state| state.go_to(to));
+        }
+    }
+
+    fn go_to(&mut self, at: At) {
+        match at.cursor {
+            Some(cursor) if self.debugger.is_some() => self.jump(cursor),
+            _ => self.stage = at.stage,
+        }
+        self.forget_unseen();
+    }
+
+    /// Goes on with the second run by `dt_secs`; returns whether something moves there.
+    pub(super) fn advance_second(&mut self, dt_secs: f32) -> bool {
+        let flies = self.with_second(|state| {
+            state.poll_run();
+            state.fly_on(dt_secs);
+            state.want_geometry();
+            state.flight.is_some()
+        });
+        self.follow_first();
+        self.compare();
+        flies == Some(true)
+    }
+
+    /// Has found out what differs.
+    fn compare(&mut self) {
+        let Some((side, mut comparison)) = self.comparison.take() else {
+            return;
+        };
+        if let (Some(a), Some(b)) = (&self.session, &side.session) {
+            comparison.seek(a, b, &self.wake);
+        }
+        if let (Some(a), Some(b)) = (self.shown(), side.shown()) {
+            comparison.differences.want(&a, &b, &self.wake);
+        }
+        self.comparison = Some((side, comparison));
+    }
+
+    /// Waits for all work on the second run.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle_second(&mut self) {
+        self.with_second(Self::settle_run);
+        self.compare();
+        if let Some((_, comparison)) = &mut self.comparison {
+            comparison.settle();
+        }
+        self.follow_first();
+        self.compare();
+        if let Some((_, comparison)) = &mut self.comparison {
+            comparison.differences.settle();
+        }
+    }
+
+    /// Goes to where the two runs part: both cursors stand before the first event that differs.
+    fn go_to_divergence(&mut self) {
+        let Some((side, comparison)) = &self.comparison else {
+            return;
+        };
+        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+            return;
+        };
+        let cursors = match comparison.divergence(first, second) {
+            Some(&Divergence::Events { a, b, .. }) => [a, b],
+            Some(&Divergence::Ends { event, .. }) => [event, event],
+            Some(&Divergence::Stage { stage, .. }) => {
+                let place = first.stages.iter().position(|&other| other == stage);
+                self.show_stage(place.unwrap_or(usize::MAX));
+                return;
+            }
+            _ => return,
+        };
+        // The event itself shows where: the moment behind it.
+        self.jump(cursors[0] + 1);
+        self.apply_to_camera(&Command::GoToCurrent);
+        self.with_second(|state| state.jump(cursors[1] + 1));
+    }
+
+    /// Returns what only one of two compared runs has, seen from the second one or the first.
+    #[must_use]
+    pub fn contrast(&self, from_second: bool) -> Option<Contrast<'_>> {
+        let (side, comparison) = self.comparison.as_ref()?;
+        let (a, b) = (self.shown()?, side.shown()?);
+        let difference = comparison.differences.of(&a, &b)?;
+        let (first, second) = (&difference.first[..], &difference.second[..]);
+        comparison.shows_differences.then_some(if from_second {
+            Contrast {
+                here: second,
+                there: first,
+                other: a.session,
+            }
+        } else {
+            Contrast {
+                here: first,
+                there: second,
+                other: b.session,
+            }
+        })
+    }
+
+    /// Returns what the second canvas shows.
+    #[must_use]
+    pub fn second_subject(&self) -> Option<Subject<'_>> {
+        let (side, _) = self.comparison.as_ref()?;
+        Some(Subject {
+            shown: side.shown()?,
+            camera: side.camera,
+            layers: self.layers,
+            colouring: self.colouring,
+            hovered: side.hovered,
+            selected: side.selected,
+            place: side.place,
+            sight: side.sight,
+            geometry: &side.geometry,
+            contrast: self.contrast(true),
+        })
+    }
+}
+
+const fn moves_camera(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Pan(_)
+            | Command::Zoom(..)
+            | Command::Fit
+            | Command::FlyTo(..)
+            | Command::FlyToBlock(_)
+            | Command::GoToSample(_)
+    )
+}

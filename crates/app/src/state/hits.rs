@@ -1,0 +1,84 @@
+//! Where the breakpoints would stop a run: found out in the background whenever they change, for the timeline.
+
+use std::sync::Arc;
+
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
+
+use super::{Found, State};
+use crate::jobs::{Job, Monitor};
+
+/// Most places that are marked.
+pub const MOST_HITS: usize = 20_000;
+
+/// A generation, and the breakpoints that stop a run of it.
+type Key = (u64, Vec<(LineId, String)>);
+
+/// The places, as far as they are known.
+#[derive(Default)]
+pub struct Hits {
+    key: Option<Key>,
+    found: Found,
+}
+
+impl Hits {
+    /// Returns the events before which a run would stop, the first [`MOST_HITS`] of them.
+    #[must_use]
+    pub fn events(&self) -> &[usize] {
+        self.found.events()
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle(&mut self) {
+        self.found.settle();
+    }
+}
+
+impl State {
+    /// Has the places found out if the breakpoints have changed.
+    pub(super) fn want_hits(&mut self) {
+        self.hits.found.poll();
+        let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
+            self.hits = Hits::default();
+            return;
+        };
+        let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
+        let stops = enabled.map(|b| (b.line, b.condition.as_str()));
+        let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
+            let known = known
+                .iter()
+                .map(|(line, condition)| (*line, condition.as_str()));
+            *generation == session.generation && known.eq(stops.clone())
+        });
+        if same {
+            return;
+        }
+        let stops: Vec<(LineId, String)> =
+            stops.map(|(line, text)| (line, text.to_owned())).collect();
+        self.hits.key = Some((session.generation, stops.clone()));
+        self.hits.found = if stops.is_empty() {
+            Found::Nothing
+        } else {
+            let recording = Arc::clone(debugger.recording());
+            let work = move |monitor: &Monitor| hits(&recording, &stops, monitor);
+            Found::Pending(Job::start(&self.wake, work))
+        };
+    }
+}
+
+fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monitor) -> Vec<usize> {
+    let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+    for (line, condition) in stops {
+        debugger.add_breakpoint(*line, condition);
+    }
+    debugger.jump(0);
+    let mut found = Vec::new();
+    while found.len() < MOST_HITS && !monitor.is_cancelled() {
+        match debugger.run(Direction::Forwards) {
+            Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
+            // A condition that cannot be computed stops a run, but is no hit; the others go on.
+            Stop::BadCondition(index, _) => debugger.enable_breakpoint(index, false),
+            Stop::End => break,
+        }
+    }
+    found
+}
