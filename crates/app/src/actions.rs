@@ -9,6 +9,7 @@ use tilescope_debugger::{Direction, Step, Target};
 use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
 use crate::command::{Command, DebugCommand, Selection, TimeCommand};
+use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::Look;
@@ -177,6 +178,34 @@ fn file(list: &mut List, state: &State) {
         .is_none()
         .then_some("Nothing is being sampled.");
     add(list, "Cancel the run", None, Command::Cancel, idle);
+    let sheet = |purpose| Command::File(FileCommand::Sheet(purpose));
+    add(
+        list,
+        "Open session\u{2026}",
+        Some((COMMAND, Key::O)),
+        sheet(Purpose::Open),
+        None,
+    );
+    add(
+        list,
+        "Save session\u{2026}",
+        Some((COMMAND, Key::S)),
+        sheet(Purpose::Save),
+        state.save_refusal(),
+    );
+    add(
+        list,
+        "Use a pattern from a file\u{2026}",
+        None,
+        sheet(Purpose::Pattern),
+        None,
+    );
+    let generated = state
+        .own_pattern
+        .is_none()
+        .then_some("The pattern is a generated one.");
+    let command = Command::File(FileCommand::GeneratedPattern);
+    add(list, "Use a generated pattern", None, command, generated);
     add(
         list,
         "Export samples\u{2026}",
@@ -463,6 +492,10 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
                 continue;
             }
             let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
+            // It closes what lies on top first.
+            if key == Key::Escape && state.has_sheet() {
+                continue;
+            }
             let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);
             let free = !typing || modifiers.command || function;
             let same =

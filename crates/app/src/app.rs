@@ -9,6 +9,7 @@ use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, UiResponse
 use crate::actions;
 use crate::canvas::Canvas;
 use crate::command::Command;
+use crate::files::FileCommand;
 use crate::layout::{Layout, Panel};
 use crate::panels;
 use crate::state::State;
@@ -45,6 +46,7 @@ impl App {
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
         }
+        self.take_dropped(ui);
         self.commands
             .extend(actions::pressed(ui.ctx(), &self.state));
         if self.state.look == Look::Projector {
@@ -55,6 +57,16 @@ impl App {
         }
         panels::show_floating(ui, &self.state, &mut self.commands);
         self.apply_commands(ui.ctx());
+    }
+
+    /// Takes files that were dropped on the window.
+    fn take_dropped(&mut self, ui: &Ui) {
+        let dropped = ui.input(|input| input.raw.dropped_files.clone());
+        let commands = dropped.iter().map(|file| {
+            let path = file.path().to_string_lossy().into_owned();
+            Command::File(FileCommand::Dropped(path))
+        });
+        self.commands.extend(commands);
     }
 
     fn show_tiles(&mut self, ui: &mut Ui) {

@@ -4,7 +4,10 @@
 use std::ops::Range;
 
 /// What a tick of time is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Clock {
     /// One event.
     Event,

@@ -10,6 +10,7 @@ use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
 use crate::compare::CompareCommand;
 use crate::device::Engine;
+use crate::files::FileCommand;
 use crate::layout::Panel;
 use crate::passes::PassCommand;
 use crate::theme::Look;
@@ -192,6 +193,8 @@ pub enum Command {
     OpenPasses,
     /// Does something with the passes.
     Passes(PassCommand),
+    /// Does something with saved sessions and pattern files.
+    File(FileCommand),
     /// Does something with the comparison of two runs.
     Compare(CompareCommand),
     /// Does something with the debugger.

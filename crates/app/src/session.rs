@@ -5,14 +5,15 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use tilescope_core::{
-    MAXIMAL_DENSITY, Moment, Observer, Parameters, Pattern, Progress, R, Run, SampleError,
-    SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
+    MAXIMAL_DENSITY, Moment, Observer, Parameters, Progress, R, Run, SampleError, SampleGrid,
+    Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
-use tilescope_debugger::{DEFAULT_BUDGET, Outline, Recording};
+use tilescope_debugger::{Outline, Recording};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
 use crate::canvas::index::SampleIndex;
 use crate::jobs::Monitor;
+use crate::recipe::{OwnPattern, Recipe};
 
 /// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
 /// 105 bytes for each sample and ten times as long.
@@ -46,6 +47,8 @@ pub struct Session {
     pub generation: u64,
     /// Who made it: "CPU", or "GPU" with the adapter's name.
     pub engine: String,
+    /// The pattern of one's own that it was made with.
+    pub own: Option<OwnPattern>,
     /// What befell the GPU that was to make it, until somebody has been told.
     pub failure: Option<Failure>,
 }
@@ -68,49 +71,70 @@ pub struct Failure {
 }
 
 impl Session {
-    /// Samples with `parameters` on the CPU and prepares the result.
+    /// Samples by `recipe` on the CPU and prepares the result.
     ///
     /// Fails as the engines of the core, and when the monitor's owner cancels.
     pub fn sample(
-        parameters: &Parameters,
+        recipe: &Recipe,
         generation: u64,
         monitor: &Monitor,
     ) -> Result<Self, SampleError> {
+        let parameters = &recipe.parameters;
         parameters.validate_sequential()?;
         let mut observer = Reporter { monitor };
         if keeps_everything(parameters)? {
-            let recording = Recording::new(parameters, DEFAULT_BUDGET, &mut observer)?;
-            return observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
+            let recording = recipe.record(&mut observer)?;
+            let made = observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
+            return made.map(|session| session.with(recipe));
         }
-        let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
+        let pattern = recipe.pattern(&mut observer)?;
         let run = Sweep::run(parameters, &pattern, &mut observer)?;
-        observer.prepare(|| Self::from_run(run, generation))
+        let made = observer.prepare(|| Self::from_run(run, generation));
+        made.map(|session| session.with(recipe))
     }
 
-    /// Samples with `parameters` on `gpu` and prepares the result: with all its stages where the CPU would keep
+    /// Returns the session with the pattern of one's own that it was made with.
+    #[must_use]
+    pub fn with(self, recipe: &Recipe) -> Self {
+        Self {
+            own: recipe.own.clone(),
+            ..self
+        }
+    }
+
+    /// Returns what it was made from.
+    #[must_use]
+    pub fn recipe(&self) -> Recipe {
+        Recipe {
+            parameters: self.run().parameters,
+            own: self.own.clone(),
+        }
+    }
+
+    /// Samples by `recipe` on `gpu` and prepares the result: with all its stages where the CPU would keep
     /// them, too. If the device fails, the CPU makes the same session, which then knows of the failure.
     ///
     /// Fails as [`Self::sample`], never because of the device.
     pub async fn sample_on(
         gpu: Arc<Gpu>,
-        parameters: &Parameters,
+        recipe: &Recipe,
         generation: u64,
         monitor: &Monitor,
     ) -> Result<Self, SampleError> {
         let name = gpu.report().name.clone();
         let mut observer = Reporter { monitor };
-        let error = match run_on(gpu, parameters, &mut observer).await {
+        let error = match run_on(gpu, recipe, &mut observer).await {
             Ok(run) => {
-                let session = Self::of_gpu(run, parameters, generation, &mut observer)?;
+                let session = Self::of_gpu(run, recipe, generation, &mut observer)?;
                 let engine = format!("GPU ({name})");
-                return Ok(Self { engine, ..session });
+                return Ok(Self { engine, ..session }.with(recipe));
             }
             Err(GpuError::Sample(error)) => return Err(error),
             Err(error) => error,
         };
         Ok(Self {
             failure: Some(Failure { name, error }),
-            ..Self::sample(parameters, generation, monitor)?
+            ..Self::sample(recipe, generation, monitor)?
         })
     }
 
@@ -118,12 +142,12 @@ impl Session {
     /// GPU made is shown as it is, without events, if the two differ.
     fn of_gpu(
         run: Run,
-        parameters: &Parameters,
+        recipe: &Recipe,
         generation: u64,
         observer: &mut Reporter<'_>,
     ) -> Result<Self, SampleError> {
         if run.counted.is_none() {
-            let recording = Recording::new(parameters, DEFAULT_BUDGET, observer)?;
+            let recording = recipe.record(observer)?;
             let twin = recording.run();
             if twin.samples == run.samples && twin.result == run.result {
                 return observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
@@ -205,6 +229,7 @@ impl Session {
             outline,
             generation,
             engine: "CPU".to_owned(),
+            own: None,
             failure: None,
             source,
         }
@@ -262,14 +287,15 @@ impl Session {
     }
 }
 
-/// Runs `parameters` on a device: to the last stage with all of them kept, or for the result alone.
+/// Runs a recipe on a device: to the last stage with all of them kept, or for the result alone.
 async fn run_on(
     gpu: Arc<Gpu>,
-    parameters: &Parameters,
+    recipe: &Recipe,
     observer: &mut Reporter<'_>,
 ) -> Result<Run, GpuError> {
+    let parameters = &recipe.parameters;
     parameters.validate_sequential()?;
-    let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
+    let pattern = recipe.pattern(observer)?;
     if !keeps_everything(parameters)? {
         return GpuSweep::run(gpu, parameters, &pattern, observer).await;
     }
@@ -328,8 +354,8 @@ fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
 }
 
 /// Carries a run's progress to the window, and the wish to cancel back.
-struct Reporter<'a> {
-    monitor: &'a Monitor,
+pub(crate) struct Reporter<'a> {
+    pub(crate) monitor: &'a Monitor,
 }
 
 impl Reporter<'_> {

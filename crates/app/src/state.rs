@@ -17,10 +17,12 @@ use crate::compare::Comparison;
 use crate::device::{Device, Engine};
 use crate::draft::Draft;
 use crate::export::ExportForm;
+use crate::files::FileForm;
 use crate::geometry::Geometry;
 use crate::jobs::{Job, Wake};
 use crate::layout::Layout;
 use crate::passes::Passes;
+use crate::recipe::OwnPattern;
 use crate::session::Session;
 use crate::theme::Look;
 use crate::verification::{Sight, Verdict};
@@ -53,6 +55,8 @@ pub struct Notice {
 pub struct State {
     /// The parameters as typed.
     pub draft: Draft,
+    /// The pattern of one's own for the next run, if it comes from a file.
+    pub own_pattern: Option<OwnPattern>,
     /// Who samples.
     pub engine: Engine,
     /// What is known of the GPU.
@@ -113,6 +117,16 @@ pub struct State {
     pub sight: Option<Sight>,
     /// The export sheet, when open.
     pub export: Option<ExportForm>,
+    /// The sheet of saved sessions and pattern files, when open.
+    pub file: Option<FileForm>,
+    /// What is read or written for it.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub filing: Option<Job<crate::files::Outcome>>,
+    /// The system's dialog for it, while open.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub finding: Option<Job<Option<std::path::PathBuf>>>,
+    /// The file that the session was saved to or opened from last.
+    pub session_path: Option<String>,
     /// A notice, when there is one.
     pub notice: Option<Notice>,
     /// The export at work.
@@ -139,6 +153,7 @@ impl State {
     pub fn new(wake: Wake) -> Self {
         let mut state = Self {
             draft: Draft::default(),
+            own_pattern: None,
             engine: Engine::default(),
             device: Device::default(),
             session: None,
@@ -169,6 +184,12 @@ impl State {
             place: None,
             sight: None,
             export: None,
+            file: None,
+            session_path: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            filing: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            finding: None,
             notice: None,
             #[cfg(not(target_arch = "wasm32"))]
             exporting: None,
@@ -256,6 +277,7 @@ impl State {
             }
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
+            Command::File(command) => self.apply_to_files(command),
             Command::Compare(command) => self.apply_to_comparison(command),
             Command::Debug(command) => {
                 self.apply_to_debugger(command);
@@ -296,10 +318,12 @@ mod compare;
 mod debug;
 mod engine;
 mod export;
+mod files;
 mod hits;
 mod side;
 #[cfg(test)]
 mod tests;
 mod time;
 mod undo;
+mod view;
 mod work;

@@ -11,7 +11,7 @@ use crate::listing::{LineId, Listings};
 use crate::moves::{self, Direction, Step, Target};
 use crate::recording::Recording;
 use crate::session::{
-    Bookmark, PatternFile, SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
+    Bookmark, PatternFile, SavedBreakpoint, Session, SessionError, VERSION, digest,
 };
 use crate::state::State;
 
@@ -258,8 +258,15 @@ impl Debugger {
         pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
         observer: &mut dyn Observer,
     ) -> Result<Self, SessionError> {
+        let recording = session.record(pattern_loader, observer)?;
+        Self::resume(session, Arc::new(recording))
+    }
+
+    /// Returns the session where it was, on a recording of its run such as [`Session::record`] makes.
+    ///
+    /// Fails when the recording's result is not the saved one by its digest.
+    pub fn resume(session: &Session, recording: Arc<Recording>) -> Result<Self, SessionError> {
         session.check()?;
-        let recording = recording(session, pattern_loader, observer)?;
         let found = digest(recording.run());
         if found != session.digest {
             let expected = session.digest.clone();
@@ -270,7 +277,7 @@ impl Debugger {
         if let Some(event) = named.chain([session.cursor]).find(|&event| event > events) {
             return Err(SessionError::NoSuchEvent { event, events });
         }
-        let mut debugger = Self::new(Arc::new(recording), session.budget);
+        let mut debugger = Self::new(recording, session.budget);
         for saved in &session.breakpoints {
             debugger.add_saved(saved)?;
         }
@@ -292,33 +299,4 @@ impl Debugger {
         self.enable_breakpoint(index, saved.enabled);
         Ok(())
     }
-}
-
-/// Returns the recording of a session's run.
-fn recording(
-    session: &Session,
-    pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
-    observer: &mut dyn Observer,
-) -> Result<Recording, SessionError> {
-    let (parameters, budget) = (&session.parameters, session.budget);
-    let Some(file) = &session.pattern else {
-        return Ok(Recording::new(parameters, budget, observer)?);
-    };
-    let path = || file.path.clone();
-    let pattern = pattern_loader(file).map_err(|reason| SessionError::PatternGone {
-        path: path(),
-        reason,
-    })?;
-    let found = pattern_digest(&pattern);
-    if found != file.digest {
-        return Err(SessionError::PatternChanged {
-            path: path(),
-            expected: file.digest.clone(),
-            found,
-        });
-    }
-    let pattern = Arc::new(pattern);
-    Ok(Recording::with_pattern(
-        parameters, pattern, budget, observer,
-    )?)
 }

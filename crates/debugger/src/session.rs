@@ -1,11 +1,14 @@
 //! Saved sessions: parameters, cursor, breakpoints, watches and bookmarks as JSON, and a digest of the
 //! result. The run itself is not saved: it is computed again, and the digest proves that it is the same.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_core::{MAXIMAL_DENSITY, Parameters, Pattern, Run};
+use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run};
 
 use crate::listing::Listings;
+use crate::recording::Recording;
 
 /// The version of sessions that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
@@ -173,6 +176,39 @@ impl Session {
         }
         session.check()?;
         Ok(session)
+    }
+
+    /// Computes the session's run again, with its events. `pattern_loader` is asked for the pattern where it lies in a
+    /// file, and its digest proves that it is the saved one.
+    pub fn record(
+        &self,
+        pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
+        observer: &mut dyn Observer,
+    ) -> Result<Recording, SessionError> {
+        self.check()?;
+        let Some(file) = &self.pattern else {
+            return Ok(Recording::new(&self.parameters, self.budget, observer)?);
+        };
+        let path = || file.path.clone();
+        let pattern = pattern_loader(file).map_err(|reason| SessionError::PatternGone {
+            path: path(),
+            reason,
+        })?;
+        let found = pattern_digest(&pattern);
+        if found != file.digest {
+            return Err(SessionError::PatternChanged {
+                path: path(),
+                expected: file.digest.clone(),
+                found,
+            });
+        }
+        let pattern = Arc::new(pattern);
+        Ok(Recording::with_pattern(
+            &self.parameters,
+            pattern,
+            self.budget,
+            observer,
+        )?)
     }
 
     /// Fails when the session asks for more than is taken, before anything is computed.

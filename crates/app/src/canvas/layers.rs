@@ -126,6 +126,12 @@ impl Layers {
             || self.has(Layer::Circumcircles)
     }
 
+    /// Returns no layers.
+    #[must_use]
+    pub const fn none() -> Self {
+        Self(0)
+    }
+
     /// Switches `layer`.
     pub const fn toggle(&mut self, layer: Layer) {
         self.0 ^= 1 << layer as u16;
@@ -133,7 +139,10 @@ impl Layers {
 }
 
 /// What the colour of a sample means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Colouring {
     /// The block it was tiled into.
     #[default]

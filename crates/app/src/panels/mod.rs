@@ -5,6 +5,7 @@ mod compare;
 mod engine;
 mod events;
 mod export;
+mod files;
 mod inspector;
 mod layers;
 mod legend;
@@ -122,6 +123,7 @@ fn filled(ui: &mut Ui, frame: Frame, add: impl FnOnce(&mut Ui)) {
 /// Shows what floats above the window: the export sheet, the notice and the list of actions.
 pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
+    files::show(ui, state, commands);
     notice::show(ui, state, commands);
     palette::show(ui, state, commands);
 }

@@ -6,6 +6,7 @@ use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use super::{divide, engine};
 use crate::command::{Choice, Command, Field};
 use crate::draft::{Refusal, sentence};
+use crate::files::FileCommand;
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
@@ -61,6 +62,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if let Some(chosen) = chosen {
         commands.push(Command::Choose(Choice::PatternBoundary(chosen)));
     }
+    own_pattern(ui, state, commands);
     let turns = [(false, "as it is"), (true, "turned, mirrored")];
     let why = "Whether each block clips from one of the pattern's 8 rotations and mirror images.";
     if let Some(chosen) = choice(ui, "Pattern use", why, p.dihedral, &turns, palette) {
@@ -74,6 +76,23 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.add_space(8.0);
     run_or_cancel(ui, state, commands);
     divide(ui, palette);
+}
+
+/// Says that the pattern comes from a file, if it does.
+fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let Some(own) = &state.own_pattern else {
+        return;
+    };
+    let text = format!(
+        "The pattern comes from {}: {} samples.",
+        own.file.path,
+        grouped(own.pattern.samples().len())
+    );
+    ui.label(RichText::new(text).color(palette.muted));
+    if ui.link("Use a generated pattern").clicked() {
+        commands.push(Command::File(FileCommand::GeneratedPattern));
+    }
 }
 
 fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -12,6 +12,7 @@ use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
+use crate::recipe::Recipe;
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
@@ -81,14 +82,24 @@ impl State {
         let Some(session) = &self.session else {
             return;
         };
-        let parameters = rival.parameters(&session.run().parameters, &self.draft.parameters);
+        let recipe = match rival {
+            Rival::Typed => self.typed(),
+            _ => Recipe {
+                parameters: rival.parameters(&session.run().parameters, &self.draft.parameters),
+                own: session.own.clone(),
+            },
+        };
         let engine = match rival {
             Rival::Engine => self.other_engine(),
             _ => self.engine,
         };
-        self.comparison.get_or_insert_default();
         self.layout.open(Panel::Compare);
-        self.with_second(|state| state.start_sampling(parameters, engine));
+        self.compare_with(recipe, engine);
+    }
+
+    pub(super) fn compare_with(&mut self, recipe: Recipe, engine: Engine) {
+        self.comparison.get_or_insert_default();
+        self.with_second(|state| state.start_sampling(recipe, engine));
     }
 
     /// Makes the run at hand the second one, too, at the same moment.
@@ -119,6 +130,7 @@ impl State {
         }
         if let Some(session) = &self.session {
             self.draft = crate::draft::Draft::from_parameters(session.run().parameters);
+            self.own_pattern.clone_from(&session.own);
         }
     }
 

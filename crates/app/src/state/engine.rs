@@ -10,6 +10,7 @@ use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::draft::sentence;
 use crate::jobs::Job;
 use crate::passes::{PassCommand, Passes};
+use crate::recipe::Recipe;
 use crate::session::{Failure, Session};
 
 impl State {
@@ -49,16 +50,16 @@ impl State {
         }
     }
 
-    /// Starts a run of `parameters` by `engine`.
-    pub(super) fn start_sampling(&mut self, parameters: Parameters, engine: Engine) {
+    /// Starts a run of `recipe` by `engine`.
+    pub(super) fn start_sampling(&mut self, recipe: Recipe, engine: Engine) {
         self.generation += 1;
         let generation = self.generation;
-        let job = match self.device_for_run(&parameters, engine) {
+        let job = match self.device_for_run(&recipe.parameters, engine) {
             Some(gpu) => Job::start_future(&self.wake, move |monitor| async move {
-                Session::sample_on(gpu, &parameters, generation, &monitor).await
+                Session::sample_on(gpu, &recipe, generation, &monitor).await
             }),
             None => Job::start(&self.wake, move |monitor| {
-                Session::sample(&parameters, generation, monitor)
+                Session::sample(&recipe, generation, monitor)
             }),
         };
         self.sampling = Some(job);
@@ -108,8 +109,14 @@ impl State {
     /// Returns why the passes cannot be looked at now, or `None` if they can.
     #[must_use]
     pub fn passes_refusal(&self) -> Option<String> {
-        if self.session.is_none() {
+        let Some(session) = &self.session else {
             return Some("There is no session yet.".to_owned());
+        };
+        if session.own.is_some() {
+            return Some(
+                "This session's pattern comes from a file; the passes can be looked at with a generated pattern."
+                    .to_owned(),
+            );
         }
         match &self.device {
             Device::Ready(_) => None,
@@ -121,6 +128,9 @@ impl State {
     }
 
     pub(super) fn open_passes(&mut self) {
+        if self.passes_refusal().is_some() {
+            return;
+        }
         let (Some(gpu), Some(session)) = (self.device.ready(), &self.session) else {
             return;
         };

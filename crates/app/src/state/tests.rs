@@ -298,7 +298,7 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     let mut state = settled();
     state.engine = Engine::Gpu;
     let monitor = crate::jobs::Job::start(&state.wake, |monitor| {
-        Session::sample(&tilescope_core::Parameters::default(), 2, monitor)
+        Session::sample(&tilescope_core::Parameters::default().into(), 2, monitor)
     });
     let mut session = monitor.wait().unwrap().unwrap();
     session.failure = Some(crate::session::Failure {

@@ -10,6 +10,7 @@ use super::{State, Verification};
 use crate::device::Device;
 use crate::draft::sentence;
 use crate::jobs::Job;
+use crate::recipe::Recipe;
 use crate::session::Session;
 use crate::verification::{Verdict, region_of};
 
@@ -19,7 +20,16 @@ impl State {
             return;
         }
         self.notice = None;
-        self.start_sampling(self.draft.parameters, self.engine);
+        self.start_sampling(self.typed(), self.engine);
+    }
+
+    /// Returns what the parameters panel asks for.
+    #[must_use]
+    pub fn typed(&self) -> Recipe {
+        Recipe {
+            parameters: self.draft.parameters,
+            own: self.own_pattern.clone(),
+        }
     }
 
     /// Goes on by `dt_secs`: takes what jobs have finished, moves the camera, plays. Returns whether
@@ -61,7 +71,10 @@ impl State {
         }
         self.poll_run();
         #[cfg(not(target_arch = "wasm32"))]
-        self.poll_export();
+        {
+            self.poll_export();
+            self.poll_files();
+        }
     }
 
     /// Takes what concerns the run at hand.
@@ -154,6 +167,7 @@ impl State {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         self.settle_device();
+        self.settle_files();
         self.settle_run();
         self.settle_second();
         if let Some(job) = self.exporting.take() {

@@ -1,0 +1,104 @@
+//! The sheet of saved sessions and pattern files.
+
+use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
+
+use crate::command::Command;
+use crate::files::{FileCommand, FileForm, Purpose};
+use crate::state::State;
+use crate::theme::Palette;
+use crate::widgets::primary_button;
+
+/// Shows the sheet while it is open.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(form) = &state.file else {
+        return;
+    };
+    let mut open = true;
+    let mut own = Vec::new();
+    Window::new(form.purpose.title())
+        .open(&mut open)
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+        .show(ui.ctx(), |ui| {
+            ui.set_width(480.0);
+            contents(ui, state, form, &mut own);
+        });
+    if !open || ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+        own.push(FileCommand::Close);
+    }
+    commands.extend(own.into_iter().map(Command::File));
+}
+
+fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
+    let palette = Palette::of(state.look);
+    ui.label(RichText::new(form.purpose.explanation()).color(palette.muted));
+    ui.add_space(8.0);
+    let label = ui.label("File");
+    ui.horizontal(|ui| {
+        let mut path = form.path.clone();
+        let edit = TextEdit::singleline(&mut path)
+            .font(egui::TextStyle::Monospace)
+            .margin(egui::Margin::symmetric(8, 6))
+            .desired_width(370.0);
+        if ui.add(edit).labelled_by(label.id).changed() {
+            own.push(FileCommand::Path(path));
+        }
+        if ui.button("Browse\u{2026}").clicked() {
+            own.push(FileCommand::Browse);
+        }
+    });
+    // The line has its room whether or not there is a question.
+    let question = if form.asked {
+        "There is such a file already."
+    } else {
+        " "
+    };
+    ui.label(RichText::new(question).color(palette.conflict));
+    ui.add_space(4.0);
+    let verb = if form.asked {
+        "Replace the file"
+    } else {
+        form.purpose.verb()
+    };
+    if primary_button(ui, verb, refusal(state, form), palette).clicked() {
+        own.push(FileCommand::Go);
+    }
+    progress(ui, state, palette, own);
+}
+
+fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
+    if busy(state).is_some() {
+        Some("A file is being read or written.")
+    } else if form.path.trim().is_empty() {
+        Some("Name a file.")
+    } else if form.purpose == Purpose::Save {
+        state.save_refusal()
+    } else {
+        None
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn busy(state: &State) -> Option<f32> {
+    state.filing.as_ref().map(crate::jobs::Job::fraction)
+}
+
+#[cfg(target_arch = "wasm32")]
+fn busy(_: &State) -> Option<f32> {
+    None
+}
+
+/// The bar has its room whether or not there is progress.
+fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCommand>) {
+    ui.horizontal(|ui| {
+        ui.set_height(24.0);
+        if let Some(fraction) = busy(state) {
+            if ui.button("Cancel").clicked() {
+                own.push(FileCommand::Cancel);
+            }
+            let bar = ProgressBar::new(fraction).desired_height(6.0);
+            ui.add(bar.fill(palette.accent));
+        }
+    });
+}

@@ -1,0 +1,111 @@
+//! What a session is made from: parameters, and a pattern of one's own where it comes from a file. What a pattern must be
+//! is the core's business.
+
+use std::sync::Arc;
+
+use tilescope_core::{Observer, Parameters, Pattern, SampleError};
+use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording};
+
+/// A pattern that was read from a file.
+#[derive(Clone)]
+pub struct OwnPattern {
+    /// The file, and the digest of what it held.
+    pub file: PatternFile,
+    /// The pattern.
+    pub pattern: Arc<Pattern>,
+}
+
+impl std::fmt::Debug for OwnPattern {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.file.fmt(f)
+    }
+}
+
+impl PartialEq for OwnPattern {
+    fn eq(&self, other: &Self) -> bool {
+        self.file == other.file
+    }
+}
+
+/// What a session is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// The parameters.
+    pub parameters: Parameters,
+    /// The pattern that takes the place of the one that the parameters describe.
+    pub own: Option<OwnPattern>,
+}
+
+impl From<Parameters> for Recipe {
+    fn from(parameters: Parameters) -> Self {
+        Self {
+            parameters,
+            own: None,
+        }
+    }
+}
+
+impl Recipe {
+    /// Returns the pattern: the own one, else the one that the parameters describe.
+    pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>, SampleError> {
+        match &self.own {
+            Some(own) => Ok(Arc::clone(&own.pattern)),
+            None => Pattern::of_spec(&self.parameters.pattern, observer),
+        }
+    }
+
+    /// Samples on the CPU and keeps every event.
+    pub fn record(&self, observer: &mut dyn Observer) -> Result<Recording, SampleError> {
+        match &self.own {
+            Some(own) => Recording::with_pattern(
+                &self.parameters,
+                Arc::clone(&own.pattern),
+                DEFAULT_BUDGET,
+                observer,
+            ),
+            None => Recording::new(&self.parameters, DEFAULT_BUDGET, observer),
+        }
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+pub use native::load;
+
+#[cfg(not(target_arch = "wasm32"))]
+mod native {
+    use std::path::Path;
+
+    use super::{Arc, OwnPattern, Pattern, PatternFile};
+    use tilescope_analysis::Boundary;
+    use tilescope_debugger::pattern_digest;
+    use tilescope_formats::Hint;
+
+    /// Reads a pattern from a point set that was exported with its certificate.
+    ///
+    /// Fails with a sentence when the file cannot be read, has no certificate, or holds no maximal set.
+    pub fn load(path: &Path) -> Result<OwnPattern, String> {
+        let read =
+            tilescope_formats::read(path, &Hint::default()).map_err(|error| error.to_string())?;
+        let certificate = read.certificate.ok_or_else(|| {
+            format!(
+                "{} has no certificate, which says how large its domain and its radius are",
+                path.display()
+            )
+        })?;
+        let region = certificate.region;
+        let boundary = match region.boundary {
+            Boundary::Periodic => tilescope_core::Boundary::Periodic,
+            Boundary::Bounded => tilescope_core::Boundary::Bounded,
+        };
+        let size = [region.width, region.height];
+        let pattern = Pattern::from_positions(&read.set.points, size, certificate.radius, boundary)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(OwnPattern {
+            file: PatternFile {
+                path: path.to_string_lossy().into_owned(),
+                digest: pattern_digest(&pattern),
+            },
+            pattern: Arc::new(pattern),
+        })
+    }
+}

@@ -1,0 +1,247 @@
+//! How a session is looked at, as it is saved with it: camera, layers, colours, panels, selection, clock, the second run.
+//! What is read may come from anywhere: each part counts only if it makes sense.
+
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::{Map, Value};
+use tilescope_core::Parameters;
+
+use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
+use crate::canvas::layers::{Colouring, Layer, Layers};
+use crate::clock::{Clock, SPEEDS};
+use crate::command::Selection;
+use crate::layout::Layout;
+use crate::theme::Look;
+
+/// Farther from the origin than this, in r, there is no domain.
+const FARTHEST: f64 = 200_000.0;
+
+/// What is saved. A part that is missing stays as it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct View {
+    /// The view of the domain.
+    pub camera: Option<Camera>,
+    /// The layers that are on.
+    pub layers: Option<Layers>,
+    /// What colours mean.
+    pub colouring: Option<Colouring>,
+    /// The look.
+    pub look: Option<Look>,
+    /// Where the panels stand.
+    pub layout: Option<Layout>,
+    /// What is selected.
+    pub selection: Option<Selection>,
+    /// What a tick is.
+    pub clock: Option<Clock>,
+    /// How fast time runs.
+    pub speed: Option<f32>,
+    /// The cursors between which play goes round.
+    pub range: Option<[usize; 2]>,
+    /// What the run beside this one is made from.
+    pub second: Option<Parameters>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct SavedCamera {
+    center: [f64; 2],
+    scale: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum SavedSelection {
+    Sample(u32),
+    Place([f64; 2]),
+}
+
+impl View {
+    /// Returns what is written.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let mut map = Map::new();
+        let mut put = |name: &str, value: Option<Value>| {
+            if let Some(value) = value {
+                map.insert(name.to_owned(), value);
+            }
+        };
+        let camera = self.camera.map(|camera| SavedCamera {
+            center: camera.center,
+            scale: camera.scale,
+        });
+        put("camera", json(camera.as_ref()));
+        let names = |layers: Layers| -> Vec<&str> {
+            let on = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
+            on.map(Layer::name).collect()
+        };
+        put("layers", json(self.layers.map(names).as_ref()));
+        put("colouring", json(self.colouring.as_ref()));
+        put("look", json(self.look.as_ref()));
+        put("layout", json(self.layout.as_ref()));
+        let selection = self.selection.and_then(|selection| match selection {
+            Selection::Nothing => None,
+            Selection::Sample(id) => Some(SavedSelection::Sample(id)),
+            Selection::Place(place) => Some(SavedSelection::Place(place)),
+        });
+        put("selection", json(selection.as_ref()));
+        put("clock", json(self.clock.as_ref()));
+        put("speed", json(self.speed.as_ref()));
+        put("range", json(self.range.as_ref()));
+        put("second", json(self.second.as_ref()));
+        Value::Object(map)
+    }
+
+    /// Returns what a saved view means, and the names of the parts that make no sense.
+    #[must_use]
+    pub fn from_json(value: &Value) -> (Self, Vec<&'static str>) {
+        let mut parts = Parts {
+            value,
+            dropped: Vec::new(),
+        };
+        let view = Self {
+            camera: parts.take("camera", camera),
+            layers: parts.take("layers", layers),
+            colouring: parts.take("colouring", Some),
+            look: parts.take("look", Some),
+            layout: parts.take("layout", |layout: Layout| {
+                layout.is_whole().then_some(layout)
+            }),
+            selection: parts.take("selection", selection),
+            clock: parts.take("clock", Some),
+            speed: parts.take("speed", speed),
+            range: parts.take("range", |range: [usize; 2]| {
+                (range[0] < range[1]).then_some(range)
+            }),
+            second: parts.take("second", |second: Parameters| {
+                second.validate_sequential().is_ok().then_some(second)
+            }),
+        };
+        (view, parts.dropped)
+    }
+}
+
+fn json<T: Serialize>(value: Option<&T>) -> Option<Value> {
+    serde_json::to_value(value?).ok()
+}
+
+struct Parts<'a> {
+    value: &'a Value,
+    dropped: Vec<&'static str>,
+}
+
+impl Parts<'_> {
+    fn take<S: DeserializeOwned, T>(
+        &mut self,
+        name: &'static str,
+        sense: impl FnOnce(S) -> Option<T>,
+    ) -> Option<T> {
+        let value = self.value.get(name).filter(|value| !value.is_null())?;
+        let taken = serde_json::from_value(value.clone()).ok().and_then(sense);
+        if taken.is_none() {
+            self.dropped.push(name);
+        }
+        taken
+    }
+}
+
+fn camera(saved: SavedCamera) -> Option<Camera> {
+    let near = saved.center.iter().all(|x| x.abs() <= FARTHEST);
+    let scale = (MIN_SCALE..=MAX_SCALE).contains(&saved.scale);
+    (near && scale).then_some(Camera {
+        center: saved.center,
+        scale: saved.scale,
+    })
+}
+
+/// Layers that this version does not know are passed over.
+#[allow(clippy::unnecessary_wraps, reason = "the shape of the other parts")]
+fn layers(names: Vec<String>) -> Option<Layers> {
+    let mut layers = Layers::none();
+    for layer in Layer::ALL {
+        if names.iter().any(|name| name == layer.name()) {
+            layers.toggle(layer);
+        }
+    }
+    Some(layers)
+}
+
+fn selection(saved: SavedSelection) -> Option<Selection> {
+    match saved {
+        SavedSelection::Sample(id) => Some(Selection::Sample(id)),
+        SavedSelection::Place(place) => place
+            .iter()
+            .all(|x| x.abs() <= FARTHEST)
+            .then_some(Selection::Place(place)),
+    }
+}
+
+fn speed(speed: f32) -> Option<f32> {
+    let fastest = SPEEDS[SPEEDS.len() - 1];
+    (SPEEDS[0]..=fastest).contains(&speed).then_some(speed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn view() -> View {
+        let mut layers = Layers::default();
+        layers.toggle(Layer::Disks);
+        View {
+            camera: Some(Camera {
+                center: [3.25, -1.5],
+                scale: 12.0,
+            }),
+            layers: Some(layers),
+            colouring: Some(Colouring::Provenance),
+            look: Some(Look::Light),
+            layout: Some(Layout::default()),
+            selection: Some(Selection::Place([2.0, 3.0])),
+            clock: Some(Clock::Line),
+            speed: Some(8.0),
+            range: Some([10, 20]),
+            second: Some(Parameters {
+                seed: 9,
+                ..Parameters::default()
+            }),
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let text = serde_json::to_string(&view().to_json()).unwrap();
+        let (back, dropped) = View::from_json(&serde_json::from_str(&text).unwrap());
+        assert_eq!(back, view());
+        assert_eq!(dropped, [""; 0]);
+        assert_eq!(View::from_json(&Value::Null), (View::default(), vec![]));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_dropped_by_name_and_the_rest_counts() {
+        let broken = json!({
+            "camera": {"center": [0.0, 1e300], "scale": 12.0},
+            "layers": ["Samples", "Fireworks"],
+            "colouring": "plaid",
+            "layout": {"root": 7},
+            "selection": {"place": [null, 2]},
+            "speed": -1.0,
+            "range": [20, 10],
+            "second": {"radius": 0},
+            "clock": "event",
+            "unknown": [1, 2, 3],
+        });
+        let (view, dropped) = View::from_json(&broken);
+        let expected = [
+            "camera",
+            "colouring",
+            "layout",
+            "selection",
+            "speed",
+            "range",
+            "second",
+        ];
+        assert_eq!(dropped, expected);
+        assert_eq!(view.clock, Some(Clock::Event));
+        let layers = view.layers.unwrap();
+        assert!(layers.has(Layer::Samples) && !layers.has(Layer::Blocks));
+    }
+}
