@@ -1,8 +1,6 @@
 //! Saved sessions and pattern files: what the sheet asks for, and reading and writing them in the background. A session
 //! is what `tilescope_debugger` saves; the window adds how it is looked at.
 
-use crate::jobs::Monitor;
-
 /// What a file is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Purpose {
@@ -98,8 +96,8 @@ mod native {
     use tilescope_core::Pattern;
     use tilescope_debugger::{Debugger, MAX_BYTES, PatternFile, Session as Saved, SessionError};
 
-    use super::{FileForm, Monitor, Purpose, SESSION_NAME};
-    use crate::jobs::{Job, Wake};
+    use super::{FileForm, Purpose, SESSION_NAME};
+    use crate::jobs::{Job, Monitor, Wake};
     use crate::recipe::{OwnPattern, Recipe, load};
     use crate::session::{Reporter, Session};
 
@@ -110,7 +108,7 @@ mod native {
         /// What was saved.
         pub saved: Saved,
         /// The run, computed again.
-        pub session: Box<Session>,
+        pub session: Session,
     }
 
     /// What became of a file, or why nothing did.
@@ -121,7 +119,7 @@ mod native {
         /// It was written.
         Saved(PathBuf),
         /// A session was read.
-        Opened(Opened),
+        Opened(Box<Opened>),
         /// A pattern was read.
         Pattern(OwnPattern),
     }
@@ -161,11 +159,11 @@ mod native {
             own,
         };
         let session = Session::from_recording(recording, generation).with(&recipe);
-        Ok(Done::Opened(Opened {
+        Ok(Done::Opened(Box::new(Opened {
             path: path.to_owned(),
             saved,
-            session: Box::new(session),
-        }))
+            session,
+        })))
     }
 
     fn text_of(path: &Path) -> Result<String, String> {

@@ -40,13 +40,13 @@ pub struct View {
     pub second: Option<Parameters>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 struct SavedCamera {
     center: [f64; 2],
     scale: f64,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum SavedSelection {
     Sample(u32),
@@ -155,8 +155,9 @@ fn camera(saved: SavedCamera) -> Option<Camera> {
 #[allow(clippy::unnecessary_wraps, reason = "the shape of the other parts")]
 fn layers(names: Vec<String>) -> Option<Layers> {
     let mut layers = Layers::none();
+    let names: std::collections::HashSet<String> = names.into_iter().collect();
     for layer in Layer::ALL {
-        if names.iter().any(|name| name == layer.name()) {
+        if names.contains(layer.name()) {
             layers.toggle(layer);
         }
     }

@@ -160,7 +160,7 @@ mod native {
                     self.tell(format!("The session is in {path}."), false);
                     (self.session_path, self.file) = (Some(path), None);
                 }
-                Ok(Ok(Done::Opened(opened))) => self.take_up(opened),
+                Ok(Ok(Done::Opened(opened))) => self.take_up(*opened),
                 Ok(Ok(Done::Pattern(own))) => {
                     let samples = own.pattern.samples().len();
                     let samples = crate::sentence::counted(samples, "sample", "samples");
@@ -187,7 +187,7 @@ mod native {
             self.notice = None;
             self.draft = Draft::from_parameters(opened.saved.parameters);
             self.own_pattern.clone_from(&opened.session.own);
-            self.show(*opened.session);
+            self.show(opened.session);
             self.debugger = Some(debugger);
             self.follow_cursor();
             let (view, mut dropped) = View::from_json(&opened.saved.view);
