@@ -190,21 +190,29 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
 
 #[test]
 fn what_is_wrong_with_a_session_is_said_and_the_one_at_hand_stays() {
-    let (said, is_error) = changed("newer", |value| value["version"] = json!(99));
+    let (said, is_error) = changed("newer", |value| {
+        value["version"] = json!(99);
+    });
     assert!(is_error && said.contains("version 99"), "{said}");
     let (said, is_error) = changed("digest", |value| {
         value["digest"] = json!("0123456789abcdef")
     });
     assert!(is_error && said.contains("0123456789abcdef"), "{said}");
-    let (said, is_error) = changed("cursor", |value| value["cursor"] = json!(99_999_999));
+    let (said, is_error) = changed("cursor", |value| {
+        value["cursor"] = json!(99_999_999);
+    });
     assert!(is_error && said.contains("99999999"), "{said}");
     let (said, is_error) = changed("line", |value| {
         value["breakpoints"][0]["line"] = json!("eliminate.999");
     });
     assert!(is_error && said.contains("eliminate.999"), "{said}");
-    let (said, is_error) = changed("huge", |value| value["parameters"]["radius"] = json!(1e-4));
+    let (said, is_error) = changed("huge", |value| {
+        value["parameters"]["radius"] = json!(1e-4);
+    });
     assert!(is_error && said.contains("at most 2000000"), "{said}");
-    let (said, is_error) = changed("radius", |value| value["parameters"]["radius"] = json!(0.0));
+    let (said, is_error) = changed("radius", |value| {
+        value["parameters"]["radius"] = json!(0.0);
+    });
     assert!(is_error && said.contains("radius"), "{said}");
 }
 
