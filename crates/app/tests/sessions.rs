@@ -195,7 +195,7 @@ fn what_is_wrong_with_a_session_is_said_and_the_one_at_hand_stays() {
     });
     assert!(is_error && said.contains("version 99"), "{said}");
     let (said, is_error) = changed("digest", |value| {
-        value["digest"] = json!("0123456789abcdef")
+        value["digest"] = json!("0123456789abcdef");
     });
     assert!(is_error && said.contains("0123456789abcdef"), "{said}");
     let (said, is_error) = changed("cursor", |value| {
