@@ -138,13 +138,16 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
     let mut harness = busy();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.run();
-    apply(&mut harness, Command::File(FileCommand::Path(text(&path))));
-    harness.get_by_label("Save").click();
+    // The name is chosen whole: typing replaces it, Enter goes on.
+    harness.event(egui::Event::Text(text(&path)));
+    harness.run();
+    harness.key_press(Key::Enter);
     harness.run();
     settle(&mut harness);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "somebody else's");
     harness.get_by_label("There is such a file already.");
-    harness.get_by_label("Replace the file").click();
+    harness.get_by_label("Replace the file");
+    harness.key_press(Key::Enter);
     harness.run();
     settle(&mut harness);
     assert!(
