@@ -12,6 +12,9 @@ use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, icon_button};
 
+/// From this width on there is room beside the sentence.
+const WIDE: f32 = 760.0;
+
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
@@ -19,8 +22,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.set_height(24.0);
         let sentence = happened(state);
+        // What happened comes before how much of it there is.
+        let wide = ui.available_width() >= WIDE;
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            counts(ui, state, palette);
+            if wide {
+                counts(ui, state, palette);
+            }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let label = egui::Label::new(RichText::new(sentence).size(15.0)).truncate();
                 let response = ui.add(label);

@@ -4,8 +4,7 @@
 use std::ops::Range;
 
 use egui::{
-    Align2, CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
-    vec2,
+    CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_core::Stage;
 use tilescope_debugger::Recording;
@@ -150,17 +149,16 @@ fn show_segment(
     } else {
         palette.muted
     };
-    let painter = ui.painter().with_clip_rect(label.intersect(ui.clip_rect()));
-    let at = label.center_top() + vec2(0.0, 4.0);
-    painter.text(
-        at,
-        Align2::CENTER_TOP,
-        &name,
-        FontId::proportional(11.5),
-        ink,
-    );
+    let galley = ui
+        .painter()
+        .layout_no_wrap(name.clone(), FontId::proportional(11.5), ink);
+    // Half a name would say nothing; the tip has it whole.
+    if galley.size().x <= label.width() {
+        let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
+        ui.painter().galley(at, galley, ink);
+    }
     let tip = format!(
-        "To the end of this stage: {} events",
+        "To the end of stage {name}: {} events",
         crate::sentence::grouped(segment.events.len())
     );
     if response

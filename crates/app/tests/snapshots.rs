@@ -1,0 +1,127 @@
+//! Every panel in both themes as a small picture, compared with the one that was judged good. `UPDATE_SNAPSHOTS=1 cargo
+//! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
+
+use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
+use egui_tiles::Tree;
+use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::layout::{Layout, Panel};
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+use tilescope_debugger::{Direction, Listings, Target};
+
+mod support;
+use support::settle;
+
+/// Of the panel under the bar.
+const SIZE: [f32; 2] = [560.0, 420.0];
+
+/// Software drivers of different versions may round a few edges differently.
+fn options() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(0.8).max_failed_pixels(60)
+}
+
+/// A small run in the middle of its elimination, with something in every panel.
+fn prepared(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_max_steps(64)
+        .build_eframe(|creation| App::new(&creation.egui_ctx));
+    settle(&mut harness);
+    let state = &mut harness.state_mut().state;
+    let line = Listings::shipped().find("eliminate.5").expect("a line");
+    for command in [
+        Command::ToggleReducedMotion,
+        Command::Type(Field::Radius, "0.03".to_owned()),
+        Command::Type(Field::Leaf, "12".to_owned()),
+        Command::Run,
+    ] {
+        state.apply(command);
+    }
+    state.settle();
+    for command in [
+        Command::FirstStage,
+        Command::Time(TimeCommand::RunTo(Target::Elimination, Direction::Forwards)),
+        Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+        Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
+        Command::Debug(DebugCommand::Watch("distance".to_owned())),
+        Command::Debug(DebugCommand::Watch("nonsense(".to_owned())),
+        Command::Debug(DebugCommand::Bookmark),
+        Command::Debug(DebugCommand::Note(0, "the first one dies".to_owned())),
+        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::Compare(CompareCommand::Start(Rival::Order)),
+    ] {
+        state.apply(command);
+    }
+    settle(&mut harness);
+    harness
+}
+
+fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
+    let id = egui::Id::unique("a panel alone");
+    harness.state_mut().state.layout = Layout(Tree::new_tabs(id, vec![panel]));
+    settle(harness);
+}
+
+fn every_panel(look: Look) -> SnapshotResults {
+    let mut harness = prepared(SIZE);
+    harness.state_mut().state.apply(Command::Look(look));
+    let mut results = SnapshotResults::new();
+    for panel in Panel::ALL {
+        alone(&mut harness, panel);
+        let theme = look.name().to_lowercase().replace(' ', "-");
+        let name = format!("{theme}/{}", panel.name().to_lowercase().replace(' ', "-"));
+        let image = harness.render().expect("a picture of the panel");
+        results.add(try_image_snapshot_options(&image, name, &options()));
+    }
+    results
+}
+
+#[test]
+fn every_panel_looks_as_it_did_in_the_dark() {
+    every_panel(Look::Dark).unwrap();
+}
+
+#[test]
+fn every_panel_looks_as_it_did_in_the_light() {
+    every_panel(Look::Light).unwrap();
+}
+
+#[test]
+fn the_projector_shows_what_it_did() {
+    let mut harness = prepared([800.0, 500.0]);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Look(Look::Projector));
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Compare(CompareCommand::Close));
+    settle(&mut harness);
+    let image = harness.render().expect("a picture of the window");
+    try_image_snapshot_options(&image, "projector/window", &options()).unwrap();
+}
+
+#[test]
+fn another_panel_and_another_moment_are_told_apart() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut harness = prepared(SIZE);
+    alone(&mut harness, Panel::Timeline);
+    let image = harness.render().expect("a picture");
+    image.save(folder.join("known.png")).unwrap();
+    let known = options().output_path(&folder);
+    assert!(try_image_snapshot_options(&image, "known", &known).is_ok());
+    let updating = std::env::var_os("UPDATE_SNAPSHOTS").is_some();
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Time(TimeCommand::Jump(3_000)));
+    settle(&mut harness);
+    let later = harness.render().expect("a picture");
+    assert!(try_image_snapshot_options(&later, "known", &known).is_err() || updating);
+    alone(&mut harness, Panel::Legend);
+    let other = harness.render().expect("a picture");
+    assert!(try_image_snapshot_options(&other, "known", &known).is_err() || updating);
+}
