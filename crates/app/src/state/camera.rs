@@ -121,7 +121,8 @@ impl State {
             let rect = &block.rect;
             holds(rect.min.x, rect.max.x, place[0]) && holds(rect.min.y, rect.max.y, place[1])
         });
-        if let Some(rect) = block.map(|block| &block.rect) {
+        if let Some(rect) = block.map(|block| block.rect) {
+            self.pick(Selection::Place(place));
             let center = [(rect.min.x, rect.max.x), (rect.min.y, rect.max.y)]
                 .map(|(low, high)| f64::midpoint(radii(low), radii(high)));
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
