@@ -11,7 +11,7 @@ use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
 
 mod support;
-use support::settle;
+use support::{opened_at, settle};
 
 /// Of the panel under the bar.
 const SIZE: [f32; 2] = [560.0, 420.0];
@@ -23,11 +23,7 @@ fn options() -> SnapshotOptions {
 
 /// A small run in the middle of its elimination, with something in every panel.
 fn prepared(size: [f32; 2]) -> Harness<'static, App> {
-    let mut harness = Harness::builder()
-        .with_size(size)
-        .with_max_steps(64)
-        .build_eframe(|creation| App::new(&creation.egui_ctx));
-    settle(&mut harness);
+    let mut harness = opened_at(size);
     let state = &mut harness.state_mut().state;
     let line = Listings::shipped().find("eliminate.5").expect("a line");
     for command in [

@@ -1,12 +1,18 @@
 //! The window on its default session, for tests that use it as a user would.
+#![allow(dead_code, reason = "not every test uses all of it")]
 
 use egui_kittest::Harness;
 use tilescope_app::App;
 
 /// Returns the window when its session is made and verified.
 pub fn opened() -> Harness<'static, App> {
+    opened_at([1440.0, 900.0])
+}
+
+/// Returns the window at a size.
+pub fn opened_at(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = Harness::builder()
-        .with_size([1440.0, 900.0])
+        .with_size(size)
         .with_max_steps(64)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     settle(&mut harness);
