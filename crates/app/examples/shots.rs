@@ -6,6 +6,7 @@ use std::path::Path;
 use egui_kittest::Harness;
 use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand, Witness};
+use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
@@ -59,11 +60,15 @@ fn main() {
     );
     shoot(
         "light-eliminate",
-        vec![Command::ShowStage(3), near(), Command::OpenExport],
+        vec![
+            Command::ShowStage(3),
+            near(),
+            Command::Export(ExportCommand::Open(Kind::Result)),
+        ],
     );
     shoot(
         "light-iterate",
-        vec![Command::CloseExport, Command::StepForward],
+        vec![Command::Export(ExportCommand::Close), Command::StepForward],
     );
     moments(&mut shoot);
     let gaps = vec![

@@ -1,6 +1,8 @@
 //! Every action of the window in one list: menus, shortcuts and the palette show it, and all issue the same
 //! commands. What cannot be done now says why.
 
+mod file;
+
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
 
@@ -111,7 +113,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     let mut list = List {
         actions: Vec::new(),
     };
-    file(&mut list, state);
+    file::add(&mut list, state);
     edit(&mut list, state);
     view(&mut list);
     go(&mut list, state);
@@ -145,33 +147,6 @@ impl List {
 const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const NONE: Modifiers = Modifiers::NONE;
-
-fn file(list: &mut List, state: &State) {
-    let no_session = state.session.is_none().then_some(NO_SESSION);
-    let add = |list: &mut List, name: &str, keys, command, refusal: Option<&str>| {
-        list.add(Menu::File, name, keys, command, refusal);
-    };
-    let refusal = state.run_refusal();
-    add(
-        list,
-        "Run with these parameters",
-        Some((COMMAND, Key::Enter)),
-        Command::Run,
-        refusal.as_deref(),
-    );
-    let idle = state
-        .sampling
-        .is_none()
-        .then_some("Nothing is being sampled.");
-    add(list, "Cancel the run", None, Command::Cancel, idle);
-    add(
-        list,
-        "Export samples\u{2026}",
-        Some((COMMAND, Key::E)),
-        Command::OpenExport,
-        no_session,
-    );
-}
 
 fn edit(list: &mut List, state: &State) {
     let mut add = |name: &str, keys, command, refusal: Option<&str>| {

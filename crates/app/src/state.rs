@@ -106,11 +106,13 @@ pub struct State {
     pub sight: Option<Sight>,
     /// The export sheet, when open.
     pub export: Option<ExportForm>,
+    /// How many frames the animation of the sheet has.
+    frames: Option<crate::export::frames::Count>,
     /// A notice, when there is one.
     pub notice: Option<Notice>,
     /// The export at work.
     #[cfg(not(target_arch = "wasm32"))]
-    pub exporting: Option<Job<Result<tilescope_formats::Exported, tilescope_formats::ExportError>>>,
+    pub exporting: Option<Job<export::Outcome>>,
     /// The system's file dialog, while open.
     #[cfg(not(target_arch = "wasm32"))]
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
@@ -160,6 +162,7 @@ impl State {
             place: None,
             sight: None,
             export: None,
+            frames: None,
             notice: None,
             #[cfg(not(target_arch = "wasm32"))]
             exporting: None,
@@ -266,12 +269,7 @@ impl State {
             | Command::GoToCurrent
             | Command::FlyToWitness(_)
             | Command::GoToSample(_) => self.apply_to_camera(&command),
-            Command::OpenExport
-            | Command::CloseExport
-            | Command::ExportPath(_)
-            | Command::ExportPrecision(_)
-            | Command::BrowseExport
-            | Command::Export => self.apply_to_export(command),
+            Command::Export(command) => self.apply_to_export(command),
         }
     }
 

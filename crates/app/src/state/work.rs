@@ -37,6 +37,7 @@ impl State {
         let plays = self.playback.is_playing() && self.play(dt_secs);
         self.reveal();
         self.want_geometry();
+        self.count_frames();
         self.flight.is_some() || plays
     }
 
