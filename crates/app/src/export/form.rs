@@ -77,13 +77,16 @@ impl ExportForm {
         Path::new(self.path.trim())
     }
 
-    /// Chooses what to write; the file gets another extension where its own means nothing then.
+    /// Chooses what to write. The file gets another extension where that is something else than before, or its own means
+    /// nothing.
     pub fn choose(&mut self, kind: Kind) {
-        self.kind = kind;
-        if kind.format(self.file()).is_none() && !self.path.trim().is_empty() {
+        let same = kind == self.kind || (kind.is_set() && self.kind.is_set());
+        let fits = same && kind.format(self.file()).is_some();
+        if !fits && self.file().file_name().is_some() {
             let path = self.file().with_extension(kind.extensions()[0]);
             self.path = path.to_string_lossy().into_owned();
         }
+        self.kind = kind;
         self.look();
         self.asked = false;
     }
@@ -169,19 +172,21 @@ mod tests {
         for (kind, path) in [
             (Kind::Samples, "some.folder/first.set.ply"),
             (Kind::Picture, "some.folder/first.set.png"),
-            (Kind::Animation, "some.folder/first.set.png"),
-            (Kind::Result, "some.folder/first.set.csv"),
             (Kind::Animation, "some.folder/first.set.gif"),
+            (Kind::Result, "some.folder/first.set.csv"),
+            (Kind::Samples, "some.folder/first.set.csv"),
         ] {
             form.choose(kind);
             assert_eq!(form.path, path);
             assert_eq!(form.name_refusal(), None);
         }
+        form.kind = Kind::Animation;
         form.path = "film.SVG".to_owned();
         assert!(matches!(
             form.name_refusal(),
             Some(Refusal::Extension { .. })
         ));
+        form.kind = Kind::Picture;
         form.choose(Kind::Picture);
         assert!(form.path == "film.SVG" && !form.has_scale());
         form.path = "  ".to_owned();

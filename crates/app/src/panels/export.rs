@@ -1,7 +1,7 @@
 //! The export sheet: what to write, to which file, how large and how often. It shows why something cannot be written
 //! before anything is.
 
-use egui::{Align2, Button, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
@@ -285,7 +285,7 @@ impl Sheet<'_> {
         if let Some(job) = &self.state.exporting {
             let activity = sentence(&job.activity());
             let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
-            let bar = ProgressBar::new(job.fraction())
+            let bar = egui::ProgressBar::new(job.fraction())
                 .desired_height(34.0)
                 .fill(self.palette.accent.gamma_multiply(0.5))
                 .text(RichText::new(text.trim_start_matches('.').trim()).small());
