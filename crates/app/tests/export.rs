@@ -292,7 +292,12 @@ fn an_animation_has_its_frames_and_its_range() {
     assert_eq!(state.export_range(), Some(stage));
     fill_in(&mut state, Kind::Animation, &path, &[]);
     export(&mut state, ExportCommand::Clock(Clock::Stage));
-    assert!(state.export_prospect().unwrap().starts_with("2 frames, "));
+    assert!(
+        state
+            .export_prospect()
+            .unwrap()
+            .starts_with("2 frames of at most 600, ")
+    );
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
     assert!(!is_disabled(&harness, "Write animation"));
     harness.get_by_label("lines").click();
     harness.run();
-    harness.get_by_label_contains(" frames, ");
+    harness.get_by_label_contains(" frames of at most 600, ");
     press(&mut harness, Modifiers::NONE, Key::Escape);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     press(&mut harness, Modifiers::NONE, Key::Home);

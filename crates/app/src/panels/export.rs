@@ -7,7 +7,7 @@ use tilescope_formats::{Format, Precision};
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::draft::sentence;
-use crate::export::{Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES};
+use crate::export::{Entry, ExportCommand, ExportForm, Kind};
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
@@ -140,7 +140,7 @@ impl Sheet<'_> {
             let edit = TextEdit::singleline(&mut path)
                 .font(egui::TextStyle::Monospace)
                 .margin(egui::Margin::symmetric(8, 6))
-                .desired_width(370.0);
+                .desired_width(395.0);
             let response = ui.add(edit).labelled_by(label.id);
             if response.changed() {
                 self.commands.push(ExportCommand::Path(path));
@@ -210,8 +210,6 @@ impl Sheet<'_> {
                     sheet.commands.push(ExportCommand::Clock(clock));
                 }
             }
-            let limit = format!("at most {MOST_FRAMES} frames");
-            ui.label(RichText::new(limit).color(sheet.palette.muted));
         });
     }
 

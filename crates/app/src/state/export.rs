@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::State;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MOST_DRAWN;
-use crate::export::{Content, Entry, ExportCommand, ExportForm, Kind, Order, Refusal, Still, View};
+use crate::export::{
+    Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, Still, View,
+};
 use crate::sentence::{counted, grouped};
 
 impl State {
@@ -143,7 +145,9 @@ impl State {
                 let size = self.checked_view(form)?.1;
                 let frames = self.frame_count(form)?;
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
-                Ok(format!("{frames} frames, {size}, {secs:.1} s"))
+                Ok(format!(
+                    "{frames} frames of at most {MOST_FRAMES}, {size}, {secs:.1} s"
+                ))
             }
         }
     }
