@@ -167,8 +167,10 @@ mod tests {
 
     #[test]
     fn the_extension_follows_what_is_written() {
-        let mut form = ExportForm::default();
-        form.path = "some.folder/first.set.ply".to_owned();
+        let mut form = ExportForm {
+            path: "some.folder/first.set.ply".to_owned(),
+            ..ExportForm::default()
+        };
         for (kind, path) in [
             (Kind::Samples, "some.folder/first.set.ply"),
             (Kind::Picture, "some.folder/first.set.png"),

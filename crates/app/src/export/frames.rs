@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use tilescope_debugger::Event;
+
 use super::refusal::Refusal;
 use crate::clock::Clock;
 use crate::session::Session;
@@ -95,7 +97,7 @@ fn ticks<'a>(
     match clock {
         Clock::Event => Box::new(inside),
         Clock::Line => {
-            let mut line = recording.event(range.start).map(|event| event.line());
+            let mut line = recording.event(range.start).map(Event::line);
             let events = recording.tape().from(inside.start);
             let events = events.take(inside.len());
             Box::new(events.filter_map(move |(cursor, event)| {

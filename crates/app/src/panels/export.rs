@@ -101,8 +101,8 @@ impl Sheet<'_> {
             }
             Kind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
             Kind::Picture => {
-                let missing = self.missing();
-                format!("What the canvas shows at this moment, with the parameters inside.{missing}")
+                let differences = self.differences();
+                format!("What the canvas shows at this moment, with the parameters inside.{differences}")
             }
             Kind::Animation => {
                 let range = self.state.export_range().unwrap_or_default();
@@ -112,25 +112,28 @@ impl Sheet<'_> {
                 } else {
                     "the stage shown; a loop on the timeline chooses another range"
                 };
-                let missing = self.missing();
-                format!("What the canvas shows from event {start} to event {end}: {whose}.{missing}")
+                let differences = self.differences();
+                format!("What the canvas shows from event {start} to event {end}: {whose}.{differences}")
             }
         }
     }
 
-    /// Says which layers that are on a picture of this session does not have.
-    fn missing(&self) -> String {
+    /// Says what a picture has more or less than the canvas: copies of a periodic domain, layers that need events.
+    fn differences(&self) -> String {
         let view = self.state.export_view(self.form.kind).ok();
         let missing = view.zip(self.state.session.as_ref());
         let missing = missing.map(|(view, session)| view.missing(session));
         let names: Vec<&str> = missing.iter().flatten().map(|layer| layer.name()).collect();
+        let session = self.state.session.as_ref();
+        let copies = match session.map(|session| session.run().domain.is_periodic()) {
+            Some(true) => " Around a periodic domain its copies are drawn, too.",
+            _ => "",
+        };
         if names.is_empty() {
-            return String::new();
+            return copies.to_owned();
         }
-        format!(
-            " Without events it lacks these layers: {}.",
-            names.join(", ")
-        )
+        let names = names.join(", ");
+        format!("{copies} Without events it lacks these layers: {names}.")
     }
 
     fn file(&mut self, ui: &mut Ui) {
@@ -150,13 +153,12 @@ impl Sheet<'_> {
                 self.commands.push(ExportCommand::Browse);
             }
         });
-        let (told, color) = match self.form.name_refusal() {
-            Some(refusal) => (refusal.to_string(), self.palette.conflict),
-            None => {
-                let format = self.form.kind.format(self.form.file());
-                let format = format.unwrap_or_default();
-                (format!("Format: {format}"), self.palette.muted)
-            }
+        let (told, color) = if let Some(refusal) = self.form.name_refusal() {
+            (refusal.to_string(), self.palette.conflict)
+        } else {
+            let format = self.form.kind.format(self.form.file());
+            let format = format.unwrap_or_default();
+            (format!("Format: {format}"), self.palette.muted)
         };
         ui.label(RichText::new(told).small().color(color));
         if let Some(taken) = &self.form.taken {
@@ -305,7 +307,8 @@ impl Sheet<'_> {
         if button.clicked() && !(self.form.asked && button.double_clicked()) {
             self.commands.push(ExportCommand::Write);
         }
-        ui.add_space(18.0 + ui.spacing().item_spacing.y);
+        // As high as what stands below the progress.
+        ui.allocate_space(vec2(1.0, 18.0));
     }
 
     fn button(&self) -> String {

@@ -13,11 +13,10 @@ type Rgb = [u8; 3];
 /// Pictures of flat colours keep them exactly, which a palette of averages would not; shades between them are rare
 /// and take the nearest.
 pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
-    let pixels = || change.rgba.chunks_exact(4).map(on_white).zip(&change.stays);
+    let pixels = || change.rgba.chunks_exact(4).zip(&change.stays);
     let colors = || {
-        pixels()
-            .filter(|(_, stays)| !**stays)
-            .map(|(color, _)| color)
+        let changed = pixels().filter(|(_, stays)| !**stays);
+        changed.map(|(pixel, _)| on_white(pixel))
     };
     let some_stay = change.stays.contains(&true);
     let room = COLORS - usize::from(some_stay);
@@ -44,9 +43,9 @@ pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
         })
         .collect();
     let transparent = some_stay.then_some(kept.len() as u8);
-    let of = |(color, stays): (Rgb, &bool)| match transparent {
+    let of = |(pixel, stays): (&[u8], &bool)| match transparent {
         Some(transparent) if *stays => transparent,
-        _ => index[&color],
+        _ => index[&on_white(pixel)],
     };
     let buffer = pixels().map(of).collect();
     let mut palette = kept.into_flattened();
