@@ -53,7 +53,13 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     press(&mut harness, Modifiers::NONE, Key::E);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     assert_eq!(kind(&harness), Some(Kind::Picture));
-    name_file(&mut harness, &path);
+    // What is typed goes into the file's name, in the place of the one proposed.
+    harness
+        .get_by_role_and_label(Role::TextInput, "File")
+        .type_text(&path.to_string_lossy());
+    harness.run();
+    let form = harness.state().state.export.clone().expect("open");
+    assert_eq!(form.file(), path);
     harness.get_by_label("Format: PNG");
     retype(&mut harness, "Scale", "0.5");
     harness.get_by_label_contains("pixels.");
@@ -66,8 +72,7 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     name_file(&mut harness, &path);
     harness.get_by_label("moment.png exists already and would be replaced.");
-    harness.get_by_label("Write picture").click();
-    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::Enter);
     assert_eq!(std::fs::read(&path).expect("still there"), first);
     harness.get_by_label("Replace moment.png?").click();
     harness.step();
@@ -115,7 +120,8 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
     harness.get_by_label_contains("is empty: there is nothing to animate");
     assert!(is_disabled(&harness, "Write animation"));
     assert!(is_disabled(&harness, "Samples of this moment"));
-    press(&mut harness, Modifiers::NONE, Key::End);
+    harness.state_mut().state.apply(Command::LastStage);
+    harness.run();
     retype(&mut harness, "A frame every", "0");
     harness.get_by_label_contains("whole number from 1 to 10,000,000");
     retype(&mut harness, "A frame every", "1");

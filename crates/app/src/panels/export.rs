@@ -1,6 +1,8 @@
 //! The export sheet: what to write, to which file, how large and how often. It shows why something cannot be written
 //! before anything is.
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_formats::{Format, Precision};
 
@@ -145,6 +147,9 @@ impl Sheet<'_> {
                 .margin(egui::Margin::symmetric(8, 6))
                 .desired_width(395.0);
             let response = ui.add(edit).labelled_by(label.id);
+            if just_opened(ui) {
+                select_all(ui, &response, path.chars().count());
+            }
             if response.changed() {
                 self.commands.push(ExportCommand::Path(path));
             }
@@ -259,9 +264,13 @@ impl Sheet<'_> {
 
     fn write_on_enter(&mut self, ui: &Ui, response: &egui::Response) {
         let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        let idle = self.state.export_fraction().is_none();
-        if entered && idle && self.state.export_prospect().is_ok() {
-            self.commands.push(ExportCommand::Write);
+        if entered {
+            // A question may follow, to be answered by the same key.
+            response.request_focus();
+            let idle = self.state.export_fraction().is_none();
+            if idle && self.state.export_prospect().is_ok() {
+                self.commands.push(ExportCommand::Write);
+            }
         }
     }
 
@@ -322,4 +331,22 @@ impl Sheet<'_> {
             (_, Kind::Animation) => "Write animation".to_owned(),
         }
     }
+}
+
+/// Returns whether the sheet was not there in the frame before.
+fn just_opened(ui: &Ui) -> bool {
+    let id = egui::Id::unique("export sheet");
+    let frame = ui.ctx().cumulative_frame_nr();
+    let last: Option<u64> = ui.data(|data| data.get_temp(id));
+    ui.data_mut(|data| data.insert_temp(id, frame));
+    last.is_none_or(|last| last + 1 < frame)
+}
+
+/// Has the keyboard write into a field, in the place of what is there.
+fn select_all(ui: &Ui, response: &egui::Response, length: usize) {
+    response.request_focus();
+    let mut edit = TextEditState::load(ui.ctx(), response.id).unwrap_or_default();
+    let all = CCursorRange::two(CCursor::new(0), CCursor::new(length));
+    edit.cursor.set_char_range(Some(all));
+    edit.store(ui.ctx(), response.id);
 }
