@@ -2,7 +2,7 @@
 //! fails or is cancelled leaves none, and another file of that name as it was.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use tilescope_figures::{
@@ -43,6 +43,17 @@ pub enum Written {
         /// How many frames it has.
         frames: usize,
     },
+}
+
+impl Written {
+    /// Returns the file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Samples { exported, .. } => &exported.path,
+            Self::Picture { path } | Self::Animation { path, .. } => path,
+        }
+    }
 }
 
 /// Why no file was written.

@@ -106,18 +106,22 @@ impl Sheet<'_> {
                 let differences = self.differences();
                 format!("What the canvas shows at this moment, with the parameters inside.{differences}")
             }
-            Kind::Animation => {
-                let range = self.state.export_range().unwrap_or_default();
-                let (start, end) = (grouped(range.start), grouped(range.end));
-                let whose = if self.state.playback.range.is_some() {
-                    "the range of the loop"
-                } else {
-                    "the stage shown; a loop on the timeline chooses another range"
-                };
-                let differences = self.differences();
-                format!("What the canvas shows from event {start} to event {end}: {whose}.{differences}")
-            }
+            Kind::Animation => self.animation(),
         }
+    }
+
+    fn animation(&self) -> String {
+        let Some(range) = self.state.export_range() else {
+            return "An animation shows what the canvas shows from event to event.".to_owned();
+        };
+        let (start, end) = (grouped(range.start), grouped(range.end));
+        let whose = if self.state.playback.range.is_some() {
+            "the range of the loop"
+        } else {
+            "the stage shown; a loop on the timeline chooses another range"
+        };
+        let differences = self.differences();
+        format!("What the canvas shows from event {start} to event {end}: {whose}.{differences}")
     }
 
     /// Says what a picture has more or less than the canvas: copies of a periodic domain, layers that need events.

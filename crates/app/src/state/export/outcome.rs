@@ -1,8 +1,8 @@
 //! An export at work, and what is told of it when it ends.
 
 use crate::draft::sentence;
-use crate::export::ExportCommand;
 use crate::export::write::{WriteError, Written, write};
+use crate::export::{ExportCommand, ExportForm};
 use crate::jobs::{Job, Monitor};
 use crate::sentence::counted;
 use crate::state::State;
@@ -55,10 +55,13 @@ impl State {
     pub(in crate::state) fn finish_export(&mut self, outcome: Result<Outcome, String>) {
         match outcome {
             Ok(Ok(written)) => {
-                self.export = None;
+                // Meanwhile the sheet may have been opened for another file.
+                let this = |form: &ExportForm| form.file() == written.path();
+                if self.export.as_ref().is_some_and(this) {
+                    self.export = None;
+                }
                 let (text, is_error) = told(&written);
                 self.tell(text, is_error);
-                return;
             }
             Ok(Err(WriteError::Cancelled)) => {
                 self.tell(
