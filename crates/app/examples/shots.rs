@@ -6,6 +6,7 @@ use std::path::Path;
 use egui_kittest::Harness;
 use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand, Witness};
+use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
@@ -59,12 +60,17 @@ fn main() {
     );
     shoot(
         "light-eliminate",
-        vec![Command::ShowStage(3), near(), Command::OpenExport],
+        vec![
+            Command::ShowStage(3),
+            near(),
+            Command::Export(ExportCommand::Open(Kind::Result)),
+        ],
     );
     shoot(
         "light-iterate",
-        vec![Command::CloseExport, Command::StepForward],
+        vec![Command::Export(ExportCommand::Close), Command::StepForward],
     );
+    exports(&mut shoot);
     moments(&mut shoot);
     let gaps = vec![
         Command::Choose(Choice::Search(Search::TwoRadii)),
@@ -91,6 +97,25 @@ fn main() {
         Command::Type(Field::Leaf, "2".to_owned()),
     ];
     shoot("bad", bad);
+}
+
+/// The export sheet, in what it can write.
+fn exports(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
+    for (name, kind) in [
+        ("export-result", Kind::Result),
+        ("export-samples", Kind::Samples),
+        ("export-picture", Kind::Picture),
+        ("export-animation", Kind::Animation),
+    ] {
+        let open = Command::Export(ExportCommand::Open(kind));
+        shoot(name, vec![open, Command::ToggleTheme]);
+    }
+    let wrong = |entry, text: &str| Command::Export(ExportCommand::Type(entry, text.to_owned()));
+    shoot(
+        "export-refused",
+        vec![wrong(Entry::Every, "1"), wrong(Entry::Scale, "1e9")],
+    );
+    shoot("export-closed", vec![Command::Export(ExportCommand::Close)]);
 }
 
 /// Moments in the middle of stages, with the debugger's panels.

@@ -2,6 +2,7 @@
 //! commands. What cannot be done now says why.
 
 mod compare;
+mod file;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
@@ -9,7 +10,6 @@ use tilescope_debugger::{Direction, Step, Target};
 use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
 use crate::command::{Command, DebugCommand, Selection, TimeCommand};
-use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::Look;
@@ -124,7 +124,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     let mut list = List {
         actions: Vec::new(),
     };
-    file(&mut list, state);
+    file::add(&mut list, state);
     edit(&mut list, state);
     view(&mut list);
     go(&mut list, state);
@@ -159,61 +159,6 @@ impl List {
 const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFT: Modifiers = Modifiers::SHIFT;
 const NONE: Modifiers = Modifiers::NONE;
-
-fn file(list: &mut List, state: &State) {
-    let no_session = state.session.is_none().then_some(NO_SESSION);
-    let add = |list: &mut List, name: &str, keys, command, refusal: Option<&str>| {
-        list.add(Menu::File, name, keys, command, refusal);
-    };
-    let refusal = state.run_refusal();
-    add(
-        list,
-        "Run with these parameters",
-        Some((COMMAND, Key::Enter)),
-        Command::Run,
-        refusal.as_deref(),
-    );
-    let idle = state
-        .sampling
-        .is_none()
-        .then_some("Nothing is being sampled.");
-    add(list, "Cancel the run", None, Command::Cancel, idle);
-    let sheet = |purpose| Command::File(FileCommand::Sheet(purpose));
-    add(
-        list,
-        "Open session\u{2026}",
-        Some((COMMAND, Key::O)),
-        sheet(Purpose::Open),
-        None,
-    );
-    add(
-        list,
-        "Save session\u{2026}",
-        Some((COMMAND, Key::S)),
-        sheet(Purpose::Save),
-        state.save_refusal(),
-    );
-    add(
-        list,
-        "Use a pattern from a file\u{2026}",
-        None,
-        sheet(Purpose::Pattern),
-        None,
-    );
-    let generated = state
-        .own_pattern
-        .is_none()
-        .then_some("The pattern is a generated one.");
-    let command = Command::File(FileCommand::GeneratedPattern);
-    add(list, "Use a generated pattern", None, command, generated);
-    add(
-        list,
-        "Export samples\u{2026}",
-        Some((COMMAND, Key::E)),
-        Command::OpenExport,
-        no_session,
-    );
-}
 
 fn edit(list: &mut List, state: &State) {
     let mut add = |name: &str, keys, command, refusal: Option<&str>| {

@@ -4,12 +4,12 @@
 use egui::{Pos2, Rect, Vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use tilescope_debugger::{Direction, LineId, Step, Target};
-use tilescope_formats::Precision;
 
 use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
 use crate::compare::CompareCommand;
 use crate::device::Engine;
+use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::layout::Panel;
 use crate::passes::PassCommand;
@@ -219,18 +219,8 @@ pub enum Command {
     GoToCurrent,
     /// Selects a sample and flies to it.
     GoToSample(u32),
-    /// Opens the export sheet.
-    OpenExport,
-    /// Closes the export sheet.
-    CloseExport,
-    /// Types the name of the file to export.
-    ExportPath(String),
-    /// Chooses the number type of the exported file.
-    ExportPrecision(Precision),
-    /// Asks for the file in the system's dialog.
-    BrowseExport,
-    /// Writes the file and its certificate.
-    Export,
+    /// Does something with the export sheet.
+    Export(ExportCommand),
     /// Closes the notice.
     DismissNotice,
 }

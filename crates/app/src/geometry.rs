@@ -91,7 +91,8 @@ fn covering(shown: &Shown<'_>) -> Vec<[f64; 2]> {
     ids.map(|id| shown.session.place(id)).collect()
 }
 
-fn region_of(session: &Session) -> Region {
+/// Returns the region of a session, in r.
+pub(crate) fn region_of(session: &Session) -> Region {
     let domain = &session.run().domain;
     Region {
         width: radii(domain.width()),

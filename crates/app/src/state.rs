@@ -127,11 +127,13 @@ pub struct State {
     pub finding: Option<Job<Option<std::path::PathBuf>>>,
     /// The file that the session was saved to or opened from last.
     pub session_path: Option<String>,
+    /// How many frames the animation of the sheet has.
+    frames: Option<crate::export::frames::Count>,
     /// A notice, when there is one.
     pub notice: Option<Notice>,
     /// The export at work.
     #[cfg(not(target_arch = "wasm32"))]
-    pub exporting: Option<Job<Result<tilescope_formats::Exported, tilescope_formats::ExportError>>>,
+    pub exporting: Option<Job<export::Outcome>>,
     /// The system's file dialog, while open.
     #[cfg(not(target_arch = "wasm32"))]
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
@@ -190,6 +192,7 @@ impl State {
             filing: None,
             #[cfg(not(target_arch = "wasm32"))]
             finding: None,
+            frames: None,
             notice: None,
             #[cfg(not(target_arch = "wasm32"))]
             exporting: None,
@@ -299,12 +302,7 @@ impl State {
             | Command::GoToCurrent
             | Command::FlyToWitness(_)
             | Command::GoToSample(_) => self.apply_to_camera(&command),
-            Command::OpenExport
-            | Command::CloseExport
-            | Command::ExportPath(_)
-            | Command::ExportPrecision(_)
-            | Command::BrowseExport
-            | Command::Export => self.apply_to_export(command),
+            Command::Export(command) => self.apply_to_export(command),
         }
     }
 

@@ -278,7 +278,10 @@ fn pattern(harness: &mut Harness<'_, App>, folder: &Path) -> PathBuf {
     };
     let context = tilescope_formats::ExportContext::new(region, run.domain.radius());
     let control = |_| std::ops::ControlFlow::Continue(());
-    let set = tilescope_app::export::point_set(run);
+    let set = tilescope_formats::PointSet {
+        points: run.positions(),
+        provenance: None,
+    };
     tilescope_formats::export(&path, &set, &context, &control).expect("an export");
     path
 }

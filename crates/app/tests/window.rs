@@ -6,6 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::layers::Layer;
 use tilescope_app::command::{Choice, Field};
 use tilescope_app::device::Engine;
+use tilescope_app::export::ExportCommand;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
 
@@ -176,7 +177,7 @@ fn the_export_sheet_refuses_unknown_extensions() {
     harness
         .state_mut()
         .state
-        .apply(Command::ExportPath("set.jpeg".to_owned()));
+        .apply(Command::Export(ExportCommand::Path("set.jpeg".to_owned())));
     harness.run();
     harness.get_by_label_contains("The extension chooses the format");
     let write = harness.get_by_label("Write file and certificate");

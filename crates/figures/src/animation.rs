@@ -1,7 +1,9 @@
-//! Frames as an animated GIF or PNG with the parameters inside.
-//! One frame is in memory at a time. Never draws, never opens a file and never writes a time stamp.
+//! Frames as an animated GIF or PNG with the parameters inside. After the first frame a file holds what changes.
+//! Two frames are in memory at a time. Never draws, never opens a file and never writes a time stamp.
 
-use std::collections::{BTreeMap, HashMap};
+mod changes;
+mod colors;
+
 use std::io::Write;
 use std::ops::ControlFlow;
 
@@ -10,6 +12,8 @@ use gif::{AnyExtension, DisposalMethod, Encoder, Extension, Frame, Repeat};
 use crate::error::FigureError;
 use crate::png::text_chunk;
 use crate::raster::Pixels;
+use changes::Change;
+use colors::indexed;
 
 /// The most frames of an animation.
 pub const MAX_FRAMES: usize = 10_000;
@@ -23,9 +27,6 @@ pub const MAX_GIF_SIDE: u32 = 65_535;
 /// The shortest time for a frame, in hundredths of a second: viewers slow shorter ones down to a tenth of a
 /// second.
 pub const MIN_DELAY: u16 = 2;
-
-/// Colours of a frame of a GIF.
-const COLORS: usize = 256;
 
 /// Why there is no animation.
 #[derive(Debug, thiserror::Error)]
@@ -105,9 +106,9 @@ pub type FrameProgress<'a> = &'a mut dyn FnMut(usize, usize) -> ControlFlow<()>;
 
 /// Writes an animation that repeats forever as a GIF.
 ///
-/// `delay` is the time for a frame in hundredths of a second. Each frame has the 256 colours that most of its
-/// pixels have; other pixels take the nearest of them. What is transparent is seen on white. `metadata`
-/// becomes comments.
+/// `delay` is the time for a frame in hundredths of a second. Each frame has the 256 colours that most of its pixels
+/// have, after the first frame the 255 that most of the changed ones have; other pixels take the nearest of them. What is
+/// transparent is seen on white. `metadata` becomes comments.
 ///
 /// # Errors
 ///
@@ -132,18 +133,21 @@ pub fn write_gif(
             .map_err(refused)?;
     }
     let mut next = Some(first);
-    while let Some(pixels) = next {
-        let (palette, buffer) = indexed(&pixels);
+    while let Some(change) = next {
+        let (palette, buffer, transparent) = indexed(&change);
         let frame = Frame {
             delay,
             dispose: DisposalMethod::Keep,
-            width,
-            height,
+            transparent,
+            left: change.left as u16,
+            top: change.top as u16,
+            width: change.width as u16,
+            height: change.height as u16,
             palette: Some(palette),
             buffer: buffer.into(),
             ..Frame::default()
         };
-        drop(pixels);
+        drop(change);
         encoder.write_frame(&frame).map_err(refused)?;
         next = frames.next()?;
     }
@@ -183,9 +187,22 @@ pub fn write_apng(
     }
     let mut writer = encoder.write_header().map_err(refused)?;
     let mut next = Some(first);
-    while let Some(pixels) = next {
-        writer.write_image_data(&pixels.rgba).map_err(refused)?;
-        drop(pixels);
+    while let Some(change) = next {
+        let (rgba, covers) = change.layer();
+        let blend = if covers {
+            png::BlendOp::Source
+        } else {
+            png::BlendOp::Over
+        };
+        writer.set_blend_op(blend).map_err(refused)?;
+        // Size and place must fit into the picture at any time.
+        writer.reset_frame_position().map_err(refused)?;
+        let sized = writer.set_frame_dimension(change.width, change.height);
+        sized.map_err(refused)?;
+        let placed = writer.set_frame_position(change.left, change.top);
+        placed.map_err(refused)?;
+        writer.write_image_data(&rgba).map_err(refused)?;
+        drop(change);
         next = frames.next()?;
     }
     writer.finish().map_err(refused)
@@ -210,6 +227,8 @@ struct Frames<'a, I> {
     count: usize,
     written: usize,
     size: [u32; 2],
+    /// The frame before.
+    last: Option<Pixels>,
     progress: FrameProgress<'a>,
 }
 
@@ -229,10 +248,12 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
             count,
             written: 0,
             size: [0; 2],
+            last: None,
             progress,
         })
     }
-    fn first(&mut self, largest_side: u32) -> Result<Pixels, AnimationError> {
+
+    fn first(&mut self, largest_side: u32) -> Result<Change, AnimationError> {
         self.tell()?;
         let pixels = self.draw()?;
         let (width, height) = (pixels.width, pixels.height);
@@ -241,7 +262,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
             _ if width.max(height) > largest_side => u64::from(largest_side),
             1..=MAX_FRAME_PIXELS => {
                 self.size = [width, height];
-                return Ok(pixels);
+                return Ok(self.changed(pixels));
             }
             _ => MAX_FRAME_PIXELS,
         };
@@ -253,7 +274,7 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
     }
 
     /// The next frame, when one more was written; `None` behind the last.
-    fn next(&mut self) -> Result<Option<Pixels>, AnimationError> {
+    fn next(&mut self) -> Result<Option<Change>, AnimationError> {
         self.written += 1;
         self.tell()?;
         if self.written == self.count {
@@ -270,7 +291,14 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
                 first_height,
             });
         }
-        Ok(Some(pixels))
+        Ok(Some(self.changed(pixels)))
+    }
+
+    /// What a frame changes; it becomes the one before.
+    fn changed(&mut self, pixels: Pixels) -> Change {
+        let change = Change::between(self.last.as_ref(), &pixels);
+        self.last = Some(pixels);
+        change
     }
 
     /// Tells how far it is. Behind the last frame nothing is left to cancel.
@@ -294,63 +322,4 @@ impl<'a, I: ExactSizeIterator<Item = Result<Pixels, FigureError>>> Frames<'a, I>
             }),
         }
     }
-}
-
-type Rgb = [u8; 3];
-
-/// The palette of a frame and the index of each pixel. Pictures of flat colours keep them exactly, which a
-/// palette of averages would not; shades between them are rare and take the nearest.
-fn indexed(pixels: &Pixels) -> (Vec<u8>, Vec<u8>) {
-    let colors = || pixels.rgba.chunks_exact(4).map(on_white);
-    let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
-    let mut last: Option<(Rgb, u32)> = None;
-    // Equal neighbours are counted together, as most pixels have one.
-    for color in colors() {
-        last = match last {
-            Some((same, count)) if same == color => Some((same, count + 1)),
-            before => {
-                note(&mut counts, before);
-                Some((color, 1))
-            }
-        };
-    }
-    note(&mut counts, last);
-    let mut palette: Vec<(Rgb, u32)> = counts.into_iter().collect();
-    palette.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
-    let kept: Vec<Rgb> = palette
-        .iter()
-        .take(COLORS)
-        .map(|(color, _)| *color)
-        .collect();
-    let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
-        .map(|(place, &(color, _))| match u8::try_from(place) {
-            Ok(place) => (color, place),
-            Err(_) => (color, nearest(&kept, color)),
-        })
-        .collect();
-    let buffer = colors().map(|color| index[&color]).collect();
-    (kept.into_flattened(), buffer)
-}
-
-fn note(counts: &mut BTreeMap<Rgb, u32>, run: Option<(Rgb, u32)>) {
-    if let Some((color, count)) = run {
-        *counts.entry(color).or_default() += count;
-    }
-}
-
-fn nearest(palette: &[Rgb], color: Rgb) -> u8 {
-    let distance = |other: &Rgb| -> u32 {
-        (0..3)
-            .map(|k| u32::from(other[k].abs_diff(color[k])).pow(2))
-            .sum()
-    };
-    let places = palette.iter().enumerate();
-    places
-        .min_by_key(|(_, other)| distance(other))
-        .map_or(0, |(place, _)| place as u8)
-}
-
-fn on_white(pixel: &[u8]) -> Rgb {
-    let opacity = u32::from(pixel[3]);
-    [0, 1, 2].map(|k| ((u32::from(pixel[k]) * opacity + 255 * (255 - opacity) + 127) / 255) as u8)
 }

@@ -85,17 +85,41 @@ impl MomentOptions {
         }
     }
 
+    /// Returns the options that show `frame` pixels of the plane, width and height, around `center` (user units) with
+    /// `scale` pixels for a radius; margins and caption are added around them.
+    #[must_use]
+    pub fn framing(center: [f64; 2], scale: f64, frame: [f64; 2]) -> Self {
+        let width = frame[0] / (1.0 - 2.0 * MARGIN / 1000.0);
+        let height = frame[1] + (2.0 * MARGIN + CAPTION) * width / 1000.0;
+        Self {
+            center,
+            scale,
+            size: [width, height],
+            palette: Palette::LIGHT,
+            layers: Layers::ALL,
+        }
+    }
+
     fn is_drawable(&self) -> bool {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         let lengths = [self.scale, self.size[0], self.size[1]];
         lengths.into_iter().all(positive) && self.center.iter().all(|value| value.is_finite())
     }
 
-    /// The shown part of the plane in user units, for samples of `radius`.
-    fn window(&self, radius: f64) -> Rect {
+    /// Returns the part of the picture, in its pixels, in which the plane is seen.
+    #[must_use]
+    pub fn frame(&self) -> Rect {
         let px = self.size[0] / 1000.0;
-        let inner = [2.0 * MARGIN, 2.0 * MARGIN + CAPTION].map(|used| used * px);
-        let half = [0, 1].map(|k| (self.size[k] - inner[k]).max(1.0) / self.scale * radius / 2.0);
+        let min = [MARGIN * px, (MARGIN + CAPTION) * px];
+        let max = [0, 1].map(|k| (self.size[k] - MARGIN * px).max(min[k] + 1.0));
+        Rect::new(min, max)
+    }
+
+    /// Returns the part of the plane that is seen, in user units, for samples of `radius`.
+    #[must_use]
+    pub fn window(&self, radius: f64) -> Rect {
+        let frame = self.frame();
+        let half = [0, 1].map(|k| (frame.max[k] - frame.min[k]) / self.scale * radius / 2.0);
         let end = |sign: f64| [0, 1].map(|k| self.center[k] + sign * half[k]);
         Rect::new(end(-1.0), end(1.0))
     }

@@ -135,6 +135,61 @@ fn an_apng_has_its_frames_delays_pixels_and_texts() {
     );
 }
 
+/// A frame of which a step changes one pixel, and every fourth step nothing. Some pixels are not opaque.
+fn stepped(step: u32, opaque: bool) -> Pixels {
+    let mut pixels = frame(1);
+    for done in (1..=step).filter(|done| done % 4 != 0) {
+        let place = (done * 37 % (WIDTH * HEIGHT)) as usize;
+        let opacity = if opaque { 255 } else { 100 };
+        pixels.rgba[4 * place..4 * place + 4].copy_from_slice(&[done as u8, 200, 9, opacity]);
+    }
+    pixels
+}
+
+/// Lays a part of a picture over it: what is transparent keeps what is below, unless the part replaces it.
+fn lay_over(canvas: &mut [u8], part: &[u8], [left, top, width]: [u32; 3], replaces: bool) {
+    for (index, pixel) in (0..).zip(part.chunks_exact(4)) {
+        let (x, y) = (left + index % width, top + index / width);
+        let at = 4 * (y * WIDTH + x) as usize;
+        if replaces || pixel[3] != 0 {
+            canvas[at..at + 4].copy_from_slice(pixel);
+        }
+    }
+}
+
+#[test]
+fn what_stays_is_left_out_and_every_frame_is_seen_whole() {
+    let count = 12;
+    let film = |opaque| (0..count).map(move |step| Ok(stepped(step, opaque)));
+    let bytes = gif(film(true), 10).unwrap();
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut decoder = options.read_info(&bytes[..]).unwrap();
+    let mut canvas = vec![0; (4 * WIDTH * HEIGHT) as usize];
+    for step in 0..count {
+        let frame = decoder.read_next_frame().unwrap().unwrap();
+        let place = [frame.left, frame.top, frame.width].map(u32::from);
+        lay_over(&mut canvas, &frame.buffer, place, false);
+        assert_eq!(canvas, stepped(step, true).rgba, "{step}");
+        assert!(step == 0 || (frame.width, frame.height) == (1, 1));
+    }
+    assert!(decoder.read_next_frame().unwrap().is_none());
+    for opaque in [true, false] {
+        let bytes = apng(film(opaque), 10).unwrap();
+        let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+        for step in 0..count {
+            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut pixels).unwrap();
+            let frame = *reader.info().frame_control.as_ref().unwrap();
+            let size = (4 * frame.width * frame.height) as usize;
+            let place = [frame.x_offset, frame.y_offset, frame.width];
+            let replaces = frame.blend_op == png::BlendOp::Source;
+            lay_over(&mut canvas, &pixels[..size], place, replaces);
+            assert_eq!(canvas, stepped(step, opaque).rgba, "{step}");
+        }
+    }
+}
+
 #[test]
 fn many_colours_become_the_nearest_of_the_most_frequent() {
     // 5,000 shades once each on a ground of one colour that takes half of the picture.

@@ -242,3 +242,23 @@ fn dark_pictures_differ_and_options_without_a_size_are_refused() {
         );
     }
 }
+
+#[test]
+fn a_framed_moment_shows_just_what_was_asked_for() {
+    let recording = staged(Boundary::Periodic);
+    let radius = recording.domain().radius();
+    let options = MomentOptions::framing([0.4, 0.6], 30.0, [640.0, 480.0]);
+    let frame = options.frame();
+    let size = [0, 1].map(|k| frame.max[k] - frame.min[k]);
+    assert!((size[0] - 640.0).abs() < 1e-9 && (size[1] - 480.0).abs() < 1e-9);
+    let window = options.window(radius);
+    let wide = (window.max[0] - window.min[0]) / radius;
+    assert!((wide - 640.0 / 30.0).abs() < 1e-9);
+    assert!((f64::midpoint(window.min[1], window.max[1]) - 0.6).abs() < 1e-12);
+    let scene = moment_scene(&recording, recording.len(), &options);
+    assert!((scene.width - options.size[0]).abs() < 1e-9);
+    assert!((scene.height - options.size[1]).abs() < 1e-9);
+    let clip = group(&scene, "kept").and_then(|group| group.clip).unwrap();
+    assert!((0..2).all(|k| (clip.min[k] - frame.min[k]).abs() < 1e-9));
+    assert!((0..2).all(|k| (clip.max[k] - frame.max[k]).abs() < 1e-9));
+}

@@ -4,8 +4,8 @@
 //! leaves a temporary behind and never touches an existing file before the new one is verified.
 
 use std::ffi::OsString;
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -164,6 +164,25 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     let temporary = Temporary::beside(path);
     temporary.write(bytes).map_err(|e| io_error(path, e))?;
     fs::rename(&temporary.path, path).map_err(|e| io_error(path, e))
+}
+
+/// Does what [`write_whole`] does with bytes that come one after another: `write` has the temporary file.
+///
+/// # Errors
+///
+/// The error of `write`, and [`FormatError::Io`] with the path that failed; the temporary file is removed then.
+pub fn write_through<E: From<FormatError>>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), E> {
+    let failed = |e| E::from(io_error(path, e));
+    let temporary = Temporary::beside(path);
+    let mut file = BufWriter::new(File::create(&temporary.path).map_err(failed)?);
+    write(&mut file)?;
+    let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
+    file.sync_all().map_err(failed)?;
+    drop(file);
+    fs::rename(&temporary.path, path).map_err(failed)
 }
 
 /// Renames both files into place, or neither.

@@ -41,7 +41,9 @@ pub use digest::{bytes_digest, positions_digest};
 pub use error::{FormatError, Place};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
-pub use files::{Exported, ReadSet, certificate_path, check, export, read, write_whole};
+pub use files::{
+    Exported, ReadSet, certificate_path, check, export, read, write_through, write_whole,
+};
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};

@@ -1,22 +1,35 @@
-//! The export sheet: which file, which number type. The file is verified before it appears.
+//! The export sheet: what to write, to which file, how large and how often. It shows why something cannot be written
+//! before anything is.
 
-use std::path::Path;
-
-use egui::{Align2, Button, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_formats::{Format, Precision};
 
+use super::sheet::{just_opened, select_all};
+use crate::clock::Clock;
 use crate::command::Command;
-use crate::export::ExportForm;
+use crate::draft::sentence;
+use crate::export::{Entry, ExportCommand, ExportForm, Kind};
+use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::primary_button;
+
+/// Width of a typed number.
+const NUMBER_WIDTH: f32 = 84.0;
+/// Width of the names beside fields.
+const NAME_WIDTH: f32 = 92.0;
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(form) = &state.export else {
         return;
     };
-    let palette = Palette::of(state.look);
+    let mut sheet = Sheet {
+        state,
+        form,
+        palette: Palette::of(state.look),
+        commands: Vec::new(),
+    };
     let mut open = true;
     Window::new("Export")
         .open(&mut open)
@@ -24,115 +37,303 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
         .show(ui.ctx(), |ui| {
-            ui.set_width(460.0);
-            contents(ui, state, form, palette, commands);
+            ui.set_width(480.0);
+            sheet.contents(ui);
         });
     if !open || ui.input(|i| i.key_pressed(egui::Key::Escape)) {
-        commands.push(Command::CloseExport);
+        sheet.commands.push(ExportCommand::Close);
     }
+    commands.extend(sheet.commands.into_iter().map(Command::Export));
 }
 
-fn contents(
-    ui: &mut Ui,
-    state: &State,
-    form: &ExportForm,
-    palette: &Palette,
-    commands: &mut Vec<Command>,
-) {
-    let text = "The result is written, read back and verified; its certificate is put beside it.";
-    ui.label(RichText::new(text).color(palette.muted));
-    ui.add_space(8.0);
-    let label = ui.label("File");
-    ui.horizontal(|ui| {
-        let mut path = form.path.clone();
-        let edit = TextEdit::singleline(&mut path)
-            .font(egui::TextStyle::Monospace)
-            .margin(egui::Margin::symmetric(8, 6))
-            .desired_width(350.0);
-        if ui.add(edit).labelled_by(label.id).changed() {
-            commands.push(Command::ExportPath(path));
-        }
-        if ui.button("Browse\u{2026}").clicked() {
-            commands.push(Command::BrowseExport);
-        }
-    });
-    let format = Format::from_path(Path::new(form.path.trim()));
-    let names: Vec<String> = Format::ALL
-        .iter()
-        .filter(|f| **f != Format::PlyAscii)
-        .map(|f| format!(".{}", f.extension()))
-        .collect();
-    let told = match format {
-        Some(format) => format!("Format: {format}"),
-        None => format!("The extension chooses the format: {}.", names.join(" ")),
-    };
-    let color = if format.is_some() {
-        palette.muted
-    } else {
-        palette.conflict
-    };
-    ui.label(RichText::new(told).small().color(color));
-    ui.add_space(6.0);
-    precision(ui, form, format, commands);
-    ui.add_space(10.0);
-    let refusal = refusal(state, form, format);
-    if primary_button(ui, "Write file and certificate", refusal, palette).clicked() {
-        commands.push(Command::Export);
-    }
-    progress(ui, state, palette);
+struct Sheet<'a> {
+    state: &'a State,
+    form: &'a ExportForm,
+    palette: &'a Palette,
+    commands: Vec<ExportCommand>,
 }
 
-fn refusal(state: &State, form: &ExportForm, format: Option<Format>) -> Option<&'static str> {
-    if busy(state).is_some() {
-        Some("An export is at work.")
-    } else if form.path.trim().is_empty() {
-        Some("Name a file.")
-    } else if format.is_none() {
-        Some("No format has this extension.")
-    } else {
-        None
-    }
-}
-
-fn precision(ui: &mut Ui, form: &ExportForm, format: Option<Format>, commands: &mut Vec<Command>) {
-    let has_choice =
-        format.is_some_and(|f| f.precision(Precision::Single) != f.precision(Precision::Double));
-    ui.horizontal(|ui| {
-        ui.label("Coordinates");
-        for (precision, name) in [
-            (Precision::Double, "f64, to the bit"),
-            (Precision::Single, "f32, rounded"),
-        ] {
-            let shown = format.map_or(form.precision, |f| f.precision(form.precision));
-            let button = Button::selectable(shown == precision, name);
-            let response = ui.add_enabled(has_choice, button);
-            let why = "This format leaves no choice.";
-            if response.on_disabled_hover_text(why).clicked() {
-                commands.push(Command::ExportPrecision(precision));
+impl Sheet<'_> {
+    fn contents(&mut self, ui: &mut Ui) {
+        self.kinds(ui);
+        ui.add_space(6.0);
+        ui.label(RichText::new(self.explanation()).color(self.palette.muted));
+        ui.add_space(8.0);
+        self.file(ui);
+        ui.add_space(6.0);
+        match self.form.kind {
+            Kind::Result | Kind::Samples => self.precision(ui),
+            Kind::Picture => self.scale(ui),
+            Kind::Animation => {
+                self.scale(ui);
+                self.frames(ui);
+                self.delay(ui);
             }
         }
-    });
-}
+        ui.add_space(8.0);
+        self.prospect(ui);
+        ui.add_space(6.0);
+        self.write_or_cancel(ui);
+    }
 
-#[cfg(not(target_arch = "wasm32"))]
-fn busy(state: &State) -> Option<f32> {
-    state.exporting.as_ref().map(crate::jobs::Job::fraction)
-}
+    fn kinds(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for kind in Kind::ALL {
+                let refusal = self.state.kind_refusal(kind);
+                let refusal = refusal.map(|refusal| refusal.to_string());
+                let chosen = self.form.kind == kind;
+                let button = Button::selectable(chosen, kind.name());
+                // What is chosen stays readable; below it says what is wrong.
+                let response = ui.add_enabled(chosen || refusal.is_none(), button);
+                let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
+                if response.clicked() {
+                    self.commands.push(ExportCommand::Choose(kind));
+                }
+            }
+        });
+    }
 
-#[cfg(target_arch = "wasm32")]
-fn busy(_: &State) -> Option<f32> {
-    None
-}
-
-/// The bar has its room whether or not there is progress.
-fn progress(ui: &mut Ui, state: &State, palette: &Palette) {
-    match busy(state) {
-        Some(fraction) => {
-            let bar = ProgressBar::new(fraction)
-                .desired_height(6.0)
-                .fill(palette.accent);
-            ui.add(bar);
+    fn explanation(&self) -> String {
+        match self.form.kind {
+            Kind::Result => {
+                "The result is written, read back and verified; its certificate is put beside it."
+                    .to_owned()
+            }
+            Kind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
+            Kind::Picture => {
+                let differences = self.differences();
+                format!("What the canvas shows at this moment, with the parameters inside.{differences}")
+            }
+            Kind::Animation => self.animation(),
         }
-        None => ui.add_space(6.0),
+    }
+
+    fn animation(&self) -> String {
+        let Some(range) = self.state.export_range() else {
+            return "An animation shows what the canvas shows from event to event.".to_owned();
+        };
+        let (start, end) = (grouped(range.start), grouped(range.end));
+        let whose = if self.state.playback.range.is_some() {
+            "the range of the loop"
+        } else {
+            "the stage shown; a loop on the timeline chooses another range"
+        };
+        let differences = self.differences();
+        format!("What the canvas shows from event {start} to event {end}: {whose}.{differences}")
+    }
+
+    /// Says what a picture has more or less than the canvas: copies of a periodic domain, layers that need events.
+    fn differences(&self) -> String {
+        let view = self.state.export_view(self.form.kind).ok();
+        let missing = view.zip(self.state.session.as_ref());
+        let missing = missing.map(|(view, session)| view.missing(session));
+        let names: Vec<&str> = missing.iter().flatten().map(|layer| layer.name()).collect();
+        let session = self.state.session.as_ref();
+        let copies = match session.map(|session| session.run().domain.is_periodic()) {
+            Some(true) => " Around a periodic domain its copies are drawn, too.",
+            _ => "",
+        };
+        if names.is_empty() {
+            return copies.to_owned();
+        }
+        let names = names.join(", ");
+        format!("{copies} Without events it lacks these layers: {names}.")
+    }
+
+    fn file(&mut self, ui: &mut Ui) {
+        let label = ui.label("File");
+        ui.horizontal(|ui| {
+            let mut path = self.form.path.clone();
+            let edit = TextEdit::singleline(&mut path)
+                .font(egui::TextStyle::Monospace)
+                .margin(egui::Margin::symmetric(8, 6))
+                .desired_width(395.0);
+            let response = ui.add(edit).labelled_by(label.id);
+            if just_opened(ui, "export") {
+                select_all(ui, &response, path.chars().count());
+            }
+            if response.changed() {
+                self.commands.push(ExportCommand::Path(path));
+            }
+            self.write_on_enter(ui, &response);
+            if ui.button("Browse\u{2026}").clicked() {
+                self.commands.push(ExportCommand::Browse);
+            }
+        });
+        let (told, color) = if let Some(refusal) = self.form.name_refusal() {
+            (refusal.to_string(), self.palette.conflict)
+        } else {
+            let format = self.form.kind.format(self.form.file());
+            let format = format.unwrap_or_default();
+            (format!("Format: {format}"), self.palette.muted)
+        };
+        ui.label(RichText::new(told).small().color(color));
+        if let Some(taken) = &self.form.taken {
+            let name = taken.file_name().unwrap_or_default().to_string_lossy();
+            let text = format!("{name} exists already and would be replaced.");
+            ui.label(RichText::new(text).small().color(self.palette.conflict));
+        }
+    }
+
+    fn precision(&mut self, ui: &mut Ui) {
+        let format = Format::from_path(self.form.file());
+        let has_choice = format
+            .is_some_and(|f| f.precision(Precision::Single) != f.precision(Precision::Double));
+        self.named(ui, "Coordinates", |sheet, ui, _| {
+            for (precision, name) in [
+                (Precision::Double, "f64, to the bit"),
+                (Precision::Single, "f32, rounded"),
+            ] {
+                let shown =
+                    format.map_or(sheet.form.precision, |f| f.precision(sheet.form.precision));
+                let button = Button::selectable(shown == precision, name);
+                let response = ui.add_enabled(has_choice, button);
+                let why = "This format leaves no choice.";
+                if response.on_disabled_hover_text(why).clicked() {
+                    sheet.commands.push(ExportCommand::Precision(precision));
+                }
+            }
+        });
+    }
+
+    fn scale(&mut self, ui: &mut Ui) {
+        let has_scale = self.form.has_scale();
+        self.named(ui, "Scale", |sheet, ui, label| {
+            sheet.number(ui, Entry::Scale, has_scale, label);
+            let unit = if has_scale {
+                "pixels for a point of the window"
+            } else {
+                "SVG can be shown at any scale"
+            };
+            ui.label(RichText::new(unit).color(sheet.palette.muted));
+        });
+    }
+
+    fn frames(&mut self, ui: &mut Ui) {
+        self.named(ui, "A frame every", |sheet, ui, label| {
+            sheet.number(ui, Entry::Every, true, label);
+            // The passes of the GPU have no events.
+            let clocks = Clock::ALL.into_iter().filter(|&c| c != Clock::Pass);
+            for clock in clocks {
+                let plural = format!("{}s", clock.name());
+                let button = Button::selectable(sheet.form.clock == clock, plural);
+                if ui.add(button).clicked() {
+                    sheet.commands.push(ExportCommand::Clock(clock));
+                }
+            }
+        });
+    }
+
+    fn delay(&mut self, ui: &mut Ui) {
+        self.named(ui, "Delay", |sheet, ui, label| {
+            sheet.number(ui, Entry::Delay, true, label);
+            let unit = "ms for a frame";
+            ui.label(RichText::new(unit).color(sheet.palette.muted));
+        });
+    }
+
+    /// A name and what stands beside it.
+    fn named(&mut self, ui: &mut Ui, name: &str, add: impl FnOnce(&mut Self, &mut Ui, egui::Id)) {
+        ui.horizontal(|ui| {
+            ui.set_height(28.0);
+            let size = vec2(NAME_WIDTH, 20.0);
+            let place = egui::Layout::left_to_right(egui::Align::Center);
+            let label = ui.allocate_ui_with_layout(size, place, |ui| {
+                ui.set_min_width(NAME_WIDTH);
+                ui.label(name).id
+            });
+            add(self, ui, label.inner);
+        });
+    }
+
+    fn number(&mut self, ui: &mut Ui, entry: Entry, enabled: bool, label: egui::Id) {
+        let (text, is_wrong) = match entry {
+            Entry::Scale => (&self.form.scale, self.form.scale().is_err()),
+            Entry::Every => (&self.form.every, self.form.every().is_err()),
+            Entry::Delay => (&self.form.delay, self.form.delay().is_err()),
+        };
+        let mut text = text.clone();
+        let edit = TextEdit::singleline(&mut text)
+            .id_salt(entry)
+            .font(egui::TextStyle::Monospace)
+            .text_color_opt((is_wrong && enabled).then_some(self.palette.conflict))
+            .margin(egui::Margin::symmetric(8, 4))
+            .desired_width(NUMBER_WIDTH);
+        let response = ui.add_enabled(enabled, edit).labelled_by(label);
+        if response.changed() {
+            self.commands.push(ExportCommand::Type(entry, text));
+        }
+        self.write_on_enter(ui, &response);
+    }
+
+    fn write_on_enter(&mut self, ui: &Ui, response: &egui::Response) {
+        let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        if entered {
+            // A question may follow, to be answered by the same key.
+            response.request_focus();
+            let idle = self.state.export_fraction().is_none();
+            if idle && self.state.export_prospect().is_ok() {
+                self.commands.push(ExportCommand::Write);
+            }
+        }
+    }
+
+    /// Says what will be written, or why nothing can be.
+    fn prospect(&self, ui: &mut Ui) {
+        let (told, color) = match self.state.export_prospect() {
+            Ok(prospect) => (sentence(&prospect), self.palette.text),
+            // It is said below the file.
+            Err(refusal) if Some(&refusal) == self.form.name_refusal().as_ref() => {
+                (" ".to_owned(), self.palette.muted)
+            }
+            Err(refusal) => (refusal.to_string(), self.palette.conflict),
+        };
+        ui.label(RichText::new(told).color(color));
+    }
+
+    /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so that a double click
+    /// on the button does not hit it.
+    fn write_or_cancel(&mut self, ui: &mut Ui) {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(job) = &self.state.exporting {
+            let activity = sentence(&job.activity());
+            let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
+            let bar = egui::ProgressBar::new(job.fraction())
+                .desired_height(34.0)
+                .fill(self.palette.accent.gamma_multiply(0.5))
+                .text(RichText::new(text.trim_start_matches('.').trim()).small());
+            ui.add(bar);
+            ui.horizontal(|ui| {
+                ui.set_height(18.0);
+                if job.is_cancelled() {
+                    ui.label(RichText::new("Stopping").small().color(self.palette.muted));
+                } else if ui.link(RichText::new("Cancel export").small()).clicked() {
+                    self.commands.push(ExportCommand::Cancel);
+                }
+            });
+            return;
+        }
+        let refusal = self.state.export_prospect().err();
+        let refusal = refusal.map(|refusal| refusal.to_string());
+        let button = primary_button(ui, &self.button(), refusal.as_deref(), self.palette);
+        // The second click of a double click answers no question.
+        if button.clicked() && !(self.form.asked && button.double_clicked()) {
+            self.commands.push(ExportCommand::Write);
+        }
+        // As high as what stands below the progress.
+        ui.allocate_space(vec2(1.0, 18.0));
+    }
+
+    fn button(&self) -> String {
+        match (&self.form.taken, self.form.kind) {
+            (Some(taken), _) if self.form.asked => {
+                let name = taken.file_name().unwrap_or_default().to_string_lossy();
+                format!("Replace {name}?")
+            }
+            (_, Kind::Result | Kind::Samples) => "Write file and certificate".to_owned(),
+            (_, Kind::Picture) => "Write picture".to_owned(),
+            (_, Kind::Animation) => "Write animation".to_owned(),
+        }
     }
 }

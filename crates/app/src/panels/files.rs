@@ -1,9 +1,8 @@
 //! The sheet of saved sessions and pattern files.
 
-use egui::text::{CCursor, CCursorRange};
-use egui::text_edit::TextEditState;
-use egui::{Align2, ProgressBar, Response, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
 
+use super::sheet::{just_opened, select_all};
 use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::state::State;
@@ -44,7 +43,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
             .margin(egui::Margin::symmetric(8, 6))
             .desired_width(370.0);
         let response = ui.add(edit).labelled_by(label.id);
-        if just_opened(ui, form.purpose) {
+        if just_opened(ui, form.purpose.title()) {
             select_all(ui, &response, path.chars().count());
         }
         if response.changed() {
@@ -77,23 +76,6 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
         own.push(FileCommand::Go);
     }
     progress(ui, state, palette, own);
-}
-
-/// Returns whether the sheet was not there in the frame before.
-fn just_opened(ui: &Ui, purpose: Purpose) -> bool {
-    let id = egui::Id::unique("sheet of files").with(purpose);
-    let frame = ui.ctx().cumulative_frame_nr();
-    let last: Option<u64> = ui.data(|data| data.get_temp(id));
-    ui.data_mut(|data| data.insert_temp(id, frame));
-    last.is_none_or(|last| last + 1 < frame)
-}
-
-fn select_all(ui: &Ui, response: &Response, length: usize) {
-    response.request_focus();
-    let mut edit = TextEditState::load(ui.ctx(), response.id).unwrap_or_default();
-    let all = CCursorRange::two(CCursor::new(0), CCursor::new(length));
-    edit.cursor.set_char_range(Some(all));
-    edit.store(ui.ctx(), response.id);
 }
 
 fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {

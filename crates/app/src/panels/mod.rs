@@ -13,6 +13,7 @@ mod notice;
 mod palette;
 mod parameters;
 mod pseudocode;
+mod sheet;
 mod stages;
 mod timeline;
 mod toolbar;

@@ -5,6 +5,7 @@ use egui::{Align, Button, FontId, Layout, RichText, Ui};
 use super::verification;
 use crate::actions::{Action, Menu, actions};
 use crate::command::Command;
+use crate::export::{ExportCommand, Kind};
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::{Look, Palette, semibold};
@@ -39,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let export = ui.add_enabled(state.session.is_some(), Button::new("Export\u{2026}"));
             let why = "There is nothing to export before the first session is ready.";
             if export.on_disabled_hover_text(why).clicked() {
-                commands.push(Command::OpenExport);
+                commands.push(Command::Export(ExportCommand::Open(Kind::Result)));
             }
             ui.add_space(6.0);
             verification::chip(ui, state, commands);

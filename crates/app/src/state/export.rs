@@ -1,97 +1,283 @@
-//! The commands of the export sheet, and what becomes of an export.
+//! The commands of the export sheet, what an export of this state is made of, and what becomes of it.
+
+use std::ops::Range;
+use std::sync::Arc;
 
 use super::State;
-use crate::command::Command;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::draft::sentence;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::jobs::Job;
+use crate::export::frames::{Count, Key, count, every_at_first, frames};
+use crate::export::picture::MOST_DRAWN;
+use crate::export::{
+    Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, Still, View,
+};
+use crate::sentence::{counted, grouped};
 
 impl State {
-    pub(super) fn apply_to_export(&mut self, command: Command) {
+    pub(super) fn apply_to_export(&mut self, command: ExportCommand) {
         match command {
-            Command::OpenExport => {
+            ExportCommand::Open(kind) => {
                 self.export.get_or_insert_default();
+                self.choose_export(kind);
             }
-            Command::CloseExport => self.export = None,
-            Command::ExportPath(path) => {
+            ExportCommand::Close => self.export = None,
+            ExportCommand::Choose(kind) => self.choose_export(kind),
+            ExportCommand::Clock(clock) => {
                 if let Some(form) = &mut self.export {
-                    form.path = path;
-                }
-            }
-            Command::ExportPrecision(precision) => {
-                if let Some(form) = &mut self.export {
-                    form.precision = precision;
+                    form.clock = clock;
+                    self.propose_every();
                 }
             }
             #[cfg(not(target_arch = "wasm32"))]
-            Command::BrowseExport => {
+            ExportCommand::Browse => {
                 if let Some(form) = &self.export {
-                    self.browsing = Some(crate::export::browse(form, &self.wake));
+                    self.browsing = Some(crate::export::write::browse(form, &self.wake));
                 }
             }
             #[cfg(not(target_arch = "wasm32"))]
-            Command::Export => self.start_export(),
-            _ => {}
-        }
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn start_export(&mut self) {
-        if let (Some(form), Some(session)) = (self.export.clone(), self.session.clone()) {
-            let work = move |monitor: &crate::jobs::Monitor| {
-                crate::export::write(&session, &form, monitor)
-            };
-            self.exporting = Some(Job::start(&self.wake, work));
-        }
-    }
-
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn poll_export(&mut self) {
-        if let Some(outcome) = self.browsing.as_ref().and_then(Job::poll) {
-            self.browsing = None;
-            match outcome {
-                Ok(Some(path)) => {
-                    self.apply(Command::ExportPath(path.to_string_lossy().into_owned()));
+            ExportCommand::Write => self.start_export(),
+            #[cfg(not(target_arch = "wasm32"))]
+            ExportCommand::Cancel => {
+                if let Some(job) = &self.exporting {
+                    job.cancel();
                 }
-                Ok(None) => {}
-                Err(failure) => self.tell(sentence(&failure), true),
+            }
+            command => {
+                if let Some(form) = &mut self.export {
+                    fill_in(form, command);
+                }
             }
         }
-        if let Some(outcome) = self.exporting.as_ref().and_then(Job::poll) {
-            self.exporting = None;
-            self.finish_export(outcome);
+        self.count_frames();
+    }
+
+    fn choose_export(&mut self, kind: Kind) {
+        if let Some(form) = &mut self.export {
+            form.choose(kind);
+            if kind == Kind::Animation && form.every.is_empty() {
+                self.propose_every();
+            }
         }
     }
 
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn finish_export(
-        &mut self,
-        outcome: Result<
-            Result<tilescope_formats::Exported, tilescope_formats::ExportError>,
-            String,
-        >,
-    ) {
-        match outcome {
-            Ok(Ok(exported)) => {
-                let mut text = format!(
-                    "Wrote {} to {}. Certificate: {}.",
-                    crate::sentence::counted(exported.report.count, "sample", "samples"),
-                    exported.path.display(),
-                    exported.certificate_path.display(),
-                );
-                for warning in &exported.warnings {
-                    text.push(' ');
-                    text.push_str(&sentence(&warning.to_string()));
-                }
-                self.export = None;
-                self.tell(text, !exported.report.valid());
-            }
-            Ok(Err(error)) => {
-                let text = format!("Nothing was exported: {error}");
-                self.tell(sentence(&text), true);
-            }
-            Err(failure) => self.tell(sentence(&failure), true),
+    /// Fills in how many ticks lie between frames.
+    fn propose_every(&mut self) {
+        let range = self.export_range();
+        if let (Some(form), Some(session), Some(range)) = (&mut self.export, &self.session, range) {
+            form.every = every_at_first(session, &range, form.clock).to_string();
         }
+    }
+
+    /// Returns the moment that is shown, to be kept while the window goes on.
+    #[must_use]
+    pub fn still(&self) -> Option<Still> {
+        let session = self.session.as_ref()?;
+        Some(match self.cursor() {
+            Some((cursor, _)) => Still::at(session, cursor),
+            None => Still {
+                cursor: None,
+                stage: *session.stages.get(self.stage)?,
+            },
+        })
+    }
+
+    /// Returns why nothing of a kind can be exported now, whatever the sheet says.
+    #[must_use]
+    pub fn kind_refusal(&self, kind: Kind) -> Option<Refusal> {
+        let (Some(session), Some(still)) = (&self.session, self.still()) else {
+            return Some(Refusal::NoSession);
+        };
+        match kind {
+            _ if cfg!(target_arch = "wasm32") => Some(Refusal::Web),
+            Kind::Animation if session.recording().is_none() => Some(Refusal::NoEvents),
+            Kind::Samples if !still.has_samples(session) => Some(Refusal::NoSamples),
+            _ => None,
+        }
+    }
+
+    /// Returns the cursors between which an animation goes: those of the loop, else those of the stage.
+    #[must_use]
+    pub fn export_range(&self) -> Option<Range<usize>> {
+        let session = self.session.as_ref()?;
+        let end = session.stage_end(self.stage)?;
+        let start = match self.stage.checked_sub(1) {
+            Some(before) => session.stage_end(before)?,
+            None => 0,
+        };
+        let range = self.playback.range.clone();
+        Some(range.unwrap_or(start..end))
+    }
+
+    /// Returns what of the plane a picture shows: what the canvas shows. Animations are of the run's domain, also
+    /// while the canvas shows the pattern.
+    pub fn export_view(&self, kind: Kind) -> Result<View, Refusal> {
+        if !self.viewport.is_positive() {
+            return Err(Refusal::NoCanvas);
+        }
+        let camera = match self.before_pattern {
+            Some((camera, _)) if kind == Kind::Animation => camera,
+            _ => self.camera,
+        };
+        let size = self.viewport.size();
+        Ok(View {
+            camera,
+            size: [size.x, size.y].map(f64::from),
+            layers: self.layers,
+            dark: crate::theme::Palette::of(self.look).dark,
+        })
+    }
+
+    /// Returns what the sheet asks for, in a few words, or why it cannot be written.
+    pub fn export_prospect(&self) -> Result<String, Refusal> {
+        let (Some(form), Some(session)) = (&self.export, &self.session) else {
+            return Err(Refusal::NoSession);
+        };
+        let refusal = self.kind_refusal(form.kind).or_else(|| form.name_refusal());
+        if let Some(refusal) = refusal {
+            return Err(refusal);
+        }
+        match form.kind {
+            Kind::Result => Ok(counted(session.summary.count, "sample", "samples")),
+            Kind::Samples => Ok(self.moment_name()),
+            Kind::Picture => {
+                let size = self.checked_view(form)?.1;
+                Ok(format!("{}, {size}", self.moment_name()))
+            }
+            Kind::Animation => {
+                let size = self.checked_view(form)?.1;
+                let frames = self.frame_count(form)?;
+                let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
+                Ok(format!(
+                    "{frames} frames of at most {MOST_FRAMES}, {size}, {secs:.1} s"
+                ))
+            }
+        }
+    }
+
+    /// Returns the moment in a few words.
+    #[must_use]
+    pub fn moment_name(&self) -> String {
+        let stage = self.current_stage().map(|stage| stage.to_string());
+        let stage = crate::draft::sentence(&stage.unwrap_or_default());
+        let stage = stage.trim_end_matches('.');
+        match self.cursor() {
+            Some((at, all)) => format!("{stage}, event {} of {}", grouped(at), grouped(all)),
+            None => stage.to_owned(),
+        }
+    }
+
+    /// Returns the view of a sheet with its scale and, in words, its size.
+    fn checked_view(&self, form: &ExportForm) -> Result<((View, f64), String), Refusal> {
+        let session = self.session.as_ref().ok_or(Refusal::NoSession)?;
+        let view = self.export_view(form.kind)?;
+        let (low, high) = view.camera.visible(self.viewport);
+        let samples = session.index.count_in(low, high);
+        if samples > MOST_DRAWN {
+            return Err(Refusal::TooManySamples { samples });
+        }
+        let scale = if form.has_scale() { form.scale()? } else { 1.0 };
+        let animated = form.kind == Kind::Animation;
+        if let Some(refusal) = view.size_refusal(scale, animated) {
+            return Err(refusal);
+        }
+        let [width, height] = view.pixels(scale).map(grouped);
+        Ok(((view, scale), format!("{width} x {height} pixels")))
+    }
+
+    fn frames_key(&self, form: &ExportForm) -> Result<Key, Refusal> {
+        let session = self.session.as_ref().ok_or(Refusal::NoSession)?;
+        let range = self.export_range().ok_or(Refusal::NoEvents)?;
+        Ok((session.generation, range, form.clock, form.every()?))
+    }
+
+    fn frame_count(&self, form: &ExportForm) -> Result<usize, Refusal> {
+        let key = self.frames_key(form)?;
+        let session = self.session.as_ref().ok_or(Refusal::NoSession)?;
+        match &self.frames {
+            Some(known) if known.key == key => known.frames.clone(),
+            _ => count(session, &key.1, key.2, key.3),
+        }
+    }
+
+    /// Counts the frames of the animation in the sheet, should that have changed: lines take a walk over events.
+    pub(super) fn count_frames(&mut self) {
+        let animation = |form: &&ExportForm| form.kind == Kind::Animation;
+        let Some(form) = self.export.as_ref().filter(animation) else {
+            return;
+        };
+        let Ok(key) = self.frames_key(form) else {
+            return;
+        };
+        if self.frames.as_ref().is_none_or(|known| known.key != key) {
+            let frames = self.frame_count(form);
+            self.frames = Some(Count { key, frames });
+        }
+    }
+
+    /// Returns what the sheet asks for.
+    pub fn export_order(&self) -> Result<Order, Refusal> {
+        self.export_prospect()?;
+        let (Some(form), Some(session), Some(moment)) = (&self.export, &self.session, self.still())
+        else {
+            return Err(Refusal::NoSession);
+        };
+        let content = match form.kind {
+            Kind::Result | Kind::Samples => Content::Samples {
+                moment: (form.kind == Kind::Samples).then_some(moment),
+                precision: form.precision,
+            },
+            Kind::Picture => {
+                let (view, scale) = self.checked_view(form)?.0;
+                Content::Picture {
+                    moment,
+                    view,
+                    scale,
+                }
+            }
+            Kind::Animation => {
+                let (view, scale) = self.checked_view(form)?.0;
+                let (_, range, clock, every) = self.frames_key(form)?;
+                Content::Animation {
+                    cursors: frames(session, &range, clock, every)?,
+                    view,
+                    scale,
+                    delay: form.delay()?,
+                    clock,
+                    every,
+                }
+            }
+        };
+        Ok(Order {
+            path: form.file().to_owned(),
+            session: Arc::clone(session),
+            content,
+        })
+    }
+
+    /// Returns how far the export at work has come.
+    #[must_use]
+    pub fn export_fraction(&self) -> Option<f32> {
+        #[cfg(not(target_arch = "wasm32"))]
+        return self.exporting.as_ref().map(crate::jobs::Job::fraction);
+        #[cfg(target_arch = "wasm32")]
+        None
     }
 }
+
+fn fill_in(form: &mut ExportForm, command: ExportCommand) {
+    match command {
+        ExportCommand::Path(path) => {
+            form.path = path;
+            form.look();
+            form.asked = false;
+        }
+        ExportCommand::Precision(precision) => form.precision = precision,
+        ExportCommand::Type(Entry::Scale, text) => form.scale = text,
+        ExportCommand::Type(Entry::Every, text) => form.every = text,
+        ExportCommand::Type(Entry::Delay, text) => form.delay = text,
+        _ => {}
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+mod outcome;
+#[cfg(not(target_arch = "wasm32"))]
+pub use outcome::Outcome;

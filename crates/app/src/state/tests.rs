@@ -4,6 +4,7 @@ use super::*;
 use crate::canvas::layers::Layer;
 use crate::command::Witness;
 use crate::command::{Choice, Field};
+use crate::export::{ExportCommand, Kind};
 use tilescope_core::Search;
 
 fn settled() -> State {
@@ -121,18 +122,22 @@ fn an_export_says_where_file_and_certificate_went() {
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("set.ply");
     let mut state = settled();
-    state.apply(Command::OpenExport);
-    state.apply(Command::ExportPath(path.to_string_lossy().into_owned()));
-    state.apply(Command::Export);
+    state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
+    state.apply(Command::Export(ExportCommand::Path(
+        path.to_string_lossy().into_owned(),
+    )));
+    state.apply(Command::Export(ExportCommand::Write));
     state.settle();
     let notice = state.notice.clone().unwrap();
     assert!(!notice.is_error, "{}", notice.text);
     assert!(notice.text.contains("set.ply.certificate.json"));
     assert!(path.exists() && state.export.is_none());
-    state.apply(Command::OpenExport);
+    state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
     let nowhere = folder.join("missing").join("set.csv");
-    state.apply(Command::ExportPath(nowhere.to_string_lossy().into_owned()));
-    state.apply(Command::Export);
+    state.apply(Command::Export(ExportCommand::Path(
+        nowhere.to_string_lossy().into_owned(),
+    )));
+    state.apply(Command::Export(ExportCommand::Write));
     state.settle();
     assert!(state.notice.clone().unwrap().is_error && state.export.is_some());
     std::fs::remove_dir_all(folder).unwrap();

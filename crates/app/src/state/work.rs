@@ -41,6 +41,7 @@ impl State {
         self.reveal();
         self.want_hits();
         self.want_geometry();
+        self.count_frames();
         let flies = self.advance_second(dt_secs);
         self.flight.is_some() || plays || flies
     }

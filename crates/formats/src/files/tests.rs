@@ -154,3 +154,34 @@ fn a_file_is_written_whole_or_not_at_all() {
     ));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
+
+#[test]
+fn what_is_written_through_is_whole_or_not_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("film.gif");
+    let stopped: Result<(), FormatError> = write_through(&path, |file| {
+        file.write_all(b"half").map_err(|e| io_error(&path, e))?;
+        assert_eq!(names(folder.path()).len(), 1, "under a temporary name");
+        assert!(!path.exists());
+        Err(io_error(&path, io::Error::other("stopped")))
+    });
+    assert!(stopped.is_err() && names(folder.path()).is_empty());
+    let whole = |bytes: &'static [u8]| {
+        write_through(&path, |file| {
+            file.write_all(bytes).map_err(|e| io_error(&path, e))
+        })
+    };
+    for bytes in [&b"first"[..], b"second"] {
+        whole(bytes).expect("a folder to write in");
+        assert_eq!(fs::read(&path).expect("there"), bytes);
+    }
+    assert_eq!(names(folder.path()).len(), 1);
+    let nowhere = folder.path().join("missing").join("film.gif");
+    let refused: Result<(), FormatError> = write_through(&nowhere, |_| Ok(()));
+    assert!(
+        refused
+            .expect_err("no folder")
+            .to_string()
+            .contains("film.gif")
+    );
+}

@@ -1,0 +1,92 @@
+//! The File menu: runs, and what leaves the window.
+
+use egui::Key;
+
+use super::{COMMAND, List, Menu, SHIFT};
+use crate::command::Command;
+use crate::export::{ExportCommand, Kind};
+use crate::files::{FileCommand, Purpose};
+use crate::state::State;
+
+/// Adds the actions of the menu.
+pub(super) fn add(list: &mut List, state: &State) {
+    let add = |list: &mut List, name: &str, keys, command, refusal: Option<&str>| {
+        list.add(Menu::File, name, keys, command, refusal);
+    };
+    let refusal = state.run_refusal();
+    add(
+        list,
+        "Run with these parameters",
+        Some((COMMAND, Key::Enter)),
+        Command::Run,
+        refusal.as_deref(),
+    );
+    let idle = state
+        .sampling
+        .is_none()
+        .then_some("Nothing is being sampled.");
+    add(list, "Cancel the run", None, Command::Cancel, idle);
+    sessions(list, state);
+    for (name, keys, kind) in [
+        (
+            "Export samples\u{2026}",
+            Some((COMMAND, Key::E)),
+            Kind::Result,
+        ),
+        ("Export samples of this moment\u{2026}", None, Kind::Samples),
+        (
+            "Export picture of this moment\u{2026}",
+            Some((COMMAND | SHIFT, Key::E)),
+            Kind::Picture,
+        ),
+        ("Export animation\u{2026}", None, Kind::Animation),
+    ] {
+        let refusal = state.kind_refusal(kind).map(|refusal| refusal.to_string());
+        let command = Command::Export(ExportCommand::Open(kind));
+        add(list, name, keys, command, refusal.as_deref());
+    }
+    let idle = state
+        .export_fraction()
+        .is_none()
+        .then_some("Nothing is being exported.");
+    let cancel = Command::Export(ExportCommand::Cancel);
+    add(list, "Cancel the export", None, cancel, idle);
+}
+
+/// Adds what reads and writes sessions and patterns.
+fn sessions(list: &mut List, state: &State) {
+    let sheet = |purpose| Command::File(FileCommand::Sheet(purpose));
+    let generated = state
+        .own_pattern
+        .is_none()
+        .then_some("The pattern is a generated one.");
+    for (name, key, command, refusal) in [
+        (
+            "Open session\u{2026}",
+            Some(Key::O),
+            sheet(Purpose::Open),
+            None,
+        ),
+        (
+            "Save session\u{2026}",
+            Some(Key::S),
+            sheet(Purpose::Save),
+            state.save_refusal(),
+        ),
+        (
+            "Use a pattern from a file\u{2026}",
+            None,
+            sheet(Purpose::Pattern),
+            None,
+        ),
+        (
+            "Use a generated pattern",
+            None,
+            Command::File(FileCommand::GeneratedPattern),
+            generated,
+        ),
+    ] {
+        let keys = key.map(|key| (COMMAND, key));
+        list.add(Menu::File, name, keys, command, refusal);
+    }
+}

@@ -1,0 +1,226 @@
+//! The export sheet as filled in: a file, and numbers as typed. It opens no file; whether one is there already it
+//! asks the system.
+
+use std::path::{Path, PathBuf};
+
+use tilescope_formats::Precision;
+
+use super::refusal::Refusal;
+use super::{Kind, extension};
+use crate::clock::Clock;
+
+/// The smallest scale: pixels for a point of the window.
+pub const MIN_SCALE: f64 = 0.5;
+/// The largest scale.
+pub const MAX_SCALE: f64 = 8.0;
+/// Most steps from frame to frame.
+pub const MAX_EVERY: usize = 10_000_000;
+/// The shortest time for a frame, in ms: viewers slow shorter ones down.
+pub const MIN_DELAY_MS: u32 = 20;
+/// The longest time for a frame, in ms.
+pub const MAX_DELAY_MS: u32 = 60_000;
+
+/// A number that is typed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Entry {
+    /// Pixels for a point of the window.
+    Scale,
+    /// Ticks of the clock from frame to frame.
+    Every,
+    /// Milliseconds for a frame.
+    Delay,
+}
+
+/// The export sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExportForm {
+    /// What to write.
+    pub kind: Kind,
+    /// The file to write; its extension chooses the format.
+    pub path: String,
+    /// Number type of the coordinates, where the format leaves the choice.
+    pub precision: Precision,
+    /// Pixels for a point of the window, as typed.
+    pub scale: String,
+    /// What frames are counted in.
+    pub clock: Clock,
+    /// Ticks of the clock from frame to frame, as typed. Empty until an animation is thought of.
+    pub every: String,
+    /// Milliseconds for a frame, as typed.
+    pub delay: String,
+    /// The file, or its certificate, that is there already and would be replaced.
+    pub taken: Option<PathBuf>,
+    /// Whether the user was asked about replacing it.
+    pub asked: bool,
+}
+
+impl Default for ExportForm {
+    fn default() -> Self {
+        Self {
+            kind: Kind::Result,
+            path: "tilescope.csv".to_owned(),
+            precision: Precision::Double,
+            scale: "1".to_owned(),
+            clock: Clock::Event,
+            every: String::new(),
+            delay: "100".to_owned(),
+            taken: None,
+            asked: false,
+        }
+    }
+}
+
+impl ExportForm {
+    /// Returns the file's path.
+    #[must_use]
+    pub fn file(&self) -> &Path {
+        Path::new(self.path.trim())
+    }
+
+    /// Chooses what to write. The file gets another extension where that is something else than before, or its own means
+    /// nothing.
+    pub fn choose(&mut self, kind: Kind) {
+        let same = kind == self.kind || (kind.is_set() && self.kind.is_set());
+        let fits = same && kind.format(self.file()).is_some();
+        if !fits && self.file().file_name().is_some() {
+            let path = self.file().with_extension(kind.extensions()[0]);
+            self.path = path.to_string_lossy().into_owned();
+        }
+        self.kind = kind;
+        self.look();
+        self.asked = false;
+    }
+
+    /// Looks whether there is a file already.
+    pub fn look(&mut self) {
+        self.taken = if self.path.trim().is_empty() {
+            None
+        } else {
+            taken(self.file(), self.kind)
+        };
+    }
+
+    /// Returns why no file of this name can be written.
+    #[must_use]
+    pub fn name_refusal(&self) -> Option<Refusal> {
+        if self.file().file_name().is_none() {
+            Some(Refusal::NoName)
+        } else if self.kind.format(self.file()).is_some() {
+            None
+        } else {
+            let known = self.kind.extensions();
+            Some(Refusal::Extension { known })
+        }
+    }
+
+    /// Returns whether the scale counts: a picture of vectors has no pixels.
+    #[must_use]
+    pub fn has_scale(&self) -> bool {
+        !self.kind.is_set() && extension(self.file()).as_deref() != Some("svg")
+    }
+
+    /// Returns the scale.
+    pub fn scale(&self) -> Result<f64, Refusal> {
+        let scale = self.scale.trim().parse().ok();
+        let within = scale.filter(|scale| (MIN_SCALE..=MAX_SCALE).contains(scale));
+        let text = || self.scale.clone();
+        within.ok_or_else(|| Refusal::Scale { text: text() })
+    }
+
+    /// Returns the ticks from frame to frame.
+    pub fn every(&self) -> Result<usize, Refusal> {
+        let every = self.every.trim().parse().ok();
+        let within = every.filter(|every| (1..=MAX_EVERY).contains(every));
+        let text = || self.every.clone();
+        within.ok_or_else(|| Refusal::Every { text: text() })
+    }
+
+    /// Returns the hundredths of a second for a frame.
+    pub fn delay(&self) -> Result<u16, Refusal> {
+        let delay = self.delay.trim().parse().ok();
+        let within = delay.filter(|delay| (MIN_DELAY_MS..=MAX_DELAY_MS).contains(delay));
+        let text = || self.delay.clone();
+        let hundredths = |ms: u32| u16::try_from((ms + 5) / 10).ok();
+        within
+            .and_then(hundredths)
+            .ok_or_else(|| Refusal::Delay { text: text() })
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn taken(path: &Path, kind: Kind) -> Option<PathBuf> {
+    let certificate = kind
+        .is_set()
+        .then(|| tilescope_formats::certificate_path(path));
+    let mut files = std::iter::once(path.to_owned()).chain(certificate);
+    files.find(|file| file.symlink_metadata().is_ok())
+}
+
+#[cfg(target_arch = "wasm32")]
+const fn taken(_: &Path, _: Kind) -> Option<PathBuf> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_extension_follows_what_is_written() {
+        let mut form = ExportForm {
+            path: "some.folder/first.set.ply".to_owned(),
+            ..ExportForm::default()
+        };
+        for (kind, path) in [
+            (Kind::Samples, "some.folder/first.set.ply"),
+            (Kind::Picture, "some.folder/first.set.png"),
+            (Kind::Animation, "some.folder/first.set.gif"),
+            (Kind::Result, "some.folder/first.set.csv"),
+            (Kind::Samples, "some.folder/first.set.csv"),
+        ] {
+            form.choose(kind);
+            assert_eq!(form.path, path);
+            assert_eq!(form.name_refusal(), None);
+        }
+        form.kind = Kind::Animation;
+        form.path = "film.SVG".to_owned();
+        assert!(matches!(
+            form.name_refusal(),
+            Some(Refusal::Extension { .. })
+        ));
+        form.kind = Kind::Picture;
+        form.choose(Kind::Picture);
+        assert!(form.path == "film.SVG" && !form.has_scale());
+        form.path = "  ".to_owned();
+        assert_eq!(form.name_refusal(), Some(Refusal::NoName));
+    }
+
+    #[test]
+    fn numbers_are_refused_by_value_and_limit() {
+        let mut form = ExportForm::default();
+        for text in ["0", "NaN", "1e9", "inf", "-1", "0.4999", "", "two"] {
+            text.clone_into(&mut form.scale);
+            let refusal = form.scale().unwrap_err().to_string();
+            assert!(refusal.contains(&format!("\"{text}\"")), "{refusal}");
+            assert!(refusal.contains("0.5 to 8"), "{refusal}");
+        }
+        for (text, scale) in [("0.5", 0.5), (" 8 ", 8.0), ("1.25", 1.25)] {
+            text.clone_into(&mut form.scale);
+            assert_eq!(form.scale(), Ok(scale));
+        }
+        for text in ["0", "-3", "1.5", "10000001", ""] {
+            text.clone_into(&mut form.every);
+            let refusal = form.every().unwrap_err().to_string();
+            assert!(refusal.contains("1 to 10,000,000"), "{refusal}");
+        }
+        for text in ["0", "19", "60001", "NaN"] {
+            text.clone_into(&mut form.delay);
+            let refusal = form.delay().unwrap_err().to_string();
+            assert!(refusal.contains("20 to 60,000"), "{refusal}");
+        }
+        for (text, hundredths) in [("20", 2), ("25", 3), ("60000", 6_000)] {
+            text.clone_into(&mut form.delay);
+            assert_eq!(form.delay(), Ok(hundredths));
+        }
+    }
+}

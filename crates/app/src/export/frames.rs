@@ -1,0 +1,196 @@
+//! Which moments become frames of an animation: a range of events, counted off by a clock.
+
+use std::ops::Range;
+
+use tilescope_debugger::Event;
+
+use super::refusal::Refusal;
+use crate::clock::Clock;
+use crate::session::Session;
+
+/// The most frames of an animation.
+pub const MOST_FRAMES: usize = 600;
+/// Frames that an animation has about at first, until something else is typed.
+const AT_FIRST: usize = 120;
+
+/// What frames follow from: the session's generation, the range, the clock and the ticks from frame to frame.
+pub type Key = (u64, Range<usize>, Clock, usize);
+
+/// How many frames there are for a key, or why none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Count {
+    /// What they follow from.
+    pub key: Key,
+    /// How many there are.
+    pub frames: Result<usize, Refusal>,
+}
+
+/// Returns the cursors of the frames: the start of `range`, every `every`-th tick in it, and its end.
+///
+/// # Errors
+///
+/// [`Refusal::NoEvents`], [`Refusal::EmptyRange`] and, above [`MOST_FRAMES`], [`Refusal::TooManyFrames`].
+pub fn frames(
+    session: &Session,
+    range: &Range<usize>,
+    clock: Clock,
+    every: usize,
+) -> Result<Vec<usize>, Refusal> {
+    let frames = count(session, range, clock, every)?;
+    let mut cursors = Vec::with_capacity(frames);
+    cursors.push(range.start);
+    let ticks = ticks(session, range, clock).skip(every - 1);
+    cursors.extend(ticks.step_by(every));
+    cursors.push(range.end);
+    Ok(cursors)
+}
+
+/// Returns how many frames [`frames`] would return, and refuses what it does.
+///
+/// # Errors
+///
+/// As [`frames`].
+pub fn count(
+    session: &Session,
+    range: &Range<usize>,
+    clock: Clock,
+    every: usize,
+) -> Result<usize, Refusal> {
+    let recording = session.recording().ok_or(Refusal::NoEvents)?;
+    let (start, end) = (range.start, range.end.min(recording.len()));
+    if start >= end {
+        return Err(Refusal::EmptyRange { start, end });
+    }
+    let ticks = number(session, range, clock);
+    let frames = ticks / every + 2;
+    if frames > MOST_FRAMES {
+        let enough = ticks / (MOST_FRAMES - 1) + 1;
+        return Err(Refusal::TooManyFrames { frames, enough });
+    }
+    Ok(frames)
+}
+
+/// Returns how many ticks may lie between frames at first.
+#[must_use]
+pub fn every_at_first(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
+    number(session, range, clock) / AT_FIRST + 1
+}
+
+/// Returns how many ticks there are inside a range.
+fn number(session: &Session, range: &Range<usize>, clock: Clock) -> usize {
+    match clock {
+        Clock::Event => range.len().saturating_sub(1),
+        _ => ticks(session, range, clock).count(),
+    }
+}
+
+/// Returns the cursors strictly inside a range at which a tick of the clock ends.
+fn ticks<'a>(
+    session: &'a Session,
+    range: &Range<usize>,
+    clock: Clock,
+) -> Box<dyn Iterator<Item = usize> + 'a> {
+    let inside = range.start + 1..range.end;
+    let Some(recording) = session.recording() else {
+        return Box::new(std::iter::empty());
+    };
+    match clock {
+        Clock::Event => Box::new(inside),
+        Clock::Line => {
+            let mut line = recording.event(range.start).map(Event::line);
+            let events = recording.tape().from(inside.start);
+            let events = events.take(inside.len());
+            Box::new(events.filter_map(move |(cursor, event)| {
+                let changes = line != Some(event.line());
+                line = Some(event.line());
+                changes.then_some(cursor)
+            }))
+        }
+        // The passes of the GPU have no events.
+        Clock::Stage | Clock::Pass => {
+            let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
+            Box::new(ends.filter(move |end| inside.contains(end)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::jobs::Job;
+    use std::sync::Arc;
+    use tilescope_core::Parameters;
+
+    fn session() -> Session {
+        let parameters = Parameters {
+            radius: 0.03,
+            leaf: 8.0,
+            ..Parameters::default()
+        };
+        let wake: crate::jobs::Wake = Arc::new(|| {});
+        let job = Job::start(&wake, move |monitor| {
+            Session::sample(&parameters.into(), 1, monitor)
+        });
+        job.wait().unwrap().unwrap()
+    }
+
+    #[test]
+    fn frames_begin_and_end_with_the_range_and_are_counted_right() {
+        let session = session();
+        let events = session.recording().unwrap().len();
+        for clock in Clock::ALL {
+            for every in [1, 2, 7, 100] {
+                for range in [10..11, 10..12, 0..300, 100..events.min(700)] {
+                    let Ok(frames) = frames(&session, &range, clock, every) else {
+                        assert_eq!((clock, every), (Clock::Event, 1));
+                        continue;
+                    };
+                    assert_eq!(frames.len(), count(&session, &range, clock, every).unwrap());
+                    assert_eq!(
+                        (frames[0], frames[frames.len() - 1]),
+                        (range.start, range.end)
+                    );
+                    assert!(frames.windows(2).all(|pair| pair[0] < pair[1]));
+                }
+            }
+        }
+        assert_eq!(
+            frames(&session, &(5..12), Clock::Event, 3),
+            Ok(vec![5, 8, 11, 12])
+        );
+    }
+
+    #[test]
+    fn a_tick_of_a_line_ends_where_another_line_begins() {
+        let session = session();
+        let recording = session.recording().unwrap();
+        let frames = frames(&session, &(0..900), Clock::Line, 1).unwrap();
+        let line = |event: usize| recording.event(event).unwrap().line();
+        for pair in frames.windows(2) {
+            assert!((pair[0]..pair[1]).all(|event| line(event) == line(pair[0])));
+            assert!(pair[1] == 900 || line(pair[1]) != line(pair[1] - 1));
+        }
+        let stages = super::frames(&session, &(0..recording.len()), Clock::Stage, 1).unwrap();
+        assert!((session.stages.len()..session.stages.len() + 2).contains(&stages.len()));
+    }
+
+    #[test]
+    fn empty_and_long_ranges_are_refused_and_what_is_proposed_will_do() {
+        let session = session();
+        let events = session.recording().unwrap().len();
+        let refused = frames(&session, &(7..7), Clock::Event, 1).unwrap_err();
+        assert_eq!(refused, Refusal::EmptyRange { start: 7, end: 7 });
+        let all = 0..events;
+        let Err(Refusal::TooManyFrames { frames, enough }) = count(&session, &all, Clock::Event, 1)
+        else {
+            panic!("{events} events are more than {MOST_FRAMES}");
+        };
+        assert_eq!(frames, events + 1);
+        assert!(count(&session, &all, Clock::Event, enough).unwrap() <= MOST_FRAMES);
+        assert!(count(&session, &all, Clock::Event, enough - 1).is_err());
+        for clock in Clock::ALL {
+            let every = every_at_first(&session, &all, clock);
+            assert!(count(&session, &all, clock, every).unwrap() <= AT_FIRST + 2);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Why something cannot be exported, as far as it is known before anything is written.
+
+use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
+use super::frames::MOST_FRAMES;
+use super::picture::MOST_DRAWN;
+use crate::sentence::grouped;
+
+/// Why nothing can be exported.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// There is no session.
+    #[error("There is no session yet.")]
+    NoSession,
+    /// Animations need events.
+    #[error(
+        "This session was made without events, so that there is no time to animate: runs of more than 500,000 samples keep their result alone."
+    )]
+    NoEvents,
+    /// No sample is there.
+    #[error("No sample covers its disk at this moment.")]
+    NoSamples,
+    /// On the web.
+    #[error("Files are written by the native program only.")]
+    Web,
+    /// No file was named.
+    #[error("Name a file.")]
+    NoName,
+    /// The extension means nothing here.
+    #[error("The extension chooses the format: {}.", .known.iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" "))]
+    Extension {
+        /// Extensions that are known.
+        known: Vec<&'static str>,
+    },
+    /// The scale is no number within the limits.
+    #[error("The scale is \"{text}\"; it must be a number from {MIN_SCALE} to {MAX_SCALE}.")]
+    Scale {
+        /// As typed.
+        text: String,
+    },
+    /// The number of ticks from frame to frame is none.
+    #[error(
+        "A frame for every \"{text}\" steps: it must be a whole number from 1 to {}.",
+        grouped(MAX_EVERY)
+    )]
+    Every {
+        /// As typed.
+        text: String,
+    },
+    /// The time for a frame is not within the limits.
+    #[error(
+        "The delay is \"{text}\" ms; it must be a whole number from {MIN_DELAY_MS} to {}.",
+        grouped(MAX_DELAY_MS as usize)
+    )]
+    Delay {
+        /// As typed.
+        text: String,
+    },
+    /// Nothing happens in the range.
+    #[error("The range from event {} to event {} is empty: there is nothing to animate.", grouped(*.start), grouped(*.end))]
+    EmptyRange {
+        /// Its first cursor.
+        start: usize,
+        /// Its last cursor.
+        end: usize,
+    },
+    /// There would be too many frames.
+    #[error(
+        "These are {} frames; the limit is {MOST_FRAMES}. A frame for every {} steps or more would do.",
+        grouped(*.frames), grouped(*.enough)
+    )]
+    TooManyFrames {
+        /// How many.
+        frames: usize,
+        /// The smallest distance between frames that gives few enough.
+        enough: usize,
+    },
+    /// The picture, or a frame, would have too many pixels.
+    #[error(
+        "A picture of {} x {} pixels is too large; the limit is {} pixels and {} on a side. A smaller scale would do.",
+        grouped(*.width), grouped(*.height), grouped(*.pixels), grouped(*.side)
+    )]
+    TooLarge {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+        /// Most pixels.
+        pixels: usize,
+        /// Longest side.
+        side: usize,
+    },
+    /// There is too much to draw.
+    #[error(
+        "About {} samples are in view; pictures draw {} at most. Zoom in.",
+        grouped(*.samples), grouped(MOST_DRAWN)
+    )]
+    TooManySamples {
+        /// How many.
+        samples: usize,
+    },
+    /// The canvas has not been shown yet.
+    #[error("There is no canvas to take the picture from.")]
+    NoCanvas,
+}

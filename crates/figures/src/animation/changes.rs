@@ -1,0 +1,75 @@
+//! What changes from one frame to the next: the smallest rectangle around it, and which pixels in it stay as they
+//! are. That is little for most steps, and what stays compresses to nearly nothing.
+
+use crate::raster::Pixels;
+
+/// What a frame changes.
+pub(super) struct Change {
+    pub left: u32,
+    pub top: u32,
+    pub width: u32,
+    pub height: u32,
+    /// The pixels of the rectangle.
+    pub rgba: Vec<u8>,
+    /// Whether each of them is as it was before.
+    pub stays: Vec<bool>,
+}
+
+impl Change {
+    /// The change from one frame to another of the same size; all of it where there is none before. A frame that
+    /// changes nothing has one pixel, which stays.
+    pub fn between(before: Option<&Pixels>, now: &Pixels) -> Self {
+        let width = now.width as usize;
+        let stays: Vec<bool> = match before {
+            Some(before) => {
+                let pairs = before.rgba.chunks_exact(4).zip(now.rgba.chunks_exact(4));
+                pairs.map(|(before, now)| before == now).collect()
+            }
+            None => vec![false; now.rgba.len() / 4],
+        };
+        let rows = || stays.chunks_exact(width.max(1));
+        let differs = |row: &[bool]| row.contains(&false);
+        let top = rows().position(differs).unwrap_or(0);
+        let bottom = rows().rposition(differs).unwrap_or(0);
+        let left = rows().filter_map(|row| row.iter().position(|stays| !stays));
+        let left = left.min().unwrap_or(0);
+        let right = rows().filter_map(|row| row.iter().rposition(|stays| !stays));
+        let right = right.max().unwrap_or(0);
+        let columns = left..right + 1;
+        let rows = rows().enumerate().skip(top).take(bottom + 1 - top);
+        let mut change = Self {
+            left: left as u32,
+            top: top as u32,
+            width: columns.len() as u32,
+            height: (bottom + 1 - top) as u32,
+            rgba: Vec::with_capacity(4 * columns.len() * (bottom + 1 - top)),
+            stays: Vec::with_capacity(columns.len() * (bottom + 1 - top)),
+        };
+        for (y, row) in rows {
+            let start = 4 * (y * width + left);
+            let end = start + 4 * columns.len();
+            change.rgba.extend(&now.rgba[start..end]);
+            change.stays.extend(&row[columns.clone()]);
+        }
+        change
+    }
+
+    /// The pixels to lay over the frame before, those that stay being transparent; or, with `true`, to put in their place:
+    /// where all change, or some that change are not opaque.
+    pub fn layer(&self) -> (Vec<u8>, bool) {
+        let mut rgba = self.rgba.clone();
+        let pixels = || self.rgba.chunks_exact(4).zip(&self.stays);
+        let all = !self.stays.contains(&true);
+        if all || pixels().any(|(pixel, stays)| !stays && pixel[3] != 255) {
+            return (rgba, true);
+        }
+        for (pixel, _) in rgba
+            .chunks_exact_mut(4)
+            .zip(&self.stays)
+            .filter(|(_, stays)| **stays)
+        {
+            pixel.fill(0);
+        }
+        (rgba, false)
+    }
+}

@@ -1,0 +1,77 @@
+//! The colours of a frame of a GIF: at most 256, chosen for each frame by itself.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::changes::Change;
+
+/// Colours of a frame.
+const COLORS: usize = 256;
+
+type Rgb = [u8; 3];
+
+/// The palette of a change, the index of each pixel, and the index of those that stay as they are, if there are any.
+/// Pictures of flat colours keep them exactly, which a palette of averages would not; shades between them are rare
+/// and take the nearest.
+pub(super) fn indexed(change: &Change) -> (Vec<u8>, Vec<u8>, Option<u8>) {
+    let pixels = || change.rgba.chunks_exact(4).zip(&change.stays);
+    let colors = || {
+        let changed = pixels().filter(|(_, stays)| !**stays);
+        changed.map(|(pixel, _)| on_white(pixel))
+    };
+    let some_stay = change.stays.contains(&true);
+    let room = COLORS - usize::from(some_stay);
+    let mut counts: BTreeMap<Rgb, u32> = BTreeMap::new();
+    let mut last: Option<(Rgb, u32)> = None;
+    // Equal neighbours are counted together, as most pixels have one.
+    for color in colors() {
+        last = match last {
+            Some((same, count)) if same == color => Some((same, count + 1)),
+            before => {
+                note(&mut counts, before);
+                Some((color, 1))
+            }
+        };
+    }
+    note(&mut counts, last);
+    let mut palette: Vec<(Rgb, u32)> = counts.into_iter().collect();
+    palette.sort_by_key(|&(color, count)| (std::cmp::Reverse(count), color));
+    let kept: Vec<Rgb> = palette.iter().take(room).map(|(color, _)| *color).collect();
+    let index: HashMap<Rgb, u8> = (palette.iter().enumerate())
+        .map(|(place, &(color, _))| match u8::try_from(place) {
+            Ok(index) if place < room => (color, index),
+            _ => (color, nearest(&kept, color)),
+        })
+        .collect();
+    let transparent = some_stay.then_some(kept.len() as u8);
+    let of = |(pixel, stays): (&[u8], &bool)| match transparent {
+        Some(transparent) if *stays => transparent,
+        _ => index[&on_white(pixel)],
+    };
+    let buffer = pixels().map(of).collect();
+    let mut palette = kept.into_flattened();
+    palette.extend(transparent.map(|_| [0; 3]).into_iter().flatten());
+    (palette, buffer, transparent)
+}
+
+fn note(counts: &mut BTreeMap<Rgb, u32>, run: Option<(Rgb, u32)>) {
+    if let Some((color, count)) = run {
+        *counts.entry(color).or_default() += count;
+    }
+}
+
+fn nearest(palette: &[Rgb], color: Rgb) -> u8 {
+    let distance = |other: &Rgb| -> u32 {
+        (0..3)
+            .map(|k| u32::from(other[k].abs_diff(color[k])).pow(2))
+            .sum()
+    };
+    let places = palette.iter().enumerate();
+    places
+        .min_by_key(|(_, other)| distance(other))
+        .map_or(0, |(place, _)| place as u8)
+}
+
+fn on_white(pixel: &[u8]) -> Rgb {
+    let opacity = u32::from(pixel[3]);
+    [0, 1, 2].map(|k| ((u32::from(pixel[k]) * opacity + 255 * (255 - opacity) + 127) / 255) as u8)
+}
