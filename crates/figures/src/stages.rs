@@ -1,7 +1,9 @@
 //! Pictures of sets and of the stages of a run, in the visual language that the window shares.
 //! They show a run as it stood after a stage; they never compute one.
 
-use tilescope_core::{Boundary, Domain, Origin, Point, Run, Stage, Standing};
+use tilescope_core::{
+    Boundary, Domain, Origin, Parameters, Point, Run, Search, Stage, Standing, Variant,
+};
 
 use crate::canvas::{Canvas, PictureOptions};
 use crate::palette::with_alpha;
@@ -146,7 +148,15 @@ pub fn caption(run: &Run, stage: Stage) -> String {
             format!("Iteration {k} inserts {n} samples into the gaps")
         }
         Stage::Regions | Stage::Finish => {
-            format!("The result: {} samples, maximal and conflict-free", s.count)
+            let Parameters {
+                search, variant, ..
+            } = run.parameters;
+            // Others are experiments, of which the verifier speaks.
+            let proved = match (search, variant) {
+                (Search::Complete, Variant::Staged) => ", maximal and conflict-free",
+                _ => "",
+            };
+            format!("The result: {} samples{proved}", s.count)
         }
     }
 }
@@ -262,7 +272,7 @@ fn block_of(run: &Run, id: u32) -> Option<u32> {
 
 #[cfg(test)]
 mod tests {
-    use tilescope_core::{Parameters, Unobserved, sample};
+    use tilescope_core::{Unobserved, sample};
 
     use super::*;
     use crate::to_pixels;
@@ -312,6 +322,14 @@ mod tests {
             assert!(!scene.title.is_empty());
             assert!(scenes[k + 1..].iter().all(|other| other != scene));
         }
+    }
+
+    #[test]
+    fn a_caption_claims_what_is_proved() {
+        let mut run = run();
+        assert!(caption(&run, Stage::Finish).contains("maximal and conflict-free"));
+        run.parameters.search = Search::TwoRadii;
+        assert!(!caption(&run, Stage::Finish).contains("maximal"));
     }
 
     #[test]
