@@ -1,0 +1,142 @@
+//! The canvas as pictures: drawn by instancing and by meshes it shows the same, layer by layer.
+
+use egui_kittest::Harness;
+use tilescope_app::canvas::layers::{Colouring, Layer};
+use tilescope_app::{App, Command};
+
+/// Places in the default session's list of stages.
+const BLOCKS_STAGE: usize = 1;
+const TILE_STAGE: usize = 2;
+const FIRST_ITERATION: usize = 4;
+
+mod support;
+use support::settle;
+
+/// Returns the window on its default session, its samples drawn by instancing or as meshes.
+fn window(instanced: bool) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size([1_100.0, 760.0])
+        .with_max_steps(64)
+        .wgpu()
+        .build_eframe(move |creation| {
+            let mut app = App::new(&creation.egui_ctx);
+            if instanced {
+                app.draw_with(creation.wgpu_render_state.as_ref().expect("a device"));
+            }
+            app
+        });
+    settle(&mut harness);
+    apply(&mut harness, Command::ToggleReducedMotion);
+    harness
+}
+
+fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    harness.state_mut().state.apply(command);
+    settle(harness);
+}
+
+/// How many pixels are taken together on each side: a mesh's symbols are blurred by less than one.
+const TILE: usize = 4;
+
+/// The canvas as mean colours of tiles of pixels.
+fn shoot(harness: &mut Harness<'_, App>) -> Vec<f64> {
+    // What was thinned out while the camera moved is whole in the next frame.
+    harness.step();
+    let image = harness.render().expect("a picture");
+    let rect = harness.state().state.viewport.shrink(1.0);
+    let [left, top, right, bottom] =
+        [rect.left(), rect.top(), rect.right(), rect.bottom()].map(|side| side as usize);
+    let mut tiles = Vec::new();
+    for y in (top..bottom - TILE).step_by(TILE) {
+        for x in (left..right - TILE).step_by(TILE) {
+            let mut sums = [0.0; 3];
+            for k in 0..TILE * TILE {
+                let pixel = image.get_pixel((x + k % TILE) as u32, (y + k / TILE) as u32);
+                for (sum, part) in sums.iter_mut().zip(pixel.0) {
+                    *sum += f64::from(part) / (TILE * TILE) as f64;
+                }
+            }
+            tiles.extend(sums);
+        }
+    }
+    tiles
+}
+
+/// The mean difference of two pictures, in steps of a byte.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+    sum / a.len() as f64
+}
+
+fn cameras() -> [Command; 3] {
+    [
+        Command::Fit,
+        Command::FlyTo([37.0, 45.0], 40.0),
+        Command::FlyTo([1.5, 60.0], 9.0),
+    ]
+}
+
+#[test]
+fn instancing_and_meshes_show_the_same() {
+    let (mut on_gpu, mut as_meshes) = (window(true), window(false));
+    for harness in [&mut on_gpu, &mut as_meshes] {
+        apply(harness, Command::ToggleLayer(Layer::Disks));
+    }
+    for (stage, colouring) in [
+        (TILE_STAGE, Colouring::Block),
+        (FIRST_ITERATION, Colouring::Provenance),
+        (usize::MAX, Colouring::Block),
+    ] {
+        for camera in cameras() {
+            let shoot_stage = |harness: &mut Harness<'_, App>, stage| {
+                apply(harness, Command::ShowStage(stage));
+                apply(harness, Command::Colour(colouring));
+                apply(harness, camera.clone());
+                shoot(harness)
+            };
+            let a = shoot_stage(&mut on_gpu, stage);
+            let b = shoot_stage(&mut as_meshes, stage);
+            let near = difference(&a, &b);
+            let far = difference(&a, &shoot_stage(&mut as_meshes, BLOCKS_STAGE));
+            assert!(near < 2.0, "{near} at stage {stage}, {camera:?}");
+            assert!(far > 5.0 * near, "{far} and {near} at {stage}, {camera:?}");
+        }
+    }
+}
+
+#[test]
+fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
+    let (mut on_gpu, mut as_meshes) = (window(true), window(false));
+    let view = Command::FlyTo([37.0, 45.0], 14.0);
+    let mut shots = Vec::new();
+    for harness in [&mut on_gpu, &mut as_meshes] {
+        apply(harness, Command::ShowStage(FIRST_ITERATION));
+        apply(harness, view.clone());
+        let whole = shoot(harness);
+        let mut changes = Vec::new();
+        for layer in [
+            Layer::Samples,
+            Layer::Inserted,
+            Layer::Eliminated,
+            Layer::Disks,
+        ] {
+            apply(harness, Command::ToggleLayer(layer));
+            let other = shoot(harness);
+            assert!(difference(&whole, &other) > 0.02, "{layer:?} shows nothing");
+            changes.push(other);
+            apply(harness, Command::ToggleLayer(layer));
+        }
+        let back = difference(&whole, &shoot(harness));
+        assert!(back < 0.01, "toggled back, it is as before: {back}");
+        shots.push(changes);
+    }
+    for (by_gpu, (k, by_mesh)) in shots[0].iter().zip(shots[1].iter().enumerate()) {
+        let own = difference(by_gpu, by_mesh);
+        let others = (0..shots[1].len()).filter(|other| *other != k);
+        let nearest = others
+            .map(|other| difference(by_gpu, &shots[1][other]))
+            .fold(f64::INFINITY, f64::min);
+        assert!(own < nearest, "{own} from its own, {nearest} from another");
+    }
+}
