@@ -2,6 +2,7 @@
 
 use egui_kittest::Harness;
 use tilescope_app::canvas::layers::{Colouring, Layer};
+use tilescope_app::command::TimeCommand;
 use tilescope_app::{App, Command};
 
 /// Places in the default session's list of stages.
@@ -138,5 +139,35 @@ fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
             .map(|other| difference(by_gpu, &shots[1][other]))
             .fold(f64::INFINITY, f64::min);
         assert!(own < nearest, "{own} from its own, {nearest} from another");
+    }
+}
+
+#[test]
+fn steps_and_leaps_through_time_lead_to_the_same_picture() {
+    let (mut stepping, mut leaping) = (window(true), window(true));
+    let jump = |cursor| Command::Time(TimeCommand::Jump(cursor));
+    for harness in [&mut stepping, &mut leaping] {
+        apply(harness, Command::FlyTo([37.0, 45.0], 60.0));
+    }
+    let session = stepping.state().state.session.clone().expect("a session");
+    let end_of = |stage| session.stage_end(stage).expect("events");
+    for (from, to) in [
+        (end_of(TILE_STAGE) + 10, end_of(TILE_STAGE) + 9_010),
+        (end_of(FIRST_ITERATION) - 1_000, end_of(FIRST_ITERATION) - 1),
+        (end_of(FIRST_ITERATION) - 1, end_of(FIRST_ITERATION) - 900),
+    ] {
+        apply(&mut stepping, jump(from));
+        let before = shoot(&mut stepping);
+        let steps = 12;
+        for k in 1..=steps {
+            let cursor = (from * (steps - k) + to * k) / steps;
+            apply(&mut stepping, jump(cursor));
+        }
+        apply(&mut leaping, jump(0));
+        apply(&mut leaping, jump(to));
+        let (after, direct) = (shoot(&mut stepping), shoot(&mut leaping));
+        assert!(difference(&after, &before) > 0.01, "{from} to {to}");
+        let apart = difference(&after, &direct);
+        assert!(apart < 1e-3, "{apart} apart, {from} to {to}");
     }
 }

@@ -1,6 +1,8 @@
 //! How every sample looks at a moment: symbol, colour, disk. Both painters, the instancing one and the one of meshes,
 //! draw what this says; it draws nothing itself.
 
+use std::ops::Range;
+
 use egui::Color32;
 use tilescope_core::{Origin, Stage, Standing};
 
@@ -30,6 +32,13 @@ impl Key {
             colouring: subject.colouring,
             dark: palette.dark,
         }
+    }
+
+    /// Returns the cursors between which two keys differ, if they differ in nothing else.
+    pub fn span(self, other: Self) -> Option<Range<usize>> {
+        let cursor = self.cursor;
+        let (low, high) = (cursor.min(other.cursor), cursor.max(other.cursor));
+        (Self { cursor, ..other } == self).then_some(low..high)
     }
 }
 

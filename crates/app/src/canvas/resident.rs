@@ -5,10 +5,13 @@ use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use tilescope_core::Stage;
 
-use super::instanced::{InstancedCanvas, PaintOptions, Symbol, Symbols};
+use super::instanced::{InstancedCanvas, Look, PaintOptions, Symbol, Symbols};
 use super::layers::Layer;
 use super::looks::{Key, Looks};
 use super::paint::Scene;
+
+/// Moments more events apart than this are not compared event by event.
+const MOST_EVENTS: usize = 1_000;
 
 /// The samples of a picture on the GPU.
 pub struct Resident {
@@ -43,15 +46,24 @@ impl Resident {
             .set_points(generation, points, &run.domain)
             .is_err()
         {
-            self.refused = Some(generation);
+            (self.refused, self.key) = (Some(generation), None);
             return None;
         }
         let key = Key::of(&scene.subject, scene.palette);
-        if self.key != Some(key) {
-            self.key = Some(key);
-            self.version += 1;
+        let before = self.key.replace(key);
+        if before == Some(key) {
+            return Some(self);
         }
-        self.canvas.set_looks(self.version, |id| looks.of(id));
+        self.version += 1;
+        match before.and_then(|before| changed(scene, before, key)) {
+            Some(ids) => {
+                let changes: Vec<(u32, Look)> = ids.map(|id| (id, looks.of(id))).collect();
+                self.canvas.change_looks(self.version, &changes);
+            }
+            None => {
+                self.canvas.set_looks(self.version, |id| looks.of(id));
+            }
+        }
         Some(self)
     }
 
@@ -87,6 +99,24 @@ impl Resident {
             painter.ctx().request_repaint();
         }
     }
+}
+
+/// Returns the samples whose looks may differ between two moments, if they are few and known: those of the events
+/// between.
+fn changed<'a>(
+    scene: &Scene<'a>,
+    before: Key,
+    now: Key,
+) -> Option<impl Iterator<Item = u32> + use<'a>> {
+    let recording = scene.session.recording()?;
+    let events = before.span(now)?;
+    if events.len() > MOST_EVENTS {
+        return None;
+    }
+    let count = scene.session.run().samples.len() as u32;
+    let events = events.filter_map(|index| recording.event(index));
+    let ids = events.flat_map(tilescope_debugger::Event::samples);
+    Some(ids.filter(move |&id| id < count))
 }
 
 fn options(scene: &Scene<'_>, symbols: Symbols) -> PaintOptions {
