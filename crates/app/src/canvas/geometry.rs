@@ -24,6 +24,11 @@ const GAP_REACH: f64 = 4.0;
 /// Returns the layers of a triangulation that are on. In a periodic domain they are to be clipped to it.
 pub fn shapes(scene: &Scene<'_>, tessellation: &Tessellation, sprites: &mut Sprites) -> Vec<Shape> {
     let mut net = Net::new(scene, sprites);
+    // Growing to some megabytes would copy them several times; either net has about three edges for each sample.
+    let nets = [Layer::Delaunay, Layer::Voronoi].into_iter();
+    let seen = scene.session.index.count_in(scene.low, scene.high);
+    net.strokes
+        .reserve(3 * seen * nets.filter(|&net| scene.has(net)).count());
     if scene.has(Layer::Delaunay) {
         net.delaunay(tessellation);
     }

@@ -54,10 +54,21 @@ impl Strokes {
         }
     }
 
+    /// Makes room for `count` segments.
+    pub fn reserve(&mut self, count: usize) {
+        self.mesh.vertices.reserve(4 * count);
+        self.mesh.indices.reserve(6 * count);
+    }
+
+    /// Adds a line.
     pub fn segment(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
-        let along = (to - from).normalized();
-        let across = along.rot90() * (width * self.half_per_width);
-        self.quad(from, to, across, color);
+        let along = to - from;
+        // `length` is a call that guards against overflow.
+        let length = along.length_sq().sqrt();
+        if length > 0.0 {
+            let across = along.rot90() * (width * self.half_per_width / length);
+            self.quad(from, to, across, color);
+        }
     }
 
     fn quad(&mut self, from: Pos2, to: Pos2, across: Vec2, color: Color32) {
@@ -68,25 +79,25 @@ impl Strokes {
 
     /// Adds the two sides of a line at a place of it.
     fn pair(&mut self, at: Pos2, across: Vec2, color: Color32) {
-        for (side, v) in [(-1.0, 0.0), (1.0, 1.0)] {
-            self.mesh.vertices.push(egui::epaint::Vertex {
-                pos: at + across * side,
-                uv: pos2(0.5, v),
-                color,
-            });
-        }
+        let side = |pos, v| egui::epaint::Vertex {
+            pos,
+            uv: pos2(0.5, v),
+            color,
+        };
+        let sides = [side(at - across, 0.0), side(at + across, 1.0)];
+        self.mesh.vertices.extend_from_slice(&sides);
     }
 
     /// Fills between the last two pairs.
     fn join(&mut self) {
-        let first = self.mesh.vertices.len() as u32 - 4;
-        self.mesh.add_triangle(first, first + 1, first + 2);
-        self.mesh.add_triangle(first + 2, first + 1, first + 3);
+        let last = self.mesh.vertices.len() as u32;
+        let [a, b, c, d] = [last - 4, last - 3, last - 2, last - 1];
+        self.mesh.indices.extend_from_slice(&[a, b, c, c, b, d]);
     }
 
     /// Adds a dashed line: short dashes where it is short.
     pub fn dashes(&mut self, from: Pos2, to: Pos2, width: f32, color: Color32) {
-        let length = (to - from).length();
+        let length = (to - from).length_sq().sqrt();
         if length < 0.5 {
             return;
         }
