@@ -140,6 +140,8 @@ pub enum Colouring {
     Block,
     /// Where it comes from: its block, the margin around it, or an insertion.
     Provenance,
+    /// When it came: tiled early to late, then iteration by iteration.
+    Age,
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::ops::Range;
 use egui::Color32;
 use tilescope_core::{Origin, Stage, Standing};
 
+use super::age::Ages;
 use super::instanced::{Look, Symbol};
 use super::layers::{Colouring, Layer, Layers};
 use super::subject::Subject;
@@ -47,7 +48,12 @@ impl Key {
 pub struct Swatches {
     dark: bool,
     blocks: Vec<Color32>,
+    /// From early to late.
+    ages: Vec<Color32>,
 }
+
+/// Colours of ages.
+const SHADES: u32 = 256;
 
 impl Swatches {
     /// Makes them fit `palette` and as many blocks as the subject has.
@@ -57,14 +63,21 @@ impl Swatches {
             *self = Self::default();
             self.dark = palette.dark;
         }
+        if self.ages.is_empty() {
+            let shade = |k: u32| palette.age(k as f32 / (SHADES - 1) as f32);
+            self.ages = (0..SHADES).map(shade).collect();
+        }
         let known = self.blocks.len().min(count);
         self.blocks
             .extend((known..count).map(|k| palette.block(k as u32)));
     }
 
-    /// Returns the colour of a block.
-    pub fn block(&self, index: u32) -> Color32 {
+    fn block(&self, index: u32) -> Color32 {
         self.blocks[index as usize]
+    }
+
+    fn age(&self, age: f32) -> Color32 {
+        self.ages[(age * (SHADES - 1) as f32).round() as usize]
     }
 }
 
@@ -73,6 +86,7 @@ pub struct Looks<'a> {
     subject: Subject<'a>,
     palette: &'a Palette,
     swatches: &'a Swatches,
+    ages: Ages,
     ghost: Color32,
     dropped: Color32,
 }
@@ -90,6 +104,7 @@ impl<'a> Looks<'a> {
             subject: *subject,
             palette,
             swatches,
+            ages: Ages::of(subject.shown.session),
             ghost: palette.eliminated.gamma_multiply(presence),
             dropped: palette.eliminated.gamma_multiply(0.35),
         }
@@ -121,15 +136,17 @@ impl<'a> Looks<'a> {
         }
     }
 
-    fn origin(&self, id: u32) -> Origin {
-        self.subject.shown.session.run().samples.origins[id as usize]
+    fn origin(&self, id: u32) -> &'a Origin {
+        &self.subject.shown.session.run().samples.origins[id as usize]
     }
 
     /// Returns the colour of a sample that is there.
     pub fn color(&self, id: u32) -> Color32 {
-        match (self.origin(id), self.subject.colouring) {
+        let origin = self.origin(id);
+        match (origin, self.subject.colouring) {
+            (_, Colouring::Age) => self.swatches.age(self.ages.of_sample(id, origin)),
             (Origin::Inserted { .. }, _) => self.palette.inserted,
-            (Origin::Tiled { block, .. }, Colouring::Block) => self.swatches.block(block),
+            (Origin::Tiled { block, .. }, Colouring::Block) => self.swatches.block(*block),
             (Origin::Tiled { own: true, .. }, Colouring::Provenance) => self.palette.sample,
             (Origin::Tiled { .. }, Colouring::Provenance) => self.palette.margin,
         }

@@ -1,6 +1,7 @@
 //! The canvas: one picture of samples, or two side by side, and what lies over them. It reads the state and pushes
 //! commands; what it remembers between frames are pictures that can be made again.
 
+pub(crate) mod age;
 mod blocks;
 mod geometry;
 pub mod index;
