@@ -8,7 +8,7 @@ use crate::session::Session;
 /// Where the last tiled sample is on the ramp.
 pub const LAST_TILED: f32 = 0.62;
 /// Where the samples of the first iteration are: clearly apart.
-pub const FIRST_INSERTED: f32 = 0.78;
+const FIRST_INSERTED: f32 = 0.78;
 
 /// The ages of a session's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

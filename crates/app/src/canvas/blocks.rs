@@ -1,4 +1,4 @@
-//! The building blocks on the canvas: tints, borders, numbers, and the clips around them.
+//! The building blocks that there are at the moment: tints, borders, numbers, and the clips around them.
 
 use egui::{Color32, FontId, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 use tilescope_core::Stage;
@@ -11,7 +11,7 @@ use super::strokes::Strokes;
 const MIN_LABELLED: f32 = 84.0;
 
 fn visible(scene: &Scene<'_>) -> impl Iterator<Item = (u32, Rect)> {
-    let leaves = &scene.session.run().blocks.leaves;
+    let leaves = &scene.session.run().blocks.leaves[..scene.made.leaves];
     let rects = leaves.iter().map(|block| scene.lattice_rect(&block.rect));
     let numbered = (0..).zip(rects);
     numbered.filter(|(_, rect)| rect.intersects(scene.rect))

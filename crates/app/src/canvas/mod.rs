@@ -20,6 +20,7 @@ mod stack;
 mod strokes;
 pub mod subject;
 mod symbols;
+mod tree;
 
 use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, vec2};

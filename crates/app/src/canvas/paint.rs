@@ -7,6 +7,7 @@ use super::layers::Layer;
 use super::sprites::{Sprite, Sprites};
 use super::strokes::Stamps;
 use super::subject::Subject;
+use super::tree::Made;
 use crate::moment::Shown;
 use crate::session::{Session, radii};
 use crate::theme::Palette;
@@ -24,6 +25,8 @@ pub struct Scene<'a> {
     pub low: [f64; 2],
     /// The highest visible coordinates, in r.
     pub high: [f64; 2],
+    /// How much of the KD-tree there is.
+    pub made: Made,
 }
 
 impl<'a> Scene<'a> {
@@ -45,6 +48,7 @@ impl<'a> Scene<'a> {
             palette,
             low,
             high,
+            made: Made::at(&shown),
         }
     }
 

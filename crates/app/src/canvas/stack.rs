@@ -9,7 +9,7 @@ use super::paint::Scene;
 use super::resident::Resident;
 use super::sprites::Sprites;
 use super::strokes::Kept;
-use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, symbols};
+use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, symbols, tree};
 
 /// What is kept as meshes from frame to frame.
 #[derive(Clone, Copy)]
@@ -18,6 +18,7 @@ enum Part {
     Geometry,
     Disks,
     Borders,
+    Tree,
     Clips,
     Conflicts,
     Samples,
@@ -88,6 +89,9 @@ impl<K: PartialEq> Stack<'_, K> {
         self.keep(Part::Search, scene.painter, |s| {
             symbols::search(s.scene, s.sprites)
         });
+        if scene.has(Layer::Tree) {
+            tree::numbers(scene);
+        }
         now::paint(scene);
         symbols::highlight(scene, self.sprites);
     }
@@ -104,6 +108,9 @@ impl<K: PartialEq> Stack<'_, K> {
             None => {}
         }
         self.borders();
+        if scene.has(Layer::Tree) {
+            tree::numbers(scene);
+        }
         symbols::highlight(scene, self.sprites);
     }
 
@@ -139,6 +146,11 @@ impl<K: PartialEq> Stack<'_, K> {
                 blocks::borders(s.scene)
             });
             blocks::numbers(self.scene);
+        }
+        if self.scene.has(Layer::Tree) {
+            self.keep(Part::Tree, self.scene.painter, |s| {
+                tree::lines(s.scene, s.sprites)
+            });
         }
     }
 

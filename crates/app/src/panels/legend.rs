@@ -2,7 +2,7 @@
 
 use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
-use crate::canvas::age::{Ages, FIRST_INSERTED, LAST_TILED};
+use crate::canvas::age::{Ages, LAST_TILED};
 use crate::canvas::layers::{Colouring, Layer};
 use crate::command::Command;
 use crate::state::State;
@@ -23,6 +23,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Layer::Samples, "sample"),
         (Layer::Disks, "disk of radius r"),
         (Layer::Blocks, "building block"),
+        (Layer::Tree, "split of the KD-tree"),
         (Layer::Pattern, "clip: block enlarged by r"),
         (Layer::Conflicts, "conflict: closer than r"),
         (Layer::Eliminated, "eliminated sample"),
@@ -68,6 +69,9 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
+/// How many bands show the tiled part of the ramp.
+const SHADES: u16 = 64;
+
 /// Shows the ramp of ages with its ends named: the tiled samples without steps, then a step for each iteration.
 fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
     let size = vec2(ui.available_width().min(300.0), 44.0);
@@ -82,24 +86,19 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         let place = Rect::from_x_y_ranges(x(from)..=x(to), rect.top()..=rect.top() + 14.0);
         painter.rect_filled(place, 0.0, palette.age(age));
     };
-    const SHADES: u16 = 64;
     for k in 0..SHADES {
         let at = |k: u16| LAST_TILED * f32::from(k) / f32::from(SHADES);
         band(at(k), at(k + 1), at(k));
     }
-    let steps = ages.iterations.max(1);
     let start = LAST_TILED + 0.03;
-    for k in 0..steps {
-        let at = |k: u32| start + (1.0 - start) * k as f32 / steps as f32;
-        band(
-            at(k),
-            at(k + 1),
-            ages.of_iteration(k + 1).max(FIRST_INSERTED),
-        );
+    for k in 0..ages.iterations {
+        let at = |k: u32| start + (1.0 - start) * k as f32 / ages.iterations as f32;
+        band(at(k), at(k + 1), ages.of_iteration(k + 1));
     }
     let font = FontId::proportional(11.5);
     let inserted = match ages.iterations {
-        0 | 1 => "inserted".to_owned(),
+        0 => String::new(),
+        1 => "inserted".to_owned(),
         all => format!("iteration 1 to {all}"),
     };
     for (at, anchor, text) in [
