@@ -4,6 +4,7 @@
 pub(crate) mod age;
 mod blocks;
 mod geometry;
+mod hover;
 pub mod index;
 mod input;
 pub mod instanced;
@@ -27,7 +28,7 @@ use egui::{Rect, Sense, Ui, vec2};
 
 use crate::command::Command;
 use crate::state::State;
-use crate::theme::Palette;
+use crate::theme::{Look, Palette};
 use pane::Pane;
 use subject::Subject;
 
@@ -98,5 +99,7 @@ impl Side<'_> {
         overlay::scale_bar(&painter, rect, subject, palette);
         overlay::cursor(&painter, rect, subject, response.hover_pos(), palette);
         overlay::note(&painter, rect, note.as_deref(), palette);
+        let brief = self.state.look == Look::Projector;
+        hover::show(ui, &painter, &response, subject, palette, brief);
     }
 }
