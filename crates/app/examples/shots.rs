@@ -130,15 +130,8 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot("tree-middle", vec![Command::Look(Look::Dark)]);
     shoot("tree-finish", vec![Command::LastStage]);
     shoot("tree-zoom", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
-    shoot(
-        "tree-default",
-        vec![
-            Command::ResetParameters,
-            Command::Run,
-            Command::ShowStage(1),
-            Command::Fit,
-        ],
-    );
+    shoot("tree-default", vec![Command::ResetParameters, Command::Run]);
+    shoot("tree-blocks", vec![Command::ShowStage(1), Command::Fit]);
     let back = vec![
         tree(),
         Command::LastStage,
@@ -186,7 +179,20 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
             };
             tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
         });
-        let at = deepest.filter(|_| name == "hover-margin").unwrap_or(place);
+        let nearest = state.session.as_ref().map(|session| {
+            let distance = |id: &u32| {
+                let at = session.place(*id);
+                ((at[0] - place[0]).hypot(at[1] - place[1]) * 1e6) as u64
+            };
+            let count = session.run().samples.len() as u32;
+            session.place((0..count).min_by_key(distance).unwrap_or(0))
+        });
+        let at = match name {
+            "hover-margin" => deepest,
+            "hover-block" => None,
+            _ => nearest,
+        };
+        let at = at.unwrap_or(place);
         let pos = state.camera.screen_from_domain(state.viewport, at);
         harness.hover_at(pos);
         save(harness, folder, name);

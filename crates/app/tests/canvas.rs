@@ -1,9 +1,16 @@
-//! The canvas as pictures: drawn by instancing and by meshes it shows the same, layer by layer.
+//! The canvas as pictures and in words: drawn by instancing and by meshes it shows the same, layer by layer, and it names
+//! what is under the pointer.
 
 use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::command::TimeCommand;
+use tilescope_app::layout::Panel;
+use tilescope_app::sentence::grouped;
+use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
+use tilescope_core::stages::blocks::Axis;
+use tilescope_core::{Fate, Moment, R};
 
 /// Places in the default session's list of stages.
 const BLOCKS_STAGE: usize = 1;
@@ -11,7 +18,7 @@ const TILE_STAGE: usize = 2;
 const FIRST_ITERATION: usize = 4;
 
 mod support;
-use support::settle;
+use support::{opened, settle};
 
 /// Returns the window on its default session, its samples drawn by instancing or as meshes.
 fn window(instanced: bool) -> Harness<'static, App> {
@@ -170,4 +177,143 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
         let apart = difference(&after, &direct);
         assert!(apart < 1e-3, "{apart} apart, {from} to {to}");
     }
+}
+
+/// How much the canvas changes along a line of the domain when the KD-tree is switched.
+fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
+    let mut shoot = || {
+        harness.step();
+        let image = harness.render().expect("a picture");
+        let state = &harness.state().state;
+        let along = (0..40).map(|k| {
+            let t = 0.05 + 0.9 * f64::from(k) / 40.0;
+            let place = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
+            let pos = state.camera.screen_from_domain(state.viewport, place);
+            f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
+        });
+        let seen: Vec<f64> = along.collect();
+        harness
+            .state_mut()
+            .state
+            .apply(Command::ToggleLayer(Layer::Tree));
+        seen
+    };
+    let (before, after) = (shoot(), shoot());
+    difference(&before, &after)
+}
+
+#[test]
+fn the_tree_shows_the_splits_that_were_made() {
+    let mut harness = window(false);
+    let session = harness.state().state.session.clone().expect("a session");
+    let splits = session.run().blocks.splits.clone();
+    let line = |k: usize| {
+        let split = &splits[k];
+        let (rect, plane) = (&split.rect, split.plane);
+        let ends = match split.axis {
+            Axis::X => [[plane, rect.min.y], [plane, rect.max.y]],
+            Axis::Y => [[rect.min.x, plane], [rect.max.x, plane]],
+        };
+        ends.map(|end| end.map(|units| f64::from(units) / f64::from(R)))
+    };
+    let after = |harness: &Harness<'_, App>, wanted: u32| {
+        let recording = harness.state().state.debugger.as_ref().expect("events");
+        let mut events = recording.recording().tape().from(0);
+        let found = events.find(|(_, event)| {
+            matches!(event.moment(), Some(Moment::Split { index, .. }) if index == wanted)
+        });
+        found.expect("that split").0 + 1
+    };
+    let second = after(&harness, 1);
+    apply(&mut harness, Command::Time(TimeCommand::Jump(second)));
+    assert!(tree_at(&mut harness, line(0)) > 40.0);
+    assert!(tree_at(&mut harness, line(1)) > 40.0);
+    for later in 2..splits.len() {
+        assert!(tree_at(&mut harness, line(later)) < 8.0, "split {later}");
+    }
+    apply(&mut harness, Command::ShowStage(BLOCKS_STAGE));
+    for made in 0..splits.len() {
+        assert!(tree_at(&mut harness, line(made)) > 20.0, "split {made}");
+    }
+}
+
+#[test]
+fn ages_colour_the_samples_and_are_undone() {
+    let mut harness = window(true);
+    apply(&mut harness, Command::FlyTo([37.0, 45.0], 30.0));
+    let by_block = shoot(&mut harness);
+    apply(&mut harness, Command::Colour(Colouring::Age));
+    let by_age = shoot(&mut harness);
+    assert!(difference(&by_block, &by_age) > 0.5);
+    apply(&mut harness, Command::OpenPanel(Panel::Legend));
+    harness.get_by_label_contains("Ramp of ages");
+    apply(&mut harness, Command::Undo);
+    apply(&mut harness, Command::Undo);
+    assert!(harness.query_by_label_contains("Ramp of ages").is_none());
+    assert!(difference(&by_block, &shoot(&mut harness)) < 1e-3);
+}
+
+/// What the canvas says of a place of the domain.
+fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
+    let state = &harness.state().state;
+    let pos = state.camera.screen_from_domain(state.viewport, place);
+    harness.hover_at(pos);
+    settle(harness);
+    // What is hovered is known a frame later.
+    harness.run();
+    let canvas = harness.get_by_label("Canvas of samples");
+    canvas
+        .accesskit_node()
+        .data()
+        .description()
+        .map(str::to_owned)
+}
+
+#[test]
+fn what_is_under_the_pointer_is_named() {
+    let mut harness = opened();
+    let session = harness.state().state.session.clone().expect("a session");
+    let run = session.run();
+    apply(&mut harness, Command::ToggleReducedMotion);
+    apply(&mut harness, Command::ShowStage(3));
+    let lost = (0..).find(|&id| {
+        let place = session.place(id);
+        let inside = place.iter().all(|x| (20.0..100.0).contains(x));
+        inside && matches!(run.samples.fates[id as usize], Fate::Eliminated { .. })
+    });
+    let lost = lost.expect("an eliminated sample");
+    let Fate::Eliminated { by } = run.samples.fates[lost as usize] else {
+        unreachable!()
+    };
+    apply(&mut harness, Command::FlyTo(session.place(lost), 6.0));
+    let said = said_of(&mut harness, session.place(lost)).expect("a sample");
+    let number = |id: u32| grouped(id as usize);
+    assert!(
+        said.starts_with(&format!("Sample {} ", number(lost))),
+        "{said}"
+    );
+    assert!(said.ends_with(&format!(": eliminated by sample {}", number(by))));
+    apply(&mut harness, Command::ShowStage(TILE_STAGE));
+    let said = said_of(&mut harness, session.place(lost)).expect("a sample");
+    assert!(said.ends_with(": not decided yet"), "{said}");
+
+    let inserted = run.iterations[0].inserted.start;
+    apply(&mut harness, Command::LastStage);
+    apply(&mut harness, Command::FlyTo(session.place(inserted), 6.0));
+    let said = said_of(&mut harness, session.place(inserted)).expect("a sample");
+    let expected = format!("Sample {} inserted in iteration 1: valid", number(inserted));
+    assert_eq!(said, expected);
+
+    apply(&mut harness, Command::ShowStage(3));
+    let said = said_of(&mut harness, session.place(inserted)).expect("a gap");
+    assert!(said.starts_with("Gap: area 0."), "{said}");
+    apply(&mut harness, Command::ShowStage(BLOCKS_STAGE));
+    let block = said_of(&mut harness, session.place(inserted)).expect("a block");
+    assert!(block.starts_with("Block ") && block.contains("cut off by split"));
+    apply(&mut harness, Command::Look(Look::Projector));
+    apply(&mut harness, Command::FlyTo(session.place(inserted), 6.0));
+    let brief = said_of(&mut harness, session.place(inserted)).expect("a block");
+    assert!(block.starts_with(&brief) && !brief.contains("split"));
+    apply(&mut harness, Command::FlyTo([-90.0, -90.0], 6.0));
+    assert_eq!(said_of(&mut harness, [-90.0, -90.0]), None);
 }

@@ -2,6 +2,7 @@
 //! what it names.
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
+use tilescope_analysis::tessellation::Edge;
 use tilescope_core::{Origin, Stage, Standing};
 
 use super::MIN_DISK_SCALE;
@@ -13,6 +14,11 @@ use crate::theme::Palette;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
 const WIDEST: f32 = 380.0;
+/// How far a tag stays from the pointer, and at most, in screen points.
+const NEAREST: f32 = 10.0;
+const FARTHEST: f32 = 90.0;
+/// How far the ring around the sample under the pointer reaches.
+const HALO: f32 = 15.0;
 /// How near to a sample in a gap the pointer must be to mean the sample, in screen points.
 const ON_SAMPLE: f32 = 5.0;
 /// How much room a tag needs above what it names.
@@ -20,10 +26,9 @@ const HIGHEST: f32 = 64.0;
 
 /// What is under the pointer.
 struct Named {
-    /// What it is.
-    name: String,
-    /// What else is known of it.
-    more: String,
+    /// What it is, in few words and in all.
+    brief: String,
+    full: String,
     /// Where it is, and how far it reaches, in screen points.
     at: Pos2,
     reach: f32,
@@ -42,15 +47,11 @@ pub fn show(
     let Some(named) = pointer.and_then(|pos| name(subject, response.rect, pos)) else {
         return;
     };
-    let text = if brief || named.more.is_empty() {
-        named.name.clone()
-    } else {
-        format!("{}: {}", named.name, named.more)
-    };
+    let text = if brief { &named.brief } else { &named.full };
     ui.ctx().accesskit_node_builder(response.id, |node| {
         node.set_description(text.as_str());
     });
-    tag(painter, response.rect, &named, &text, palette);
+    tag(painter, response.rect, &named, text, palette);
 }
 
 /// Returns what is under the pointer, if anything.
@@ -69,33 +70,41 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
     });
     // Nothing covers a place in a gap: only a sample that the pointer is right on is meant instead.
     let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
-    let gap = gap(subject, place).filter(|_| !on_sample);
-    if let (Some((id, at)), None) = (hovered, &gap) {
-        let (name, more) = sample(subject, id);
+    if let Some((gap, reach)) = gap(subject, place).filter(|_| !on_sample) {
+        let reach = reach * subject.camera.scale as f32;
         return Some(Named {
-            name,
-            more,
-            at,
-            reach: 15.0,
+            brief: "Gap".to_owned(),
+            full: gap,
+            at: pointer,
+            reach: reach.clamp(NEAREST, FARTHEST),
         });
     }
-    let (name, more) = gap.or_else(|| block(subject, place))?;
+    if let Some((id, at)) = hovered {
+        let [brief, full] = sample(subject, id);
+        return Some(Named {
+            brief,
+            full,
+            at,
+            reach: HALO,
+        });
+    }
+    let [brief, full] = block(subject, place)?;
     Some(Named {
-        name,
-        more,
+        brief,
+        full,
         at: pointer,
-        reach: 10.0,
+        reach: NEAREST,
     })
 }
 
-fn sample(subject: &Subject<'_>, id: u32) -> (String, String) {
+fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
     let shown = subject.shown;
     let number = grouped(id as usize);
     let stands = match shown.standing(id) {
         Standing::Absent => "not there yet".to_owned(),
         Standing::Tiled => "not decided yet".to_owned(),
         Standing::Valid => "valid".to_owned(),
-        Standing::Dropped => "dropped, as it lies outside the domain".to_owned(),
+        Standing::Dropped => "dropped outside the domain".to_owned(),
         Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
     };
     let from = match shown.session.run().samples.origins[id as usize] {
@@ -107,24 +116,35 @@ fn sample(subject: &Subject<'_>, id: u32) -> (String, String) {
         }
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
-    (format!("Sample {number}, {stands}"), from)
+    [
+        format!("Sample {number}: {stands}"),
+        format!("Sample {number} {from}: {stands}"),
+    ]
 }
 
-fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, String)> {
+/// Returns what is known of the gap at a place, and how far it reaches from there, in r.
+fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, f32)> {
     let shown = &subject.shown;
-    if shown.stage < Stage::Eliminate || !is_inside(subject, place) {
+    let size = shown.session.size_radii();
+    let is_inside = (0..2).all(|k| (0.0..size[k]).contains(&place[k]));
+    if shown.stage < Stage::Eliminate || !is_inside {
         return None;
     }
     let tessellation = subject.geometry.of(shown)?;
     let gap = &tessellation.gaps[tessellation.gap_at(place)?];
-    let more = format!(
-        "area {:.4} r\u{b2}, deepest {:.4} r",
-        gap.area, gap.deepest.1
-    );
-    Some(("Gap".to_owned(), more))
+    let ends = gap.boundary.iter().flatten().map(|edge| match *edge {
+        Edge::Line { from, .. } => from,
+        Edge::Arc {
+            center, from_angle, ..
+        } => [center[0] + from_angle.cos(), center[1] + from_angle.sin()],
+    });
+    let reach = ends.map(|end| (end[0] - place[0]).hypot(end[1] - place[1]));
+    let (area, deepest) = (gap.area, gap.deepest.1);
+    let text = format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r");
+    Some((text, reach.fold(0.0, f64::max) as f32))
 }
 
-fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, String)> {
+fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
     let blocks = &subject.shown.session.run().blocks;
     let holds = |rect: &tilescope_core::Rect| {
@@ -134,21 +154,17 @@ fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, String)> {
     let leaves = &blocks.leaves[..made.leaves];
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
     let leaf = &leaves[number];
-    let mut more = format!(
-        "{:.1} \u{d7} {:.1} r",
+    let brief = format!("Block {}", grouped(number));
+    let mut full = format!(
+        "{brief}: {:.1} \u{d7} {:.1} r",
         radii(leaf.rect.width()),
         radii(leaf.rect.height())
     );
     // Deeper splits come later in the list than those above them.
     if let Some(split) = blocks.splits.iter().rposition(|split| holds(&split.rect)) {
-        more += &format!(", cut off by split {}", grouped(split + 1));
+        full += &format!(", cut off by split {}", grouped(split + 1));
     }
-    Some((format!("Block {}", grouped(number)), more))
-}
-
-fn is_inside(subject: &Subject<'_>, place: [f64; 2]) -> bool {
-    let size = subject.shown.session.size_radii();
-    (0..2).all(|k| (0.0..size[k]).contains(&place[k]))
+    Some([brief, full])
 }
 
 /// Draws the text above and to the right of what it names, or where there is more room. The side depends on the place

@@ -12,8 +12,10 @@ use super::strokes::Strokes;
 use crate::moment::Shown;
 use crate::session::radii;
 
-/// Splits whose line is shorter have no number, in screen points.
-const MIN_LABELLED: f32 = 48.0;
+/// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
+const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
+/// Wider lines are drawn as such: the picture of a stroke would make their sides blurred.
+const WIDEST_SOFT: f32 = 2.0;
 /// The width of the first split's line, in screen points.
 const WIDEST: f32 = 6.0;
 /// The width of the lines deep in the tree.
@@ -82,30 +84,44 @@ pub fn lines(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
         Some(Moment::Split { index, .. }) => index as usize + 1,
         _ => 0,
     };
+    let mut wide = Vec::new();
+    // Beside samples the tree steps back.
+    let presence = if scene.stage == Stage::Blocks {
+        1.0
+    } else {
+        0.5
+    };
+    let color = scene.palette.text.gamma_multiply(presence);
     for (number, split, [from, to]) in visible(scene) {
+        let width = width(split);
         if number == just_made {
-            strokes.segment(from, to, width(split) + 6.0, scene.palette.accent);
+            let halo = Stroke::new(width + 5.0, scene.palette.accent);
+            wide.push(Shape::line_segment([from, to], halo));
         }
-        strokes.segment(from, to, width(split), scene.palette.text);
+        if width > WIDEST_SOFT {
+            wide.push(Shape::line_segment([from, to], Stroke::new(width, color)));
+        } else {
+            strokes.segment(from, to, width, color);
+        }
     }
-    vec![strokes.into_shape()]
+    wide.push(strokes.into_shape());
+    wide
 }
 
 /// Draws the numbers: those of earlier splits where there is no room for all.
 pub fn numbers(scene: &Scene<'_>) {
     let mut taken: Vec<Rect> = Vec::new();
     let palette = scene.palette;
+    let min_lengths = MIN_LENGTHS[usize::from(scene.stage > Stage::Blocks)];
     for (number, _, [from, to]) in visible(scene) {
-        if (to - from).length() < MIN_LABELLED {
-            continue;
-        }
         let middle = pos2(f32::midpoint(from.x, to.x), f32::midpoint(from.y, to.y));
-        let font = FontId::monospace(12.0);
+        let font = FontId::monospace(11.5);
         let text = number.to_string();
         let galley = scene.painter.layout_no_wrap(text, font, palette.text);
         let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
-        let ground = place.expand2(vec2(6.0, 3.0));
-        if taken.iter().any(|other| other.intersects(ground)) {
+        let ground = place.expand2(vec2(5.0, 2.0));
+        let long_enough = (to - from).length() >= min_lengths * ground.width();
+        if !long_enough || taken.iter().any(|other| other.intersects(ground)) {
             continue;
         }
         taken.push(ground.expand(2.0));
