@@ -9,7 +9,7 @@ use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use tilescope_app::canvas::layers::Layer;
 use tilescope_app::command::{Field, TimeCommand};
-use tilescope_app::{App, Command};
+use tilescope_app::{App, Command, Session};
 
 /// Frames per figure.
 const FRAMES: u32 = 60;
@@ -83,12 +83,29 @@ fn step(app: &mut App, number: u32) {
 }
 
 fn measure(bench: &mut Bench, name: &str) {
-    let mut line = format!("{name:<34}");
+    print!("{name:<34}");
     for change in [rest as fn(&mut App, u32), pan, step] {
         let [ui, tessellate] = bench.frames(change);
-        line += &format!("{ui:>7.2} +{tessellate:>6.2}   ");
+        print!("{ui:>7.2} +{tessellate:>6.2}   ");
     }
-    println!("{line}");
+    println!();
+}
+
+/// Times views of moments in the middle and at the end.
+fn measure_all(bench: &mut Bench, session: &Session, layers: &str) {
+    let middle = session.stage_end(3).unwrap_or(0) * 3 / 4;
+    let end = session.recording().map_or(0, |recording| recording.len());
+    for (moment, cursor) in [("middle", middle), ("end", end)] {
+        for (view, camera) in [
+            ("fitted", Command::Fit),
+            ("60 r", Command::FlyTo([40.0, 40.0], 60.0)),
+            ("12 r", Command::FlyTo([40.0, 40.0], 12.0)),
+        ] {
+            bench.apply(Command::Time(TimeCommand::Jump(cursor)));
+            bench.apply(camera);
+            measure(bench, &format!("{layers}, {moment}, {view}"));
+        }
+    }
 }
 
 fn opened(instanced: bool, radius: Option<String>) -> Bench {
@@ -136,27 +153,11 @@ fn main() {
         "{:<34}{:^17}{:^17}{:^17}",
         "", "at rest", "panning", "stepping"
     );
-    let middle = session.stage_end(3).unwrap_or(0) * 3 / 4;
-    let end = session.recording().map_or(0, |recording| recording.len());
-    for all in [false, true] {
-        if all {
-            for layer in Layer::ALL {
-                if !bench.app.state.layers.has(layer) {
-                    bench.apply(Command::ToggleLayer(layer));
-                }
-            }
-        }
-        for (moment, cursor) in [("middle", middle), ("end", end)] {
-            for (view, camera) in [
-                ("fitted", Command::Fit),
-                ("60 r", Command::FlyTo([40.0, 40.0], 60.0)),
-                ("12 r", Command::FlyTo([40.0, 40.0], 12.0)),
-            ] {
-                bench.apply(Command::Time(TimeCommand::Jump(cursor)));
-                bench.apply(camera);
-                let layers = if all { "all layers" } else { "usual layers" };
-                measure(&mut bench, &format!("{layers}, {moment}, {view}"));
-            }
+    measure_all(&mut bench, &session, "usual layers");
+    for layer in Layer::ALL {
+        if !bench.app.state.layers.has(layer) {
+            bench.apply(Command::ToggleLayer(layer));
         }
     }
+    measure_all(&mut bench, &session, "all layers");
 }

@@ -276,7 +276,7 @@ fn what_is_under_the_pointer_is_named() {
     let run = session.run();
     apply(&mut harness, Command::ToggleReducedMotion);
     apply(&mut harness, Command::ShowStage(3));
-    let lost = (0..).find(|&id| {
+    let lost = (0..run.samples.len() as u32).find(|&id| {
         let place = session.place(id);
         let inside = place.iter().all(|x| (20.0..100.0).contains(x));
         inside && matches!(run.samples.fates[id as usize], Fate::Eliminated { .. })

@@ -155,15 +155,14 @@ fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
     let leaf = &leaves[number];
     let brief = format!("Block {}", grouped(number));
-    let mut full = format!(
-        "{brief}: {:.1} \u{d7} {:.1} r",
-        radii(leaf.rect.width()),
-        radii(leaf.rect.height())
-    );
+    let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
+    let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
     // Deeper splits come later in the list than those above them.
-    if let Some(split) = blocks.splits.iter().rposition(|split| holds(&split.rect)) {
-        full += &format!(", cut off by split {}", grouped(split + 1));
-    }
+    let last = blocks.splits.iter().rposition(|split| holds(&split.rect));
+    let full = match last {
+        Some(split) => format!("{brief}: {size}, cut off by split {}", grouped(split + 1)),
+        None => format!("{brief}: {size}"),
+    };
     Some([brief, full])
 }
 
