@@ -67,6 +67,7 @@ mod tests {
     use tilescope_core::stages::detect::Sites;
 
     #[test]
+    #[allow(clippy::float_cmp, reason = "the ends of the ramp are exact")]
     fn who_came_later_is_farther_on_the_ramp() {
         let tiled = |block| Origin::Tiled {
             block,
