@@ -96,8 +96,7 @@ impl<'a> Scene<'a> {
     /// Draws the pattern's own samples.
     pub fn pattern(&self, sprites: &mut Sprites) {
         let radius = (0.17 * self.scale()).clamp(0.8, 5.0);
-        let stamp = sprites.stamp(self.painter.ctx(), Sprite::Dot, radius);
-        let mut stamps = Stamps::new(stamp);
+        let mut stamps = Stamps::of(sprites, self.painter.ctx(), Sprite::Dot, radius);
         for point in self.session.run().pattern.samples() {
             let pos = self.at([radii(point.x), radii(point.y)]);
             if self.rect.expand(8.0).contains(pos) {

@@ -61,7 +61,8 @@ impl Pane {
         };
         let made_from = (frame, Key::of(subject, palette));
         let triangulated = subject.geometry.of(&scene.shown).is_some();
-        self.kept.follow((made_from, triangulated));
+        let old = self.kept.follow((made_from, triangulated));
+        self.sprites.take_back(old);
         self.swatches.follow(subject, palette);
         let looks = Looks::new(subject, palette, &self.swatches);
         let resident = self.resident.as_mut();

@@ -15,10 +15,12 @@ pub struct Stamps {
 }
 
 impl Stamps {
-    pub fn new(stamp: Stamp) -> Self {
+    /// Returns a mesh of `sprite` for symbols of `radius` screen points.
+    pub fn of(sprites: &mut Sprites, ctx: &egui::Context, sprite: Sprite, radius: f32) -> Self {
+        let stamp = sprites.stamp(ctx, sprite, radius);
         Self {
             stamp,
-            mesh: Mesh::with_texture(stamp.texture),
+            mesh: sprites.mesh(stamp.texture),
         }
     }
 
@@ -50,7 +52,7 @@ impl Strokes {
         let stamp = sprites.stamp(ctx, Sprite::Stroke, HALF_WIDTH);
         Self {
             half_per_width: stamp.half / (2.0 * HALF_WIDTH),
-            mesh: Mesh::with_texture(stamp.texture),
+            mesh: sprites.mesh(stamp.texture),
         }
     }
 
@@ -160,12 +162,13 @@ impl<K> Default for Kept<K> {
 }
 
 impl<K: PartialEq> Kept<K> {
-    /// Forgets everything that was made from another key.
-    pub fn follow(&mut self, key: K) {
-        if self.key.as_ref() != Some(&key) {
-            self.layers.clear();
-            self.key = Some(key);
+    /// Forgets everything that was made from another key; returns it.
+    pub fn follow(&mut self, key: K) -> Vec<Shape> {
+        if self.key.as_ref() == Some(&key) {
+            return Vec::new();
         }
+        self.key = Some(key);
+        self.layers.drain(..).flatten().flatten().collect()
     }
 
     /// Returns the shapes of a layer, made now if they are not known.
@@ -232,7 +235,8 @@ mod tests {
         let mut kept = Kept::default();
         let mut made = 0;
         for (key, expected) in [(1, 1), (1, 1), (2, 2), (2, 2), (1, 3)] {
-            kept.follow(key);
+            let old = kept.follow(key);
+            assert_eq!(old.is_empty(), made == expected || made == 0, "{key}");
             let shapes = kept.layer(3, || {
                 made += 1;
                 vec![Shape::Noop]

@@ -36,7 +36,7 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec
     let radius = scene.scale();
     let small = radius <= MAX_DISK_SPRITE;
     let size = if small { radius } else { 1.0 };
-    let mut stamps = Stamps::new(sprites.stamp(scene.painter.ctx(), Sprite::Disk, size));
+    let mut stamps = Stamps::of(sprites, scene.painter.ctx(), Sprite::Disk, size);
     let mut circles = Vec::new();
     let index = &scene.session.index;
     index.visit(scene.low, scene.high, 1.0, |seen| {
@@ -61,7 +61,7 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec
 /// Returns the samples, eliminated ones below the others.
 pub fn samples(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec<Shape> {
     let (scale, ctx) = (scene.scale(), scene.painter.ctx());
-    let mut stamps = |sprite, radius| Stamps::new(sprites.stamp(ctx, sprite, radius));
+    let mut stamps = |sprite, radius| Stamps::of(sprites, ctx, sprite, radius);
     let mut dots = stamps(Sprite::Dot, (0.2 * scale).clamp(1.0, 5.5));
     let mut crosses = stamps(Sprite::Cross, (0.26 * scale).clamp(2.2, 8.0));
     let mut diamonds = stamps(Sprite::Diamond, (0.27 * scale).clamp(2.6, 8.5));
@@ -137,23 +137,23 @@ pub fn search(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
     let (scale, ctx) = (scene.scale(), scene.painter.ctx());
     let view = scene.rect.expand(12.0);
     if scene.has(Layer::Detectors) {
-        let stamp = sprites.stamp(ctx, Sprite::Detector, (0.33 * scale).clamp(2.4, 9.0));
+        let radius = (0.33 * scale).clamp(2.4, 9.0);
         let marked = iteration
             .detectors
             .iter()
             .filter(|&&id| scene.shown.is_marked(id));
         let places = marked.map(|&id| scene.at(scene.session.place(id)));
-        let mut stamps = Stamps::new(stamp);
+        let mut stamps = Stamps::of(sprites, ctx, Sprite::Detector, radius);
         for pos in places.filter(|pos| view.contains(*pos)) {
             stamps.add(pos, scene.palette.detector);
         }
         shapes.push(stamps.into_shape());
     }
     if scene.has(Layer::Candidates) && scene.stage != Stage::Eliminate {
-        let stamp = sprites.stamp(ctx, Sprite::Triangle, (0.36 * scale).clamp(3.5, 10.0));
+        let radius = (0.36 * scale).clamp(3.5, 10.0);
         let places = candidates(scene, iteration);
         let places = places.map(|point| scene.at([radii(point.x), radii(point.y)]));
-        let mut stamps = Stamps::new(stamp);
+        let mut stamps = Stamps::of(sprites, ctx, Sprite::Triangle, radius);
         for pos in places.filter(|pos| view.contains(*pos)) {
             stamps.add(pos, scene.palette.candidate);
         }
@@ -185,7 +185,7 @@ pub fn highlight(scene: &Scene<'_>, sprites: &mut Sprites) {
     let subject = &scene.subject;
     super::overlay::sight(painter, scene.rect, subject, palette);
     let radius = (0.45 * scene.scale()).clamp(6.0, 14.0);
-    let mut halos = Stamps::new(sprites.stamp(painter.ctx(), Sprite::Halo, radius));
+    let mut halos = Stamps::of(sprites, painter.ctx(), Sprite::Halo, radius);
     let stroke = Stroke::new(1.2, palette.halo.gamma_multiply(0.8));
     if let Some(place) = subject.place {
         let at = scene.at(place);
