@@ -70,7 +70,9 @@ impl Sprites {
                 && let Ok(mut mesh) = Arc::try_unwrap(mesh)
                 && self.spare.len() < MOST_SPARE
             {
-                mesh.clear();
+                // `Mesh::clear` would free the vertices.
+                mesh.vertices.clear();
+                mesh.indices.clear();
                 self.spare.push(mesh);
             }
         }
