@@ -18,19 +18,19 @@ fn main() {
     let mut harness = Harness::builder()
         .with_size([1600.0, 1000.0])
         .with_max_steps(64)
-        .build_eframe(|creation| App::new(&creation.egui_ctx));
+        .wgpu()
+        .build_eframe(|creation| {
+            let mut app = App::new(&creation.egui_ctx);
+            app.draw_with(creation.wgpu_render_state.as_ref().expect("a device"));
+            app
+        });
     harness.state_mut().state.settle();
     harness.run();
     let mut shoot = |name: &str, commands: Vec<Command>| {
         for command in commands {
             harness.state_mut().state.apply(command);
         }
-        harness.state_mut().state.settle();
-        harness.run();
-        let image = harness.render().expect("a picture of the window");
-        let path = Path::new(&folder).join(format!("{name}.png"));
-        image.save(&path).expect("a writable folder");
-        println!("{}", path.display());
+        save(&mut harness, &folder, name);
     };
     let near = || Command::FlyTo([37.0, 45.0], 18.0);
     shoot("finish", vec![]);
@@ -72,6 +72,7 @@ fn main() {
     );
     exports(&mut shoot);
     moments(&mut shoot);
+    ages_and_tree(&mut shoot);
     let gaps = vec![
         Command::Choose(Choice::Search(Search::TwoRadii)),
         Command::Type(Field::Leaf, "6".to_owned()),
@@ -97,6 +98,111 @@ fn main() {
         Command::Type(Field::Leaf, "2".to_owned()),
     ];
     shoot("bad", bad);
+    pointed_at(&mut harness, &folder);
+}
+
+fn save(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
+    harness.state_mut().state.settle();
+    harness.run();
+    // What was thinned out while the camera moved is whole in the next frame.
+    harness.step();
+    let image = harness.render().expect("a picture of the window");
+    let path = Path::new(folder).join(format!("{name}.png"));
+    image.save(&path).expect("a writable folder");
+    println!("{}", path.display());
+}
+
+/// Samples by age, and the KD-tree half made and whole. It leaves everything as it found it.
+fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
+    let by_age = Command::Colour(Colouring::Age);
+    let tree = || Command::ToggleLayer(Layer::Tree);
+    shoot(
+        "age",
+        vec![by_age, Command::Fit, Command::OpenPanel(Panel::Legend)],
+    );
+    shoot("age-zoom", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
+    shoot("age-zoom-light", vec![Command::Look(Look::Light)]);
+    shoot("age-light", vec![Command::Fit]);
+    shoot("age-projector", vec![Command::Look(Look::Projector)]);
+    shoot("tree-projector", vec![Command::ShowStage(1), tree()]);
+    let small = vec![Command::Type(Field::Leaf, "6".to_owned()), Command::Run];
+    shoot("tree-small-leaf", small);
+    let middle = vec![
+        Command::ShowStage(1),
+        Command::Look(Look::Light),
+        Command::Time(TimeCommand::Jump(60)),
+    ];
+    shoot("tree-middle-light", middle);
+    shoot("tree-middle", vec![Command::Look(Look::Dark)]);
+    shoot("tree-finish", vec![Command::LastStage]);
+    shoot("tree-zoom", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
+    shoot("tree-default", vec![Command::ResetParameters, Command::Run]);
+    shoot("tree-blocks", vec![Command::ShowStage(1), Command::Fit]);
+    let back = vec![
+        tree(),
+        Command::LastStage,
+        Command::Colour(Colouring::Block),
+    ];
+    shoot("tree-off", back);
+}
+
+/// What the canvas says of the thing under the pointer.
+fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
+    let start = [
+        Command::ResetParameters,
+        Command::Run,
+        Command::ToggleReducedMotion,
+    ];
+    for command in start {
+        harness.state_mut().state.apply(command);
+    }
+    harness.state_mut().state.settle();
+    harness.run();
+    for (name, stage, place, radii, look) in [
+        ("hover-block", 1, [20.0, 30.0], 120.0, Look::Dark),
+        ("hover-sample", 3, [37.0, 45.0], 18.0, Look::Dark),
+        ("hover-margin", 3, [36.9, 41.0], 14.0, Look::Light),
+        ("hover-corner", usize::MAX, [1.0, 118.0], 120.0, Look::Light),
+        ("hover-projector", 3, [37.0, 45.0], 14.0, Look::Projector),
+    ] {
+        let state = &mut harness.state_mut().state;
+        for command in [
+            Command::Look(look),
+            Command::ShowStage(stage),
+            Command::FlyTo(place, radii),
+        ] {
+            state.apply(command);
+        }
+        harness.state_mut().state.settle();
+        harness.run();
+        let state = &harness.state().state;
+        // Where there is a gap in view, the pointer goes there.
+        let deepest = state.shown().and_then(|shown| {
+            let tessellation = state.geometry.of(&shown)?;
+            let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {
+                let deepest = gap.deepest.0;
+                (deepest[0] - place[0]).hypot(deepest[1] - place[1]) < 0.4 * radii
+            };
+            tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
+        });
+        let nearest = state.session.as_ref().map(|session| {
+            let distance = |id: &u32| {
+                let at = session.place(*id);
+                ((at[0] - place[0]).hypot(at[1] - place[1]) * 1e6) as u64
+            };
+            let count = session.run().samples.len() as u32;
+            session.place((0..count).min_by_key(distance).unwrap_or(0))
+        });
+        let at = match name {
+            "hover-margin" => deepest,
+            "hover-block" => None,
+            _ => nearest,
+        };
+        let at = at.unwrap_or(place);
+        let pos = state.camera.screen_from_domain(state.viewport, at);
+        harness.hover_at(pos);
+        save(harness, folder, name);
+    }
 }
 
 /// The export sheet, in what it can write.

@@ -232,6 +232,11 @@ fn view(list: &mut List) {
         None,
         Command::Colour(Colouring::Provenance),
     );
+    add(
+        "Colour by age".to_owned(),
+        None,
+        Command::Colour(Colouring::Age),
+    );
 }
 
 /// Returns why time cannot go forwards, and why not backwards.

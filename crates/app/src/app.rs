@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Context, Frame, Ui};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, UiResponse};
 
@@ -37,6 +38,11 @@ impl App {
             canvas: Canvas::default(),
             commands: Vec::new(),
         }
+    }
+
+    /// Draws samples on the canvas by instancing on the window's device, which `render_state` holds, from now on.
+    pub fn draw_with(&mut self, render_state: &RenderState) {
+        self.canvas.draw_with(render_state);
     }
 
     /// Shows one frame.

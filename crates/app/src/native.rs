@@ -73,6 +73,9 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
             native,
             Box::new(move |creation| {
                 let mut app = App::new(&creation.egui_ctx);
+                if let Some(render_state) = &creation.wgpu_render_state {
+                    app.draw_with(render_state);
+                }
                 if let Some(storage) = creation.storage {
                     app.remember(storage);
                 }

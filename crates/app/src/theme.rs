@@ -202,12 +202,29 @@ impl Palette {
         };
         oklch(lightness, chroma, hue)
     }
+
+    /// Returns the colour of an age between 0, early, and 1, late: from blue over grey to yellow, ever lighter, so that
+    /// the order is seen whichever colours the eye tells apart.
+    #[must_use]
+    pub fn age(&self, age: f32) -> Color32 {
+        let (early, late) = if self.dark {
+            ([0.56, -0.02, -0.14], [0.93, -0.02, 0.15])
+        } else {
+            ([0.30, -0.01, -0.15], [0.665, 0.02, 0.135])
+        };
+        let part = |k: usize| early[k] + (late[k] - early[k]) * f64::from(age.clamp(0.0, 1.0));
+        oklab(part(0), part(1), part(2))
+    }
 }
 
 /// Returns the sRGB colour of an Oklab lightness, chroma and hue (Ottosson 2020).
 fn oklch(lightness: f64, chroma: f64, hue_degrees: f64) -> Color32 {
     let (sin, cos) = hue_degrees.to_radians().sin_cos();
-    let (a, b) = (chroma * cos, chroma * sin);
+    oklab(lightness, chroma * cos, chroma * sin)
+}
+
+/// Returns the sRGB colour of a lightness and two opponent coordinates of Oklab.
+fn oklab(lightness: f64, a: f64, b: f64) -> Color32 {
     let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
     let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548 * b).powi(3);
@@ -361,6 +378,20 @@ mod tests {
     fn contrast(a: Color32, b: Color32) -> f32 {
         let (a, b) = (luminance(a), luminance(b));
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn the_ramp_of_ages_can_be_read_and_grows_lighter() {
+        for palette in [DARK, LIGHT] {
+            let ramp: Vec<Color32> = (0..=32).map(|k| palette.age(k as f32 / 32.0)).collect();
+            for color in &ramp {
+                assert!(contrast(*color, palette.domain) > 3.0, "{color:?}");
+            }
+            for pair in ramp.windows(2) {
+                assert!(luminance(pair[1]) > luminance(pair[0]), "{pair:?}");
+            }
+            assert!(contrast(ramp[0], ramp[32]) > 3.0);
+        }
     }
 
     #[test]

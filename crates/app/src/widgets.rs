@@ -59,6 +59,16 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
                 StrokeKind::Middle,
             );
         }
+        Layer::Tree => {
+            for (ends, width) in [
+                ([vec2(-1.5, -6.0), vec2(-1.5, 6.0)], 2.6),
+                ([vec2(-1.5, 1.0), vec2(6.0, 1.0)], 1.6),
+                ([vec2(-6.0, -2.0), vec2(-1.5, -2.0)], 1.6),
+            ] {
+                let ends = ends.map(|v| at + v);
+                painter.line_segment(ends, Stroke::new(width, palette.text));
+            }
+        }
         Layer::Conflicts => {
             let ends = [at + vec2(-6.0, 4.0), at + vec2(6.0, -4.0)];
             painter.extend(Shape::dashed_line(

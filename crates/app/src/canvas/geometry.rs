@@ -1,12 +1,16 @@
 //! The triangulation over the samples: Delaunay and Voronoi edges, circumcircles larger than r, and the exact borders
 //! of the gaps. It draws what is handed to it.
 
-use egui::{Color32, Pos2, Shape, Stroke};
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Shape};
 use tilescope_analysis::Tessellation;
 use tilescope_analysis::tessellation::Edge;
 
 use super::layers::Layer;
 use super::paint::Scene;
+use super::sprites::Sprites;
+use super::strokes::Strokes;
 
 /// Circles wider than this, in r, are hardly curved where they can be seen.
 const WIDEST: f64 = 50.0;
@@ -14,135 +18,158 @@ const WIDEST: f64 = 50.0;
 const MOST_CIRCLES: usize = 4_000;
 /// By how much a radius may exceed r from rounding alone.
 const HAIR: f64 = 1e-6;
+/// How far the border of a gap may be from its deepest place, in r.
+const GAP_REACH: f64 = 4.0;
 
-/// Draws the layers of a triangulation that are on.
-pub fn paint(scene: &Scene<'_>, tessellation: &Tessellation) {
+/// Returns the layers of a triangulation that are on. In a periodic domain they are to be clipped to it.
+pub fn shapes(scene: &Scene<'_>, tessellation: &Tessellation, sprites: &mut Sprites) -> Vec<Shape> {
+    let mut net = Net::new(scene, sprites);
+    // Growing to some megabytes would copy them several times; either net has about three edges for each sample.
+    let nets = [Layer::Delaunay, Layer::Voronoi].into_iter();
+    let seen = scene.session.index.count_in(scene.low, scene.high);
+    net.strokes
+        .reserve(3 * seen * nets.filter(|&net| scene.has(net)).count());
     if scene.has(Layer::Delaunay) {
-        delaunay(scene, tessellation);
+        net.delaunay(tessellation);
     }
     if scene.has(Layer::Voronoi) {
         let color = scene.palette.detector.gamma_multiply(0.7);
         for &ends in &tessellation.voronoi_edges {
-            segment(scene, ends, Stroke::new(1.0, color));
+            net.segment(ends, color);
         }
     }
     if scene.has(Layer::Circumcircles) {
-        circumcircles(scene, tessellation);
+        net.circumcircles(tessellation);
     }
     if scene.has(Layer::Gaps) {
-        gaps(scene, tessellation);
+        net.gaps(tessellation);
     }
+    vec![net.strokes.into_shape()]
 }
 
-/// Calls `draw` with every shift by whole periods that may bring something near the domain into view.
-fn shifts(scene: &Scene<'_>, mut draw: impl FnMut([f64; 2])) {
-    let size = scene.session.size_radii();
-    let periodic = scene.session.run().domain.is_periodic();
-    for up in -1..=1 {
-        for right in -1..=1 {
-            if periodic || (up == 0 && right == 0) {
-                draw([f64::from(right) * size[0], f64::from(up) * size[1]]);
-            }
+struct Net<'a> {
+    scene: &'a Scene<'a>,
+    size: [f64; 2],
+    periodic: bool,
+    strokes: Strokes,
+}
+
+impl<'a> Net<'a> {
+    fn new(scene: &'a Scene<'a>, sprites: &mut Sprites) -> Self {
+        Self {
+            scene,
+            size: scene.session.size_radii(),
+            periodic: scene.session.run().domain.is_periodic(),
+            strokes: Strokes::new(sprites, scene.painter.ctx()),
         }
     }
-}
 
-fn segment(scene: &Scene<'_>, ends: [[f64; 2]; 2], stroke: Stroke) {
-    shifts(scene, |shift| {
-        let ends = ends.map(|[x, y]| [x + shift[0], y + shift[1]]);
-        let outside = |k: usize| {
-            let (a, b) = (ends[0][k], ends[1][k]);
-            a.max(b) < scene.low[k] || a.min(b) > scene.high[k]
+    /// Calls `draw` with every shift by whole periods that brings what lies between `low` and `high` both into the
+    /// domain and into view.
+    fn shifts(&mut self, low: [f64; 2], high: [f64; 2], mut draw: impl FnMut(&mut Self, [f64; 2])) {
+        let steps = |k: usize| -> RangeInclusive<i32> {
+            if !self.periodic {
+                return 0..=0;
+            }
+            -i32::from(high[k] > self.size[k])..=i32::from(low[k] < 0.0)
         };
-        if !outside(0) && !outside(1) {
-            scene
-                .painter
-                .line_segment(ends.map(|end| scene.at(end)), stroke);
-        }
-    });
-}
-
-fn delaunay(scene: &Scene<'_>, tessellation: &Tessellation) {
-    let stroke = Stroke::new(1.0, scene.palette.sample.gamma_multiply(0.45));
-    let periodic = scene.session.run().domain.is_periodic();
-    for triangle in &tessellation.triangles {
-        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-            // Two triangles run along an edge in opposite ways; only at a closed border there is but one.
-            if !periodic || triangle.sites[from] < triangle.sites[to] {
-                segment(
-                    scene,
-                    [triangle.corners[from], triangle.corners[to]],
-                    stroke,
-                );
-            }
-        }
-    }
-}
-
-fn circumcircles(scene: &Scene<'_>, tessellation: &Tessellation) {
-    let stroke = Stroke::new(1.4, scene.palette.conflict);
-    let wide = tessellation
-        .triangles
-        .iter()
-        .filter(|t| t.circumradius > 1.0 + HAIR);
-    let mut drawn = 0;
-    for triangle in wide {
-        shifts(scene, |shift| {
-            let center = [triangle.center[0] + shift[0], triangle.center[1] + shift[1]];
-            let reach = triangle.circumradius;
-            let near =
-                |k: usize| center[k] + reach > scene.low[k] && center[k] - reach < scene.high[k];
-            if near(0) && near(1) && reach < WIDEST && drawn < MOST_CIRCLES {
-                drawn += 1;
-                scene
-                    .painter
-                    .circle_stroke(scene.at(center), reach as f32 * scene.scale(), stroke);
-            }
-        });
-    }
-}
-
-/// Draws the borders of the gaps, which are arcs of disks.
-fn gaps(scene: &Scene<'_>, tessellation: &Tessellation) {
-    if scene.scale() < super::MIN_DISK_SCALE as f32 {
-        return;
-    }
-    let color: Color32 = scene.palette.gap;
-    for gap in &tessellation.gaps {
-        shifts(scene, |shift| {
-            let deepest = [gap.deepest.0[0] + shift[0], gap.deepest.0[1] + shift[1]];
-            let near = |k: usize| (scene.low[k] - 4.0..scene.high[k] + 4.0).contains(&deepest[k]);
-            if near(0) && near(1) {
-                for edge in gap.boundary.iter().flatten() {
-                    let points = points_of(scene, edge, shift);
-                    scene
-                        .painter
-                        .add(Shape::line(points, Stroke::new(1.6, color)));
+        let (columns, rows) = (steps(0), steps(1));
+        for up in rows {
+            for right in columns.clone() {
+                let shift = [
+                    f64::from(right) * self.size[0],
+                    f64::from(up) * self.size[1],
+                ];
+                let seen = |k: usize| {
+                    high[k] + shift[k] >= self.scene.low[k]
+                        && low[k] + shift[k] <= self.scene.high[k]
+                };
+                if seen(0) && seen(1) {
+                    draw(self, shift);
                 }
             }
+        }
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], color: Color32) {
+        let [a, b] = ends;
+        let low = [0, 1].map(|k| f64::min(a[k], b[k]));
+        let high = [0, 1].map(|k| f64::max(a[k], b[k]));
+        self.shifts(low, high, |net, shift| {
+            let [from, to] = ends.map(|end| net.scene.at(moved(end, shift)));
+            net.strokes.segment(from, to, 1.0, color);
         });
+    }
+
+    fn delaunay(&mut self, tessellation: &Tessellation) {
+        let color = self.scene.palette.sample.gamma_multiply(0.45);
+        for triangle in &tessellation.triangles {
+            for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+                // Two triangles run along an edge in opposite ways; only at a closed border there is but one.
+                if !self.periodic || triangle.sites[from] < triangle.sites[to] {
+                    self.segment([triangle.corners[from], triangle.corners[to]], color);
+                }
+            }
+        }
+    }
+
+    fn circumcircles(&mut self, tessellation: &Tessellation) {
+        let color = self.scene.palette.conflict;
+        let mut drawn = 0;
+        for triangle in &tessellation.triangles {
+            let reach = triangle.circumradius;
+            if !(1.0 + HAIR..WIDEST).contains(&reach) {
+                continue;
+            }
+            let [low, high] = [-reach, reach].map(|by| moved(triangle.center, [by; 2]));
+            self.shifts(low, high, |net, shift| {
+                if drawn < MOST_CIRCLES {
+                    drawn += 1;
+                    let center = net.scene.at(moved(triangle.center, shift));
+                    let radius = reach as f32 * net.scene.scale();
+                    let whole = [0.0, std::f32::consts::TAU];
+                    net.strokes.arc(center, radius, whole, 1.4, color);
+                }
+            });
+        }
+    }
+
+    /// Draws the borders of the gaps, which are arcs of disks.
+    fn gaps(&mut self, tessellation: &Tessellation) {
+        if self.scene.scale() < super::MIN_DISK_SCALE as f32 {
+            return;
+        }
+        for gap in &tessellation.gaps {
+            let [low, high] = [-GAP_REACH, GAP_REACH].map(|by| moved(gap.deepest.0, [by; 2]));
+            self.shifts(low, high, |net, shift| {
+                for edge in gap.boundary.iter().flatten() {
+                    net.border(edge, shift);
+                }
+            });
+        }
+    }
+
+    fn border(&mut self, edge: &Edge, shift: [f64; 2]) {
+        let (scene, color) = (self.scene, self.scene.palette.gap);
+        match *edge {
+            Edge::Line { from, to } => {
+                let [from, to] = [from, to].map(|end| scene.at(moved(end, shift)));
+                self.strokes.segment(from, to, 1.6, color);
+            }
+            Edge::Arc {
+                center,
+                from_angle,
+                to_angle,
+                ..
+            } => {
+                let angles = [from_angle, to_angle - from_angle].map(|angle| angle as f32);
+                let center = scene.at(moved(center, shift));
+                self.strokes.arc(center, scene.scale(), angles, 1.6, color);
+            }
+        }
     }
 }
 
-fn points_of(scene: &Scene<'_>, edge: &Edge, shift: [f64; 2]) -> Vec<Pos2> {
-    let at = |place: [f64; 2]| scene.at([place[0] + shift[0], place[1] + shift[1]]);
-    match *edge {
-        Edge::Line { from, to } => vec![at(from), at(to)],
-        Edge::Arc {
-            center,
-            from_angle,
-            to_angle,
-            ..
-        } => {
-            let sweep = to_angle - from_angle;
-            let steps = (sweep.abs() * f64::from(scene.scale()).sqrt() * 1.5)
-                .ceil()
-                .clamp(2.0, 96.0);
-            let on = |k: u32| {
-                let angle = from_angle + sweep * f64::from(k) / steps;
-                at([center[0] + angle.cos(), center[1] + angle.sin()])
-            };
-            (0..=steps as u32).map(on).collect()
-        }
-    }
+fn moved(place: [f64; 2], shift: [f64; 2]) -> [f64; 2] {
+    [place[0] + shift[0], place[1] + shift[1]]
 }

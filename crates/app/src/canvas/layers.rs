@@ -29,13 +29,16 @@ pub enum Layer {
     Voronoi,
     /// Circumcircles of Delaunay triangles that are larger than r.
     Circumcircles,
+    /// The splits of the KD-tree.
+    Tree,
 }
 
 impl Layer {
     /// Every layer, in the order of the chips.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Pattern,
         Self::Blocks,
+        Self::Tree,
         Self::Samples,
         Self::Disks,
         Self::Conflicts,
@@ -55,6 +58,7 @@ impl Layer {
         match self {
             Self::Pattern => "Pattern",
             Self::Blocks => "Blocks",
+            Self::Tree => "KD-tree",
             Self::Samples => "Samples",
             Self::Disks => "Disks",
             Self::Conflicts => "Conflicts",
@@ -75,6 +79,9 @@ impl Layer {
         match self {
             Self::Pattern => "The pattern's clips: each block, enlarged by r on every side.",
             Self::Blocks => "The building blocks: leaves of a random KD-tree.",
+            Self::Tree => {
+                "The splits of the KD-tree, numbered as they were made; the thicker, the fewer lie above."
+            }
             Self::Samples => "The samples that are valid at this stage.",
             Self::Disks => "A disk of radius r around each sample: no other sample may lie in it.",
             Self::Conflicts => "Pairs of samples that lie in one another's disk.",
@@ -94,19 +101,20 @@ impl Layer {
 
 /// A set of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Layers(u16);
+pub struct Layers(u32);
 
 impl Default for Layers {
     fn default() -> Self {
         let hidden = [
             Layer::Pattern,
+            Layer::Tree,
             Layer::Disks,
             Layer::Delaunay,
             Layer::Voronoi,
             Layer::Circumcircles,
         ];
         let shown = Layer::ALL.into_iter().filter(|l| !hidden.contains(l));
-        Self(shown.fold(0, |bits, layer| bits | 1 << layer as u16))
+        Self(shown.fold(0, |bits, layer| bits | 1 << layer as u32))
     }
 }
 
@@ -114,7 +122,7 @@ impl Layers {
     /// Returns whether `layer` is on.
     #[must_use]
     pub const fn has(self, layer: Layer) -> bool {
-        self.0 & 1 << layer as u16 != 0
+        self.0 & 1 << layer as u32 != 0
     }
 
     /// Returns whether a layer is on that needs the triangulation of the moment.
@@ -134,7 +142,7 @@ impl Layers {
 
     /// Switches `layer`.
     pub const fn toggle(&mut self, layer: Layer) {
-        self.0 ^= 1 << layer as u16;
+        self.0 ^= 1 << layer as u32;
     }
 }
 
@@ -149,6 +157,8 @@ pub enum Colouring {
     Block,
     /// Where it comes from: its block, the margin around it, or an insertion.
     Provenance,
+    /// When it came: tiled early to late, then iteration by iteration.
+    Age,
 }
 
 #[cfg(test)]

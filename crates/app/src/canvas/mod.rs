@@ -1,26 +1,36 @@
 //! The canvas: one picture of samples, or two side by side, and what lies over them. It reads the state and pushes
 //! commands; what it remembers between frames are pictures that can be made again.
 
+pub(crate) mod age;
+mod blocks;
 mod contrast;
 mod geometry;
+mod hover;
 pub mod index;
 mod input;
 pub mod instanced;
 pub mod layers;
+mod looks;
 mod now;
 mod overlay;
 mod paint;
 mod pane;
 mod raster;
+mod resident;
 mod sprites;
+mod stack;
+mod strokes;
 pub mod subject;
+mod symbols;
+mod tree;
 
+use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, vec2};
 
 use crate::command::Command;
 use crate::compare::CompareCommand;
 use crate::state::State;
-use crate::theme::Palette;
+use crate::theme::{Look, Palette};
 use pane::Pane;
 use subject::Subject;
 
@@ -42,6 +52,12 @@ pub struct Canvas {
 }
 
 impl Canvas {
+    /// Draws samples by instancing on the device of `render_state` from now on.
+    pub fn draw_with(&mut self, render_state: &RenderState) {
+        self.first.draw_with(render_state);
+        self.second.draw_with(render_state);
+    }
+
     /// Shows the canvas in all the space that `ui` has left.
     pub fn show(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let size = ui.available_size().max(vec2(1.0, 1.0));
@@ -122,5 +138,7 @@ impl Side<'_> {
         overlay::scale_bar(&painter, rect, subject, palette);
         overlay::cursor(&painter, rect, subject, response.hover_pos(), palette);
         overlay::note(&painter, rect, note.as_deref(), palette);
+        let brief = state.look == Look::Projector;
+        hover::show(ui, &painter, &response, subject, palette, brief);
     }
 }

@@ -1,15 +1,20 @@
-//! One picture of samples: the layers of a subject, from the ground up. What it remembers between frames are pictures
-//! that can be made again.
+//! One picture of samples: a subject in a rectangle. What it remembers between frames are pictures and meshes that can be
+//! made again.
 
-use egui::{Rect, TextureHandle, TextureOptions, Ui, vec2};
+use eframe::egui_wgpu::RenderState;
+use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2};
 use tilescope_core::Stage;
 
-use super::layers::{self, Layer};
+use super::layers::Layer;
+use super::looks::{Key, Looks, Swatches};
 use super::paint::Scene;
 use super::raster::{Coverage, Frame};
+use super::resident::Resident;
 use super::sprites::Sprites;
+use super::stack::{Stack, note};
+use super::strokes::Kept;
 use super::subject::Subject;
-use super::{MAX_SYMBOLS, MIN_DISK_SCALE, UNIT, geometry};
+use super::{MIN_DISK_SCALE, UNIT, symbols};
 use crate::moment::Shown;
 use crate::theme::Palette;
 
@@ -17,20 +22,23 @@ use crate::theme::Palette;
 #[derive(Default)]
 pub struct Pane {
     sprites: Sprites,
-    gaps: Option<Picture<GapKey>>,
-    points: Option<Picture<PointsKey>>,
+    swatches: Swatches,
+    /// Without a GPU to draw on, or where it has no room, samples are drawn as meshes.
+    resident: Option<Resident>,
+    kept: Kept<(MadeFrom, bool)>,
+    gaps: Picture,
+    points: Picture,
 }
 
-/// A picture and what it was made from.
-struct Picture<K> {
-    key: K,
-    texture: TextureHandle,
-}
-
-type GapKey = (Frame, u64, Stage, usize, bool);
-type PointsKey = (Frame, u64, Stage, usize, layers::Colouring, bool);
+/// What pictures and meshes follow from.
+type MadeFrom = (Frame, Key);
 
 impl Pane {
+    /// Draws samples by instancing on the device of `render_state` from now on.
+    pub fn draw_with(&mut self, render_state: &RenderState) {
+        self.resident = Some(Resident::new(render_state));
+    }
+
     /// Draws the layers; returns a remark about what is left out at this scale.
     pub fn paint(
         &mut self,
@@ -39,114 +47,94 @@ impl Pane {
         subject: &Subject<'_>,
         palette: &Palette,
     ) -> Option<String> {
-        let shown = subject.shown;
-        let (session, stage) = (shown.session, shown.stage);
         let painter = ui.painter_at(rect);
         let scene = Scene::new(&painter, rect, *subject, palette);
         scene.domain();
-        if stage == Stage::Pattern {
+        if scene.stage == Stage::Pattern {
             scene.pattern(&mut self.sprites);
             return None;
         }
-        if subject.layers.has(Layer::Blocks) {
-            scene.block_tints();
-        }
-        let crowd = session.index.count_in(scene.low, scene.high);
         let frame = Frame {
             camera: subject.camera,
             viewport: rect,
             pixels_per_point: ui.ctx().pixels_per_point(),
         };
-        let fine = subject.camera.scale >= MIN_DISK_SCALE;
-        if fine && subject.layers.has(Layer::Gaps) && stage >= Stage::Eliminate {
-            let texture = self.gap_picture(ui, frame, &shown, palette);
-            painter.image(texture, frame_rect(&frame), UNIT, egui::Color32::WHITE);
+        let made_from = (frame, Key::of(subject, palette));
+        let triangulated = subject.geometry.of(&scene.shown).is_some();
+        let old = self.kept.follow((made_from, triangulated));
+        self.sprites.take_back(old);
+        self.swatches.follow(subject, palette);
+        let looks = Looks::new(subject, palette, &self.swatches);
+        let resident = self.resident.as_mut();
+        let resident = resident.and_then(|resident| resident.follow(&scene, &looks));
+        let mut stack = Stack {
+            scene: &scene,
+            looks: &looks,
+            sprites: &mut self.sprites,
+            kept: &mut self.kept,
+            resident,
+        };
+        stack.tints();
+        if scene.has(Layer::Gaps)
+            && scene.stage >= Stage::Eliminate
+            && subject.camera.scale >= MIN_DISK_SCALE
+        {
+            let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
+            self.gaps.paint(ui, &scene, made_from, make);
         }
-        if crowd > MAX_SYMBOLS {
-            if subject.layers.has(Layer::Samples) {
-                let texture = self.point_picture(ui, frame, &scene);
-                painter.image(texture, frame_rect(&frame), UNIT, egui::Color32::WHITE);
-            }
-            scene.block_borders();
-            let most = crate::sentence::grouped(MAX_SYMBOLS);
-            let others = if session.has_stages() {
-                ", eliminated samples among them"
-            } else {
-                ""
-            };
-            return Some(format!(
-                "More than {most} symbols in view{others}: drawn as points. Zoom in."
-            ));
+        let crowded = stack.is_crowded();
+        let points = &mut self.points;
+        if crowded {
+            stack.crowd(|scene| {
+                let make = || symbols::points(scene, &looks, &frame);
+                points.paint(ui, scene, made_from, make);
+            });
+        } else {
+            stack.all();
+            super::contrast::paint(&scene);
         }
-        if let Some(tessellation) = subject.geometry.of(&shown).filter(|_| stage >= Stage::Tile) {
-            geometry::paint(&scene, tessellation);
-        }
-        scene.symbols(&mut self.sprites, fine);
-        super::contrast::paint(&scene);
-        let wants_disks = subject.layers.has(Layer::Disks) || subject.layers.has(Layer::Gaps);
-        (!fine && wants_disks)
-            .then(|| format!("Disks and gaps appear from {MIN_DISK_SCALE} points per r: zoom in."))
+        let as_points = crowded && stack.draws_points();
+        note(&scene, crowded, as_points)
     }
+}
 
-    fn gap_picture(
+/// A picture, as long as it is known, and what it was made from.
+#[derive(Default)]
+struct Picture(Option<(MadeFrom, TextureHandle)>);
+
+impl Picture {
+    /// Draws the picture, pixel on pixel, which `make` makes if anything changed.
+    fn paint(
         &mut self,
         ui: &Ui,
-        frame: Frame,
-        shown: &Shown<'_>,
-        palette: &Palette,
-    ) -> egui::TextureId {
-        let generation = shown.session.generation;
-        let key = (frame, generation, shown.stage, shown.cursor(), palette.dark);
-        if let Some(ready) = self.gaps.as_ref().filter(|ready| ready.key == key) {
-            return ready.texture.id();
-        }
-        let coverage = coverage(&frame, shown);
-        let image = coverage.image(palette.gap, frame.pixels_per_point);
-        let texture = renew(ui, self.gaps.take(), "gaps", image);
-        let id = texture.id();
-        self.gaps = Some(Picture { key, texture });
-        id
+        scene: &Scene<'_>,
+        made_from: MadeFrom,
+        make: impl FnOnce() -> ColorImage,
+    ) {
+        let texture = self.texture(ui, made_from, make);
+        let frame = made_from.0;
+        let [width, height] = frame.size();
+        let size = vec2(width as f32, height as f32) / frame.pixels_per_point;
+        let rect = Rect::from_min_size(frame.viewport.min, size);
+        scene.painter.image(texture, rect, UNIT, Color32::WHITE);
     }
 
-    fn point_picture(&mut self, ui: &Ui, frame: Frame, scene: &Scene<'_>) -> egui::TextureId {
-        let key = (
-            frame,
-            scene.session.generation,
-            scene.stage,
-            scene.shown.cursor(),
-            scene.subject.colouring,
-            scene.palette.dark,
-        );
-        if let Some(ready) = self.points.as_ref().filter(|ready| ready.key == key) {
-            return ready.texture.id();
-        }
-        let image = scene.points(&frame);
-        let texture = renew(ui, self.points.take(), "points", image);
-        let id = texture.id();
-        self.points = Some(Picture { key, texture });
-        id
-    }
-}
-
-/// Returns where a picture of `frame` goes, pixel on pixel.
-fn frame_rect(frame: &Frame) -> Rect {
-    let [width, height] = frame.size();
-    let size = vec2(width as f32, height as f32) / frame.pixels_per_point;
-    Rect::from_min_size(frame.viewport.min, size)
-}
-
-fn renew<K>(
-    ui: &Ui,
-    old: Option<Picture<K>>,
-    name: &str,
-    image: egui::ColorImage,
-) -> TextureHandle {
-    match old {
-        Some(mut old) => {
-            old.texture.set(image, TextureOptions::NEAREST);
-            old.texture
-        }
-        None => ui.ctx().load_texture(name, image, TextureOptions::NEAREST),
+    fn texture(
+        &mut self,
+        ui: &Ui,
+        made_from: MadeFrom,
+        make: impl FnOnce() -> ColorImage,
+    ) -> TextureId {
+        let options = TextureOptions::NEAREST;
+        let texture = match self.0.take() {
+            Some((before, texture)) if before == made_from => texture,
+            Some((_, mut texture)) => {
+                texture.set(make(), options);
+                texture
+            }
+            None => ui.ctx().load_texture("pixels", make(), options),
+        };
+        self.0.insert((made_from, texture)).1.id()
     }
 }
 

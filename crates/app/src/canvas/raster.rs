@@ -51,6 +51,9 @@ pub struct Coverage {
     cells: Vec<u8>,
 }
 
+/// Pixels that are passed over together.
+const STRETCH: usize = 16;
+
 /// Outside the domain.
 const OUTSIDE: u8 = 3;
 /// Covered by a sample that was there before the stage.
@@ -83,11 +86,8 @@ impl Coverage {
             let half = (radius * radius - dy * dy).max(0.0).sqrt();
             let columns = centres(at[0] - half, at[0] + half, self.size[0]);
             for cell in &mut self.cells[row * self.size[0]..][columns] {
-                *cell = match (*cell, before) {
-                    (OUTSIDE, _) => OUTSIDE,
-                    (_, true) | (BEFORE, false) => BEFORE,
-                    (_, false) => NOW,
-                };
+                // States are numbered so that the larger one stays.
+                *cell = (*cell).max(if before { BEFORE } else { NOW });
             }
         }
     }
@@ -110,19 +110,19 @@ impl Coverage {
         let fading = color.gamma_multiply(0.20);
         let period = (7.0 * pixels_per_point).round().max(3.0) as usize;
         let thick = (2.0 * pixels_per_point).round().max(1.0) as usize;
-        for row in 0..height {
-            for column in 0..width {
-                let k = row * width + column;
-                let is_edge = || {
-                    let closed = |cell: u8| cell == BEFORE || cell == NOW;
-                    column > 0 && closed(self.cells[k - 1])
-                        || column + 1 < width && closed(self.cells[k + 1])
-                        || row > 0 && closed(self.cells[k - width])
-                        || row + 1 < height && closed(self.cells[k + width])
-                };
+        for first in (0..width * height).step_by(STRETCH) {
+            let places = first..(first + STRETCH).min(width * height);
+            // Nearly all is covered, and nothing is drawn there.
+            if self.cells[places.clone()]
+                .iter()
+                .all(|&cell| cell >= BEFORE)
+            {
+                continue;
+            }
+            for k in places {
                 image.pixels[k] = match self.cells[k] {
-                    OPEN if is_edge() => edge,
-                    OPEN if (row + column) % period < thick => hatch,
+                    OPEN if self.is_edge(k) => edge,
+                    OPEN if (k / width + k % width) % period < thick => hatch,
                     OPEN => fill,
                     NOW => fading,
                     _ => continue,
@@ -131,11 +131,27 @@ impl Coverage {
         }
         image
     }
+
+    /// Returns whether a pixel beside the one at `k` is covered.
+    fn is_edge(&self, k: usize) -> bool {
+        let [width, height] = self.size;
+        let (row, column) = (k / width, k % width);
+        let closed = |k: usize| matches!(self.cells[k], BEFORE | NOW);
+        column > 0 && closed(k - 1)
+            || column + 1 < width && closed(k + 1)
+            || row > 0 && closed(k - width)
+            || row + 1 < height && closed(k + width)
+    }
 }
 
 /// Returns the pixels whose centres lie between `from` and `to`.
 fn centres(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
-    let limit = |value: f64| (value - 0.5).ceil().clamp(0.0, count as f64) as usize;
+    // Rounded up by hand: `ceil` is a call where the instruction set lacks it.
+    let limit = |value: f64| {
+        let value = (value - 0.5).clamp(0.0, count as f64);
+        let whole = value as usize;
+        whole + usize::from((whole as f64) < value)
+    };
     let (start, end) = (limit(from), limit(to));
     start..end.max(start)
 }

@@ -2,8 +2,12 @@
 //! the ten thousand, tinted. Shapes are signed distances, so every size is crisp.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
-use egui::{Color32, ColorImage, Context, TextureHandle, TextureOptions};
+use egui::{Color32, ColorImage, Context, Mesh, Shape, TextureHandle, TextureId, TextureOptions};
+
+/// Most meshes that are kept for their memory.
+const MOST_SPARE: usize = 16;
 
 /// A symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,6 +34,8 @@ pub enum Sprite {
 #[derive(Default)]
 pub struct Sprites {
     ready: HashMap<Sprite, Ready>,
+    /// Empty meshes with room, the largest last.
+    spare: Vec<Mesh>,
 }
 
 struct Ready {
@@ -49,6 +55,30 @@ pub struct Stamp {
 }
 
 impl Sprites {
+    /// Returns an empty mesh, in the memory of one that was given back if there is one: fresh megabytes in every frame
+    /// cost more than what is written to them.
+    pub fn mesh(&mut self, texture: TextureId) -> Mesh {
+        let mut mesh = self.spare.pop().unwrap_or_default();
+        mesh.texture_id = texture;
+        mesh
+    }
+
+    /// Takes back the meshes among `shapes` that nobody else holds.
+    pub fn take_back(&mut self, shapes: impl IntoIterator<Item = Shape>) {
+        for shape in shapes {
+            if let Shape::Mesh(mesh) = shape
+                && let Ok(mut mesh) = Arc::try_unwrap(mesh)
+                && self.spare.len() < MOST_SPARE
+            {
+                // `Mesh::clear` would free the vertices.
+                mesh.vertices.clear();
+                mesh.indices.clear();
+                self.spare.push(mesh);
+            }
+        }
+        self.spare.sort_by_key(|mesh| mesh.vertices.capacity());
+    }
+
     /// Returns the picture of `sprite` for a symbol of `radius` screen points.
     pub fn stamp(&mut self, ctx: &Context, sprite: Sprite, radius: f32) -> Stamp {
         let pixels_per_point = ctx.pixels_per_point();
@@ -169,5 +199,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn meshes_that_nobody_holds_are_used_again() {
+        let mut sprites = Sprites::default();
+        let held = Shape::mesh(Mesh::default());
+        let mut large = Mesh::default();
+        large.reserve_vertices(1_000);
+        sprites.take_back([held.clone(), Shape::mesh(large), held.clone(), Shape::Noop]);
+        let again = sprites.mesh(TextureId::User(7));
+        assert!(again.vertices.capacity() >= 1_000);
+        assert_eq!(again.texture_id, TextureId::User(7));
+        let fresh = sprites.mesh(TextureId::default());
+        assert_eq!(fresh.vertices.capacity(), 0, "the one that is held stays");
+        drop(held);
     }
 }

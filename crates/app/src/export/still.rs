@@ -121,13 +121,21 @@ pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     }
 }
 
-/// Returns the parameters of a run by name, for its certificate.
+/// Returns the parameters of a session by name, for its certificate. A pattern from a file stands there by the file's
+/// name and its digest.
 #[must_use]
-pub fn parameter_map(run: &Run) -> BTreeMap<String, Value> {
-    match serde_json::to_value(run.parameters) {
+pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
+    let mut map: BTreeMap<String, Value> = match serde_json::to_value(session.run().parameters) {
         Ok(Value::Object(map)) => map.into_iter().collect(),
         _ => BTreeMap::new(),
+    };
+    if let Some(own) = &session.own {
+        let path = std::path::Path::new(&own.file.path);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let pattern = json!({ "file": name, "pattern_digest": own.file.digest });
+        map.insert("pattern".to_owned(), pattern);
     }
+    map
 }
 
 /// Returns what pictures of a session say about it, by key: the parameters, the digests with which a run can be told
@@ -142,7 +150,7 @@ pub fn provenance(session: &Session) -> Vec<(String, String)> {
         "events": session.recording().map(|recording| recording.len()),
         "engine": session.engine,
     });
-    let parameters = json!(parameter_map(run));
+    let parameters = json!(parameter_map(session));
     [
         (
             "Version",

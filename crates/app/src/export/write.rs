@@ -120,7 +120,7 @@ fn write_samples(
     let mut context = ExportContext::new(region_of(session), run.domain.radius());
     context.precision = precision;
     "kdrt".clone_into(&mut context.method);
-    context.parameters = parameter_map(run);
+    context.parameters = parameter_map(session);
     let set = match moment {
         Some(moment) => {
             let description = moment.description(session);

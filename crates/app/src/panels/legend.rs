@@ -1,7 +1,8 @@
 //! The legend: each symbol with its meaning, and what the colour of samples means.
 
-use egui::{Button, RichText, Sense, Ui, vec2};
+use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
+use crate::canvas::age::{Ages, LAST_TILED};
 use crate::canvas::layers::{Colouring, Layer};
 use crate::command::Command;
 use crate::state::State;
@@ -13,12 +14,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     heading(ui, "Legend");
     colouring(ui, state, commands);
+    if let (Colouring::Age, Some(session)) = (state.colouring, &state.session) {
+        ages(ui, Ages::of(session), palette);
+    }
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
     for (layer, meaning) in [
         (Layer::Samples, "sample"),
         (Layer::Disks, "disk of radius r"),
         (Layer::Blocks, "building block"),
+        (Layer::Tree, "split of the KD-tree"),
         (Layer::Pattern, "clip: block enlarged by r"),
         (Layer::Conflicts, "conflict: closer than r"),
         (Layer::Eliminated, "eliminated sample"),
@@ -50,6 +55,11 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 "by origin",
                 "Samples inside their own block, from the margin around it, or inserted.",
             ),
+            (
+                Colouring::Age,
+                "by age",
+                "When a sample came: tiled early to late, then inserted iteration by iteration.",
+            ),
         ] {
             let button = Button::selectable(state.colouring == colouring, name);
             if ui.add(button).on_hover_text(explanation).clicked() {
@@ -57,4 +67,46 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
+}
+
+/// How many bands show the tiled part of the ramp.
+const SHADES: u16 = 64;
+
+/// Shows the ramp of ages with its ends named: the tiled samples without steps, then a step for each iteration.
+fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
+    let size = vec2(ui.available_width().min(300.0), 44.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    response.widget_info(|| {
+        let name = "Ramp of ages, dark to light: tiled first to last, then inserted";
+        egui::WidgetInfo::labeled(egui::Role::Image, true, name)
+    });
+    let painter = ui.painter();
+    let x = |age: f32| rect.left() + age * rect.width();
+    let band = |from: f32, to: f32, age: f32| {
+        let place = Rect::from_x_y_ranges(x(from)..=x(to), rect.top()..=rect.top() + 14.0);
+        painter.rect_filled(place, 0.0, palette.age(age));
+    };
+    for k in 0..SHADES {
+        let at = |k: u16| LAST_TILED * f32::from(k) / f32::from(SHADES);
+        band(at(k), at(k + 1), at(k));
+    }
+    let start = LAST_TILED + 0.03;
+    for k in 0..ages.iterations {
+        let at = |k: u32| start + (1.0 - start) * k as f32 / ages.iterations as f32;
+        band(at(k), at(k + 1), ages.of_iteration(k + 1));
+    }
+    let font = FontId::proportional(11.5);
+    let inserted = match ages.iterations {
+        0 => String::new(),
+        1 => "inserted".to_owned(),
+        all => format!("iteration 1 to {all}"),
+    };
+    for (at, anchor, text) in [
+        (0.0, Align2::LEFT_TOP, "tiled first"),
+        (LAST_TILED, Align2::RIGHT_TOP, "last"),
+        (1.0, Align2::RIGHT_TOP, inserted.as_str()),
+    ] {
+        let place = pos2(x(at), rect.top() + 18.0);
+        painter.text(place, anchor, text, font.clone(), palette.muted);
+    }
 }

@@ -275,6 +275,23 @@ impl InstancedCanvas {
         moving && levels < LEVELS
     }
 
+    /// Returns whether a layer of the view that `camera` has in `rect` would be drawn as points of one pixel.
+    #[must_use]
+    pub fn shows_points(
+        &self,
+        painter: &Painter,
+        rect: Rect,
+        camera: Camera,
+        options: &PaintOptions,
+    ) -> bool {
+        let view = View::of(painter, rect, camera);
+        let clip = painter.clip_rect().intersect(rect);
+        let copies = view.copies(clip, self.size, self.periodic, options);
+        let seen = count(&self.parts(&copies, LEVELS, options.cull));
+        let kind = self.kind(options.marks, view.scale(), seen, false);
+        kind.is_some_and(|(kind, _)| kind == Kind::Point)
+    }
+
     /// Returns whether the view differs from the last frame's, and the number of this layer in its frame.
     fn next_layer(&self, frame: u64, view: View) -> (bool, u32) {
         let last = self.motion.get();

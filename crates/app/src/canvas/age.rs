@@ -1,0 +1,108 @@
+//! When samples came, as places on a ramp from 0 to 1: tiled ones first, in their sequence, then one step for each
+//! iteration that inserted some. It knows no colours.
+
+use tilescope_core::Origin;
+
+use crate::session::Session;
+
+/// Where the last tiled sample is on the ramp.
+pub const LAST_TILED: f32 = 0.62;
+/// Where the samples of the first iteration are: clearly apart.
+const FIRST_INSERTED: f32 = 0.78;
+
+/// The ages of a session's samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ages {
+    /// How many samples were tiled, where ids follow their sequence; else how many blocks there are.
+    tiled: Result<u32, u32>,
+    /// How many iterations inserted samples.
+    pub iterations: u32,
+}
+
+impl Ages {
+    /// Returns the ages of a session's samples. It takes the logarithm of their number.
+    pub fn of(session: &Session) -> Self {
+        let run = session.run();
+        let origins = &run.samples.origins;
+        let is_tiled = |origin: &Origin| matches!(origin, Origin::Tiled { .. });
+        Self {
+            // Without stages samples are in the order of their places: blocks tell how early they came.
+            tiled: if session.has_stages() {
+                Ok(origins.partition_point(is_tiled) as u32)
+            } else {
+                Err(run.blocks.leaves.len() as u32)
+            },
+            iterations: session.summary.inserted.len() as u32,
+        }
+    }
+
+    /// Returns the place of a sample on the ramp.
+    pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
+        match *origin {
+            Origin::Tiled { block, .. } => {
+                let (before, all) = match self.tiled {
+                    Ok(tiled) => (id, tiled),
+                    Err(blocks) => (block, blocks),
+                };
+                let share = before as f32 / all.saturating_sub(1).max(1) as f32;
+                LAST_TILED * share.min(1.0)
+            }
+            Origin::Inserted { iteration, .. } => self.of_iteration(iteration),
+        }
+    }
+
+    /// Returns the place of the samples of an iteration, counted from 1, on the ramp.
+    pub fn of_iteration(&self, iteration: u32) -> f32 {
+        let share = match self.iterations {
+            0 | 1 => 1.0,
+            all => iteration.saturating_sub(1) as f32 / (all - 1) as f32,
+        };
+        FIRST_INSERTED + (1.0 - FIRST_INSERTED) * share.min(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_core::stages::detect::Sites;
+
+    #[test]
+    #[allow(clippy::float_cmp, reason = "the ends of the ramp are exact")]
+    fn who_came_later_is_farther_on_the_ramp() {
+        let tiled = |block| Origin::Tiled {
+            block,
+            pattern: 0,
+            own: true,
+        };
+        let inserted = |iteration| Origin::Inserted {
+            iteration,
+            sites: Sites::Unrecorded,
+        };
+        for kept in [Ok(100), Err(9)] {
+            let ages = Ages {
+                tiled: kept,
+                iterations: 3,
+            };
+            let places = [
+                ages.of_sample(0, &tiled(0)),
+                ages.of_sample(50, &tiled(4)),
+                ages.of_sample(99, &tiled(8)),
+                ages.of_sample(100, &inserted(1)),
+                ages.of_sample(120, &inserted(2)),
+                ages.of_sample(121, &inserted(3)),
+            ];
+            assert!(
+                places.windows(2).all(|pair| pair[0] < pair[1]),
+                "{places:?}"
+            );
+            assert_eq!((places[0], places[2]), (0.0, LAST_TILED));
+            assert_eq!((places[3], places[5]), (FIRST_INSERTED, 1.0));
+        }
+        let one = Ages {
+            tiled: Ok(1),
+            iterations: 1,
+        };
+        assert_eq!(one.of_sample(0, &tiled(0)), 0.0);
+        assert_eq!(one.of_iteration(1), 1.0);
+    }
+}

@@ -1,0 +1,192 @@
+//! What is under the pointer, in words: a sample and how it stands, else the gap, else the block. The tag keeps clear of
+//! what it names.
+
+use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
+use tilescope_analysis::tessellation::Edge;
+use tilescope_core::{Origin, Stage, Standing};
+
+use super::MIN_DISK_SCALE;
+use super::subject::Subject;
+use super::tree::Made;
+use crate::sentence::grouped;
+use crate::session::radii;
+use crate::theme::Palette;
+
+/// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
+const WIDEST: f32 = 380.0;
+/// How far a tag stays from the pointer, and at most, in screen points.
+const NEAREST: f32 = 10.0;
+const FARTHEST: f32 = 90.0;
+/// How far the ring around the sample under the pointer reaches.
+const HALO: f32 = 15.0;
+/// How near to a sample in a gap the pointer must be to mean the sample, in screen points.
+const ON_SAMPLE: f32 = 5.0;
+/// How much room a tag needs above what it names.
+const HIGHEST: f32 = 64.0;
+
+/// What is under the pointer.
+struct Named {
+    /// What it is, in few words and in all.
+    brief: String,
+    full: String,
+    /// Where it is, and how far it reaches, in screen points.
+    at: Pos2,
+    reach: f32,
+}
+
+/// Shows the tag beside what is under the pointer, and tells screen readers; `brief` leaves out all but the name.
+pub fn show(
+    ui: &Ui,
+    painter: &Painter,
+    response: &Response,
+    subject: &Subject<'_>,
+    palette: &Palette,
+    brief: bool,
+) {
+    let pointer = response.hover_pos().filter(|_| !response.dragged());
+    let Some(named) = pointer.and_then(|pos| name(subject, response.rect, pos)) else {
+        return;
+    };
+    let text = if brief { &named.brief } else { &named.full };
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_description(text.as_str());
+    });
+    tag(painter, response.rect, &named, text, palette);
+}
+
+/// Returns what is under the pointer, if anything.
+fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
+    let shown = subject.shown;
+    if shown.stage == Stage::Pattern {
+        return None;
+    }
+    let place = subject.camera.domain_from_screen(rect, pointer);
+    // Where symbols hide one another the pointer means no single sample.
+    let fine = subject.camera.scale >= MIN_DISK_SCALE;
+    let hovered = subject.hovered.filter(|_| fine);
+    let hovered = hovered.map(|id| {
+        let at = shown.session.place(id);
+        (id, subject.camera.screen_from_domain(rect, at))
+    });
+    // Nothing covers a place in a gap: only a sample that the pointer is right on is meant instead.
+    let on_sample = hovered.is_some_and(|(_, at)| at.distance(pointer) <= ON_SAMPLE);
+    if let Some((gap, reach)) = gap(subject, place).filter(|_| !on_sample) {
+        let reach = reach * subject.camera.scale as f32;
+        return Some(Named {
+            brief: "Gap".to_owned(),
+            full: gap,
+            at: pointer,
+            reach: reach.clamp(NEAREST, FARTHEST),
+        });
+    }
+    if let Some((id, at)) = hovered {
+        let [brief, full] = sample(subject, id);
+        return Some(Named {
+            brief,
+            full,
+            at,
+            reach: HALO,
+        });
+    }
+    let [brief, full] = block(subject, place)?;
+    Some(Named {
+        brief,
+        full,
+        at: pointer,
+        reach: NEAREST,
+    })
+}
+
+fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
+    let shown = subject.shown;
+    let number = grouped(id as usize);
+    let stands = match shown.standing(id) {
+        Standing::Absent => "not there yet".to_owned(),
+        Standing::Tiled => "not decided yet".to_owned(),
+        Standing::Valid => "valid".to_owned(),
+        Standing::Dropped => "dropped outside the domain".to_owned(),
+        Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
+    };
+    let from = match shown.session.run().samples.origins[id as usize] {
+        Origin::Tiled {
+            block, own: true, ..
+        } => format!("of block {}", grouped(block as usize)),
+        Origin::Tiled { block, .. } => {
+            format!("from the margin of block {}", grouped(block as usize))
+        }
+        Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
+    };
+    [
+        format!("Sample {number}: {stands}"),
+        format!("Sample {number} {from}: {stands}"),
+    ]
+}
+
+/// Returns what is known of the gap at a place, and how far it reaches from there, in r.
+fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, f32)> {
+    let shown = &subject.shown;
+    let size = shown.session.size_radii();
+    let is_inside = (0..2).all(|k| (0.0..size[k]).contains(&place[k]));
+    if shown.stage < Stage::Eliminate || !is_inside {
+        return None;
+    }
+    let tessellation = subject.geometry.of(shown)?;
+    let gap = &tessellation.gaps[tessellation.gap_at(place)?];
+    let ends = gap.boundary.iter().flatten().map(|edge| match *edge {
+        Edge::Line { from, .. } => from,
+        Edge::Arc {
+            center, from_angle, ..
+        } => [center[0] + from_angle.cos(), center[1] + from_angle.sin()],
+    });
+    let reach = ends.map(|end| (end[0] - place[0]).hypot(end[1] - place[1]));
+    let (area, deepest) = (gap.area, gap.deepest.1);
+    let text = format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r");
+    Some((text, reach.fold(0.0, f64::max) as f32))
+}
+
+fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
+    let made = Made::at(&subject.shown);
+    let blocks = &subject.shown.session.run().blocks;
+    let holds = |rect: &tilescope_core::Rect| {
+        let axis = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
+        axis(rect.min.x, rect.max.x, place[0]) && axis(rect.min.y, rect.max.y, place[1])
+    };
+    let leaves = &blocks.leaves[..made.leaves];
+    let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
+    let leaf = &leaves[number];
+    let brief = format!("Block {}", grouped(number));
+    let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
+    let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
+    // Deeper splits come later in the list than those above them.
+    let last = blocks.splits.iter().rposition(|split| holds(&split.rect));
+    let full = match last {
+        Some(split) => format!("{brief}: {size}, cut off by split {}", grouped(split + 1)),
+        None => format!("{brief}: {size}"),
+    };
+    Some([brief, full])
+}
+
+/// Draws the text above and to the right of what it names, or where there is more room. The side depends on the place
+/// alone, so that the tag does not jump when the text changes.
+fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
+    let to_right = named.at.x + named.reach + WIDEST < rect.right();
+    let above = named.at.y - named.reach - HIGHEST > rect.top();
+    let (anchor, x) = match (to_right, above) {
+        (true, true) => (Align2::LEFT_BOTTOM, 1.0),
+        (true, false) => (Align2::LEFT_TOP, 1.0),
+        (false, true) => (Align2::RIGHT_BOTTOM, -1.0),
+        (false, false) => (Align2::RIGHT_TOP, -1.0),
+    };
+    let y = if above { -1.0 } else { 1.0 };
+    let margin = vec2(9.0, 5.0);
+    let corner = named.at + vec2(x * (named.reach + margin.x), y * (named.reach + margin.y));
+    let place = anchor.anchor_size(corner, galley.size());
+    // A narrow canvas has no room on either side.
+    let overhang = (rect.left() + margin.x - place.left()).max(0.0);
+    let place = place.translate(vec2(overhang, 0.0));
+    let ground = place.expand2(margin);
+    let stroke = Stroke::new(1.0, palette.line);
+    painter.rect(ground, 6.0, palette.panel, stroke, StrokeKind::Inside);
+    painter.galley(place.min, galley, palette.text);
+}

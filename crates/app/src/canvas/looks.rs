@@ -1,0 +1,154 @@
+//! How every sample looks at a moment: symbol, colour, disk. Both painters, the instancing one and the one of meshes,
+//! draw what this says; it draws nothing itself.
+
+use std::ops::Range;
+
+use egui::Color32;
+use tilescope_core::{Origin, Stage, Standing};
+
+use super::age::Ages;
+use super::instanced::{Look, Symbol};
+use super::layers::{Colouring, Layer, Layers};
+use super::subject::Subject;
+use crate::theme::Palette;
+
+/// All that looks follow from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    generation: u64,
+    cursor: usize,
+    stage: Stage,
+    layers: Layers,
+    colouring: Colouring,
+    dark: bool,
+}
+
+impl Key {
+    pub fn of(subject: &Subject<'_>, palette: &Palette) -> Self {
+        Self {
+            generation: subject.shown.session.generation,
+            cursor: subject.shown.cursor(),
+            stage: subject.shown.stage,
+            layers: subject.layers,
+            colouring: subject.colouring,
+            dark: palette.dark,
+        }
+    }
+
+    /// Returns the cursors between which two keys differ, if they differ in nothing else.
+    pub fn span(self, other: Self) -> Option<Range<usize>> {
+        let cursor = self.cursor;
+        let (low, high) = (cursor.min(other.cursor), cursor.max(other.cursor));
+        (Self { cursor, ..other } == self).then_some(low..high)
+    }
+}
+
+/// The colours of the blocks, which take too long to compute for each sample.
+#[derive(Default)]
+pub struct Swatches {
+    dark: bool,
+    blocks: Vec<Color32>,
+    /// From early to late.
+    ages: Vec<Color32>,
+}
+
+/// Colours of ages.
+const SHADES: u32 = 256;
+
+impl Swatches {
+    /// Makes them fit `palette` and as many blocks as the subject has.
+    pub fn follow(&mut self, subject: &Subject<'_>, palette: &Palette) {
+        let count = subject.shown.session.run().blocks.leaves.len();
+        if self.dark != palette.dark {
+            *self = Self::default();
+            self.dark = palette.dark;
+        }
+        if self.ages.is_empty() {
+            let shade = |k: u32| palette.age(k as f32 / (SHADES - 1) as f32);
+            self.ages = (0..SHADES).map(shade).collect();
+        }
+        let known = self.blocks.len().min(count);
+        self.blocks
+            .extend((known..count).map(|k| palette.block(k as u32)));
+    }
+
+    fn block(&self, index: u32) -> Color32 {
+        self.blocks[index as usize]
+    }
+
+    fn age(&self, age: f32) -> Color32 {
+        self.ages[(age * (SHADES - 1) as f32).round() as usize]
+    }
+}
+
+/// How samples look at a moment.
+pub struct Looks<'a> {
+    subject: Subject<'a>,
+    palette: &'a Palette,
+    swatches: &'a Swatches,
+    ages: Ages,
+    ghost: Color32,
+    dropped: Color32,
+}
+
+impl<'a> Looks<'a> {
+    /// Returns how samples look; `swatches` must follow the same subject and palette.
+    pub fn new(subject: &Subject<'a>, palette: &'a Palette, swatches: &'a Swatches) -> Self {
+        // Once the result stands, those it does not hold step back.
+        let presence = match subject.shown.stage {
+            Stage::Finish => 0.3,
+            Stage::Iterate(_) => 0.6,
+            _ => 1.0,
+        };
+        Self {
+            subject: *subject,
+            palette,
+            swatches,
+            ages: Ages::of(subject.shown.session),
+            ghost: palette.eliminated.gamma_multiply(presence),
+            dropped: palette.eliminated.gamma_multiply(0.35),
+        }
+    }
+
+    /// Returns how a sample looks.
+    pub fn of(&self, id: u32) -> Look {
+        let has = |layer| self.subject.layers.has(layer);
+        match self.subject.shown.standing(id) {
+            Standing::Eliminated { .. } if has(Layer::Eliminated) => {
+                Look::new(Symbol::Cross, self.ghost)
+            }
+            Standing::Dropped
+                if has(Layer::Eliminated) && self.subject.shown.stage == Stage::Tile =>
+            {
+                Look::new(Symbol::Dot, self.dropped)
+            }
+            Standing::Valid | Standing::Tiled => {
+                let (layer, symbol) = match self.origin(id) {
+                    Origin::Inserted { .. } => (Layer::Inserted, Symbol::Diamond),
+                    Origin::Tiled { .. } => (Layer::Samples, Symbol::Dot),
+                };
+                let symbol = if has(layer) { symbol } else { Symbol::None };
+                Look::new(symbol, self.color(id))
+                    .with_disk(true)
+                    .with_outline(symbol == Symbol::Diamond)
+            }
+            _ => Look::HIDDEN,
+        }
+    }
+
+    fn origin(&self, id: u32) -> &'a Origin {
+        &self.subject.shown.session.run().samples.origins[id as usize]
+    }
+
+    /// Returns the colour of a sample that is there.
+    pub fn color(&self, id: u32) -> Color32 {
+        let origin = self.origin(id);
+        match (origin, self.subject.colouring) {
+            (_, Colouring::Age) => self.swatches.age(self.ages.of_sample(id, origin)),
+            (Origin::Inserted { .. }, _) => self.palette.inserted,
+            (Origin::Tiled { block, .. }, Colouring::Block) => self.swatches.block(*block),
+            (Origin::Tiled { own: true, .. }, Colouring::Provenance) => self.palette.sample,
+            (Origin::Tiled { .. }, Colouring::Provenance) => self.palette.margin,
+        }
+    }
+}
