@@ -58,7 +58,9 @@ impl App {
         if self.state.look == Look::Projector {
             panels::show_projector(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else {
-            panels::show_bars(ui, &self.state, &mut self.commands);
+            if !self.state.bare {
+                panels::show_bars(ui, &self.state, &mut self.commands);
+            }
             self.show_tiles(ui);
         }
         panels::show_floating(ui, &self.state, &mut self.commands);

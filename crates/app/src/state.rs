@@ -95,6 +95,8 @@ pub struct State {
     pub colouring: Colouring,
     /// Light, dark or for a projector.
     pub look: Look,
+    /// Whether the bar on top is left out, as where the window is part of something else.
+    pub bare: bool,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
     /// Where the panels stand.
@@ -175,6 +177,7 @@ impl State {
             layers: Layers::default(),
             colouring: Colouring::default(),
             look: Look::Dark,
+            bare: false,
             reduced_motion: false,
             layout: Layout::default(),
             palette: None,

@@ -13,8 +13,8 @@ use tilescope_debugger::{Direction, Listings, Target};
 mod support;
 use support::{opened_at, settle};
 
-/// Of the panel under the bar.
-const SIZE: [f32; 2] = [560.0, 420.0];
+/// Of a panel, without the bar.
+const SIZE: [f32; 2] = [480.0, 380.0];
 
 /// Software drivers of different versions may round a few edges differently.
 fn options() -> SnapshotOptions {
@@ -61,6 +61,7 @@ fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
 
 fn every_panel(look: Look) -> SnapshotResults {
     let mut harness = prepared(SIZE);
+    harness.state_mut().state.bare = true;
     harness.state_mut().state.apply(Command::Look(look));
     let mut results = SnapshotResults::new();
     for panel in Panel::ALL {
@@ -104,6 +105,7 @@ fn another_panel_and_another_moment_are_told_apart() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots");
     std::fs::create_dir_all(&folder).unwrap();
     let mut harness = prepared(SIZE);
+    harness.state_mut().state.bare = true;
     alone(&mut harness, Panel::Timeline);
     let image = harness.render().expect("a picture");
     image.save(folder.join("known.png")).unwrap();

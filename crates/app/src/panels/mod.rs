@@ -95,7 +95,7 @@ pub fn show_panel(
         Panel::Passes => filled(ui, side, |ui| passes(ui, state, commands)),
         Panel::Events => filled(ui, side, |ui| events::show(ui, state, commands)),
         _ => filled(ui, side, |ui| {
-            scrolled(ui, |ui| match panel {
+            scrolled(ui, panel, |ui| match panel {
                 Panel::Parameters => parameters::show(ui, state, commands),
                 Panel::Statistics => stages::show(ui, state, commands),
                 Panel::Bookmarks => bookmarks::show(ui, state, commands),
@@ -129,8 +129,10 @@ pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     palette::show(ui, state, commands);
 }
 
-fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+/// Each panel scrolls by itself, whatever stood in its place before.
+fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {
     ScrollArea::vertical()
+        .id_salt(panel.name())
         .auto_shrink([false, false])
         .show(ui, |ui| {
             ui.set_max_width(ui.available_width() - 12.0);

@@ -11,6 +11,11 @@ use crate::state::State;
 use crate::theme::{Look, Palette, semibold};
 use crate::widgets::{Icon, icon_button};
 
+/// From this much room behind the menus on, in screen points, the run is named.
+const ROOM_FOR_RUN: f32 = 620.0;
+/// From this much on, the engine is, too.
+const ROOM_FOR_ENGINE: f32 = 740.0;
+
 /// Shows the bar.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
@@ -20,7 +25,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_space(6.0);
         menus(ui, state, commands);
         ui.add_space(10.0);
-        if let Some(session) = &state.session {
+        let room = ui.available_width();
+        if let Some(session) = state.session.as_ref().filter(|_| room >= ROOM_FOR_RUN) {
             let parameters = &session.run().parameters;
             let text = format!(
                 "{} samples   r {}   seed {}",
@@ -29,8 +35,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 parameters.seed
             );
             ui.label(RichText::new(text).monospace().color(palette.muted));
-            let engine = format!("engine: {}", session.engine);
-            ui.label(RichText::new(engine).color(palette.muted));
+            if room >= ROOM_FOR_ENGINE {
+                let engine = format!("engine: {}", session.engine);
+                ui.label(RichText::new(engine).color(palette.muted));
+            }
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             theme_button(ui, state, commands);
