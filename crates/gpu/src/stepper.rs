@@ -11,6 +11,7 @@ use crate::fit::{longest_side, memory_of};
 use crate::layout::{Access, Name};
 use crate::plan::{Plan, Room, whole};
 use crate::setup::Setup;
+use crate::spots::Ground;
 use crate::state::State;
 use crate::sweep::{HALO, MOST_TRIES};
 use crate::table::Table;
@@ -229,6 +230,12 @@ impl Stepper {
     /// Returns the first `rows` rows of a buffer as a table. A buffer that the run does not have has no rows.
     pub async fn table(&self, name: Name, rows: u64) -> Result<Table, GpuError> {
         Table::read(&self.work.device, name, rows).await
+    }
+
+    /// Returns what tells the rows of tables, read between the same two passes, their places. `stage` is that of the
+    /// pass which is looked at, before or after it: some buffers serve several stages.
+    pub async fn ground(&self, stage: Stage) -> Result<Ground, GpuError> {
+        Ground::read(&self.work, stage).await
     }
 
     /// Writes a word into a buffer between two passes: what if it were another? A place beyond the end is left alone.
