@@ -10,6 +10,7 @@ mod constants;
 mod error;
 mod execute;
 mod fit;
+mod ground;
 mod kernels;
 pub mod layout;
 pub mod passes;
@@ -28,8 +29,9 @@ mod work;
 
 pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
 pub use error::GpuError;
+pub use ground::Ground;
 pub use self_test::{SelfTest, self_test};
-pub use spots::{Ground, Spot, Spots, Unplaced};
+pub use spots::{Spot, Spots, Unplaced};
 pub use stepper::{PassReport, Stepper};
 pub use sweep::{GpuSweep, Options};
 pub use table::Table;
