@@ -20,7 +20,8 @@ fn main() {
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     let near = || Command::FlyTo([37.0, 45.0], 18.0);
     apply(&mut harness, vec![]);
-    apply(&mut harness, vec![Command::Engine(Engine::Gpu), Command::OpenPasses]);
+    apply(&mut harness, vec![Command::Engine(Engine::Gpu)]);
+    apply(&mut harness, vec![Command::OpenPasses]);
     let canvas = || Command::Passes(PassCommand::ShowCanvas);
     go(&mut harness, "tile", Name::Places);
     apply(&mut harness, vec![Command::OpenPanel(Panel::Passes)]);
@@ -31,7 +32,8 @@ fn main() {
     shoot(&mut harness, &folder, "places-near");
     for (pass, buffer) in [
         ("tile", Name::Heads),
-        ("blocks", Name::Images),
+        ("blocks", Name::Pieces),
+        ("count", Name::Images),
         ("sort blocks", Name::TileImages),
         ("eliminate", Name::Places),
         ("attribute", Name::By),
@@ -45,7 +47,11 @@ fn main() {
         go(&mut harness, pass, buffer);
         apply(&mut harness, vec![]);
         let buffer = buffer.as_str();
-        shoot(&mut harness, &folder, &format!("{}-{buffer}", pass.replace(' ', "-")));
+        shoot(
+            &mut harness,
+            &folder,
+            &format!("{}-{buffer}", pass.replace(' ', "-")),
+        );
     }
     go(&mut harness, "detectors", Name::Grid);
     let before = PassCommand::Side(Side::Before);
@@ -81,7 +87,9 @@ fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
     assert!(passes(harness), "the passes have not been run");
     let state = &harness.state().state;
     let entries = state.passes.iter().flat_map(|passes| passes.entries());
-    let place = entries.map(|entry| entry.report.name).position(|name| name == pass);
+    let place = entries
+        .map(|entry| entry.report.name)
+        .position(|name| name == pass);
     let select = PassCommand::Select(place.expect("such a pass"));
     apply(harness, vec![Command::Passes(select)]);
     let state = &harness.state().state;

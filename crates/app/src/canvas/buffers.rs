@@ -16,19 +16,27 @@ use crate::theme::Palette;
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;
 /// Between the tag and the corner of the canvas, in screen points.
-const INSET: Vec2 = vec2(18.0, 52.0);
+const INSET: Vec2 = vec2(22.0, 24.0);
+/// The height that a remark at the top of the canvas takes, in screen points.
+const NOTE: f32 = 32.0;
+/// Rings below this radius are dots, in screen points.
+const LEAST_RING: f32 = 3.0;
 /// Squares below this size are surfaces without a border, in screen points.
 const LEAST_BORDERED: f32 = 5.0;
 
-/// Draws the rows of a buffer, if there are any to be seen; returns a remark about what is left out.
+/// Draws the rows of a buffer, if there are any to be seen; returns what is remarked at the top of the canvas: `note`, or
+/// how much is left out.
 pub fn show(
     ui: &Ui,
     rect: Rect,
     subject: &Subject<'_>,
     palette: &Palette,
     sprites: &mut Sprites,
+    note: Option<String>,
 ) -> Option<String> {
-    let buffers = subject.buffers.as_ref()?;
+    let Some(buffers) = &subject.buffers else {
+        return note;
+    };
     let painter = ui.painter_at(rect);
     let mut left_out = 0;
     // The pattern is shown in a plane of its own.
@@ -51,19 +59,27 @@ pub fn show(
             }
         }
     }
-    tag(ui, &painter, rect, buffers, palette);
-    (left_out > 0).then(|| {
+    let note = note.or_else(|| {
         let most = crate::sentence::grouped(MOST_MARKS);
         let more = crate::sentence::grouped(left_out);
-        format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in.")
-    })
+        (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
+    });
+    let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;
+    tag(ui, &painter, rect, corner, buffers, palette);
+    note
+}
+
+/// A spot, and whether it lies in the domain.
+struct Mark {
+    spot: Spot,
+    is_inside: bool,
 }
 
 /// The marks in view.
 #[derive(Default)]
 struct InView {
-    unchanged: Vec<Spot>,
-    changed: Vec<Spot>,
+    unchanged: Vec<Mark>,
+    changed: Vec<Mark>,
     left_out: usize,
 }
 
@@ -87,7 +103,10 @@ impl InView {
                         view.left_out += 1;
                     } else {
                         rest -= 1;
-                        list.push(*spot);
+                        list.push(Mark {
+                            spot: *spot,
+                            is_inside: rows.lies_inside(spot),
+                        });
                     }
                 }
             }
@@ -125,23 +144,28 @@ impl Scene<'_> {
 
     /// Returns the radius of rings: a little more than that of samples.
     fn ring(&self) -> f32 {
-        (0.26 * self.subject.camera.scale as f32).clamp(2.2, 8.0)
+        (0.32 * self.subject.camera.scale as f32).clamp(1.0, 13.0)
     }
 
     fn draw(&self, view: &InView, sprites: &mut Sprites) {
         let ctx = self.painter.ctx();
-        let faint = sprites.stamp(ctx, Sprite::Disk, self.ring());
-        let strong = sprites.stamp(ctx, Sprite::Halo, self.ring());
+        let ring = self.ring();
+        let [faint, strong] = if ring < LEAST_RING {
+            [sprites.stamp(ctx, Sprite::Dot, 1.4); 2]
+        } else {
+            [Sprite::Disk, Sprite::Halo].map(|sprite| sprites.stamp(ctx, sprite, ring))
+        };
         let muted = self.palette.text.gamma_multiply(0.55);
         self.layer(&view.unchanged, faint, muted, false);
         self.layer(&view.changed, strong, self.palette.accent, true);
     }
 
-    fn layer(&self, spots: &[Spot], stamp: Stamp, color: Color32, strong: bool) {
+    fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, strong: bool) {
         let mut rings = Mesh::with_texture(stamp.texture);
         let mut squares = Mesh::default();
-        for spot in spots {
-            match spot {
+        for mark in marks {
+            let color = color.gamma_multiply(if mark.is_inside { 1.0 } else { 0.45 });
+            match &mark.spot {
                 Spot::Rect(rect) => add_square(&mut squares, self.square(rect), color, strong),
                 Spot::Link(ends) => {
                     let ends = ends.map(|end| self.at(end));
@@ -221,7 +245,14 @@ fn add_line(mesh: &mut Mesh, ends: [Pos2; 2], width: f32, color: Color32) {
 }
 
 /// Names what is drawn.
-fn tag(ui: &Ui, painter: &Painter, rect: Rect, buffers: &OnCanvas<'_>, palette: &Palette) {
+fn tag(
+    ui: &Ui,
+    painter: &Painter,
+    rect: Rect,
+    corner: Vec2,
+    buffers: &OnCanvas<'_>,
+    palette: &Palette,
+) {
     let [what, changed] = buffers.text();
     let font = FontId::monospace(12.0);
     let format = |color| TextFormat::simple(font.clone(), color);
@@ -230,7 +261,7 @@ fn tag(ui: &Ui, painter: &Painter, rect: Rect, buffers: &OnCanvas<'_>, palette: 
     job.append(&changed, 0.0, format(palette.accent));
     job.wrap.max_width = (rect.width() - 2.0 * INSET.x).max(80.0);
     let galley = painter.layout_job(job);
-    let place = Rect::from_min_size(rect.min + INSET, galley.size());
+    let place = Rect::from_min_size(rect.min + corner, galley.size());
     let ground = place.expand2(vec2(7.0, 4.0));
     painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
     painter.galley(place.min, galley, palette.text);

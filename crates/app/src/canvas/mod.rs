@@ -130,7 +130,7 @@ impl Side<'_> {
         };
         input::handle(ui, &response, subject, commands);
         let note = pane.paint(ui, rect, subject, palette);
-        let note = buffers::show(ui, rect, subject, palette, marks).or(note);
+        let note = buffers::show(ui, rect, subject, palette, marks, note);
         overlay::scale_bar(&painter, rect, subject, palette);
         overlay::cursor(&painter, rect, subject, response.hover_pos(), palette);
         overlay::note(&painter, rect, note.as_deref(), palette);

@@ -238,6 +238,15 @@ impl Passes {
         Some((entry.report.stage, entry.badge != Badge::Intermediate))
     }
 
+    /// Returns the last stage that is whole behind the selected pass. The blocks are before the first one.
+    #[must_use]
+    pub fn whole_stage(&self) -> Option<Stage> {
+        let passed = self.entries.get(..=self.selected?)?;
+        let ends = |entry: &&PassEntry| entry.badge != Badge::Intermediate;
+        let last = passed.iter().rev().find(ends);
+        Some(last.map_or(Stage::Blocks, |entry| entry.report.stage))
+    }
+
     /// Returns all passes of the run, as far as they are known.
     #[must_use]
     pub fn entries(&self) -> &[PassEntry] {

@@ -52,6 +52,8 @@ pub struct Rows<'a> {
     pub table: &'a BufferTable,
     /// Where its rows lie.
     pub spots: &'a Spots,
+    /// The domain.
+    pub domain: &'a Rect,
     /// The side of the pass.
     pub side: Side,
     /// Those that the filter lets pass.
@@ -72,6 +74,12 @@ impl<'a> Rows<'a> {
     #[must_use]
     pub fn marks(&self, row: u32) -> &'a [Spot] {
         marks(self.spots, row as usize, self.table, self.is_filtered)
+    }
+
+    /// Returns whether a spot begins in the domain, not in the halo around it or beyond its border.
+    #[must_use]
+    pub const fn lies_inside(&self, spot: &Spot) -> bool {
+        self.domain.contains(place(spot))
     }
 }
 
@@ -104,7 +112,7 @@ pub(super) fn count(
 }
 
 /// Returns the first place of a spot.
-pub(crate) const fn place(spot: &Spot) -> Point {
+const fn place(spot: &Spot) -> Point {
     match spot {
         Spot::Point(point) | Spot::Link([point, _]) => *point,
         Spot::Rect(rect) => rect.min,

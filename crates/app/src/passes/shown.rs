@@ -85,6 +85,7 @@ impl Shown {
         Some(Rows {
             table: visit.buffers.get(self.buffer)?,
             spots: visit.placed.get(self.buffer)?.side(self.side),
+            domain: &visit.domain,
             side: self.side,
             rows: &self.rows,
             is_filtered: self.is_filtered,

@@ -144,12 +144,14 @@ impl State {
         }
     }
 
-    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage is chosen.
+    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
+    /// is chosen or one behind which that stage is the last whole one.
     pub(super) fn lead_passes(&mut self) {
         let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
             return;
         };
-        if passes.position().is_none_or(|(other, _)| other != stage) {
+        let is_there = passes.position().is_some_and(|(other, _)| other == stage);
+        if !is_there && passes.whole_stage() != Some(stage) {
             passes.select_stage(stage);
         }
     }
@@ -179,18 +181,24 @@ impl State {
         }
     }
 
-    /// Carries out a command of the passes; the timeline follows to the stage that the chosen pass ends.
+    /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
+    /// the chosen pass.
     pub(super) fn apply_to_passes(&mut self, command: PassCommand) {
         let Some(passes) = &mut self.passes else {
             return;
         };
         let shows_canvas = command == PassCommand::ShowCanvas;
-        let before = passes.position();
+        let before = passes.selected();
         passes.apply(command);
-        let after = passes.position();
-        if let (true, Some((stage, true))) = (before != after, after) {
-            let stages = self.session.as_ref().map(|session| session.stages.clone());
-            let place = stages.and_then(|stages| stages.iter().position(|&other| other == stage));
+        if before != passes.selected()
+            && let Some(stage) = passes.whole_stage()
+        {
+            // Iterations that inserted nothing are no stages of a session.
+            let stages = self.session.iter().flat_map(|session| &session.stages);
+            let place = stages
+                .take_while(|&&other| other <= stage)
+                .count()
+                .checked_sub(1);
             if let Some(place) = place {
                 self.show_stage(place);
             }
