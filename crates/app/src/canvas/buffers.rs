@@ -65,7 +65,7 @@ pub fn show(
         (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
     });
     let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;
-    tag(ui, &painter, rect, corner, buffers, palette);
+    tag(ui, &painter, rect.min + corner, buffers, left_out, palette);
     note
 }
 
@@ -248,9 +248,9 @@ fn add_line(mesh: &mut Mesh, ends: [Pos2; 2], width: f32, color: Color32) {
 fn tag(
     ui: &Ui,
     painter: &Painter,
-    rect: Rect,
-    corner: Vec2,
+    corner: Pos2,
     buffers: &OnCanvas<'_>,
+    left_out: usize,
     palette: &Palette,
 ) {
     let [what, changed] = buffers.text();
@@ -258,10 +258,16 @@ fn tag(
     let format = |color| TextFormat::simple(font.clone(), color);
     let mut job = LayoutJob::default();
     job.append(&what, 0.0, format(palette.text));
-    job.append(&changed, 0.0, format(palette.accent));
-    job.wrap.max_width = (rect.width() - 2.0 * INSET.x).max(80.0);
+    let strong = buffers.rows.is_some_and(|rows| rows.counts.changed > 0);
+    let color = if strong {
+        palette.accent
+    } else {
+        palette.muted
+    };
+    job.append(&changed, 0.0, format(color));
+    job.wrap.max_width = (painter.clip_rect().width() - 2.0 * INSET.x).max(80.0);
     let galley = painter.layout_job(job);
-    let place = Rect::from_min_size(rect.min + corner, galley.size());
+    let place = Rect::from_min_size(corner, galley.size());
     let ground = place.expand2(vec2(7.0, 4.0));
     painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
     painter.galley(place.min, galley, palette.text);
@@ -270,6 +276,9 @@ fn tag(
         ui.scope_id().with("buffer on the canvas"),
         egui::Sense::hover(),
     );
-    let words = format!("On the canvas: {what}{changed}");
+    let mut words = format!("On the canvas: {what}{changed}");
+    if left_out > 0 {
+        words += &format!("; {left_out} more marks are in view than are drawn");
+    }
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
 }
