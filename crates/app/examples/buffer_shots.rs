@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use tilescope_app::command::{Choice, Field};
 use tilescope_app::device::Engine;
 use tilescope_app::layout::Panel;
-use tilescope_app::passes::{PassCommand, Side};
+use tilescope_app::passes::{PassCommand, Passes, Side};
 use tilescope_app::{App, Command};
 use tilescope_core::Insertion;
 use tilescope_gpu::layout::Name;
@@ -86,7 +86,7 @@ fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
     let passes = |harness: &Harness<'_, App>| harness.state().state.passes.is_some();
     assert!(passes(harness), "the passes have not been run");
     let state = &harness.state().state;
-    let entries = state.passes.iter().flat_map(|passes| passes.entries());
+    let entries = state.passes.iter().flat_map(Passes::entries);
     let place = entries
         .map(|entry| entry.report.name)
         .position(|name| name == pass);

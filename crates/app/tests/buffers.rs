@@ -65,7 +65,7 @@ fn rows<'a>(harness: &'a Harness<'_, App>) -> Rows<'a> {
 /// Returns the points of the rows on the canvas that lie in the domain.
 fn points(harness: &Harness<'_, App>) -> BTreeSet<(i32, i32)> {
     let rows = rows(harness);
-    let spots = rows.rows.iter().flat_map(|&row| rows.marks(row));
+    let spots = rows.shown.rows().iter().flat_map(|&row| rows.marks(row));
     let inside = spots.filter(|spot| rows.lies_inside(spot));
     let point = |spot: &Spot| match *spot {
         Spot::Point(p) => Some((p.x, p.y)),
@@ -112,7 +112,7 @@ fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
     let mut harness = with_passes();
     apply(&mut harness, Command::OpenPanel(Panel::Passes));
     go(&mut harness, "tile", Name::Places);
-    let counts = rows(&harness).counts;
+    let counts = rows(&harness).shown.counts();
     assert!(counts.inside > 1_000 && counts.inside < counts.rows);
     harness.get_by_label("Show canvas").click();
     harness.run();
@@ -134,7 +134,7 @@ fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
     assert!(with.as_raw() == again.as_raw());
     let rows = rows(&harness);
     let is_inside = |&row: &u32| rows.marks(row).iter().any(|spot| rows.lies_inside(spot));
-    let inside = rows.rows.iter().copied().find(is_inside);
+    let inside = rows.shown.rows().iter().copied().find(is_inside);
     pass(&mut harness, PassCommand::PickRow(inside));
     let picked = harness.render().expect("a picture");
     assert!(with.as_raw() != picked.as_raw());
@@ -218,15 +218,18 @@ fn a_filter_chooses_the_rows_and_unchanged_cells() {
     go(&mut harness, "tile", Name::Places);
     pass(&mut harness, PassCommand::Filter("row<10".to_owned()));
     assert_eq!(
-        (rows(&harness).counts.rows, rows(&harness).rows.len()),
+        (
+            rows(&harness).shown.counts().rows,
+            rows(&harness).shown.rows().len()
+        ),
         (10, 10)
     );
     harness.get_by_label_contains("after: 10 rows, 10 changed");
     pass(&mut harness, PassCommand::Filter(String::new()));
     go(&mut harness, "tile", Name::Starts);
-    assert_eq!(rows(&harness).counts.rows, 0);
+    assert_eq!(rows(&harness).shown.counts().rows, 0);
     pass(&mut harness, PassCommand::Filter("row<10".to_owned()));
-    assert_eq!(rows(&harness).counts.rows, 10);
+    assert_eq!(rows(&harness).shown.counts().rows, 10);
     go(&mut harness, "tile", Name::Counters);
     harness.get_by_label_contains("buffer counters, after: its rows are numbers, not places");
 }
@@ -237,7 +240,7 @@ fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
     apply(&mut harness, Command::Engine(Engine::Gpu));
     apply(&mut harness, Command::OpenPasses);
     go(&mut harness, "tile", Name::Places);
-    let all = rows(&harness).counts.rows;
+    let all = rows(&harness).shown.counts().rows;
     assert!(all > 20_000);
     assert!(
         harness

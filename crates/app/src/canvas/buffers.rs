@@ -1,6 +1,8 @@
 //! The rows of a buffer of the GPU where they lie: rings, squares, borders and links over the picture, and a tag that
 //! names them. What lies where is handed to it.
 
+use std::fmt::Write as _;
+
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use tilescope_core::{Rect as LatticeRect, Stage};
@@ -53,7 +55,7 @@ pub fn show(
         let view = InView::of(&scene, &rows);
         left_out = view.left_out;
         scene.draw(&view, sprites);
-        for (row, width) in [(rows.pointed, 2.0), (rows.picked, 3.0)] {
+        for (row, width) in [(rows.shown.pointed(), 2.0), (rows.shown.picked(), 3.0)] {
             if let Some(row) = row {
                 scene.single_out(rows.spots.of(row as usize), width);
             }
@@ -94,7 +96,7 @@ impl InView {
             } else {
                 &mut view.unchanged
             };
-            for &row in rows.rows {
+            for &row in rows.shown.rows() {
                 if rows.table.is_changed(row as usize) != changed {
                     continue;
                 }
@@ -258,7 +260,9 @@ fn tag(
     let format = |color| TextFormat::simple(font.clone(), color);
     let mut job = LayoutJob::default();
     job.append(&what, 0.0, format(palette.text));
-    let strong = buffers.rows.is_some_and(|rows| rows.counts.changed > 0);
+    let strong = buffers
+        .rows
+        .is_some_and(|rows| rows.shown.counts().changed > 0);
     let color = if strong {
         palette.accent
     } else {
@@ -278,7 +282,7 @@ fn tag(
     );
     let mut words = format!("On the canvas: {what}{changed}");
     if left_out > 0 {
-        words += &format!("; {left_out} more marks are in view than are drawn");
+        let _ = write!(words, "; {left_out} more marks are in view than are drawn");
     }
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
 }

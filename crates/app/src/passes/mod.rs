@@ -1,6 +1,7 @@
 //! The passes of a run on a GPU, one by one: their times, their buffers before and after, and whether the CPU has the
 //! same. [`Passes`] is the state, [`PassCommand`]s change it, [`panel`] shows it. Nothing is shown that was not measured.
 
+mod choice;
 pub mod csv;
 mod device;
 pub mod filter;
@@ -306,7 +307,7 @@ impl Passes {
     /// Returns where the selected row lies, in r, if it has a place.
     pub(crate) fn picked_place(&self) -> Option<[f64; 2]> {
         let rows = self.on_canvas()?.rows?;
-        let spot = rows.spots.of(rows.picked? as usize).first()?;
+        let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
         let tilescope_core::Point { x, y } = placed::middle(spot);
         Some([crate::session::radii(x), crate::session::radii(y)])
     }

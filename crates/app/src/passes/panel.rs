@@ -8,7 +8,7 @@ use egui::{
 use super::list::{self, color, mark};
 use super::model::{PassEntry, Visit, access_text};
 use super::table::{BufferTable, Side};
-use super::{Badge, Fault, PassCommand, Passes, grid, placed};
+use super::{Badge, Fault, PassCommand, Passes, choice, grid};
 use crate::sentence::{counted, grouped, stage_name};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Icon, icon_button};
@@ -139,7 +139,7 @@ fn pass(
     way(ui, visit, palette);
     ui.add_space(4.0);
     buffers(ui, passes, visit, palette, commands);
-    on_canvas(ui, passes, visit, palette, commands);
+    choice::show(ui, passes, visit, palette, commands);
     if let Some(table) = passes.shown().table(Some(visit)) {
         tools(ui, passes, table, palette, commands);
         let foot = 62.0;
@@ -262,35 +262,6 @@ fn buffers(
             if response.clicked() {
                 commands.push(PassCommand::Buffer(place));
             }
-        }
-    });
-}
-
-/// What the canvas shows of the buffer.
-fn on_canvas(
-    ui: &mut Ui,
-    passes: &Passes,
-    visit: &Visit,
-    palette: &Palette,
-    commands: &mut Vec<PassCommand>,
-) {
-    let Some(rows) = passes.shown().on_canvas(visit) else {
-        return;
-    };
-    ui.horizontal(|ui| {
-        let mut is_on = passes.is_on_canvas();
-        if ui.checkbox(&mut is_on, "On the canvas").changed() {
-            commands.push(PassCommand::OnCanvas(is_on));
-        }
-        let tip = "Brings the canvas into view, and the selected row; arrow keys and play then go from pass to pass.";
-        let button = ui.add_enabled(is_on, Button::new("Show canvas"));
-        if button.on_hover_text(tip).clicked() {
-            commands.push(PassCommand::ShowCanvas);
-        }
-        let (text, tip) = placed::panel_text(&rows);
-        let label = ui.add(Label::new(muted(&text, palette)).truncate());
-        if !tip.is_empty() {
-            label.on_hover_text(tip);
         }
     });
 }

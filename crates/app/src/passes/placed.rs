@@ -5,6 +5,7 @@ use tilescope_core::{Point, Rect};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Spot, Spots};
 
+use super::shown::Shown;
 use super::table::{BufferTable, Side};
 use crate::sentence::{counted, grouped};
 
@@ -54,18 +55,8 @@ pub struct Rows<'a> {
     pub spots: &'a Spots,
     /// The domain.
     pub domain: &'a Rect,
-    /// The side of the pass.
-    pub side: Side,
-    /// Those that the filter lets pass.
-    pub rows: &'a [u32],
-    /// Whether there is a filter that holds rows back.
-    pub is_filtered: bool,
-    /// How many there are on the canvas.
-    pub counts: Counts,
-    /// The selected row.
-    pub picked: Option<u32>,
-    /// The row under the pointer.
-    pub pointed: Option<u32>,
+    /// Which of them are shown, and how.
+    pub shown: &'a Shown,
 }
 
 impl<'a> Rows<'a> {
@@ -73,7 +64,12 @@ impl<'a> Rows<'a> {
     /// or where a filter asks for them.
     #[must_use]
     pub fn marks(&self, row: u32) -> &'a [Spot] {
-        marks(self.spots, row as usize, self.table, self.is_filtered)
+        marks(
+            self.spots,
+            row as usize,
+            self.table,
+            self.shown.is_filtered(),
+        )
     }
 
     /// Returns whether a spot begins in the domain, not in the halo around it or beyond its border.
@@ -149,14 +145,14 @@ impl OnCanvas<'_> {
             return [format!("{pass}: on its way"), String::new()];
         };
         let buffer = buffer_text(rows.table.name);
-        let counts = rows.counts;
+        let counts = rows.shown.counts();
         if let Some(why) = rows.spots.unplaced() {
             return [
-                format!("{pass}, {buffer}, {}: {why}", side_text(rows.side)),
+                format!("{pass}, {buffer}, {}: {why}", side_text(rows.shown.side())),
                 String::new(),
             ];
         }
-        let side = side_text(rows.side);
+        let side = side_text(rows.shown.side());
         let count = counted(counts.rows, "row", "rows");
         let changed = match counts.changed {
             0 => "none changed".to_owned(),
@@ -176,32 +172,6 @@ const fn side_text(side: Side) -> &'static str {
         Side::Before => "before",
         Side::After | Side::Both => "after",
     }
-}
-
-/// Returns what the panel says of the rows on the canvas, and what there is to explain.
-pub(super) fn panel_text(rows: &Rows<'_>) -> (String, &'static str) {
-    let name = rows.table.name.as_str();
-    if let Some(why) = rows.spots.unplaced() {
-        return (format!("nothing of {name}: {why}"), "");
-    }
-    let Counts {
-        rows: all,
-        changed,
-        inside,
-    } = rows.counts;
-    let mut text = format!("{} of {name}", counted(all, "row", "rows"));
-    if all > 0 {
-        text += &format!(", {} in the domain", grouped(inside));
-    }
-    if changed > 0 {
-        text += &format!(", {} changed", grouped(changed));
-    }
-    let tip = if rows.spots.are_cells() && !rows.is_filtered {
-        "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
-    } else {
-        "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no place."
-    };
-    (text, tip)
 }
 
 #[cfg(test)]

@@ -79,6 +79,18 @@ impl Shown {
         self.pointed
     }
 
+    /// Returns whether there is a filter that holds rows back.
+    #[must_use]
+    pub const fn is_filtered(&self) -> bool {
+        self.is_filtered
+    }
+
+    /// Returns how many rows are on the canvas.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
     /// Returns what the canvas shows of the rows.
     #[must_use]
     pub fn on_canvas<'a>(&'a self, visit: &'a Visit) -> Option<Rows<'a>> {
@@ -86,12 +98,7 @@ impl Shown {
             table: visit.buffers.get(self.buffer)?,
             spots: visit.placed.get(self.buffer)?.side(self.side),
             domain: &visit.domain,
-            side: self.side,
-            rows: &self.rows,
-            is_filtered: self.is_filtered,
-            counts: self.counts,
-            picked: self.picked,
-            pointed: self.pointed,
+            shown: self,
         })
     }
 
