@@ -220,3 +220,22 @@ fn both_themes_are_drawn() {
     let light = harness.render().expect("a picture");
     assert_ne!(dark.as_raw(), light.as_raw());
 }
+
+#[test]
+fn rows_are_selected_by_click_and_the_canvas_is_a_choice() {
+    let mut harness = tiled();
+    harness.get_by_label_contains("Row 3, ").click();
+    harness.run();
+    assert_eq!(harness.state().passes.shown().picked(), Some(3));
+    // The pointer is there still.
+    assert_eq!(harness.state().passes.shown().pointed(), Some(3));
+    harness.get_by_label_contains("Row 3, ").click();
+    harness.run();
+    assert_eq!(harness.state().passes.shown().picked(), None);
+    assert!(harness.state().passes.on_canvas().is_some());
+    harness.get_by_label("On the canvas").click();
+    harness.run();
+    assert!(harness.state().passes.on_canvas().is_none());
+    let show = harness.get_by_label("Show canvas");
+    assert!(show.accesskit_node().is_disabled());
+}

@@ -39,6 +39,8 @@ pub(crate) struct Device {
     jobs: wgpu::Buffer,
     highest_bytes: u64,
     looks: Looks,
+    /// How often the active cells of the next level took the place of the level's.
+    pub swaps: u32,
     /// The passes so far, if they are to be reported.
     pub reports: Option<Vec<PassReport>>,
     times: Option<Times>,
@@ -127,6 +129,7 @@ impl Device {
             jobs,
             highest_bytes: 0,
             looks,
+            swaps: 0,
             reports: reports.then(Vec::new),
             times: times.then(|| Times::new(gpu)).transpose()?,
         })
@@ -253,6 +256,7 @@ impl Device {
                 }
             }
             Command::SwapActive => {
+                self.swaps += 1;
                 let [active, next] =
                     [Name::Active, Name::NextActive].map(|n| self.buffers.remove(&n));
                 self.buffers

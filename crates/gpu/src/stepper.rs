@@ -8,6 +8,7 @@ use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::Looks;
 use crate::fit::{longest_side, memory_of};
+use crate::ground::Ground;
 use crate::layout::{Access, Name};
 use crate::plan::{Plan, Room, whole};
 use crate::setup::Setup;
@@ -229,6 +230,12 @@ impl Stepper {
     /// Returns the first `rows` rows of a buffer as a table. A buffer that the run does not have has no rows.
     pub async fn table(&self, name: Name, rows: u64) -> Result<Table, GpuError> {
         Table::read(&self.work.device, name, rows).await
+    }
+
+    /// Returns what tells the rows of tables, read between the same two passes, their places. `stage` is that of the
+    /// pass which is looked at, before or after it: some buffers serve several stages.
+    pub async fn ground(&self, stage: Stage) -> Result<Ground, GpuError> {
+        Ground::read(&self.work, stage).await
     }
 
     /// Writes a word into a buffer between two passes: what if it were another? A place beyond the end is left alone.

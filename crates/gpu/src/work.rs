@@ -149,6 +149,15 @@ impl Work {
         self.stage
     }
 
+    /// Returns the level of the active cells of uniform insertion.
+    pub(crate) const fn level(&self) -> u32 {
+        let first = match self.base {
+            Some((Stage::Iterate(k), _)) => k,
+            _ => 1,
+        };
+        first + self.device.swaps
+    }
+
     /// Returns a counter as it was read last.
     pub(crate) const fn counter(&self, counter: u32) -> u32 {
         self.counters[counter as usize]

@@ -3,6 +3,7 @@
 
 pub(crate) mod age;
 mod blocks;
+mod buffers;
 mod contrast;
 mod geometry;
 mod hover;
@@ -32,6 +33,7 @@ use crate::compare::CompareCommand;
 use crate::state::State;
 use crate::theme::{Look, Palette};
 use pane::Pane;
+use sprites::Sprites;
 use subject::Subject;
 
 /// More samples than this in view are drawn as points, without symbols and disks.
@@ -49,6 +51,8 @@ const UNIT: Rect = Rect {
 pub struct Canvas {
     first: Pane,
     second: Pane,
+    /// The symbols of the rows of buffers.
+    marks: Sprites,
 }
 
 impl Canvas {
@@ -71,7 +75,7 @@ impl Canvas {
                 waiting: state.sampling.is_some(),
                 subject,
             };
-            side.show(ui, state, &mut self.first, commands);
+            side.show(ui, state, &mut self.first, &mut self.marks, commands);
             return;
         };
         ui.painter()
@@ -84,7 +88,7 @@ impl Canvas {
             waiting: state.sampling.is_some(),
             subject,
         };
-        left.show(ui, state, &mut self.first, commands);
+        left.show(ui, state, &mut self.first, &mut self.marks, commands);
         let subject = state.second_subject();
         let right = Side {
             rect: contrast::heading(ui, right, state, &contrast::second_title(state, second)),
@@ -94,7 +98,7 @@ impl Canvas {
             subject,
         };
         let mut own = Vec::new();
-        right.show(ui, state, &mut self.second, &mut own);
+        right.show(ui, state, &mut self.second, &mut self.marks, &mut own);
         let on_other = |command| CompareCommand::OnOther(Box::new(command));
         commands.extend(own.into_iter().map(on_other).map(Command::Compare));
         contrast::echo(
@@ -119,7 +123,14 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    fn show(&self, ui: &mut Ui, state: &State, pane: &mut Pane, commands: &mut Vec<Command>) {
+    fn show(
+        &self,
+        ui: &mut Ui,
+        state: &State,
+        pane: &mut Pane,
+        marks: &mut Sprites,
+        commands: &mut Vec<Command>,
+    ) {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
@@ -135,6 +146,7 @@ impl Side<'_> {
         };
         input::handle(ui, &response, subject, commands);
         let note = pane.paint(ui, rect, subject, palette);
+        let note = buffers::show(ui, rect, subject, palette, marks, note);
         overlay::scale_bar(&painter, rect, subject, palette);
         overlay::cursor(&painter, rect, subject, response.hover_pos(), palette);
         overlay::note(&painter, rect, note.as_deref(), palette);

@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::canvas::layers::{Colouring, Layers};
 use crate::geometry::Geometry;
 use crate::moment::Shown;
+use crate::passes::OnCanvas;
 use crate::session::Session;
 use crate::verification::Sight;
 
@@ -31,6 +32,8 @@ pub struct Subject<'a> {
     pub geometry: &'a Geometry,
     /// What only one of two compared runs has.
     pub contrast: Option<Contrast<'a>>,
+    /// The rows of a buffer of the GPU, where they are to be seen.
+    pub buffers: Option<OnCanvas<'a>>,
 }
 
 /// The samples that only one of two compared runs has, seen from one of them.

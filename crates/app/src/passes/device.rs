@@ -4,12 +4,13 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use tilescope_core::{Parameters, Pattern, Progress, SampleError, Stage};
+use tilescope_core::{Parameters, Pattern, Progress, Rect, SampleError, Stage};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::twin::Twin;
-use tilescope_gpu::{Gpu, GpuError, Stepper, Table};
+use tilescope_gpu::{Gpu, GpuError, Spots, Stepper, Table};
 
 use super::model::{Badge, PassEntry, Visit};
+use super::placed::Placed;
 use super::table::{BufferTable, MOST_NUMBERS};
 use crate::draft::sentence;
 use crate::jobs::Monitor;
@@ -60,6 +61,7 @@ impl From<SampleError> for Stop {
 /// A run on the device, somewhere between two passes.
 pub(super) struct Walker {
     stepper: Stepper,
+    domain: Rect,
     fault: Option<Fault>,
 }
 
@@ -88,8 +90,10 @@ impl Walker {
     async fn begin(subject: &Subject, pattern: &Arc<Pattern>) -> Result<Self, GpuError> {
         let gpu = Arc::clone(&subject.gpu);
         let stepper = Stepper::new(gpu, &subject.parameters, pattern, Stage::Blocks).await?;
+        let domain = subject.parameters.validate().map_err(SampleError::from)?;
         Ok(Self {
             stepper,
+            domain: domain.rect(),
             fault: subject.fault,
         })
     }
@@ -117,6 +121,24 @@ impl Walker {
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
         let rows = MOST_NUMBERS / columns.max(1);
         self.stepper.table(name, rows.max(1)).await
+    }
+
+    /// Returns buffers of a pass of `stage`, with where their rows lie.
+    async fn side(
+        &self,
+        names: &[Name],
+        stage: Stage,
+        monitor: &Monitor,
+    ) -> Result<Vec<(Table, Spots)>, Stop> {
+        let ground = self.stepper.ground(stage).await?;
+        let mut side = Vec::with_capacity(names.len());
+        for &name in names {
+            continue_unless_cancelled(monitor)?;
+            let table = self.table(name).await?;
+            let spots = ground.spots(name, &table);
+            side.push((table, spots));
+        }
+        Ok(side)
     }
 }
 
@@ -258,29 +280,30 @@ async fn between(
     monitor: &Monitor,
 ) -> Result<Visit, Stop> {
     monitor.set_activity("reading buffers");
-    let names = goal.entry.buffers();
-    let mut before = Vec::with_capacity(names.len());
-    for &(name, ..) in &names {
-        continue_unless_cancelled(monitor)?;
-        before.push(walker.table(name).await?);
-    }
+    let (buffers, stage) = (goal.entry.buffers(), goal.entry.report.stage);
+    let names: Vec<Name> = buffers.iter().map(|&(name, ..)| name).collect();
+    let before = walker.side(&names, stage, monitor).await?;
     let is_there = walker.step().await? && walker.passed() == goal.pass + 1;
     let reports = walker.stepper.reports();
     let same = |name| name == goal.entry.report.name;
     if !is_there || !reports.last().is_some_and(|report| same(report.name)) {
         return Err(another_way(goal));
     }
-    let mut buffers = Vec::with_capacity(names.len());
-    for (&(name, access, bytes), before) in names.iter().zip(&before) {
-        continue_unless_cancelled(monitor)?;
-        let after = walker.table(name).await?;
-        buffers.push(BufferTable::new(name, access, bytes, before, &after));
-    }
-    Ok(Visit {
+    let after = walker.side(&names, stage, monitor).await?;
+    let mut visit = Visit {
         pass: goal.pass,
-        buffers,
+        buffers: Vec::with_capacity(names.len()),
+        placed: Vec::with_capacity(names.len()),
+        domain: walker.domain,
         replayed,
-    })
+    };
+    let sides = before.into_iter().zip(after);
+    for ((name, access, bytes), (before, after)) in buffers.into_iter().zip(sides) {
+        let table = BufferTable::new(name, access, bytes, &before.0, &after.0);
+        visit.buffers.push(table);
+        visit.placed.push(Placed::new(before.1, after.1));
+    }
+    Ok(visit)
 }
 
 fn another_way(goal: &Goal) -> Stop {

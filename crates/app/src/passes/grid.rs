@@ -2,9 +2,11 @@
 //! changed cells the colour of the accent.
 
 use egui::{
-    Align2, FontId, Pos2, Rect, Role, ScrollArea, Sense, Stroke, TextStyle, Ui, WidgetInfo, vec2,
+    Align2, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle,
+    Ui, Vec2, WidgetInfo, vec2,
 };
 
+use super::PassCommand;
 use super::shown::Shown;
 use super::table::{BufferTable, Side};
 use crate::theme::Palette;
@@ -16,7 +18,13 @@ const ROW: f32 = 20.0;
 const GAP: f32 = 18.0;
 
 /// Shows the rows in all the room there is.
-pub(super) fn show(ui: &mut Ui, table: &BufferTable, shown: &Shown, palette: &Palette) {
+pub(super) fn show(
+    ui: &mut Ui,
+    table: &BufferTable,
+    shown: &Shown,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
     if table.total == 1 {
         fields(ui, table, palette);
         return;
@@ -26,20 +34,24 @@ pub(super) fn show(ui: &mut Ui, table: &BufferTable, shown: &Shown, palette: &Pa
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::both().auto_shrink([false, false]);
     let rows = shown.rows();
+    let mut pointed = None;
     let output = area.show_rows(ui, ROW, rows.len(), |ui, range| {
         let width = columns.width.max(ui.available_width());
         for &number in &rows[range] {
-            row(
-                ui,
-                table,
-                number as usize,
-                shown.side(),
-                &columns,
-                width,
-                palette,
-            );
+            let size = vec2(width, ROW);
+            let response = row(ui, table, number, shown, &columns, size, palette);
+            if response.hovered() {
+                pointed = Some(number);
+            }
+            if response.clicked() {
+                let is_picked = shown.picked() == Some(number);
+                commands.push(PassCommand::PickRow((!is_picked).then_some(number)));
+            }
         }
     });
+    if pointed != shown.pointed() {
+        commands.push(PassCommand::PointRow(pointed));
+    }
     header(
         ui,
         head,
@@ -104,17 +116,24 @@ fn header(
 fn row(
     ui: &mut Ui,
     table: &BufferTable,
-    number: usize,
-    side: Side,
+    number: u32,
+    shown: &Shown,
     columns: &Columns,
-    width: f32,
+    size: Vec2,
     palette: &Palette,
-) {
-    let (rect, response) = ui.allocate_exact_size(vec2(width, ROW), Sense::hover());
+) -> Response {
+    let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
+    let is_picked = shown.picked() == Some(number);
+    let number = number as usize;
     let changed = table.is_changed(number);
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, label(table, number)));
     if changed {
         ground(ui, rect, palette);
+    }
+    if is_picked {
+        let stroke = Stroke::new(1.5, palette.accent);
+        ui.painter()
+            .rect_stroke(rect.shrink(1.0), 2.0, stroke, StrokeKind::Inside);
     }
     let font = TextStyle::Monospace.resolve(ui.style());
     let painter = ui.painter();
@@ -136,9 +155,10 @@ fn row(
         } else {
             palette.text
         };
-        let text = table.cell(side, number, column);
+        let text = table.cell(shown.side(), number, column);
         painter.text(at(end), Align2::RIGHT_CENTER, text, font.clone(), color);
     }
+    response
 }
 
 fn ground(ui: &Ui, rect: Rect, palette: &Palette) {

@@ -1,6 +1,7 @@
 //! The passes of a run on a GPU, one by one: their times, their buffers before and after, and whether the CPU has the
 //! same. [`Passes`] is the state, [`PassCommand`]s change it, [`panel`] shows it. Nothing is shown that was not measured.
 
+mod choice;
 pub mod csv;
 mod device;
 pub mod filter;
@@ -8,6 +9,7 @@ mod grid;
 mod list;
 pub mod model;
 pub mod panel;
+pub mod placed;
 mod shown;
 pub mod table;
 mod work;
@@ -22,6 +24,7 @@ use crate::jobs::{Job, Wake};
 
 pub use device::Fault;
 pub use model::{Badge, Line, PassEntry, Visit};
+pub use placed::OnCanvas;
 pub use shown::Shown;
 pub use table::Side;
 
@@ -46,6 +49,14 @@ pub enum PassCommand {
     Side(Side),
     /// Show the rows that a filter lets pass.
     Filter(String),
+    /// Select a row of the buffer, or none.
+    PickRow(Option<u32>),
+    /// Point at a row of the buffer, or at none.
+    PointRow(Option<u32>),
+    /// Show the rows on the canvas, or only in the table.
+    OnCanvas(bool),
+    /// Bring the canvas into view, and the selected row, if there is one; time then runs by passes.
+    ShowCanvas,
     /// Stop what runs in the background.
     Cancel,
     /// Run and list all passes again.
@@ -81,6 +92,10 @@ pub struct Passes {
     wanted_stage: Option<Stage>,
     visit: Option<Visit>,
     shown: Shown,
+    /// Whether the rows shown are on the canvas, too.
+    is_on_canvas: bool,
+    /// The moment of the timeline at which the passes were dealt with last: stage and cursor.
+    moment: Option<(usize, Option<usize>)>,
     notice: Option<String>,
     /// Why the list is not whole.
     unlisted: Option<String>,
@@ -115,6 +130,8 @@ impl Passes {
             wanted_stage: None,
             visit: None,
             shown: Shown::default(),
+            is_on_canvas: true,
+            moment: None,
             notice: None,
             unlisted: None,
             path: None,
@@ -142,6 +159,10 @@ impl Passes {
             }
             PassCommand::Side(side) => self.shown.set_side(self.visit.as_ref(), side),
             PassCommand::Filter(text) => self.shown.set_filter(self.visit.as_ref(), text),
+            PassCommand::PickRow(row) => self.shown.pick(row),
+            PassCommand::PointRow(row) => self.shown.point(row),
+            PassCommand::OnCanvas(is_on_canvas) => self.is_on_canvas = is_on_canvas,
+            PassCommand::ShowCanvas => self.shown.point(None),
             PassCommand::Cancel => self.cancel(),
             PassCommand::Again => self.survey(),
             PassCommand::Path(path) => self.path = Some(path),
@@ -218,6 +239,15 @@ impl Passes {
         Some((entry.report.stage, entry.badge != Badge::Intermediate))
     }
 
+    /// Returns the last stage that is whole behind the selected pass. The blocks are before the first one.
+    #[must_use]
+    pub fn whole_stage(&self) -> Option<Stage> {
+        let passed = self.entries.get(..=self.selected?)?;
+        let ends = |entry: &&PassEntry| entry.badge != Badge::Intermediate;
+        let last = passed.iter().rev().find(ends);
+        Some(last.map_or(Stage::Blocks, |entry| entry.report.stage))
+    }
+
     /// Returns all passes of the run, as far as they are known.
     #[must_use]
     pub fn entries(&self) -> &[PassEntry] {
@@ -253,6 +283,43 @@ impl Passes {
     #[must_use]
     pub const fn shown(&self) -> &Shown {
         &self.shown
+    }
+
+    /// Returns whether the rows shown are to be on the canvas, too.
+    #[must_use]
+    pub const fn is_on_canvas(&self) -> bool {
+        self.is_on_canvas
+    }
+
+    /// Returns what the canvas shows of the selected pass; nothing where that was not asked for, and where the pass was
+    /// not reached and is not on its way.
+    #[must_use]
+    pub fn on_canvas(&self) -> Option<OnCanvas<'_>> {
+        let pass = self.selected.filter(|_| self.is_on_canvas)?;
+        let rows = self.visit().and_then(|visit| self.shown.on_canvas(visit));
+        (rows.is_some() || self.is_wanted).then_some(OnCanvas {
+            pass,
+            name: self.entries.get(pass)?.report.name,
+            rows,
+        })
+    }
+
+    /// Returns where the selected row lies, in r, if it has a place.
+    pub(crate) fn picked_place(&self) -> Option<[f64; 2]> {
+        let rows = self.on_canvas()?.rows?;
+        let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
+        let tilescope_core::Point { x, y } = placed::middle(spot);
+        Some([crate::session::radii(x), crate::session::radii(y)])
+    }
+
+    /// Notes the moment of the timeline at which the passes were dealt with.
+    pub(crate) const fn note_moment(&mut self, moment: (usize, Option<usize>)) {
+        self.moment = Some(moment);
+    }
+
+    /// Returns the moment of the timeline at which the passes were dealt with last.
+    pub(crate) const fn moment(&self) -> Option<(usize, Option<usize>)> {
+        self.moment
     }
 
     /// Returns whether the adapter measures times.

@@ -1,11 +1,12 @@
 //! What is known of the passes of a run: their reports, how they compare with the CPU, the lines of their list. It
 //! runs nothing.
 
-use tilescope_core::{MAXIMAL_DENSITY, Parameters, Stage};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, Rect, Stage};
 use tilescope_gpu::PassReport;
 use tilescope_gpu::layout::{Access, Name};
 use tilescope_gpu::twin::Difference;
 
+use super::placed::Placed;
 use super::table::BufferTable;
 use crate::draft::sentence;
 use crate::sentence::grouped;
@@ -99,6 +100,10 @@ pub struct Visit {
     pub pass: usize,
     /// Its buffers.
     pub buffers: Vec<BufferTable>,
+    /// Where the rows of each lie.
+    pub placed: Vec<Placed>,
+    /// The domain.
+    pub domain: Rect,
     /// Whether the run was begun anew to get there.
     pub replayed: bool,
 }

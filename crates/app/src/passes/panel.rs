@@ -8,7 +8,7 @@ use egui::{
 use super::list::{self, color, mark};
 use super::model::{PassEntry, Visit, access_text};
 use super::table::{BufferTable, Side};
-use super::{Badge, Fault, PassCommand, Passes, grid};
+use super::{Badge, Fault, PassCommand, Passes, choice, grid};
 use crate::sentence::{counted, grouped, stage_name};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Icon, icon_button};
@@ -139,6 +139,7 @@ fn pass(
     way(ui, visit, palette);
     ui.add_space(4.0);
     buffers(ui, passes, visit, palette, commands);
+    choice::show(ui, passes, visit, palette, commands);
     if let Some(table) = passes.shown().table(Some(visit)) {
         tools(ui, passes, table, palette, commands);
         let foot = 62.0;
@@ -148,7 +149,7 @@ fn pass(
         );
         ui.allocate_ui(room, |ui| {
             ui.set_min_size(room);
-            grid::show(ui, table, passes.shown(), palette);
+            grid::show(ui, table, passes.shown(), palette, commands);
         });
         ui.add_space(4.0);
         export(ui, passes, palette, commands);

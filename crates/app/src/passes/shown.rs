@@ -4,6 +4,7 @@ use tilescope_gpu::layout::{Access, Name};
 
 use super::filter::{Filter, FilterError};
 use super::model::Visit;
+use super::placed::{self, Counts, Rows};
 use super::table::{BufferTable, Side};
 
 /// A choice of buffer, side and rows, and what follows from it.
@@ -17,6 +18,10 @@ pub struct Shown {
     error: Option<FilterError>,
     rows: Vec<u32>,
     widths: Vec<usize>,
+    is_filtered: bool,
+    counts: Counts,
+    picked: Option<u32>,
+    pointed: Option<u32>,
 }
 
 impl Shown {
@@ -62,6 +67,41 @@ impl Shown {
         &self.widths
     }
 
+    /// Returns the selected row.
+    #[must_use]
+    pub const fn picked(&self) -> Option<u32> {
+        self.picked
+    }
+
+    /// Returns the row under the pointer.
+    #[must_use]
+    pub const fn pointed(&self) -> Option<u32> {
+        self.pointed
+    }
+
+    /// Returns whether there is a filter that holds rows back.
+    #[must_use]
+    pub const fn is_filtered(&self) -> bool {
+        self.is_filtered
+    }
+
+    /// Returns how many rows are on the canvas.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Returns what the canvas shows of the rows.
+    #[must_use]
+    pub fn on_canvas<'a>(&'a self, visit: &'a Visit) -> Option<Rows<'a>> {
+        Some(Rows {
+            table: visit.buffers.get(self.buffer)?,
+            spots: visit.placed.get(self.buffer)?.side(self.side),
+            domain: &visit.domain,
+            shown: self,
+        })
+    }
+
     /// Shows the buffer that was chosen last; where the pass has none such, the first that it changed.
     pub(super) fn enter(&mut self, visit: &Visit) {
         let chosen = |table: &BufferTable| Some(table.name) == self.chosen;
@@ -71,6 +111,7 @@ impl Shown {
         let place = visit.buffers.iter().position(chosen);
         let place = place.or_else(|| visit.buffers.iter().position(changed));
         self.buffer = place.unwrap_or(0);
+        self.pointed = None;
         self.refresh(Some(visit));
     }
 
@@ -78,6 +119,7 @@ impl Shown {
     pub(super) fn show(&mut self, visit: Option<&Visit>, place: usize) {
         if let Some(table) = visit.and_then(|visit| visit.buffers.get(place)) {
             self.buffer = place;
+            (self.picked, self.pointed) = (None, None);
             self.chosen = Some(table.name);
             self.refresh(visit);
         }
@@ -93,8 +135,19 @@ impl Shown {
         self.refresh(visit);
     }
 
+    /// Selects a row, or none.
+    pub(super) const fn pick(&mut self, row: Option<u32>) {
+        self.picked = row;
+    }
+
+    /// Points at a row, or at none.
+    pub(super) const fn point(&mut self, row: Option<u32>) {
+        self.pointed = row;
+    }
+
     fn refresh(&mut self, visit: Option<&Visit>) {
         (self.rows, self.widths, self.error) = (Vec::new(), Vec::new(), None);
+        self.counts = Counts::default();
         let Some(table) = self.table(visit) else {
             return;
         };
@@ -113,5 +166,12 @@ impl Shown {
             filter.lets_pass(row, table.side(self.side, row), table.is_changed(row))
         };
         self.rows = (0..table.rows() as u32).filter(passes).collect();
+        self.is_filtered = !filter.is_empty();
+        if let Some(visit) = visit
+            && let Some(placed) = visit.placed.get(self.buffer)
+        {
+            let (spots, domain) = (placed.side(self.side), &visit.domain);
+            self.counts = placed::count(spots, &self.rows, table, self.is_filtered, domain);
+        }
     }
 }

@@ -326,6 +326,7 @@ impl State {
             sight: side.sight,
             geometry: &side.geometry,
             contrast: self.contrast(true),
+            buffers: None,
         })
     }
 }

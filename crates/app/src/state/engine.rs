@@ -6,12 +6,16 @@ use tilescope_core::{Parameters, Variant};
 use tilescope_gpu::{Gpu, GpuError};
 
 use super::State;
+use crate::clock::Clock;
+use crate::command::Command;
 use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::draft::sentence;
 use crate::jobs::Job;
-use crate::passes::{PassCommand, Passes};
+use crate::layout::Panel;
+use crate::passes::{OnCanvas, PassCommand, Passes};
 use crate::recipe::Recipe;
 use crate::session::{Failure, Session};
+use crate::theme::Look;
 
 impl State {
     /// Chooses who samples. The GPU is opened and tested first, unless it was already.
@@ -140,30 +144,71 @@ impl State {
         }
     }
 
-    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage is chosen.
+    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
+    /// is chosen or one behind which that stage is the last whole one.
     pub(super) fn lead_passes(&mut self) {
         let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
             return;
         };
-        if passes.position().is_none_or(|(other, _)| other != stage) {
+        let is_there = passes.position().is_some_and(|(other, _)| other == stage);
+        if !is_there && passes.whole_stage() != Some(stage) {
             passes.select_stage(stage);
         }
     }
 
-    /// Carries out a command of the passes; the timeline follows to the stage that the chosen pass ends.
+    /// Returns what the canvas shows of the GPU's buffers: something only while the panel of passes can be seen, time
+    /// runs by passes, or the timeline stands where it stood when the passes were dealt with last.
+    #[must_use]
+    pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
+        let passes = self.passes.as_ref()?;
+        let is_seen = self.layout.shows(Panel::Passes) && self.look != Look::Projector;
+        let is_then = passes.moment() == Some(self.moment());
+        let is_meant = is_seen || is_then || self.playback.clock == Clock::Pass;
+        passes.on_canvas().filter(|_| is_meant)
+    }
+
+    fn moment(&self) -> (usize, Option<usize>) {
+        (self.stage, self.cursor().map(|(cursor, _)| cursor))
+    }
+
+    /// Brings the canvas into view; time runs by passes from now on. A selected row of theirs is flown to.
+    fn show_buffers(&mut self) {
+        self.playback.clock = Clock::Pass;
+        self.apply(Command::OpenPanel(Panel::Canvas));
+        let place = self.passes.as_ref().and_then(Passes::picked_place);
+        if let Some(place) = place {
+            self.fly_to(place, 12.0);
+        }
+    }
+
+    /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
+    /// the chosen pass.
     pub(super) fn apply_to_passes(&mut self, command: PassCommand) {
         let Some(passes) = &mut self.passes else {
             return;
         };
-        let before = passes.position();
+        let shows_canvas = command == PassCommand::ShowCanvas;
+        let before = passes.selected();
         passes.apply(command);
-        let after = passes.position();
-        if let (true, Some((stage, true))) = (before != after, after) {
-            let stages = self.session.as_ref().map(|session| session.stages.clone());
-            let place = stages.and_then(|stages| stages.iter().position(|&other| other == stage));
+        if before != passes.selected()
+            && let Some(stage) = passes.whole_stage()
+        {
+            // Iterations that inserted nothing are no stages of a session.
+            let stages = self.session.iter().flat_map(|session| &session.stages);
+            let place = stages
+                .take_while(|&&other| other <= stage)
+                .count()
+                .checked_sub(1);
             if let Some(place) = place {
                 self.show_stage(place);
             }
+        }
+        let moment = self.moment();
+        if let Some(passes) = &mut self.passes {
+            passes.note_moment(moment);
+        }
+        if shows_canvas {
+            self.show_buffers();
         }
     }
 }

@@ -36,6 +36,7 @@ impl State {
             sight: self.sight,
             geometry: &self.geometry,
             contrast: self.contrast(false),
+            buffers: self.buffers_on_canvas(),
         })
     }
 

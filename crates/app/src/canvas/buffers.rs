@@ -1,0 +1,288 @@
+//! The rows of a buffer of the GPU where they lie: rings, squares, borders and links over the picture, and a tag that
+//! names them. What lies where is handed to it.
+
+use std::fmt::Write as _;
+
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use tilescope_core::{Rect as LatticeRect, Stage};
+use tilescope_gpu::Spot;
+
+use super::sprites::{Sprite, Sprites, Stamp};
+use super::subject::Subject;
+use crate::passes::OnCanvas;
+use crate::passes::placed::Rows;
+use crate::session::radii;
+use crate::theme::Palette;
+
+/// More marks than this in view are not drawn: one would see no more than a surface.
+pub const MOST_MARKS: usize = 20_000;
+/// Between the tag and the corner of the canvas, in screen points.
+const INSET: Vec2 = vec2(22.0, 24.0);
+/// The height that a remark at the top of the canvas takes, in screen points.
+const NOTE: f32 = 32.0;
+/// Rings below this radius are dots, in screen points.
+const LEAST_RING: f32 = 3.0;
+/// Squares below this size are surfaces without a border, in screen points.
+const LEAST_BORDERED: f32 = 5.0;
+
+/// Draws the rows of a buffer, if there are any to be seen; returns what is remarked at the top of the canvas: `note`, or
+/// how much is left out.
+pub fn show(
+    ui: &Ui,
+    rect: Rect,
+    subject: &Subject<'_>,
+    palette: &Palette,
+    sprites: &mut Sprites,
+    note: Option<String>,
+) -> Option<String> {
+    let Some(buffers) = &subject.buffers else {
+        return note;
+    };
+    let painter = ui.painter_at(rect);
+    let mut left_out = 0;
+    // The pattern is shown in a plane of its own.
+    if let Some(rows) = buffers
+        .rows
+        .filter(|_| subject.shown.stage != Stage::Pattern)
+    {
+        let scene = Scene {
+            painter: &painter,
+            rect,
+            subject,
+            palette,
+        };
+        let view = InView::of(&scene, &rows);
+        left_out = view.left_out;
+        scene.draw(&view, sprites);
+        for (row, width) in [(rows.shown.pointed(), 2.0), (rows.shown.picked(), 3.0)] {
+            if let Some(row) = row {
+                scene.single_out(rows.spots.of(row as usize), width);
+            }
+        }
+    }
+    let note = note.or_else(|| {
+        let most = crate::sentence::grouped(MOST_MARKS);
+        let more = crate::sentence::grouped(left_out);
+        (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
+    });
+    let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;
+    tag(ui, &painter, rect.min + corner, buffers, left_out, palette);
+    note
+}
+
+/// A spot, and whether it lies in the domain.
+struct Mark {
+    spot: Spot,
+    is_inside: bool,
+}
+
+/// The marks in view.
+#[derive(Default)]
+struct InView {
+    unchanged: Vec<Mark>,
+    changed: Vec<Mark>,
+    left_out: usize,
+}
+
+impl InView {
+    /// Returns the marks of rows in view: changed ones first, as many as there may be.
+    fn of(scene: &Scene<'_>, rows: &Rows<'_>) -> Self {
+        let mut view = Self::default();
+        let mut rest = MOST_MARKS;
+        for changed in [true, false] {
+            let list = if changed {
+                &mut view.changed
+            } else {
+                &mut view.unchanged
+            };
+            for &row in rows.shown.rows() {
+                if rows.table.is_changed(row as usize) != changed {
+                    continue;
+                }
+                for spot in rows.marks(row).iter().filter(|spot| scene.sees(spot)) {
+                    if rest == 0 {
+                        view.left_out += 1;
+                    } else {
+                        rest -= 1;
+                        list.push(Mark {
+                            spot: *spot,
+                            is_inside: rows.lies_inside(spot),
+                        });
+                    }
+                }
+            }
+        }
+        view
+    }
+}
+
+struct Scene<'a> {
+    painter: &'a Painter,
+    rect: Rect,
+    subject: &'a Subject<'a>,
+    palette: &'a Palette,
+}
+
+impl Scene<'_> {
+    fn at(&self, point: tilescope_core::Point) -> Pos2 {
+        let place = [radii(point.x), radii(point.y)];
+        self.subject.camera.screen_from_domain(self.rect, place)
+    }
+
+    fn square(&self, rect: &LatticeRect) -> Rect {
+        Rect::from_two_pos(self.at(rect.min), self.at(rect.max))
+    }
+
+    fn sees(&self, spot: &Spot) -> bool {
+        match spot {
+            Spot::Point(p) => self.rect.expand(8.0).contains(self.at(*p)),
+            Spot::Link(ends) => {
+                Rect::from_two_pos(self.at(ends[0]), self.at(ends[1])).intersects(self.rect)
+            }
+            Spot::Rect(rect) => self.square(rect).intersects(self.rect),
+        }
+    }
+
+    /// Returns the radius of rings: a little more than that of samples.
+    fn ring(&self) -> f32 {
+        (0.32 * self.subject.camera.scale as f32).clamp(1.0, 13.0)
+    }
+
+    fn draw(&self, view: &InView, sprites: &mut Sprites) {
+        let ctx = self.painter.ctx();
+        let ring = self.ring();
+        let [faint, strong] = if ring < LEAST_RING {
+            [sprites.stamp(ctx, Sprite::Dot, 1.4); 2]
+        } else {
+            [Sprite::Disk, Sprite::Halo].map(|sprite| sprites.stamp(ctx, sprite, ring))
+        };
+        let muted = self.palette.text.gamma_multiply(0.55);
+        self.layer(&view.unchanged, faint, muted, false);
+        self.layer(&view.changed, strong, self.palette.accent, true);
+    }
+
+    fn layer(&self, marks: &[Mark], stamp: Stamp, color: Color32, strong: bool) {
+        let mut rings = Mesh::with_texture(stamp.texture);
+        let mut squares = Mesh::default();
+        for mark in marks {
+            let color = color.gamma_multiply(if mark.is_inside { 1.0 } else { 0.45 });
+            match &mark.spot {
+                Spot::Rect(rect) => add_square(&mut squares, self.square(rect), color, strong),
+                Spot::Link(ends) => {
+                    let ends = ends.map(|end| self.at(end));
+                    add_line(&mut squares, ends, if strong { 1.6 } else { 1.0 }, color);
+                    add_ring(&mut rings, stamp, ends[0], color);
+                }
+                Spot::Point(point) => add_ring(&mut rings, stamp, self.at(*point), color),
+            }
+        }
+        self.painter.add(squares);
+        self.painter.add(rings);
+    }
+
+    /// Draws the selected row, or the one under the pointer, larger than others.
+    fn single_out(&self, spots: &[Spot], width: f32) {
+        let stroke = Stroke::new(width, self.palette.halo);
+        for spot in spots {
+            match spot {
+                Spot::Rect(rect) => {
+                    let square = self.square(rect).expand(2.0);
+                    self.painter
+                        .rect_stroke(square, 0.0, stroke, StrokeKind::Outside);
+                }
+                Spot::Link(ends) => {
+                    let ends = ends.map(|end| self.at(end));
+                    self.painter.line_segment(ends, stroke);
+                    self.painter
+                        .circle_stroke(ends[0], self.ring() + 4.0, stroke);
+                }
+                Spot::Point(point) => {
+                    let at = self.at(*point);
+                    self.painter.circle_stroke(at, self.ring() + 4.0, stroke);
+                }
+            }
+        }
+    }
+}
+
+fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
+    let rect = Rect::from_center_size(at, Vec2::splat(2.0 * stamp.half));
+    mesh.add_rect_with_uv(rect, super::UNIT, color);
+}
+
+/// Adds the border of a square, with a ground where it is strong; small ones are surfaces.
+fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
+    let width = if strong { 1.5 } else { 1.0 };
+    let inner = rect.shrink(0.25);
+    if inner.width().min(inner.height()) < LEAST_BORDERED {
+        let ground = color.gamma_multiply(if strong { 0.7 } else { 0.3 });
+        mesh.add_colored_rect(inner, ground);
+        return;
+    }
+    if strong {
+        mesh.add_colored_rect(inner, color.gamma_multiply(0.2));
+    }
+    let (across, up) = (vec2(inner.width(), width), vec2(width, inner.height()));
+    let color = color.gamma_multiply(if strong { 1.0 } else { 0.6 });
+    for (corner, size) in [
+        (inner.min, across),
+        (pos2(inner.min.x, inner.max.y - width), across),
+        (inner.min, up),
+        (pos2(inner.max.x - width, inner.min.y), up),
+    ] {
+        mesh.add_colored_rect(Rect::from_min_size(corner, size), color);
+    }
+}
+
+fn add_line(mesh: &mut Mesh, ends: [Pos2; 2], width: f32, color: Color32) {
+    let along = (ends[1] - ends[0]).normalized();
+    let across = along.rot90() * width / 2.0;
+    let first = mesh.vertices.len() as u32;
+    for (end, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
+        mesh.colored_vertex(ends[end] + across * side, color);
+    }
+    mesh.add_triangle(first, first + 1, first + 2);
+    mesh.add_triangle(first + 1, first + 2, first + 3);
+}
+
+/// Names what is drawn.
+fn tag(
+    ui: &Ui,
+    painter: &Painter,
+    corner: Pos2,
+    buffers: &OnCanvas<'_>,
+    left_out: usize,
+    palette: &Palette,
+) {
+    let [what, changed] = buffers.text();
+    let font = FontId::monospace(12.0);
+    let format = |color| TextFormat::simple(font.clone(), color);
+    let mut job = LayoutJob::default();
+    job.append(&what, 0.0, format(palette.text));
+    let strong = buffers
+        .rows
+        .is_some_and(|rows| rows.shown.counts().changed > 0);
+    let color = if strong {
+        palette.accent
+    } else {
+        palette.muted
+    };
+    job.append(&changed, 0.0, format(color));
+    job.wrap.max_width = (painter.clip_rect().width() - 2.0 * INSET.x).max(80.0);
+    let galley = painter.layout_job(job);
+    let place = Rect::from_min_size(corner, galley.size());
+    let ground = place.expand2(vec2(7.0, 4.0));
+    painter.rect_filled(ground, 5.0, palette.panel.gamma_multiply(0.92));
+    painter.galley(place.min, galley, palette.text);
+    let response = ui.interact(
+        ground,
+        ui.scope_id().with("buffer on the canvas"),
+        egui::Sense::hover(),
+    );
+    let mut words = format!("On the canvas: {what}{changed}");
+    if left_out > 0 {
+        let _ = write!(words, "; {left_out} more marks are in view than are drawn");
+    }
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+}

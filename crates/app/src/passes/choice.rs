@@ -1,0 +1,66 @@
+//! The line of the panel that chooses whether the rows of a buffer are on the canvas, too. It draws no rows.
+
+use std::fmt::Write as _;
+
+use egui::{Button, Label, RichText, Ui};
+
+use super::model::Visit;
+use super::placed::{Counts, Rows};
+use super::{PassCommand, Passes};
+use crate::sentence::{counted, grouped};
+use crate::theme::Palette;
+
+/// Shows the choice, and what it brings to the canvas.
+pub(super) fn show(
+    ui: &mut Ui,
+    passes: &Passes,
+    visit: &Visit,
+    palette: &Palette,
+    commands: &mut Vec<PassCommand>,
+) {
+    let Some(rows) = passes.shown().on_canvas(visit) else {
+        return;
+    };
+    ui.horizontal(|ui| {
+        let mut is_on = passes.is_on_canvas();
+        if ui.checkbox(&mut is_on, "On the canvas").changed() {
+            commands.push(PassCommand::OnCanvas(is_on));
+        }
+        let tip = "Brings the canvas into view, and the selected row; arrow keys and play then go from pass to pass.";
+        let button = ui.add_enabled(is_on, Button::new("Show canvas"));
+        if button.on_hover_text(tip).clicked() {
+            commands.push(PassCommand::ShowCanvas);
+        }
+        let (text, tip) = words(&rows);
+        let label = ui.add(Label::new(RichText::new(&text).small().color(palette.muted)).truncate());
+        if !tip.is_empty() {
+            label.on_hover_text(tip);
+        }
+    });
+}
+
+/// Returns what is said of the rows on the canvas, and what there is to explain.
+fn words(rows: &Rows<'_>) -> (String, &'static str) {
+    let name = rows.table.name.as_str();
+    if let Some(why) = rows.spots.unplaced() {
+        return (format!("nothing of {name}: {why}"), "");
+    }
+    let Counts {
+        rows: all,
+        changed,
+        inside,
+    } = rows.shown.counts();
+    let mut text = format!("{} of {name}", counted(all, "row", "rows"));
+    if all > 0 {
+        let _ = write!(text, ", {} in the domain", grouped(inside));
+    }
+    if changed > 0 {
+        let _ = write!(text, ", {} changed", grouped(changed));
+    }
+    let tip = if rows.spots.are_cells() && !rows.shown.is_filtered() {
+        "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
+    } else {
+        "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no place."
+    };
+    (text, tip)
+}
