@@ -9,7 +9,7 @@ use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand
 use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
-use tilescope_app::{App, Command};
+use tilescope_app::{App, Command, State};
 use tilescope_core::Search;
 use tilescope_debugger::{Direction, Step, Target};
 
@@ -176,29 +176,7 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
         harness.state_mut().state.settle();
         harness.run();
         let state = &harness.state().state;
-        // Where there is a gap in view, the pointer goes there.
-        let deepest = state.shown().and_then(|shown| {
-            let tessellation = state.geometry.of(&shown)?;
-            let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {
-                let deepest = gap.deepest.0;
-                (deepest[0] - place[0]).hypot(deepest[1] - place[1]) < 0.4 * radii
-            };
-            tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
-        });
-        let nearest = state.session.as_ref().map(|session| {
-            let distance = |id: &u32| {
-                let at = session.place(*id);
-                ((at[0] - place[0]).hypot(at[1] - place[1]) * 1e6) as u64
-            };
-            let count = session.run().samples.len() as u32;
-            session.place((0..count).min_by_key(distance).unwrap_or(0))
-        });
-        let at = match name {
-            "hover-margin" => deepest,
-            "hover-block" => None,
-            _ => nearest,
-        };
-        let at = at.unwrap_or(place);
+        let at = thing_near(state, name, place, radii);
         let pos = state.camera.screen_from_domain(state.viewport, at);
         harness.hover_at(pos);
         save(harness, folder, name);
@@ -289,4 +267,31 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "actions-closed",
         vec![Command::TogglePalette, Command::LastStage],
     );
+}
+
+/// Returns where the pointer goes for a picture: to a gap, to a sample, or to the place itself.
+fn thing_near(state: &State, name: &str, place: [f64; 2], radii: f64) -> [f64; 2] {
+    // Where there is a gap in view, the pointer goes there.
+    let deepest = state.shown().and_then(|shown| {
+        let tessellation = state.geometry.of(&shown)?;
+        let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {
+            let deepest = gap.deepest.0;
+            (deepest[0] - place[0]).hypot(deepest[1] - place[1]) < 0.4 * radii
+        };
+        tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
+    });
+    let nearest = state.session.as_ref().map(|session| {
+        let distance = |id: &u32| {
+            let at = session.place(*id);
+            ((at[0] - place[0]).hypot(at[1] - place[1]) * 1e6) as u64
+        };
+        let count = session.run().samples.len() as u32;
+        session.place((0..count).min_by_key(distance).unwrap_or(0))
+    });
+    let at = match name {
+        "hover-margin" => deepest,
+        "hover-block" => None,
+        _ => nearest,
+    };
+    at.unwrap_or(place)
 }

@@ -59,6 +59,11 @@ impl Pane {
             viewport: rect,
             pixels_per_point: ui.ctx().pixels_per_point(),
         };
+        self.layers(ui, &scene, frame)
+    }
+
+    fn layers(&mut self, ui: &Ui, scene: &Scene<'_>, frame: Frame) -> Option<String> {
+        let (subject, palette) = (&scene.subject, scene.palette);
         let made_from = (frame, Key::of(subject, palette));
         let triangulated = subject.geometry.of(&scene.shown).is_some();
         let old = self.kept.follow((made_from, triangulated));
@@ -66,21 +71,18 @@ impl Pane {
         self.swatches.follow(subject, palette);
         let looks = Looks::new(subject, palette, &self.swatches);
         let resident = self.resident.as_mut();
-        let resident = resident.and_then(|resident| resident.follow(&scene, &looks));
         let mut stack = Stack {
-            scene: &scene,
+            scene,
             looks: &looks,
             sprites: &mut self.sprites,
             kept: &mut self.kept,
-            resident,
+            resident: resident.and_then(|resident| resident.follow(scene, &looks)),
         };
         stack.tints();
-        if scene.has(Layer::Gaps)
-            && scene.stage >= Stage::Eliminate
-            && subject.camera.scale >= MIN_DISK_SCALE
-        {
+        let fine = subject.camera.scale >= MIN_DISK_SCALE;
+        if fine && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
             let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
-            self.gaps.paint(ui, &scene, made_from, make);
+            self.gaps.paint(ui, scene, made_from, make);
         }
         let crowded = stack.is_crowded();
         let points = &mut self.points;
@@ -94,7 +96,7 @@ impl Pane {
             super::contrast::paint(&scene);
         }
         let as_points = crowded && stack.draws_points();
-        note(&scene, crowded, as_points)
+        note(scene, crowded, as_points)
     }
 }
 
