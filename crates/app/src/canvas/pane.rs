@@ -93,7 +93,7 @@ impl Pane {
             });
         } else {
             stack.all();
-            super::contrast::paint(&scene);
+            super::contrast::paint(scene);
         }
         let as_points = crowded && stack.draws_points();
         note(scene, crowded, as_points)
