@@ -228,6 +228,7 @@ fn a_filter_chooses_the_rows_and_unchanged_cells() {
     pass(&mut harness, PassCommand::Filter(String::new()));
     go(&mut harness, "tile", Name::Starts);
     assert_eq!(rows(&harness).shown.counts().rows, 0);
+    harness.get_by_label_contains("buffer starts, after: no row changed; a filter shows others");
     pass(&mut harness, PassCommand::Filter("row<10".to_owned()));
     assert_eq!(rows(&harness).shown.counts().rows, 10);
     go(&mut harness, "tile", Name::Counters);

@@ -153,6 +153,10 @@ impl OnCanvas<'_> {
             ];
         }
         let side = side_text(rows.shown.side());
+        if rows.spots.are_cells() && counts.rows == 0 && !rows.shown.is_filtered() {
+            let none = "no row changed; a filter shows others".to_owned();
+            return [format!("{pass}, {buffer}, {side}: "), none];
+        }
         let count = counted(counts.rows, "row", "rows");
         let changed = match counts.changed {
             0 => "none changed".to_owned(),
