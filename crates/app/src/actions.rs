@@ -4,7 +4,7 @@
 mod compare;
 mod file;
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 use tilescope_debugger::{Direction, Step, Target};
 
 use crate::canvas::layers::{Colouring, Layer};
@@ -127,6 +127,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     file::add(&mut list, state);
     edit(&mut list, state);
     view(&mut list);
+    camera(&mut list, state);
     go(&mut list, state);
     debug(&mut list, state);
     compare::compare(&mut list, state);
@@ -236,6 +237,35 @@ fn view(list: &mut List) {
         "Colour by age".to_owned(),
         None,
         Command::Colour(Colouring::Age),
+    );
+}
+
+/// By how many screen points a key moves the view.
+const PAN: f32 = 80.0;
+
+/// The view without a pointer.
+fn camera(list: &mut List, state: &State) {
+    let no_session = state.session.is_none().then_some(NO_SESSION);
+    for (name, key, delta) in [
+        ("Move the view left", Key::ArrowLeft, vec2(PAN, 0.0)),
+        ("Move the view right", Key::ArrowRight, vec2(-PAN, 0.0)),
+        ("Move the view up", Key::ArrowUp, vec2(0.0, PAN)),
+        ("Move the view down", Key::ArrowDown, vec2(0.0, -PAN)),
+    ] {
+        let keys = Some((SHIFT, key));
+        list.add(Menu::View, name, keys, Command::Pan(delta), no_session);
+    }
+    let middle = state.viewport.center();
+    for (name, factor) in [("Zoom in", 1.25), ("Zoom out", 0.8)] {
+        let command = Command::Zoom(middle, factor);
+        list.add(Menu::View, name, None, command, no_session);
+    }
+    list.add(
+        Menu::Edit,
+        "Select what is in the middle of the view",
+        Some((NONE, Key::M)),
+        Command::SelectMiddle,
+        no_session,
     );
 }
 
@@ -442,8 +472,8 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
                 continue;
             }
             let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
-            // It closes what lies on top first.
-            if key == Key::Escape && state.has_sheet() {
+            // What lies on top comes first: Escape closes it, and letters are meant for it.
+            if state.has_sheet() && !modifiers.command {
                 continue;
             }
             let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);

@@ -70,11 +70,14 @@ impl App {
     /// Takes files that were dropped on the window.
     fn take_dropped(&mut self, ui: &Ui) {
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
-        let commands = dropped.iter().map(|file| {
-            let path = file.path().to_string_lossy().into_owned();
-            Command::File(FileCommand::Dropped(path))
-        });
-        self.commands.extend(commands);
+        let paths: Vec<String> = dropped
+            .iter()
+            .map(|file| file.path().to_string_lossy().into_owned())
+            .collect();
+        if !paths.is_empty() {
+            self.commands
+                .push(Command::File(FileCommand::Dropped(paths)));
+        }
     }
 
     fn show_tiles(&mut self, ui: &mut Ui) {

@@ -205,6 +205,8 @@ pub enum Command {
     Pan(Vec2),
     /// Zooms about a place of the screen.
     Zoom(Pos2, f64),
+    /// Selects the sample nearest to the middle of the view, or else the place there.
+    SelectMiddle,
     /// Shows the whole domain.
     Fit,
     /// Flies to a place, given in r, until about this many r are visible.

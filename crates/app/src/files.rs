@@ -74,19 +74,24 @@ pub enum FileCommand {
     Browse,
     /// Reads or writes the file. Where a file would be replaced, the first call asks and the second does it.
     Go,
-    /// Stops reading.
+    /// Stops what is read or written.
     Cancel,
-    /// Takes a file that was dropped on the window: a session or a pattern.
-    Dropped(String),
+    /// Takes files that were dropped on the window: a session or a pattern.
+    Dropped(Vec<String>),
     /// Returns to the pattern that the parameters describe.
     GeneratedPattern,
 }
+
+/// The longest pattern file that is read: a million samples as text.
+pub const MOST_PATTERN_BYTES: u64 = 100_000_000;
 
 /// The name of a session's file, where there is none yet.
 pub const SESSION_NAME: &str = "tilescope-session.json";
 
 #[cfg(not(target_arch = "wasm32"))]
-pub use native::{Done, Opened, Outcome, browse, open, open_dropped, pattern, save};
+pub use native::{
+    Done, Filing, Opened, Outcome, browse, certificate_of, open, open_dropped, pattern, save,
+};
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
@@ -96,7 +101,7 @@ mod native {
     use tilescope_core::Pattern;
     use tilescope_debugger::{Debugger, MAX_BYTES, PatternFile, Session as Saved, SessionError};
 
-    use super::{FileForm, Purpose, SESSION_NAME};
+    use super::{FileForm, MOST_PATTERN_BYTES, Purpose, SESSION_NAME};
     use crate::jobs::{Job, Monitor, Wake};
     use crate::recipe::{OwnPattern, Recipe, load};
     use crate::session::{Reporter, Session};
@@ -109,6 +114,16 @@ mod native {
         pub saved: Saved,
         /// The run, computed again.
         pub session: Session,
+    }
+
+    /// A file that is being read or written.
+    pub struct Filing {
+        /// What for; a dropped one is looked at first.
+        pub purpose: Option<Purpose>,
+        /// Its name.
+        pub path: String,
+        /// The work.
+        pub job: Job<Outcome>,
     }
 
     /// What became of a file, or why nothing did.
@@ -124,13 +139,20 @@ mod native {
         Pattern(OwnPattern),
     }
 
+    /// Returns where the certificate of a point set lies.
+    #[must_use]
+    pub fn certificate_of(path: &str) -> PathBuf {
+        tilescope_formats::certificate_path(Path::new(path))
+    }
+
     /// Writes a session.
     pub fn save(saved: &Saved, path: &Path) -> Outcome {
-        let text = saved
-            .to_json()
-            .map_err(|error| format!("the session was not written: {error}"))?;
-        tilescope_formats::write_whole(path, text.as_bytes())
-            .map_err(|error| format!("the session was not written: {error}"))?;
+        let failed =
+            |error: &dyn std::fmt::Display| format!("the session was not written: {error}");
+        // What would be refused when it is opened is not written.
+        saved.check().map_err(|error| failed(&error))?;
+        let text = saved.to_json().map_err(|error| failed(&error))?;
+        tilescope_formats::write_whole(path, text.as_bytes()).map_err(|error| failed(&error))?;
         Ok(Done::Saved(path.to_owned()))
     }
 
@@ -168,44 +190,80 @@ mod native {
 
     fn text_of(path: &Path) -> Result<String, String> {
         let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let length = std::fs::metadata(path)
-            .map_err(|error| named(&error))?
-            .len();
-        if length > MAX_BYTES as u64 {
-            return Err(format!(
-                "{} has {length} bytes; a session has at most {MAX_BYTES}",
-                path.display()
-            ));
-        }
+        plain_file(path, MAX_BYTES as u64)?;
         let bytes = std::fs::read(path).map_err(|error| named(&error))?;
         String::from_utf8(bytes).map_err(|_| named(&"this is no saved session: it is not text"))
     }
 
-    /// Reads a session's pattern from where it was, else from beside the session's file.
+    /// Fails where there is no file of at most `limit` bytes: a device or a pipe would never end.
+    fn plain_file(path: &Path, limit: u64) -> Result<(), String> {
+        let about =
+            std::fs::metadata(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        if !about.is_file() {
+            return Err(format!("{} is no file", path.display()));
+        }
+        if about.len() > limit {
+            return Err(format!(
+                "{} has {} bytes; at most {limit} are read",
+                path.display(),
+                about.len()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Reads a session's pattern from beside the session's file, else from where it was.
     fn find_pattern(file: &PatternFile, session: &Path) -> Result<OwnPattern, String> {
         let path = Path::new(&file.path);
         let beside = path
             .file_name()
             .and_then(|name| Some(session.parent()?.join(name)));
-        match beside {
-            Some(beside) if !path.exists() && beside.exists() => load(&beside),
-            _ => load(path),
+        if let Some(beside) = beside.filter(|beside| beside != path && beside.is_file()) {
+            // One of the same name may be another.
+            let found = read_pattern(&beside);
+            if found
+                .as_ref()
+                .is_ok_and(|found| found.file.digest == file.digest)
+            {
+                return found;
+            }
         }
+        // Another machine is asked for nothing because a file says so.
+        if file.path.starts_with(r"\\") || file.path.starts_with("//") {
+            return Err("it lies on another machine; put it beside the session".to_owned());
+        }
+        read_pattern(path)
+    }
+
+    fn read_pattern(path: &Path) -> Result<OwnPattern, String> {
+        plain_file(path, MOST_PATTERN_BYTES)?;
+        load(path)
     }
 
     /// Reads a pattern.
     pub fn pattern(path: &Path) -> Outcome {
-        load(path).map(Done::Pattern)
+        read_pattern(path).map(Done::Pattern)
     }
 
-    /// Reads a file that was dropped: a session where it is JSON, else a pattern.
+    /// Reads a file that was dropped: a session if it is one, else a pattern.
     pub fn open_dropped(path: &Path, generation: u64, monitor: &Monitor) -> Outcome {
         let json = path.extension().is_some_and(|ending| ending == "json");
-        if json {
+        if json && !holds_points(path) {
             open(path, generation, monitor)
         } else {
             pattern(path)
         }
+    }
+
+    /// Returns whether a JSON file is a point set rather than a session.
+    fn holds_points(path: &Path) -> bool {
+        let value = text_of(path)
+            .ok()
+            .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
+        let of_session = |value: &serde_json::Value| {
+            value.get("cursor").is_some() || value.get("version").is_some()
+        };
+        value.is_some_and(|value| !of_session(&value))
     }
 
     /// Opens the system's dialog; the job ends with the chosen file, or `None`.

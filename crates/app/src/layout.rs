@@ -1,6 +1,8 @@
 //! The layout of the window: which panels there are, where they stand at first, and how one comes into
 //! view. Whoever shows it moves the tiles; what a panel shows is not known here.
 
+use std::collections::HashSet;
+
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
@@ -74,6 +76,9 @@ impl Panel {
     }
 }
 
+/// More tiles than this no layout of this program has.
+const MOST_TILES: usize = 200;
+
 /// Where the panels stand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layout(pub Tree<Panel>);
@@ -127,17 +132,48 @@ impl Layout {
             .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == panel));
     }
 
-    /// Returns whether every panel is there once, as in every layout that this program made. A remembered layout
-    /// may come from another version.
+    /// Returns whether every panel can be reached once, as in every layout that this program made. A remembered layout
+    /// may come from another version, and one of a file from anywhere.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        let count = |panel: Panel| {
-            let panes = self.0.tiles.tiles();
-            panes
-                .filter(|tile| matches!(tile, Tile::Pane(pane) if *pane == panel))
-                .count()
+        let tiles = &self.0.tiles;
+        let (Some(root), true) = (self.0.root(), tiles.iter().count() <= MOST_TILES) else {
+            return false;
         };
-        self.0.root().is_some() && Panel::ALL.into_iter().all(|panel| count(panel) == 1)
+        let mut seen = HashSet::new();
+        let mut panels = Vec::new();
+        let mut waiting = vec![root];
+        while let Some(id) = waiting.pop() {
+            // A tile that is reached twice is in two places, or in itself.
+            if !seen.insert(id) {
+                return false;
+            }
+            match tiles.get(id) {
+                Some(Tile::Pane(panel)) => panels.push(*panel),
+                Some(Tile::Container(container)) => {
+                    if !has_sound_shares(container) {
+                        return false;
+                    }
+                    waiting.extend(container.children().copied());
+                }
+                None => return false,
+            }
+        }
+        panels.len() == Panel::ALL.len()
+            && Panel::ALL.into_iter().all(|panel| panels.contains(&panel))
+    }
+}
+
+/// Returns whether the shares of a row or column can be divided by.
+fn has_sound_shares(container: &Container) -> bool {
+    let sound = |share: f32| share.is_finite() && share >= 0.0;
+    match container {
+        Container::Linear(linear) => linear.shares.iter().all(|(_, &share)| sound(share)),
+        Container::Grid(grid) => {
+            let shares = grid.col_shares.iter().chain(&grid.row_shares);
+            shares.into_iter().all(|&share| sound(share))
+        }
+        Container::Tabs(_) => true,
     }
 }
 
@@ -173,5 +209,33 @@ mod tests {
         let tile = layout.0.tiles.find_pane(&Panel::Canvas).unwrap();
         layout.0.remove_recursively(tile);
         assert!(!layout.is_whole());
+    }
+
+    #[test]
+    fn layouts_that_hold_themselves_or_lack_what_they_name_are_known() {
+        let whole = Layout::default();
+        let root = whole.0.root().unwrap();
+        let children = |layout: &Layout| -> Vec<TileId> {
+            match layout.0.tiles.get(layout.0.root().unwrap()) {
+                Some(Tile::Container(container)) => container.children().copied().collect(),
+                _ => Vec::new(),
+            }
+        };
+        let with = |extra: TileId| {
+            let mut layout = whole.clone();
+            if let Some(Tile::Container(Container::Linear(linear))) = layout.0.tiles.get_mut(root) {
+                linear.children.push(extra);
+            }
+            layout
+        };
+        assert!(!with(root).is_whole(), "in itself");
+        assert!(!with(children(&whole)[0]).is_whole(), "in two places");
+        assert!(!with(TileId::from_u64(987_654)).is_whole(), "not there");
+        let mut broken = whole.clone();
+        if let Some(Tile::Container(Container::Linear(linear))) = broken.0.tiles.get_mut(root) {
+            linear.shares.set_share(root, f32::NAN);
+        }
+        assert!(!broken.is_whole(), "no share");
+        assert!(whole.is_whole());
     }
 }

@@ -123,10 +123,10 @@ pub struct State {
     pub file: Option<FileForm>,
     /// What is read or written for it.
     #[cfg(not(target_arch = "wasm32"))]
-    pub filing: Option<Job<crate::files::Outcome>>,
+    pub filing: Option<crate::files::Filing>,
     /// The system's dialog for it, while open.
     #[cfg(not(target_arch = "wasm32"))]
-    pub finding: Option<Job<Option<std::path::PathBuf>>>,
+    pub finding: Option<(crate::files::Purpose, Job<Option<std::path::PathBuf>>)>,
     /// The file that the session was saved to or opened from last.
     pub session_path: Option<String>,
     /// How many frames the animation of the sheet has.
@@ -259,7 +259,10 @@ impl State {
         match command {
             Command::Type(field, text) => self.draft.set_text(field, text),
             Command::Choose(choice) => self.draft.choose(choice),
-            Command::ResetParameters => self.draft = Draft::default(),
+            Command::ResetParameters => {
+                self.draft = Draft::default();
+                self.own_pattern = None;
+            }
             Command::Engine(engine) => self.choose_engine(engine),
             Command::NameAdapter(name) => self.name_adapter(name),
             Command::Run => self.run(),
@@ -299,6 +302,7 @@ impl State {
             Command::Viewport(_)
             | Command::Pan(_)
             | Command::Zoom(..)
+            | Command::SelectMiddle
             | Command::Fit
             | Command::FlyTo(..)
             | Command::FlyToBlock(_)

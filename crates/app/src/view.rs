@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
-use tilescope_core::Parameters;
+use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+use tilescope_debugger::MAX_SAMPLES;
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::canvas::layers::{Colouring, Layer, Layers};
@@ -20,6 +21,8 @@ const FARTHEST: f64 = 200_000.0;
 pub struct View {
     /// The view of the domain.
     pub camera: Option<Camera>,
+    /// Whether it shows the whole domain, however large the window is.
+    pub fitted: Option<bool>,
     /// The layers that are on.
     pub layers: Option<Layers>,
     /// What colours mean.
@@ -38,6 +41,8 @@ pub struct View {
     pub range: Option<[usize; 2]>,
     /// What the run beside this one is made from.
     pub second: Option<Parameters>,
+    /// Whether cameras move together, clocks run together, and differences are marked.
+    pub links: Option<[bool; 3]>,
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -72,6 +77,7 @@ impl View {
             let on = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
             on.map(Layer::name).collect()
         };
+        put("fitted", json(self.fitted.as_ref()));
         put("layers", json(self.layers.map(names).as_ref()));
         put("colouring", json(self.colouring.as_ref()));
         put("look", json(self.look.as_ref()));
@@ -86,6 +92,7 @@ impl View {
         put("speed", json(self.speed.as_ref()));
         put("range", json(self.range.as_ref()));
         put("second", json(self.second.as_ref()));
+        put("links", json(self.links.as_ref()));
         Value::Object(map)
     }
 
@@ -98,6 +105,7 @@ impl View {
         };
         let view = Self {
             camera: parts.take("camera", camera),
+            fitted: parts.take("fitted", Some),
             layers: parts.take("layers", layers),
             colouring: parts.take("colouring", Some),
             look: parts.take("look", Some),
@@ -110,9 +118,8 @@ impl View {
             range: parts.take("range", |range: [usize; 2]| {
                 (range[0] < range[1]).then_some(range)
             }),
-            second: parts.take("second", |second: Parameters| {
-                second.validate_sequential().is_ok().then_some(second)
-            }),
+            second: parts.take("second", second),
+            links: parts.take("links", Some),
         };
         (view, parts.dropped)
     }
@@ -174,6 +181,12 @@ fn selection(saved: SavedSelection) -> Option<Selection> {
     }
 }
 
+/// A run that is sampled because a file says so is no larger than a session may be.
+fn second(second: Parameters) -> Option<Parameters> {
+    let domain = second.validate_sequential().ok()?;
+    (MAXIMAL_DENSITY * domain.area_radii() <= MAX_SAMPLES as f64).then_some(second)
+}
+
 fn speed(speed: f32) -> Option<f32> {
     let fastest = SPEEDS[SPEEDS.len() - 1];
     (SPEEDS[0]..=fastest).contains(&speed).then_some(speed)
@@ -204,6 +217,8 @@ mod tests {
                 seed: 9,
                 ..Parameters::default()
             }),
+            fitted: Some(false),
+            links: Some([true, false, true]),
         }
     }
 
@@ -242,6 +257,14 @@ mod tests {
         ];
         assert_eq!(dropped, expected);
         assert_eq!(view.clock, Some(Clock::Event));
+        // Twenty million samples are too many for a file to ask for.
+        let large = Parameters {
+            radius: 0.000_18,
+            ..Parameters::default()
+        };
+        assert!(large.validate_sequential().is_ok());
+        let (view_of_large, dropped) = View::from_json(&json!({ "second": large }));
+        assert_eq!((view_of_large.second, dropped), (None, vec!["second"]));
         let layers = view.layers.unwrap();
         assert!(layers.has(Layer::Samples) && !layers.has(Layer::Blocks));
     }

@@ -250,3 +250,106 @@ fn what_cannot_be_compared_says_why() {
     harness.run();
     assert!(harness.state().state.comparison.is_none());
 }
+
+#[test]
+fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
+    for rival in [Rival::Leaf, Rival::Insertion, Rival::NextSeed] {
+        let mut harness = compared(rival);
+        let Divergence::Events { a, b, .. } = divergence(&harness.state().state) else {
+            panic!("{rival:?} parts at an event");
+        };
+        harness.key_press(Key::D);
+        harness.run();
+        settle(&mut harness);
+        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{rival:?}");
+        // From there on time goes on in both, and back again to the same places.
+        let mut last = cursors(&harness.state().state);
+        for cursor in (a + 2..a + 400).step_by(7) {
+            apply(&mut harness, Command::Time(TimeCommand::Jump(cursor)));
+            let now = cursors(&harness.state().state);
+            assert!(now[1] >= last[1], "{rival:?}: {last:?} {now:?}");
+            last = now;
+        }
+        apply(&mut harness, Command::Time(TimeCommand::Jump(a + 1)));
+        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{rival:?}");
+    }
+}
+
+#[test]
+fn a_key_zooms_once_whichever_canvas_has_the_pointer() {
+    let mut harness = compared(Rival::NextSeed);
+    let scale = |harness: &Harness<'_, App>| harness.state().state.camera.scale;
+    for viewport in [
+        harness.state().state.viewport,
+        second(&harness.state().state).viewport,
+    ] {
+        harness.hover_at(viewport.center());
+        harness.run();
+        let before = scale(&harness);
+        harness.key_press(Key::Plus);
+        harness.run();
+        assert!((scale(&harness) / before - 1.25).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_kept_run_is_at_the_same_moment_even_when_clocks_are_apart() {
+    let mut harness = compared(Rival::NextSeed);
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::LinkClocks(false)),
+    );
+    apply(&mut harness, Command::Time(TimeCommand::Jump(12_000)));
+    apply(&mut harness, Command::Compare(CompareCommand::Keep));
+    assert_eq!(cursors(&harness.state().state), [12_000; 2]);
+    harness.key_press(Key::X);
+    harness.run();
+    apply(&mut harness, Command::OpenPanel(Panel::Events));
+    assert!(harness.state().state.rows.is_some());
+}
+
+#[test]
+fn breakpoints_are_the_users_whichever_run_is_in_front() {
+    let mut harness = opened();
+    let line = tilescope_debugger::Listings::shipped()
+        .find("eliminate.5")
+        .expect("a line");
+    let set = tilescope_app::command::DebugCommand::ToggleBreakpoint(line);
+    apply(&mut harness, Command::Debug(set));
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::Start(Rival::NextSeed)),
+    );
+    harness.key_press(Key::X);
+    harness.run();
+    settle(&mut harness);
+    let state = &harness.state().state;
+    assert_eq!(state.debugger.as_ref().unwrap().breakpoints().len(), 1);
+    // They are marked where a run of this one stops.
+    let hits = state.hits.events().to_vec();
+    assert!(hits.len() > 100);
+    harness.key_press(Key::Home);
+    harness.run();
+    for &hit in &hits[..5] {
+        harness.key_press(Key::F5);
+        harness.run();
+        assert_eq!(cursors(&harness.state().state)[0], hit);
+    }
+}
+
+#[test]
+fn what_goes_wrong_with_the_second_run_is_said_of_it() {
+    let mut harness = opened();
+    let state = &mut harness.state_mut().state;
+    state.apply(Command::Compare(CompareCommand::Start(Rival::NextSeed)));
+    let cancel = CompareCommand::OnOther(Box::new(Command::Cancel));
+    state.apply(Command::Compare(cancel));
+    settle(&mut harness);
+    let state = &harness.state().state;
+    // The run may have been faster than its cancellation.
+    match (&second(state).session, &state.notice) {
+        (None, Some(notice)) => assert!(notice.text.starts_with("Run B: "), "{}", notice.text),
+        (session, _) => assert!(session.is_some()),
+    }
+    assert_eq!(state.session.as_ref().unwrap().run().parameters.seed, 1);
+}

@@ -108,6 +108,16 @@ fn a_session_needs_no_mouse() {
     let debugger = harness.state().state.debugger.as_ref().expect("events");
     assert_eq!(debugger.bookmarks[0].event, stopped);
 
+    // The view moves, and what is in its middle is selected.
+    act(&mut harness, "zoom in");
+    let before = harness.state().state.camera;
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
+    let after = harness.state().state.camera;
+    assert!(after.center[0] > before.center[0]);
+    press(&mut harness, NONE, Key::M);
+    let state = &harness.state().state;
+    assert!(state.selected.is_some() || state.place.is_some());
+
     // Beside it the same with another seed; both at once to where they part.
     act(&mut harness, "compare with the next seed");
     act(&mut harness, "go to where A and B part");

@@ -5,80 +5,17 @@ use std::path::{Path, PathBuf};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use serde_json::{Value, json};
 use tilescope_app::canvas::layers::Layer;
-use tilescope_app::clock::Clock;
-use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{Field, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
-use tilescope_debugger::Listings;
 
 mod support;
+use support::sessions::{apply, busy, folder, go, notice, text};
 use support::{opened, settle};
-
-fn apply(harness: &mut Harness<'_, App>, command: Command) {
-    harness.state_mut().state.apply(command);
-    settle(harness);
-}
-
-/// A folder of this test alone, emptied.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("sessions")
-        .join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a folder for the test");
-    folder
-}
-
-fn text(path: &Path) -> String {
-    path.to_string_lossy().into_owned()
-}
-
-fn go(harness: &mut Harness<'_, App>, purpose: Purpose, path: &Path) {
-    apply(harness, Command::File(FileCommand::Sheet(purpose)));
-    apply(harness, Command::File(FileCommand::Path(text(path))));
-    apply(harness, Command::File(FileCommand::Go));
-}
-
-fn notice(harness: &Harness<'_, App>) -> (String, bool) {
-    let notice = harness.state().state.notice.clone().expect("a notice");
-    (notice.text, notice.is_error)
-}
-
-/// A small run with a breakpoint, a watch and a bookmark, in the middle of things.
-fn busy() -> Harness<'static, App> {
-    let mut harness = opened();
-    apply(
-        &mut harness,
-        Command::Type(Field::Radius, "0.02".to_owned()),
-    );
-    apply(&mut harness, Command::Type(Field::Leaf, "12".to_owned()));
-    apply(&mut harness, Command::Run);
-    let line = Listings::shipped().find("eliminate.5").expect("a line");
-    for command in [
-        DebugCommand::ToggleBreakpoint(line),
-        DebugCommand::Condition(0, "distance < 0.4".to_owned()),
-        DebugCommand::Watch("distance".to_owned()),
-        DebugCommand::Pick(Selection::Sample(40)),
-    ] {
-        apply(&mut harness, Command::Debug(command));
-    }
-    apply(&mut harness, Command::Time(TimeCommand::Jump(3_000)));
-    apply(&mut harness, Command::Debug(DebugCommand::Bookmark));
-    let note = DebugCommand::Note(0, "here".to_owned());
-    apply(&mut harness, Command::Debug(note));
-    apply(&mut harness, Command::Time(TimeCommand::Jump(3_456)));
-    apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
-    apply(&mut harness, Command::ToggleLayer(Layer::Disks));
-    apply(&mut harness, Command::FlyTo([20.0, 21.0], 9.0));
-    harness.state_mut().state.advance(5.0);
-    harness.run();
-    harness
-}
 
 #[test]
 fn a_session_is_opened_where_it_was_left() {
@@ -171,101 +108,6 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
     assert!(harness.state().state.file.is_none());
 }
 
-/// Saves a session, changes its text, opens it: returns what is said.
-fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
-    let path = folder(name).join("changed.json");
-    let mut harness = busy();
-    go(&mut harness, Purpose::Save, &path);
-    let mut value: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
-    change(&mut value);
-    std::fs::write(&path, value.to_string()).unwrap();
-    let before = harness.state().state.saved();
-    apply(&mut harness, Command::DismissNotice);
-    go(&mut harness, Purpose::Open, &path);
-    let said = notice(&harness);
-    if said.1 {
-        // The session before it is still here, and so is the sheet.
-        assert_eq!(harness.state().state.saved(), before);
-        assert!(harness.state().state.file.is_some());
-    }
-    said
-}
-
-#[test]
-fn what_is_wrong_with_a_session_is_said_and_the_one_at_hand_stays() {
-    let (said, is_error) = changed("newer", |value| {
-        value["version"] = json!(99);
-    });
-    assert!(is_error && said.contains("version 99"), "{said}");
-    let (said, is_error) = changed("digest", |value| {
-        value["digest"] = json!("0123456789abcdef");
-    });
-    assert!(is_error && said.contains("0123456789abcdef"), "{said}");
-    let (said, is_error) = changed("cursor", |value| {
-        value["cursor"] = json!(99_999_999);
-    });
-    assert!(is_error && said.contains("99999999"), "{said}");
-    let (said, is_error) = changed("line", |value| {
-        value["breakpoints"][0]["line"] = json!("eliminate.999");
-    });
-    assert!(is_error && said.contains("eliminate.999"), "{said}");
-    let (said, is_error) = changed("huge", |value| {
-        value["parameters"]["radius"] = json!(1e-4);
-    });
-    assert!(is_error && said.contains("at most 2000000"), "{said}");
-    let (said, is_error) = changed("radius", |value| {
-        value["parameters"]["radius"] = json!(0.0);
-    });
-    assert!(is_error && said.contains("radius"), "{said}");
-}
-
-#[test]
-fn parts_of_a_view_that_make_no_sense_are_named_and_the_rest_is_opened() {
-    let (said, is_error) = changed("view", |value| {
-        value["view"]["camera"]["scale"] = json!(-4.0);
-        value["view"]["selection"] = json!({"sample": 4_000_000});
-    });
-    assert!(!is_error);
-    assert!(said.ends_with("left out: camera, selection."), "{said}");
-}
-
-#[test]
-fn files_that_are_no_sessions_are_refused() {
-    let folder = folder("corrupt");
-    let mut harness = opened();
-    for (name, bytes) in [
-        ("empty.json", &b""[..]),
-        ("cut.json", b"{\"version\": 1, \"parameters\": {"),
-        ("list.json", b"[1, 2, 3]"),
-        ("binary.json", b"\xff\xfe\x00\x01"),
-    ] {
-        let path = folder.join(name);
-        std::fs::write(&path, bytes).unwrap();
-        go(&mut harness, Purpose::Open, &path);
-        let (said, is_error) = notice(&harness);
-        assert!(is_error && said.contains(name), "{said}");
-        assert!(said.contains("no saved session"), "{said}");
-    }
-    let missing = folder.join("missing.json");
-    go(&mut harness, Purpose::Open, &missing);
-    let (said, is_error) = notice(&harness);
-    assert!(is_error && said.contains("missing.json"), "{said}");
-    let long = folder.join("long.json");
-    let file = std::fs::File::create(&long).unwrap();
-    file.set_len(17_000_000).unwrap();
-    go(&mut harness, Purpose::Open, &long);
-    let (said, _) = notice(&harness);
-    assert!(
-        said.contains("17000000 bytes") && said.contains("16000000"),
-        "{said}"
-    );
-    // Nowhere to write to.
-    let nowhere = folder.join("no-such-folder").join("x.json");
-    go(&mut harness, Purpose::Save, &nowhere);
-    let (said, is_error) = notice(&harness);
-    assert!(is_error && said.contains("not written"), "{said}");
-}
-
 /// Writes a pattern of one's own: the result of a small run, with its certificate.
 fn pattern(harness: &mut Harness<'_, App>, folder: &Path) -> PathBuf {
     let path = folder.join("own.csv");
@@ -355,9 +197,15 @@ fn a_dropped_file_is_opened_for_what_it_is() {
     let saved = harness.state().state.saved();
     let own = pattern(&mut harness, &folder);
     let mut other = opened();
-    apply(&mut other, Command::File(FileCommand::Dropped(text(&path))));
+    apply(
+        &mut other,
+        Command::File(FileCommand::Dropped(vec![text(&path)])),
+    );
     assert_eq!(other.state().state.saved(), saved);
-    apply(&mut other, Command::File(FileCommand::Dropped(text(&own))));
+    apply(
+        &mut other,
+        Command::File(FileCommand::Dropped(vec![text(&own)])),
+    );
     assert!(other.state().state.own_pattern.is_some());
     apply(&mut other, Command::OpenPanel(Panel::Parameters));
     other.get_by_label_contains("The pattern comes from");
@@ -425,4 +273,62 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     harness.get_by_label_contains("it must be at least 6 r");
     apply(&mut harness, Command::Run);
     assert_eq!(harness.state().state.saved(), before);
+}
+
+#[test]
+fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
+    let path = folder("at-work").join("one.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let saved = harness.state().state.saved();
+    let mut other = opened();
+    let state = &mut other.state_mut().state;
+    state.apply(Command::Type(Field::Seed, "77".to_owned()));
+    state.apply(Command::Run);
+    for command in [
+        FileCommand::Sheet(Purpose::Open),
+        FileCommand::Path(text(&path)),
+        FileCommand::Go,
+    ] {
+        state.apply(Command::File(command));
+    }
+    settle(&mut other);
+    assert_eq!(other.state().state.saved(), saved);
+    // And a run that is begun while a file is read is not replaced by it.
+    let state = &mut other.state_mut().state;
+    state.apply(Command::File(FileCommand::Sheet(Purpose::Open)));
+    state.apply(Command::File(FileCommand::Go));
+    state.apply(Command::Type(Field::Seed, "78".to_owned()));
+    state.apply(Command::Run);
+    settle(&mut other);
+    let session = other.state().state.session.clone().unwrap();
+    assert_eq!(session.run().parameters.seed, 78);
+}
+
+#[test]
+fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
+    let path = folder("closed").join("one.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let first = std::fs::read_to_string(&path).unwrap();
+    let mut other = opened();
+    let before = other.state().state.saved();
+    let state = &mut other.state_mut().state;
+    for command in [
+        FileCommand::Sheet(Purpose::Open),
+        FileCommand::Path(text(&path)),
+        FileCommand::Go,
+        FileCommand::Close,
+    ] {
+        state.apply(Command::File(command));
+    }
+    settle(&mut other);
+    assert_eq!(other.state().state.saved(), before);
+    // Opened after all; then another run: the file is not its own.
+    go(&mut other, Purpose::Open, &path);
+    apply(&mut other, Command::Type(Field::Seed, "5".to_owned()));
+    apply(&mut other, Command::Run);
+    go(&mut other, Purpose::Save, &path);
+    other.get_by_label("There is such a file already.");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), first);
 }

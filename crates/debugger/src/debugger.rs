@@ -180,7 +180,16 @@ impl Debugger {
 
     /// Runs to the next (or last) breakpoint whose condition holds, or to the end (or start).
     pub fn run(&mut self, direction: Direction) -> Stop {
+        self.run_while(direction, &|| true)
+    }
+
+    /// Does what [`Self::run`] does for as long as `go_on` says so, which is asked at every breakpoint whose condition
+    /// does not hold; the cursor then stays there.
+    pub fn run_while(&mut self, direction: Direction, go_on: &dyn Fn() -> bool) -> Stop {
         loop {
+            if !go_on() {
+                return Stop::End;
+            }
             let from = self.state.cursor();
             let armed = |event: &Event| {
                 let mut enabled = self.breakpoints.iter().filter(|b| b.enabled);

@@ -48,7 +48,7 @@ pub(super) fn compare(list: &mut List, state: &State) {
         "Go to where A and B part".to_owned(),
         Some(Key::D),
         CompareCommand::GoToDivergence,
-        refusal(ready),
+        state.parting_refusal().map(str::to_owned),
     );
     for (name, on, command) in [
         (
@@ -70,6 +70,10 @@ pub(super) fn compare(list: &mut List, state: &State) {
         let name = format!("{name}: {}", if on { "on" } else { "off" });
         add(name, None, command(on), refusal(second.is_some()));
     }
+    let at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
+    let idle = (!at_work).then(|| "B is not being sampled.".to_owned());
+    let cancel = CompareCommand::OnOther(Box::new(Command::Cancel));
+    add("Cancel B".to_owned(), None, cancel, idle);
     add(
         "Close B".to_owned(),
         None,

@@ -65,7 +65,7 @@ fn sessions(list: &mut List, state: &State) {
             "Open session\u{2026}",
             Some(Key::O),
             sheet(Purpose::Open),
-            None,
+            state.open_refusal(),
         ),
         (
             "Save session\u{2026}",
@@ -77,7 +77,7 @@ fn sessions(list: &mut List, state: &State) {
             "Use a pattern from a file\u{2026}",
             None,
             sheet(Purpose::Pattern),
-            None,
+            state.open_refusal(),
         ),
         (
             "Use a generated pattern",

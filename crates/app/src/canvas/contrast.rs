@@ -15,8 +15,8 @@ use crate::theme::{Palette, semibold};
 const GUTTER: f32 = 3.0;
 /// Height of what stands above a picture.
 const HEADING: f32 = 44.0;
-/// More marks than this in view are not drawn: one would see no more than a surface.
-const MOST_MARKS: usize = 20_000;
+/// With more marks in view none are drawn: one would see no more than a surface.
+const MOST_MARKS: usize = 60_000;
 
 /// Returns where the two pictures go.
 pub fn halves(rect: Rect) -> [Rect; 2] {
@@ -146,33 +146,42 @@ pub fn heading(ui: &Ui, rect: Rect, state: &State, title: &Title) -> Rect {
 }
 
 /// Marks the samples that only one of the two runs has: a whole square where this run alone has one, four corners
-/// where the other alone has one.
-pub fn paint(scene: &Scene<'_>) {
-    let Some(contrast) = scene.subject.contrast else {
-        return;
-    };
+/// where the other alone has one. Returns a remark if there are too many in view.
+pub fn paint(scene: &Scene<'_>, crowded: bool) -> Option<String> {
+    let contrast = scene.subject.contrast?;
     if scene.stage < tilescope_core::Stage::Tile {
-        return;
+        return None;
     }
     let half = (0.42 * scene.scale()).clamp(3.0, 10.0);
     let view = scene.rect.expand(half);
+    let there = contrast.there.iter();
+    let there = there.map(|&id| (contrast.other.place(id), false));
+    let here = contrast.here.iter();
+    let here = here.map(|&id| (scene.session.place(id), true));
     let mut mesh = Mesh::default();
-    let mut left = MOST_MARKS;
-    let mut mark = |place: [f64; 2], whole: bool, color: Color32| {
+    let mut count = 0;
+    for (place, whole) in there.chain(here) {
         let at = scene.at(place);
-        if view.contains(at) && left > 0 {
-            left -= 1;
-            let rect = Rect::from_center_size(at, vec2(2.0 * half, 2.0 * half));
-            add_square(&mut mesh, rect, whole, color);
+        if !view.contains(at) {
+            continue;
         }
-    };
-    for &id in contrast.there {
-        mark(contrast.other.place(id), false, scene.palette.margin);
-    }
-    for &id in contrast.here {
-        mark(scene.session.place(id), true, scene.palette.margin);
+        count += 1;
+        if crowded || count > MOST_MARKS {
+            return Some("Too many samples in view to mark what differs: zoom in.".to_owned());
+        }
+        let rect = Rect::from_center_size(at, vec2(2.0 * half, 2.0 * half));
+        add_square(&mut mesh, rect, whole, scene.palette.margin);
     }
     scene.painter.add(mesh);
+    None
+}
+
+/// Draws the mark of a sample that only one of two runs has.
+pub fn mark(painter: &egui::Painter, at: egui::Pos2, whole: bool, palette: &Palette) {
+    let mut mesh = Mesh::default();
+    let rect = Rect::from_center_size(at, vec2(12.0, 12.0));
+    add_square(&mut mesh, rect, whole, palette.margin);
+    painter.add(mesh);
 }
 
 /// Adds a square of thin lines, or its corners alone.

@@ -93,10 +93,10 @@ impl Pane {
             });
         } else {
             stack.all();
-            super::contrast::paint(scene);
         }
+        let unmarked = super::contrast::paint(scene, crowded);
         let as_points = crowded && stack.draws_points();
-        note(scene, crowded, as_points)
+        unmarked.or_else(|| note(scene, crowded, as_points))
     }
 }
 

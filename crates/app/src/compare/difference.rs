@@ -1,9 +1,12 @@
 //! Which samples only one of two runs has at a moment. Samples are compared by place, on the lattice, to the bit.
 
-use tilescope_core::Point;
+use std::sync::Arc;
+
+use tilescope_core::{Point, Stage};
 
 use crate::jobs::{Job, Wake};
 use crate::moment::Shown;
+use crate::session::Session;
 
 /// Sets of more samples are compared in the background: it would take longer than a frame.
 const MOST_AT_ONCE: usize = 50_000;
@@ -27,6 +30,42 @@ pub struct Difference {
 pub struct Differences {
     work: Option<(Key, Job<Difference>)>,
     ready: Option<(Key, Difference)>,
+    /// The last pair of which it could not be made.
+    failed: Option<Key>,
+}
+
+/// A moment that can be taken to another thread.
+struct Moment {
+    session: Arc<Session>,
+    stage: Stage,
+    /// Which samples cover their disks; for sessions without events the stage says it.
+    covers: Option<Vec<bool>>,
+}
+
+impl Moment {
+    fn of(session: &Arc<Session>, shown: &Shown<'_>) -> Self {
+        let all = 0..session.run().samples.len() as u32;
+        Self {
+            session: Arc::clone(session),
+            stage: shown.stage,
+            covers: shown
+                .debugger
+                .map(|_| all.map(|id| shown.covers(id)).collect()),
+        }
+    }
+
+    fn covering(&self) -> Vec<(Point, u32)> {
+        let shown = Shown {
+            session: &self.session,
+            debugger: None,
+            stage: self.stage,
+        };
+        let Some(covers) = &self.covers else {
+            return covering(&shown);
+        };
+        let points = self.session.run().samples.points.iter().copied().zip(0..);
+        points.filter(|&(_, id)| covers[id as usize]).collect()
+    }
 }
 
 /// Returns whether samples of two moments can be compared by place: both runs have the same domain.
@@ -52,19 +91,21 @@ impl Differences {
     }
 
     /// Has the difference of two moments made if it is neither known nor at work. One is made at a time.
-    pub fn want(&mut self, a: &Shown<'_>, b: &Shown<'_>, wake: &Wake) {
+    pub fn want(&mut self, moments: [(&Arc<Session>, &Shown<'_>); 2], wake: &Wake) {
         self.take();
+        let [(first, a), (second, b)] = moments;
         let key = key_of(a, b);
         let known = self.ready.as_ref().is_some_and(|(ready, _)| *ready == key);
-        if known || self.work.is_some() || !comparable(a, b) {
+        if known || self.work.is_some() || self.failed == Some(key) || !comparable(a, b) {
             return;
         }
-        let [first, second] = [a, b].map(covering);
-        if first.len() + second.len() <= MOST_AT_ONCE {
-            self.ready = Some((key, between(first, second)));
+        let few = a.session.run().samples.len() + b.session.run().samples.len() <= MOST_AT_ONCE;
+        if few {
+            self.ready = Some((key, between(covering(a), covering(b))));
             return;
         }
-        let job = Job::start(wake, move |_| between(first, second));
+        let [first, second] = [Moment::of(first, a), Moment::of(second, b)];
+        let job = Job::start(wake, move |_| between(first.covering(), second.covering()));
         self.work = Some((key, job));
     }
 
@@ -75,7 +116,10 @@ impl Differences {
             .and_then(|(key, job)| Some((*key, job.poll()?)));
         if let Some((key, outcome)) = outcome {
             self.work = None;
-            self.ready = outcome.ok().map(|difference| (key, difference));
+            match outcome {
+                Ok(difference) => self.ready = Some((key, difference)),
+                Err(_) => self.failed = Some(key),
+            }
         }
     }
 

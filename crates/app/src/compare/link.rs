@@ -15,9 +15,18 @@ pub struct At {
     pub cursor: Option<usize>,
 }
 
-/// Returns the cursors up to which two recordings are the same, by what is known of where they part.
+/// Returns the cursors up to which two runs are the same, event by event, by what is known of where they part. Where tests
+/// were left out of a tape nothing is known of single events.
 #[must_use]
-pub const fn common(divergence: Option<&Divergence>) -> Option<[usize; 2]> {
+pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Option<[usize; 2]> {
+    let whole = |session: &Session| {
+        session
+            .recording()
+            .is_some_and(|recording| recording.tape().left_out() == 0)
+    };
+    if !whole(a) || !whole(b) {
+        return None;
+    }
     match divergence {
         Some(&Divergence::Same) => Some([usize::MAX; 2]),
         Some(&Divergence::Events { a, b, .. }) => Some([a, b]),
@@ -35,20 +44,17 @@ pub fn corresponding(from: &Session, at: At, to: &Session, common: Option<[usize
     let (Some(cursor), Some(end)) = (at.cursor, end) else {
         return At { stage, cursor: end };
     };
+    // Behind the events at which they part both are still at the same place of their ways.
     if let Some([a, b]) = common
-        && cursor <= a.min(b)
+        && cursor <= a.saturating_add(1)
     {
-        let cursor = cursor.min(to.stage_end(to.stages.len() - 1).unwrap_or(cursor));
-        return At {
-            stage: to.stage_at(cursor),
-            cursor: Some(cursor),
-        };
+        let cursor = if cursor <= a { cursor.min(b) } else { b + 1 };
+        return behind(to, cursor);
     }
+    let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
     if to.stages[stage] != from.stages[at.stage] {
-        return At {
-            stage,
-            cursor: Some(end),
-        };
+        // Never back behind where they part.
+        return behind(to, end.max(b));
     }
     let bounds = |session: &Session, stage: usize, least: usize| {
         let start = stage
@@ -57,13 +63,21 @@ pub fn corresponding(from: &Session, at: At, to: &Session, common: Option<[usize
         let end = session.stage_end(stage).unwrap_or(0);
         (start.unwrap_or(0).max(least.min(end)), end)
     };
-    let [a, b] = common.unwrap_or([0; 2]);
     let (low, high) = bounds(from, at.stage, a);
     let (first, last) = bounds(to, stage, b);
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
     let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
+    behind(to, cursor.max(b))
+}
+
+/// Returns the moment of a session when so many events have happened, or all of them.
+fn behind(session: &Session, cursor: usize) -> At {
+    let last = session.stages.len() - 1;
+    let cursor = session
+        .stage_end(last)
+        .map_or(cursor, |end| cursor.min(end));
     At {
-        stage,
+        stage: session.stage_at(cursor),
         cursor: Some(cursor),
     }
 }

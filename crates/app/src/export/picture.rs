@@ -75,8 +75,10 @@ impl View {
     /// Returns the layers that pictures of a session do not have, of those that are on.
     #[must_use]
     pub fn missing(&self, session: &Session) -> Vec<Layer> {
-        let never =
-            |layer: &Layer| session.recording().is_none() && overlays::LAYERS.contains(layer);
+        let never = |layer: &Layer| {
+            *layer == Layer::Tree
+                || session.recording().is_none() && overlays::LAYERS.contains(layer)
+        };
         let on = Layer::ALL
             .into_iter()
             .filter(|&layer| self.layers.has(layer));
@@ -106,7 +108,7 @@ pub fn scene(session: &Session, moment: &Still, view: &View) -> Scene {
 pub fn described(view: &View) -> String {
     let on = Layer::ALL
         .into_iter()
-        .filter(|&layer| view.layers.has(layer));
+        .filter(|&layer| view.layers.has(layer) && layer != Layer::Tree);
     json!({
         "center_radii": view.camera.center,
         "points_per_radius": view.camera.scale,

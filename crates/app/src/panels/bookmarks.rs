@@ -66,6 +66,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.label(RichText::new(text).color(palette.muted));
     }
     breakpoints(ui, debugger, palette, commands);
+    if let Some(said) = state.hits.said() {
+        ui.label(RichText::new(said).color(palette.muted));
+    }
 }
 
 fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &mut Vec<Command>) {

@@ -1,7 +1,7 @@
 //! Two runs side by side: what the second one is to be, how the two hang together, what differs and where they part.
 
 use egui::{Button, ProgressBar, RichText, Ui};
-use tilescope_debugger::Divergence;
+use tilescope_debugger::{Divergence, Recording};
 
 use crate::command::Command;
 use crate::compare::{CompareCommand, Comparison, Rival, contrast, difference};
@@ -159,8 +159,15 @@ fn parting(
     for line in lines {
         ui.label(line);
     }
-    let parts = !matches!(divergence, Divergence::Same | Divergence::Domain { .. });
-    let refusal = (!parts).then_some("There is no such event.");
+    let thinned = [a, b].into_iter().any(|session| {
+        let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
+        session.recording().is_some_and(left_out)
+    });
+    if thinned {
+        let text = "Tests were left out of a tape: only what was kept is compared.";
+        ui.label(RichText::new(text).color(palette.muted));
+    }
+    let refusal = state.parting_refusal();
     if primary_button(ui, "Go there in both", refusal, palette).clicked() {
         own.push(CompareCommand::GoToDivergence);
     }

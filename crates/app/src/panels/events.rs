@@ -41,6 +41,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             format!("the first {} events", grouped(MOST_FOUND)),
             palette.muted,
         ),
+        (None, Found::Failed(why)) => (why.clone(), palette.conflict),
         (None, Found::Events(events)) => (counted(events.len(), "event", "events"), palette.muted),
     };
     ui.label(RichText::new(note).color(color));

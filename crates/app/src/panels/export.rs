@@ -4,7 +4,7 @@
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_formats::{Format, Precision};
 
-use super::sheet::{just_opened, select_all};
+use super::sheet::{entered, escaped, just_opened, select_all};
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::draft::sentence;
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.set_width(480.0);
             sheet.contents(ui);
         });
-    if !open || ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+    if !open || escaped(ui, state) {
         sheet.commands.push(ExportCommand::Close);
     }
     commands.extend(sheet.commands.into_iter().map(Command::Export));
@@ -103,7 +103,7 @@ impl Sheet<'_> {
             Kind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
             Kind::Picture => {
                 let differences = self.differences();
-                format!("What the canvas shows at this moment, with the parameters inside.{differences}")
+                format!("The view of this moment in the figures' colours, with the parameters inside.{differences}")
             }
             Kind::Animation => self.animation(),
         }
@@ -111,7 +111,7 @@ impl Sheet<'_> {
 
     fn animation(&self) -> String {
         let Some(range) = self.state.export_range() else {
-            return "An animation shows what the canvas shows from event to event.".to_owned();
+            return "An animation shows the view from event to event.".to_owned();
         };
         let (start, end) = (grouped(range.start), grouped(range.end));
         let whose = if self.state.playback.range.is_some() {
@@ -120,7 +120,7 @@ impl Sheet<'_> {
             "the stage shown; a loop on the timeline chooses another range"
         };
         let differences = self.differences();
-        format!("What the canvas shows from event {start} to event {end}: {whose}.{differences}")
+        format!("The view from event {start} to event {end}: {whose}.{differences}")
     }
 
     /// Says what a picture has more or less than the canvas: copies of a periodic domain, layers that need events.
@@ -130,15 +130,15 @@ impl Sheet<'_> {
         let missing = missing.map(|(view, session)| view.missing(session));
         let names: Vec<&str> = missing.iter().flatten().map(|layer| layer.name()).collect();
         let session = self.state.session.as_ref();
-        let copies = match session.map(|session| session.run().domain.is_periodic()) {
-            Some(true) => " Around a periodic domain its copies are drawn, too.",
-            _ => "",
-        };
-        if names.is_empty() {
-            return copies.to_owned();
+        let mut text = " What is selected, compared or on the GPU is left out.".to_owned();
+        if session.is_some_and(|session| session.run().domain.is_periodic()) {
+            text.push_str(" Around a periodic domain its copies are drawn, too.");
         }
-        let names = names.join(", ");
-        format!("{copies} Without events it lacks these layers: {names}.")
+        if !names.is_empty() {
+            let names = names.join(", ");
+            text = format!("{text} It lacks these layers: {names}.");
+        }
+        text
     }
 
     fn file(&mut self, ui: &mut Ui) {
@@ -268,10 +268,7 @@ impl Sheet<'_> {
     }
 
     fn write_on_enter(&mut self, ui: &Ui, response: &egui::Response) {
-        let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        if entered {
-            // A question may follow, to be answered by the same key.
-            response.request_focus();
+        if entered(ui, response) {
             let idle = self.state.export_fraction().is_none();
             if idle && self.state.export_prospect().is_ok() {
                 self.commands.push(ExportCommand::Write);

@@ -2,7 +2,8 @@
 
 use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
 
-use super::sheet::{just_opened, select_all};
+use super::read_out;
+use super::sheet::{entered, escaped, just_opened, select_all};
 use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::state::State;
@@ -11,11 +12,16 @@ use crate::widgets::primary_button;
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(form) = &state.file else {
-        return;
-    };
-    let mut open = true;
     let mut own = Vec::new();
+    dropped(ui, state, &mut own);
+    if let Some(form) = &state.file {
+        sheet(ui, state, form, &mut own);
+    }
+    commands.extend(own.into_iter().map(Command::File));
+}
+
+fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
+    let mut open = true;
     Window::new(form.purpose.title())
         .open(&mut open)
         .collapsible(false)
@@ -23,12 +29,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
         .show(ui.ctx(), |ui| {
             ui.set_width(480.0);
-            contents(ui, state, form, &mut own);
+            contents(ui, state, form, own);
         });
-    if !open || ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+    if !open || escaped(ui, state) {
         own.push(FileCommand::Close);
     }
-    commands.extend(own.into_iter().map(Command::File));
 }
 
 fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
@@ -49,11 +54,8 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
         if response.changed() {
             own.push(FileCommand::Path(path));
         }
-        if response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
-            response.request_focus();
-            if refusal(state, form).is_none() {
-                own.push(FileCommand::Go);
-            }
+        if entered(ui, &response) && refusal(state, form).is_none() {
+            own.push(FileCommand::Go);
         }
         if ui.button("Browse\u{2026}").clicked() {
             own.push(FileCommand::Browse);
@@ -65,17 +67,23 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     } else {
         " "
     };
-    ui.label(RichText::new(question).color(palette.conflict));
+    let response = ui.label(RichText::new(question).color(palette.conflict));
+    read_out(ui, &response);
     ui.add_space(4.0);
     let verb = if form.asked {
         "Replace the file"
     } else {
         form.purpose.verb()
     };
-    if primary_button(ui, verb, refusal(state, form), palette).clicked() {
+    let button = primary_button(ui, verb, refusal(state, form), palette);
+    // The second click of a double click answers no question.
+    if button.clicked() && !(form.asked && button.double_clicked()) {
         own.push(FileCommand::Go);
     }
-    progress(ui, state, palette, own);
+    ui.horizontal(|ui| {
+        ui.set_height(24.0);
+        progress(ui, state, palette, own);
+    });
 }
 
 fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
@@ -92,7 +100,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
 
 #[cfg(not(target_arch = "wasm32"))]
 fn busy(state: &State) -> Option<f32> {
-    state.filing.as_ref().map(crate::jobs::Job::fraction)
+    state.filing.as_ref().map(|filing| filing.job.fraction())
 }
 
 #[cfg(target_arch = "wasm32")]
@@ -100,16 +108,29 @@ fn busy(_: &State) -> Option<f32> {
     None
 }
 
-/// The bar has its room whether or not there is progress.
+/// Shows how far a file is read or written, and the way out.
 fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCommand>) {
-    ui.horizontal(|ui| {
-        ui.set_height(24.0);
-        if let Some(fraction) = busy(state) {
-            if ui.button("Cancel").clicked() {
-                own.push(FileCommand::Cancel);
-            }
-            let bar = ProgressBar::new(fraction).desired_height(6.0);
-            ui.add(bar.fill(palette.accent));
+    if let Some(fraction) = busy(state) {
+        if ui.button("Cancel the file").clicked() {
+            own.push(FileCommand::Cancel);
         }
-    });
+        let bar = ProgressBar::new(fraction).desired_height(6.0);
+        ui.add(bar.fill(palette.accent));
+    }
+}
+
+/// Shows that a dropped file is being read, where no sheet says it.
+fn dropped(ui: &Ui, state: &State, own: &mut Vec<FileCommand>) {
+    if state.file.is_some() || busy(state).is_none() {
+        return;
+    }
+    let palette = Palette::of(state.look);
+    Window::new("Opening the dropped file")
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+        .show(ui.ctx(), |ui| {
+            ui.set_width(320.0);
+            ui.horizontal(|ui| progress(ui, state, palette, own));
+        });
 }

@@ -54,6 +54,9 @@ fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         super::no_events(ui, state);
         return;
     };
+    if let Some(why) = state.history_found.failure() {
+        ui.label(RichText::new(why).color(palette.conflict));
+    }
     let events = state.history_found.events();
     heading(
         ui,

@@ -38,6 +38,23 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }
+    if state.comparison.is_some() {
+        marks(ui, palette);
+    }
+}
+
+/// Shows what marks the samples that only one of two compared runs has.
+fn marks(ui: &mut Ui, palette: &Palette) {
+    for (whole, meaning) in [
+        (true, "this run alone has it"),
+        (false, "the other run alone has it"),
+    ] {
+        ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
+            crate::canvas::contrast_mark(ui.painter(), rect.center(), whole, palette);
+            ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
+        });
+    }
 }
 
 fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -185,3 +185,10 @@ fn passes(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.label(egui::RichText::new(refusal).color(palette.muted));
     }
 }
+
+/// Has screen readers read out what a label says whenever that changes.
+fn read_out(ui: &Ui, response: &egui::Response) {
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+    });
+}

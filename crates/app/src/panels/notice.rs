@@ -36,7 +36,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                         verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
                         ui.scope(|ui| {
                             ui.set_max_width(560.0);
-                            ui.add(egui::Label::new(RichText::new(&notice.text)).wrap());
+                            let text = RichText::new(&notice.text);
+                            let response = ui.add(egui::Label::new(text).wrap());
+                            super::read_out(ui, &response);
                         });
                         if icon_button(ui, Icon::Close, "Dismiss", None, palette).clicked() {
                             commands.push(Command::DismissNotice);

@@ -2,7 +2,7 @@
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
-use egui::{Response, Ui};
+use egui::{Event, Key, Response, Ui};
 
 /// Returns whether the sheet of this name was not there in the frame before.
 pub fn just_opened(ui: &Ui, name: &str) -> bool {
@@ -20,4 +20,30 @@ pub fn select_all(ui: &Ui, response: &Response, length: usize) {
     let all = CCursorRange::two(CCursor::new(0), CCursor::new(length));
     edit.cursor.set_char_range(Some(all));
     edit.store(ui.ctx(), response.id);
+}
+
+/// Returns whether Enter was pressed in a field; a key that is held counts once. The field keeps the keyboard: a question
+/// may follow, to be answered by the same key.
+pub fn entered(ui: &Ui, response: &Response) -> bool {
+    let pressed = |event: &Event| {
+        matches!(
+            event,
+            Event::Key {
+                key: Key::Enter,
+                pressed: true,
+                repeat: false,
+                ..
+            }
+        )
+    };
+    if !response.lost_focus() || !ui.input(|input| input.key_pressed(Key::Enter)) {
+        return false;
+    }
+    response.request_focus();
+    ui.input(|input| input.events.iter().any(pressed))
+}
+
+/// Returns whether the sheet is to be closed by a key: what lies over it goes first.
+pub fn escaped(ui: &Ui, state: &crate::state::State) -> bool {
+    state.palette.is_none() && ui.input(|input| input.key_pressed(Key::Escape))
 }

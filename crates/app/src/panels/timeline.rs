@@ -31,10 +31,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let label = egui::Label::new(RichText::new(sentence).size(15.0)).truncate();
                 let response = ui.add(label);
-                // Screen readers read it out whenever it changes.
-                ui.ctx().accesskit_node_builder(response.id, |node| {
-                    node.set_live(egui::accesskit::Live::Polite);
-                });
+                super::read_out(ui, &response);
             });
         });
     });

@@ -13,6 +13,8 @@ pub struct Shown {
     buffer: usize,
     /// What was chosen last, to be found again in other passes.
     chosen: Option<Name>,
+    /// What is shown.
+    entered: Option<Name>,
     side: Side,
     text: String,
     error: Option<FilterError>,
@@ -110,7 +112,14 @@ impl Shown {
         };
         let place = visit.buffers.iter().position(chosen);
         let place = place.or_else(|| visit.buffers.iter().position(changed));
-        self.buffer = place.unwrap_or(0);
+        let place = place.unwrap_or(0);
+        let name = |table: Option<&BufferTable>| table.map(|table| table.name);
+        if name(visit.buffers.get(place)) != self.entered {
+            // A row of another buffer is another row.
+            self.picked = None;
+        }
+        self.entered = name(visit.buffers.get(place));
+        self.buffer = place;
         self.pointed = None;
         self.refresh(Some(visit));
     }
@@ -121,6 +130,7 @@ impl Shown {
             self.buffer = place;
             (self.picked, self.pointed) = (None, None);
             self.chosen = Some(table.name);
+            self.entered = self.chosen;
             self.refresh(visit);
         }
     }

@@ -26,6 +26,7 @@ impl State {
                 (self.flight, self.fitted) = (None, false);
                 self.camera.zoom_about(self.viewport, pos, factor);
             }
+            Command::SelectMiddle => self.select_middle(),
             Command::Fit => {
                 self.sight = None;
                 self.fitted = true;
@@ -44,6 +45,23 @@ impl State {
             }
             _ => {}
         }
+    }
+
+    /// Selects the sample nearest to the middle of the view, within a radius of it, or else the place.
+    fn select_middle(&mut self) {
+        let Some(shown) = self.shown() else {
+            return;
+        };
+        let middle = self.camera.center;
+        let mut best: Option<(f64, u32)> = None;
+        shown.session.index.visit(middle, middle, 1.0, |seen| {
+            let distance = (seen.place[0] - middle[0]).hypot(seen.place[1] - middle[1]);
+            let there = shown.standing(seen.id) != tilescope_core::Standing::Absent;
+            if there && best.is_none_or(|(least, _)| distance < least) {
+                best = Some((distance, seen.id));
+            }
+        });
+        self.pick(best.map_or(Selection::Place(middle), |(_, id)| Selection::Sample(id)));
     }
 
     pub(super) fn fitting(&self) -> Camera {

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence};
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 
-use super::{Side, State};
+use super::debug::move_stops;
+use super::{Notice, Side, State};
 use crate::canvas::subject::{Contrast, Subject};
 use crate::command::Command;
 use crate::compare::link::{At, common, corresponding};
@@ -20,10 +21,7 @@ impl State {
             CompareCommand::Start(rival) => self.start_comparison(rival),
             CompareCommand::Keep => self.keep(),
             CompareCommand::Swap => self.swap(),
-            CompareCommand::Close => {
-                self.comparison = None;
-                self.fitted = true;
-            }
+            CompareCommand::Close => self.comparison = None,
             CompareCommand::GoToDivergence => self.go_to_divergence(),
             CompareCommand::OnOther(command) => self.carry_out_on_second(*command),
             CompareCommand::LinkCameras(_)
@@ -63,6 +61,23 @@ impl State {
         let second = rival.parameters(first, &self.draft.parameters);
         let refused = second.validate_sequential().err();
         refused.map(|error| crate::draft::sentence(&error.to_string()))
+    }
+
+    /// Returns why one cannot go to where the two runs part, or `None` if one can.
+    #[must_use]
+    pub fn parting_refusal(&self) -> Option<&'static str> {
+        let Some((side, comparison)) = &self.comparison else {
+            return Some("There is no second run.");
+        };
+        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+            return Some("The second run is not there yet.");
+        };
+        match comparison.divergence(first, second) {
+            None => Some("Where they part is still being looked for."),
+            Some(Divergence::Same) => Some("They part nowhere."),
+            Some(Divergence::Domain { .. }) => Some("Their domains differ from the start."),
+            Some(_) => None,
+        }
     }
 
     /// Returns the engine that did not make the session.
@@ -107,6 +122,7 @@ impl State {
         let Some(session) = self.session.clone() else {
             return;
         };
+        let cursor = self.cursor();
         self.layout.open(Panel::Compare);
         let (side, _) = self.comparison.get_or_insert_default();
         let viewport = side.viewport;
@@ -114,7 +130,12 @@ impl State {
         side.debugger = session
             .recording()
             .map(|recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET));
+        if let (Some(debugger), Some((cursor, _))) = (&mut side.debugger, cursor) {
+            debugger.jump(cursor);
+        }
+        side.rows = session.outline.as_ref().map(OutlineRows::new);
         (side.stage, side.camera, side.viewport) = (self.stage, self.camera, viewport);
+        side.fitted = self.fitted;
         side.session = Some(session);
         self.with_second(Self::verify);
     }
@@ -126,11 +147,16 @@ impl State {
             self.exchange(&mut side);
             (self.viewport, side.viewport) = viewports;
             self.playback.range = None;
+            // What stops and is watched is the user's, whichever run it is applied to.
+            if let (Some(from), Some(to)) = (&mut side.debugger, &mut self.debugger) {
+                move_stops(from, to);
+            }
             self.comparison = Some((side, comparison));
         }
         if let Some(session) = &self.session {
             self.draft = crate::draft::Draft::from_parameters(session.run().parameters);
             self.own_pattern.clone_from(&session.own);
+            self.forget_changes();
         }
     }
 
@@ -138,9 +164,17 @@ impl State {
     pub(super) fn with_second<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> Option<T> {
         let (mut side, comparison) = self.comparison.take()?;
         let playback = self.playback.clone();
+        let notice = self.notice.take();
         self.exchange(&mut side);
         let result = act(self);
         self.exchange(&mut side);
+        self.notice = match self.notice.take() {
+            Some(own) => Some(Notice {
+                text: format!("Run B: {}", own.text),
+                ..own
+            }),
+            None => notice,
+        };
         self.playback = playback;
         self.comparison = Some((side, comparison));
         Some(result)
@@ -186,7 +220,8 @@ impl State {
         let (Some(first), Some(second)) = (&self.session, &side.session) else {
             return;
         };
-        let common = common(comparison.divergence(first, second)).map(|[a, b]| [b, a]);
+        let common = common(first, second, comparison.divergence(first, second));
+        let common = common.map(|[a, b]| [b, a]);
         let to = corresponding(second, at, first, common);
         self.go_to(to);
     }
@@ -208,7 +243,7 @@ impl State {
         let (Some(first), Some(second)) = (&self.session, &side.session) else {
             return;
         };
-        let common = common(comparison.divergence(first, second));
+        let common = common(first, second, comparison.divergence(first, second));
         let to = corresponding(first, at, second, common);
         if self.second_at() != Some(to) {
             self.with_second(|state| state.go_to(to));
@@ -245,7 +280,12 @@ impl State {
             comparison.seek(a, b, &self.wake);
         }
         if let (Some(a), Some(b)) = (self.shown(), side.shown()) {
-            comparison.differences.want(&a, &b, &self.wake);
+            let sessions = [&self.session, &side.session];
+            if let [Some(first), Some(second)] = sessions {
+                comparison
+                    .differences
+                    .want([(first, &a), (second, &b)], &self.wake);
+            }
         }
         self.comparison = Some((side, comparison));
     }
@@ -265,7 +305,7 @@ impl State {
         }
     }
 
-    /// Goes to where the two runs part: both cursors stand before the first event that differs.
+    /// Goes to where the two runs part: in both the first event that differs is the last one that has happened.
     fn go_to_divergence(&mut self) {
         let Some((side, comparison)) = &self.comparison else {
             return;

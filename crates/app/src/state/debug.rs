@@ -25,6 +25,8 @@ pub enum Found {
     Pending(Job<Vec<usize>>),
     /// Here they are, in sequence.
     Events(Vec<usize>),
+    /// They could not be found, and why.
+    Failed(String),
 }
 
 impl Found {
@@ -42,14 +44,23 @@ impl Found {
         if let Self::Pending(job) = self
             && let Some(outcome) = job.poll()
         {
-            *self = Self::Events(outcome.unwrap_or_default());
+            *self = outcome.map_or_else(Self::Failed, Self::Events);
+        }
+    }
+
+    /// Returns why there are none, if something went wrong.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        match self {
+            Self::Failed(why) => Some(why),
+            _ => None,
         }
     }
 
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle(&mut self) {
         if let Self::Pending(job) = self {
-            *self = Self::Events(job.wait().unwrap_or_default());
+            *self = job.wait().map_or_else(Self::Failed, Self::Events);
         }
     }
 }
@@ -90,13 +101,8 @@ impl State {
         let old = self.debugger.take();
         self.debugger = session.recording().map(|recording| {
             let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
-            if let Some(old) = old {
-                for (index, breakpoint) in old.breakpoints().iter().enumerate() {
-                    debugger.add_breakpoint(breakpoint.line, &breakpoint.condition);
-                    debugger.enable_breakpoint(index, breakpoint.enabled);
-                }
-                let mut old = old;
-                std::mem::swap(debugger.watches_mut(), old.watches_mut());
+            if let Some(mut old) = old {
+                move_stops(&mut old, &mut debugger);
             }
             debugger
         });
@@ -157,6 +163,9 @@ impl State {
 
     /// Selects a sample, a place or nothing, and has its history looked up.
     pub(super) fn pick(&mut self, selection: Selection) {
+        if !self.can_select(selection) {
+            return;
+        }
         (self.selected, self.place) = match selection {
             Selection::Nothing => (None, None),
             Selection::Sample(id) => (Some(id), None),
@@ -174,6 +183,21 @@ impl State {
             }
         };
     }
+}
+
+/// Moves breakpoints and watches from one debugger to another, in the place of those that it has.
+pub(super) fn move_stops(from: &mut Debugger, to: &mut Debugger) {
+    while !to.breakpoints().is_empty() {
+        to.remove_breakpoint(0);
+    }
+    for (index, breakpoint) in from.breakpoints().iter().enumerate() {
+        to.add_breakpoint(breakpoint.line, &breakpoint.condition);
+        to.enable_breakpoint(index, breakpoint.enabled);
+    }
+    while !from.breakpoints().is_empty() {
+        from.remove_breakpoint(0);
+    }
+    *to.watches_mut() = std::mem::take(from.watches_mut());
 }
 
 fn change(debugger: &mut Debugger, command: DebugCommand) {

@@ -15,6 +15,7 @@ impl State {
     pub(super) fn apply_to_export(&mut self, command: ExportCommand) {
         match command {
             ExportCommand::Open(kind) => {
+                self.file = None;
                 self.export.get_or_insert_default();
                 self.choose_export(kind);
             }

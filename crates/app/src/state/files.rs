@@ -3,6 +3,8 @@
 use super::State;
 use crate::files::{FileCommand, FileForm, Purpose, SESSION_NAME};
 
+const WEB: &str = "Files are opened and saved by the native program only.";
+
 impl State {
     pub(super) fn apply_to_files(&mut self, command: FileCommand) {
         match command {
@@ -14,13 +16,19 @@ impl State {
                         .clone()
                         .unwrap_or_else(|| SESSION_NAME.to_owned()),
                 };
+                self.export = None;
                 self.file = Some(FileForm {
                     purpose,
                     path,
                     asked: false,
                 });
             }
-            FileCommand::Close => self.file = None,
+            FileCommand::Close => {
+                self.file = None;
+                // Nobody waits any more for what is read; what is written is written.
+                #[cfg(not(target_arch = "wasm32"))]
+                self.stop_reading();
+            }
             FileCommand::Path(path) => {
                 if let Some(form) = &mut self.file {
                     (form.path, form.asked) = (path, false);
@@ -54,6 +62,16 @@ impl State {
         }
     }
 
+    /// Returns why no file can be opened, or `None` if one can.
+    #[must_use]
+    pub const fn open_refusal(&self) -> Option<&'static str> {
+        if cfg!(target_arch = "wasm32") {
+            Some(WEB)
+        } else {
+            None
+        }
+    }
+
     /// Returns the session at hand as it is saved, with how it is looked at.
     #[must_use]
     pub fn saved(&self) -> Option<tilescope_debugger::Session> {
@@ -74,8 +92,8 @@ mod native {
 
     use super::{FileCommand, Purpose, State};
     use crate::draft::{Draft, sentence};
-    use crate::files::{self, Done, Opened, Outcome};
-    use crate::jobs::Job;
+    use crate::files::{self, Done, Filing, Opened, Outcome};
+    use crate::jobs::{Job, Monitor};
     use crate::view::View;
 
     impl State {
@@ -83,99 +101,174 @@ mod native {
             match command {
                 FileCommand::Browse => {
                     if let Some(form) = &self.file {
-                        self.finding = Some(files::browse(form, &self.wake));
+                        self.finding = Some((form.purpose, files::browse(form, &self.wake)));
                     }
                 }
                 FileCommand::Go => self.file_away(),
                 FileCommand::Cancel => {
-                    if let Some(job) = &self.filing {
-                        job.cancel();
+                    if let Some(filing) = &self.filing {
+                        filing.job.cancel();
                     }
                 }
-                FileCommand::Dropped(path) => {
-                    self.generation += 1;
-                    let generation = self.generation;
-                    self.filing = Some(Job::start(&self.wake, move |monitor| {
-                        files::open_dropped(Path::new(&path), generation, monitor)
-                    }));
-                }
+                FileCommand::Dropped(paths) => self.take_dropped(paths),
                 _ => {}
             }
+        }
+
+        fn take_dropped(&mut self, mut paths: Vec<String>) {
+            // A set's certificate comes with it and is no file by itself.
+            let all = paths.clone();
+            paths.retain(|path| {
+                let of = |other: &String| files::certificate_of(other) == Path::new(path);
+                !all.iter().any(of)
+            });
+            let Some(path) = paths.first().cloned() else {
+                return;
+            };
+            if self.filing.is_some() {
+                let text = format!("{path} was not opened: another file is being read or written.");
+                self.tell(text, true);
+                return;
+            }
+            if paths.len() > 1 {
+                let text = format!(
+                    "{} files were dropped; one is opened at a time: {path}.",
+                    paths.len()
+                );
+                self.tell(text, false);
+            }
+            self.begin(None, path, move |path, generation, monitor| {
+                files::open_dropped(path, generation, monitor)
+            });
+        }
+
+        fn begin(
+            &mut self,
+            purpose: Option<Purpose>,
+            path: String,
+            work: impl FnOnce(&Path, u64, &Monitor) -> Outcome + Send + 'static,
+        ) {
+            self.generation += 1;
+            let (generation, name) = (self.generation, PathBuf::from(&path));
+            let job = Job::start(&self.wake, move |monitor| work(&name, generation, monitor));
+            self.filing = Some(Filing { purpose, path, job });
+        }
+
+        pub(in crate::state) fn stop_reading(&mut self) {
+            let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
+            self.filing = self.filing.take().filter(saves);
         }
 
         fn file_away(&mut self) {
             let Some(form) = &mut self.file else {
                 return;
             };
-            if form.path.trim().is_empty() || self.filing.is_some() {
+            let path = form.path.trim().to_owned();
+            if path.is_empty() || self.filing.is_some() {
                 return;
             }
-            let path = PathBuf::from(form.path.trim());
-            let known = self.session_path.as_deref() == Some(form.path.trim());
-            if form.purpose == Purpose::Save && path.exists() && !known && !form.asked {
+            let known = self.session_path.as_deref() == Some(path.as_str());
+            let taken = Path::new(&path).exists() && !known;
+            if form.purpose == Purpose::Save && taken && !form.asked {
                 form.asked = true;
                 return;
             }
-            let purpose = form.purpose;
-            self.generation += 1;
-            let (generation, saved) = (self.generation, self.saved());
-            self.filing = Some(Job::start(&self.wake, move |monitor| match purpose {
-                Purpose::Save => match saved {
-                    Some(saved) => files::save(&saved, &path),
-                    None => Err("there is no session to save".to_owned()),
+            let (purpose, saved) = (form.purpose, self.saved());
+            self.begin(
+                Some(purpose),
+                path,
+                move |path, generation, monitor| match purpose {
+                    Purpose::Save => match saved {
+                        Some(saved) => files::save(&saved, path),
+                        None => Err("there is no session to save".to_owned()),
+                    },
+                    Purpose::Open => files::open(path, generation, monitor),
+                    Purpose::Pattern => files::pattern(path),
                 },
-                Purpose::Open => files::open(&path, generation, monitor),
-                Purpose::Pattern => files::pattern(&path),
-            }));
+            );
         }
 
         pub(in crate::state) fn poll_files(&mut self) {
-            if let Some(outcome) = self.finding.as_ref().and_then(Job::poll) {
+            let found = self
+                .finding
+                .as_ref()
+                .and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
+            if let Some((purpose, outcome)) = found {
                 self.finding = None;
+                // Meanwhile the sheet may have been opened for something else.
+                let same = self
+                    .file
+                    .as_ref()
+                    .is_some_and(|form| form.purpose == purpose);
                 match outcome {
-                    Ok(Some(path)) => {
+                    Ok(Some(path)) if same => {
                         self.apply_to_files(FileCommand::Path(path.to_string_lossy().into_owned()));
                     }
-                    Ok(None) => {}
+                    Ok(_) => {}
                     Err(failure) => self.tell(sentence(&failure), true),
                 }
             }
-            if let Some(outcome) = self.filing.as_ref().and_then(Job::poll) {
-                self.filing = None;
+            if let Some(outcome) = self.filing.as_ref().and_then(|filing| filing.job.poll()) {
                 self.filed(outcome);
             }
         }
 
         pub(in crate::state) fn settle_files(&mut self) {
-            if let Some(job) = self.filing.take() {
-                let outcome = job.wait();
+            if let Some(filing) = &self.filing {
+                let outcome = filing.job.wait();
                 self.filed(outcome);
             }
         }
 
+        /// Closes the sheet if it is the one that this file was named in.
+        fn close_sheet(&mut self, filing: &Filing) {
+            let this = self.file.as_ref().is_some_and(|form| {
+                Some(form.purpose) == filing.purpose && form.path.trim() == filing.path
+            });
+            if this {
+                self.file = None;
+            }
+        }
+
         fn filed(&mut self, outcome: Result<Outcome, String>) {
+            let Some(filing) = self.filing.take() else {
+                return;
+            };
             match outcome {
-                Ok(Ok(Done::Saved(path))) => {
-                    let path = path.to_string_lossy().into_owned();
-                    self.tell(format!("The session is in {path}."), false);
-                    (self.session_path, self.file) = (Some(path), None);
+                Ok(Ok(done)) => {
+                    self.close_sheet(&filing);
+                    self.take_done(done);
                 }
-                Ok(Ok(Done::Opened(opened))) => self.take_up(*opened),
-                Ok(Ok(Done::Pattern(own))) => {
+                Ok(Err(why)) | Err(why) => self.tell(sentence(&why), true),
+            }
+        }
+
+        fn take_done(&mut self, done: Done) {
+            match done {
+                Done::Saved(path) => {
+                    let path = path.to_string_lossy().into_owned();
+                    let mut text = format!("The session is in {path}.");
+                    if self.comparison.is_some() && self.view().second.is_none() {
+                        text.push_str(" The run beside it is not: it is not finished, or its pattern comes from a file.");
+                    }
+                    self.tell(text, false);
+                    self.session_path = Some(path);
+                }
+                Done::Opened(opened) => self.take_up(*opened),
+                Done::Pattern(own) => {
                     let samples = own.pattern.samples().len();
                     let samples = crate::sentence::counted(samples, "sample", "samples");
                     let text = format!(
                         "The next run clips from the {samples} of {}.",
                         own.file.path
                     );
-                    (self.own_pattern, self.file) = (Some(own), None);
+                    self.own_pattern = Some(own);
                     self.tell(text, false);
                 }
-                Ok(Err(why)) | Err(why) => self.tell(sentence(&why), true),
             }
         }
 
-        /// Shows a session that was read where it was left.
+        /// Shows a session that was read where it was left. A run at work is not waited for any more.
         fn take_up(&mut self, opened: Opened) {
             let recording = opened.session.recording().map(Arc::clone);
             let resumed = recording.map(|recording| Debugger::resume(&opened.saved, recording));
@@ -184,14 +277,15 @@ mod native {
                 Some(Err(error)) => return self.tell(sentence(&error.to_string()), true),
                 None => return,
             };
-            self.notice = None;
+            (self.sampling, self.notice) = (None, None);
             self.draft = Draft::from_parameters(opened.saved.parameters);
             self.own_pattern.clone_from(&opened.session.own);
             self.show(opened.session);
             self.debugger = Some(debugger);
             self.follow_cursor();
             let (view, mut dropped) = View::from_json(&opened.saved.view);
-            dropped.extend(self.look_as(view));
+            dropped.extend(self.look_as(&view));
+            self.forget_changes();
             let path = opened.path.to_string_lossy().into_owned();
             if !dropped.is_empty() {
                 let text = format!(
@@ -200,7 +294,7 @@ mod native {
                 );
                 self.tell(text, false);
             }
-            (self.session_path, self.file) = (Some(path), None);
+            self.session_path = Some(path);
         }
     }
 }

@@ -10,6 +10,9 @@ use crate::jobs::{Job, Monitor};
 /// Most places that are marked.
 pub const MOST_HITS: usize = 20_000;
 
+/// After so many conditions that could not be computed there are none that can.
+const MOST_UNCLEAR: usize = 1_000;
+
 /// A generation, and the breakpoints that stop a run of it.
 type Key = (u64, Vec<(LineId, String)>);
 
@@ -21,6 +24,24 @@ pub struct Hits {
 }
 
 impl Hits {
+    /// Returns how many there are, in words, once they are known.
+    #[must_use]
+    pub fn said(&self) -> Option<String> {
+        match &self.found {
+            Found::Nothing => None,
+            Found::Pending(_) => Some("Being counted\u{2026}".to_owned()),
+            Found::Failed(why) => Some(why.clone()),
+            Found::Events(events) if events.len() == MOST_HITS => Some(format!(
+                "They stop a run {} times or more; the first are on the timeline.",
+                crate::sentence::grouped(MOST_HITS)
+            )),
+            Found::Events(events) => Some(format!(
+                "They stop a run {}.",
+                crate::sentence::counted(events.len(), "time", "times")
+            )),
+        }
+    }
+
     /// Returns the events before which a run would stop, the first [`MOST_HITS`] of them.
     #[must_use]
     pub fn events(&self) -> &[usize] {
@@ -71,12 +92,13 @@ fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monito
         debugger.add_breakpoint(*line, condition);
     }
     debugger.jump(0);
-    let mut found = Vec::new();
-    while found.len() < MOST_HITS && !monitor.is_cancelled() {
-        match debugger.run(Direction::Forwards) {
+    let go_on = || !monitor.is_cancelled();
+    let (mut found, mut unclear) = (Vec::new(), 0);
+    while found.len() < MOST_HITS && unclear < MOST_UNCLEAR && go_on() {
+        match debugger.run_while(Direction::Forwards, &go_on) {
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
-            // A condition that cannot be computed stops a run, but is no hit; the others go on.
-            Stop::BadCondition(index, _) => debugger.enable_breakpoint(index, false),
+            // A condition that cannot be computed stops a run, but is no hit.
+            Stop::BadCondition(..) => unclear += 1,
             Stop::End => break,
         }
     }

@@ -8,7 +8,7 @@ use egui::Rect;
 use tilescope_core::SampleError;
 use tilescope_debugger::{Debugger, OutlineRows};
 
-use super::{EventQuery, Found, State, Verification};
+use super::{EventQuery, Found, Hits, State, Verification};
 use crate::camera::{Camera, Flight};
 use crate::geometry::Geometry;
 use crate::jobs::Job;
@@ -43,11 +43,13 @@ pub struct Side {
     pub sight: Option<Sight>,
     /// The triangulation of the moment.
     pub geometry: Geometry,
-    rows: Option<OutlineRows>,
+    pub(super) rows: Option<OutlineRows>,
+    session_path: Option<String>,
     revealed: usize,
     passes: Option<Passes>,
     query: EventQuery,
     history_found: Found,
+    hits: Hits,
     pub(super) flight: Option<Flight>,
     pub(super) fitted: bool,
     before_pattern: Option<(Camera, bool)>,
@@ -69,10 +71,12 @@ impl Default for Side {
             sight: None,
             geometry: Geometry::default(),
             rows: None,
+            session_path: None,
             revealed: 0,
             passes: None,
             query: EventQuery::default(),
             history_found: Found::default(),
+            hits: Hits::default(),
             flight: None,
             fitted: true,
             before_pattern: None,
@@ -109,6 +113,8 @@ impl State {
         swap(&mut self.sight, &mut side.sight);
         swap(&mut self.geometry, &mut side.geometry);
         swap(&mut self.rows, &mut side.rows);
+        swap(&mut self.session_path, &mut side.session_path);
+        swap(&mut self.hits, &mut side.hits);
         swap(&mut self.revealed, &mut side.revealed);
         swap(&mut self.passes, &mut side.passes);
         swap(&mut self.query, &mut side.query);

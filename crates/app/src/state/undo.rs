@@ -4,7 +4,9 @@ use super::State;
 use crate::canvas::layers::{Colouring, Layers};
 use crate::command::{Command, Field};
 use crate::draft::Draft;
+use crate::files::FileCommand;
 use crate::layout::Layout;
+use crate::recipe::OwnPattern;
 
 /// Most steps that are remembered.
 const MOST_STEPS: usize = 200;
@@ -13,6 +15,7 @@ const MOST_STEPS: usize = 200;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Memento {
     draft: Draft,
+    own_pattern: Option<OwnPattern>,
     layers: Layers,
     colouring: Colouring,
     layout: Layout,
@@ -39,6 +42,7 @@ pub(super) const fn concerns(command: &Command) -> bool {
             | Command::Colour(_)
             | Command::OpenPanel(_)
             | Command::ResetLayout
+            | Command::File(FileCommand::GeneratedPattern)
     )
 }
 
@@ -55,9 +59,15 @@ impl State {
         !self.history.future.is_empty()
     }
 
+    /// Forgets all changes: another session is at hand, to which they do not belong.
+    pub(super) fn forget_changes(&mut self) {
+        self.history = History::default();
+    }
+
     pub(super) fn memento(&self) -> Memento {
         Memento {
             draft: self.draft.clone(),
+            own_pattern: self.own_pattern.clone(),
             layers: self.layers,
             colouring: self.colouring,
             layout: self.layout.clone(),
@@ -108,6 +118,7 @@ impl State {
     fn recall(&mut self, memento: Memento) {
         self.history.typing = None;
         self.draft = memento.draft;
+        self.own_pattern = memento.own_pattern;
         self.layers = memento.layers;
         self.colouring = memento.colouring;
         self.layout = memento.layout;

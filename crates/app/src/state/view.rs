@@ -1,6 +1,7 @@
 //! How the session at hand is looked at, as one value, and taking such a value up.
 
 use super::State;
+use crate::clock::Clock;
 use crate::command::{DebugCommand, Selection};
 use crate::recipe::Recipe;
 use crate::view::View;
@@ -14,7 +15,15 @@ impl State {
             session.own.is_none().then_some(session.run().parameters)
         });
         View {
-            camera: Some(self.camera),
+            // The pattern has a domain of its own, and its camera ends with it.
+            camera: Some(
+                self.before_pattern
+                    .map_or(self.camera, |(camera, _)| camera),
+            ),
+            fitted: Some(
+                self.before_pattern
+                    .map_or(self.fitted, |(_, fitted)| fitted),
+            ),
             layers: Some(self.layers),
             colouring: Some(self.colouring),
             look: Some(self.look),
@@ -23,7 +32,11 @@ impl State {
                 .selected
                 .map(Selection::Sample)
                 .or(self.place.map(Selection::Place)),
-            clock: Some(self.playback.clock),
+            // The passes of the GPU are not saved.
+            clock: Some(match self.playback.clock {
+                Clock::Pass => Clock::Stage,
+                clock => clock,
+            }),
             speed: Some(self.playback.speed),
             range: self
                 .playback
@@ -31,22 +44,26 @@ impl State {
                 .as_ref()
                 .map(|range| [range.start, range.end]),
             second,
+            links: self.comparison.as_ref().map(|(_, comparison)| {
+                [
+                    comparison.linked_cameras,
+                    comparison.linked_clocks,
+                    comparison.shows_differences,
+                ]
+            }),
         }
     }
 
     /// Takes up how a session was looked at; what is not said stays. Returns the names of the parts that the session at
     /// hand does not allow.
-    pub fn look_as(&mut self, view: View) -> Vec<&'static str> {
+    pub fn look_as(&mut self, view: &View) -> Vec<&'static str> {
         let mut dropped = Vec::new();
-        if let Some(camera) = view.camera {
-            (self.camera, self.flight, self.fitted) = (camera, None, false);
-            self.before_pattern = None;
-        }
+        self.take_camera(view);
         self.layers = view.layers.unwrap_or(self.layers);
         self.colouring = view.colouring.unwrap_or(self.colouring);
         self.look = view.look.unwrap_or(self.look);
-        if let Some(layout) = view.layout {
-            self.layout = layout;
+        if let Some(layout) = &view.layout {
+            self.layout.clone_from(layout);
         }
         if let Some(clock) = view.clock {
             if self.clock_refusal(clock).is_none() {
@@ -63,25 +80,57 @@ impl State {
             }
         }
         if let Some(selection) = view.selection {
-            let samples = self
-                .session
-                .as_ref()
-                .map_or(0, |session| session.run().samples.len());
-            match selection {
-                Selection::Sample(id) if id as usize >= samples => dropped.push("selection"),
-                selection => self.apply_to_debugger(DebugCommand::Pick(selection)),
+            if self.can_select(selection) {
+                self.apply_to_debugger(DebugCommand::Pick(selection));
+            } else {
+                dropped.push("selection");
             }
         }
-        self.comparison = None;
-        if let Some(parameters) = view.second {
-            self.compare_with(
-                Recipe {
-                    parameters,
-                    own: None,
-                },
-                self.engine,
-            );
-        }
+        self.take_second(view);
         dropped
+    }
+
+    fn take_camera(&mut self, view: &View) {
+        let Some(camera) = view.camera else {
+            return;
+        };
+        (self.camera, self.flight, self.before_pattern) = (camera, None, None);
+        self.fitted = view.fitted == Some(true);
+        if self.fitted && self.viewport.is_positive() {
+            self.camera = self.fitting();
+        }
+    }
+
+    /// Returns whether the session at hand has what is to be selected.
+    #[must_use]
+    pub fn can_select(&self, selection: Selection) -> bool {
+        let Some(session) = &self.session else {
+            return false;
+        };
+        let size = session.size_radii();
+        match selection {
+            Selection::Nothing => true,
+            Selection::Sample(id) => (id as usize) < session.run().samples.len(),
+            Selection::Place(place) => (0..2).all(|k| (0.0..size[k]).contains(&place[k])),
+        }
+    }
+
+    fn take_second(&mut self, view: &View) {
+        self.comparison = None;
+        let Some(parameters) = view.second else {
+            return;
+        };
+        let recipe = Recipe {
+            parameters,
+            own: None,
+        };
+        self.compare_with(recipe, self.engine);
+        if let (Some([cameras, clocks, marks]), Some((_, comparison))) =
+            (view.links, &mut self.comparison)
+        {
+            comparison.linked_cameras = cameras;
+            comparison.linked_clocks = clocks;
+            comparison.shows_differences = marks;
+        }
     }
 }

@@ -20,6 +20,8 @@ impl State {
             return;
         }
         self.notice = None;
+        #[cfg(not(target_arch = "wasm32"))]
+        self.stop_reading();
         self.start_sampling(self.typed(), self.engine);
     }
 
@@ -130,6 +132,8 @@ impl State {
             debugger.jump(usize::MAX);
         }
         self.session = Some(Arc::new(session));
+        // What is saved next is another session.
+        self.session_path = None;
         self.verify();
         let from_pattern = self.before_pattern.take().is_some();
         if !same_domain || from_pattern {
@@ -171,6 +175,8 @@ impl State {
         self.settle_files();
         self.settle_run();
         self.settle_second();
+        self.want_hits();
+        self.hits.settle();
         if let Some(job) = self.exporting.take() {
             let outcome = job.wait();
             self.finish_export(outcome);
@@ -193,8 +199,6 @@ impl State {
         self.want_geometry();
         self.geometry.settle();
         self.history_found.settle();
-        self.want_hits();
-        self.hits.settle();
         if let Some(passes) = &mut self.passes {
             passes.settle();
         }

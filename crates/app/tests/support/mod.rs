@@ -1,6 +1,8 @@
 //! The window on its default session, for tests that use it as a user would.
 #![allow(dead_code, reason = "not every test uses all of it")]
 
+pub mod sessions;
+
 use egui_kittest::Harness;
 use tilescope_app::App;
 

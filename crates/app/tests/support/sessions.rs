@@ -1,0 +1,74 @@
+//! Sessions in the making, and files of their own for tests about files.
+
+use std::path::{Path, PathBuf};
+
+use egui_kittest::Harness;
+use tilescope_app::canvas::layers::Layer;
+use tilescope_app::clock::Clock;
+use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::{App, Command};
+use tilescope_debugger::Listings;
+
+use super::{opened, settle};
+
+pub fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    harness.state_mut().state.apply(command);
+    settle(harness);
+}
+
+/// A folder of this test alone, emptied.
+pub fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("sessions")
+        .join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder for the test");
+    folder
+}
+
+pub fn text(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+pub fn go(harness: &mut Harness<'_, App>, purpose: Purpose, path: &Path) {
+    apply(harness, Command::File(FileCommand::Sheet(purpose)));
+    apply(harness, Command::File(FileCommand::Path(text(path))));
+    apply(harness, Command::File(FileCommand::Go));
+}
+
+pub fn notice(harness: &Harness<'_, App>) -> (String, bool) {
+    let notice = harness.state().state.notice.clone().expect("a notice");
+    (notice.text, notice.is_error)
+}
+
+/// A small run with a breakpoint, a watch and a bookmark, in the middle of things.
+pub fn busy() -> Harness<'static, App> {
+    let mut harness = opened();
+    apply(
+        &mut harness,
+        Command::Type(Field::Radius, "0.02".to_owned()),
+    );
+    apply(&mut harness, Command::Type(Field::Leaf, "12".to_owned()));
+    apply(&mut harness, Command::Run);
+    let line = Listings::shipped().find("eliminate.5").expect("a line");
+    for command in [
+        DebugCommand::ToggleBreakpoint(line),
+        DebugCommand::Condition(0, "distance < 0.4".to_owned()),
+        DebugCommand::Watch("distance".to_owned()),
+        DebugCommand::Pick(Selection::Sample(40)),
+    ] {
+        apply(&mut harness, Command::Debug(command));
+    }
+    apply(&mut harness, Command::Time(TimeCommand::Jump(3_000)));
+    apply(&mut harness, Command::Debug(DebugCommand::Bookmark));
+    let note = DebugCommand::Note(0, "here".to_owned());
+    apply(&mut harness, Command::Debug(note));
+    apply(&mut harness, Command::Time(TimeCommand::Jump(3_456)));
+    apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
+    apply(&mut harness, Command::ToggleLayer(Layer::Disks));
+    apply(&mut harness, Command::FlyTo([20.0, 21.0], 9.0));
+    harness.state_mut().state.advance(5.0);
+    harness.run();
+    harness
+}
