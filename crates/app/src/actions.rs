@@ -3,13 +3,12 @@
 
 mod compare;
 mod file;
+mod go;
 
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
-use tilescope_debugger::{Direction, Step, Target};
 
 use crate::canvas::layers::{Colouring, Layer};
-use crate::clock::Clock;
-use crate::command::{Command, DebugCommand, Selection, TimeCommand};
+use crate::command::{Command, DebugCommand, Selection};
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::Look;
@@ -128,7 +127,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     edit(&mut list, state);
     view(&mut list);
     camera(&mut list, state);
-    go(&mut list, state);
+    go::add(&mut list, state);
     debug(&mut list, state);
     compare::compare(&mut list, state);
     list.actions
@@ -283,119 +282,6 @@ pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
         (at == last).then_some("This is the end of the run."),
         (at == 0).then_some("This is the start of the run."),
     ]
-}
-
-fn go(list: &mut List, state: &State) {
-    let no_session = state.session.is_none().then_some(NO_SESSION);
-    let [at_end, at_start] = time_refusals(state);
-    let no_events = state.debugger.is_none().then_some(NO_EVENTS);
-    let mut add = |name: String, keys, command, refusal: Option<&str>| {
-        list.add(Menu::Go, name, keys, command, refusal);
-    };
-    add(
-        "Play or pause".to_owned(),
-        None,
-        Command::TogglePlay,
-        no_session,
-    );
-    add(
-        "Tick forward".to_owned(),
-        Some((NONE, Key::ArrowRight)),
-        Command::StepForward,
-        at_end,
-    );
-    add(
-        "Tick back".to_owned(),
-        Some((NONE, Key::ArrowLeft)),
-        Command::StepBack,
-        at_start,
-    );
-    add(
-        "First stage".to_owned(),
-        Some((NONE, Key::Home)),
-        Command::FirstStage,
-        at_start,
-    );
-    add(
-        "Last stage".to_owned(),
-        Some((NONE, Key::End)),
-        Command::LastStage,
-        at_end,
-    );
-    for clock in Clock::ALL {
-        let command = Command::Time(TimeCommand::Clock(clock));
-        let refusal = state.clock_refusal(clock);
-        add(format!("Clock: {}", clock.name()), None, command, refusal);
-    }
-    let ways = [
-        (Direction::Forwards, "", no_events.or(at_end)),
-        (Direction::Backwards, " backwards", no_events.or(at_start)),
-    ];
-    for (direction, way, refusal) in ways {
-        let back = direction == Direction::Backwards;
-        let shifted = if back { SHIFT } else { NONE };
-        let with_alt = if back { Modifiers::ALT } else { NONE };
-        for (name, keys, step) in [
-            ("Step into", (with_alt, Key::F11), Step::Into),
-            ("Step over", (shifted, Key::F10), Step::Over),
-            ("Step out", (SHIFT | with_alt, Key::F11), Step::Out),
-        ] {
-            let command = Command::Time(TimeCommand::Step(step, direction));
-            add(format!("{name}{way}"), Some(keys), command, refusal);
-        }
-        let command = Command::Time(TimeCommand::Continue(direction));
-        add(
-            format!("Continue to a breakpoint{way}"),
-            Some((shifted, Key::F5)),
-            command,
-            refusal,
-        );
-        for (name, key, target) in targets(state) {
-            let command = Command::Time(TimeCommand::RunTo(target, direction));
-            let which = if back { "Previous" } else { "Next" };
-            add(
-                format!("{which} {name}"),
-                key.map(|key| (shifted, key)),
-                command,
-                refusal,
-            );
-        }
-    }
-    for (name, command) in [
-        ("Loop from here", TimeCommand::LoopStart),
-        ("Loop up to here", TimeCommand::LoopEnd),
-        ("No loop", TimeCommand::Loop(None)),
-    ] {
-        add(name.to_owned(), None, Command::Time(command), no_events);
-    }
-}
-
-/// Returns what can be run to, with a key each.
-fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
-    let mut targets: Vec<(String, Option<Key>, Target)> = [
-        ("conflict", Key::C, Target::Conflict),
-        ("elimination", Key::E, Target::Elimination),
-        ("gap found", Key::G, Target::Gap),
-        ("insertion", Key::I, Target::Insertion),
-        (
-            "second insertion in one gap",
-            Key::S,
-            Target::SecondInsertion,
-        ),
-        ("violated invariant", Key::V, Target::Violation),
-    ]
-    .into_iter()
-    .map(|(name, key, target)| (name.to_owned(), Some(key), target))
-    .collect();
-    if let Some(id) = state.selected {
-        let name = format!("event of sample {}", crate::sentence::grouped(id as usize));
-        targets.push((name, Some(Key::H), Target::Sample(id)));
-    }
-    if let Some(event) = state.debugger.as_ref().and_then(|d| d.event()) {
-        let name = "execution of this line".to_owned();
-        targets.push((name, Some(Key::L), Target::Line(event.line())));
-    }
-    targets
 }
 
 fn debug(list: &mut List, state: &State) {

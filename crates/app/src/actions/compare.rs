@@ -50,6 +50,23 @@ pub(super) fn compare(list: &mut List, state: &State) {
         CompareCommand::GoToDivergence,
         state.parting_refusal().map(str::to_owned),
     );
+    let at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
+    let idle = (!at_work).then(|| "B is not being sampled.".to_owned());
+    let cancel = CompareCommand::OnOther(Box::new(Command::Cancel));
+    add("Cancel B".to_owned(), None, cancel, idle);
+    add(
+        "Close B".to_owned(),
+        None,
+        CompareCommand::Close,
+        refusal(second.is_some()),
+    );
+    links(list, state);
+}
+
+/// Adds what hangs together and what is marked, to be switched.
+fn links(list: &mut List, state: &State) {
+    let second = state.comparison.as_ref();
+    let refusal = second.is_none().then(|| NO_SECOND.to_owned());
     for (name, on, command) in [
         (
             "Cameras together",
@@ -68,16 +85,12 @@ pub(super) fn compare(list: &mut List, state: &State) {
         ),
     ] {
         let name = format!("{name}: {}", if on { "on" } else { "off" });
-        add(name, None, command(on), refusal(second.is_some()));
+        list.actions.push(Action {
+            menu: Menu::Compare,
+            name,
+            shortcut: None,
+            command: Command::Compare(command(on)),
+            refusal: refusal.clone(),
+        });
     }
-    let at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
-    let idle = (!at_work).then(|| "B is not being sampled.".to_owned());
-    let cancel = CompareCommand::OnOther(Box::new(Command::Cancel));
-    add("Cancel B".to_owned(), None, cancel, idle);
-    add(
-        "Close B".to_owned(),
-        None,
-        CompareCommand::Close,
-        refusal(second.is_some()),
-    );
 }

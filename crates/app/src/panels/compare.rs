@@ -117,7 +117,26 @@ fn parting(
         ui.label(RichText::new(text).color(palette.muted));
         return;
     };
-    let lines: Vec<String> = match divergence {
+    for line in said(divergence) {
+        ui.label(line);
+    }
+    let thinned = [a, b].into_iter().any(|session| {
+        let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
+        session.recording().is_some_and(left_out)
+    });
+    if thinned {
+        let text = "Tests were left out of a tape: only what was kept is compared.";
+        ui.label(RichText::new(text).color(palette.muted));
+    }
+    let refusal = state.parting_refusal();
+    if primary_button(ui, "Go there in both", refusal, palette).clicked() {
+        own.push(CompareCommand::GoToDivergence);
+    }
+}
+
+/// Returns where two runs part, in sentences.
+fn said(divergence: &Divergence) -> Vec<String> {
+    match divergence {
         Divergence::Same => {
             vec!["Nowhere: every event is the same, sample by sample, to the bit.".to_owned()]
         }
@@ -155,21 +174,6 @@ fn parting(
             format!("A: {a}"),
             format!("B: {b}"),
         ],
-    };
-    for line in lines {
-        ui.label(line);
-    }
-    let thinned = [a, b].into_iter().any(|session| {
-        let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
-        session.recording().is_some_and(left_out)
-    });
-    if thinned {
-        let text = "Tests were left out of a tape: only what was kept is compared.";
-        ui.label(RichText::new(text).color(palette.muted));
-    }
-    let refusal = state.parting_refusal();
-    if primary_button(ui, "Go there in both", refusal, palette).clicked() {
-        own.push(CompareCommand::GoToDivergence);
     }
 }
 

@@ -1,0 +1,121 @@
+//! The Go menu: playing, ticking, stepping and running through time.
+
+use egui::{Key, Modifiers};
+use tilescope_debugger::{Direction, Step, Target};
+
+use super::{List, Menu, NO_EVENTS, NO_SESSION, NONE, SHIFT, time_refusals};
+use crate::clock::Clock;
+use crate::command::{Command, TimeCommand};
+use crate::state::State;
+
+/// Adds the actions of the menu.
+pub(super) fn add(list: &mut List, state: &State) {
+    let [at_end, at_start] = time_refusals(state);
+    let no_session = state.session.is_none().then_some(NO_SESSION);
+    let no_events = state.debugger.is_none().then_some(NO_EVENTS);
+    let play = Command::TogglePlay;
+    list.add(Menu::Go, "Play or pause", None, play, no_session);
+    for (name, key, command, refusal) in [
+        (
+            "Tick forward",
+            Key::ArrowRight,
+            Command::StepForward,
+            at_end,
+        ),
+        ("Tick back", Key::ArrowLeft, Command::StepBack, at_start),
+        ("First stage", Key::Home, Command::FirstStage, at_start),
+        ("Last stage", Key::End, Command::LastStage, at_end),
+    ] {
+        list.add(Menu::Go, name, Some((NONE, key)), command, refusal);
+    }
+    for clock in Clock::ALL {
+        let command = Command::Time(TimeCommand::Clock(clock));
+        let refusal = state.clock_refusal(clock);
+        list.add(
+            Menu::Go,
+            format!("Clock: {}", clock.name()),
+            None,
+            command,
+            refusal,
+        );
+    }
+    for (direction, refusal) in [
+        (Direction::Forwards, no_events.or(at_end)),
+        (Direction::Backwards, no_events.or(at_start)),
+    ] {
+        steps(list, direction, refusal);
+        runs(list, state, direction, refusal);
+    }
+    for (name, command) in [
+        ("Loop from here", TimeCommand::LoopStart),
+        ("Loop up to here", TimeCommand::LoopEnd),
+        ("No loop", TimeCommand::Loop(None)),
+    ] {
+        list.add(Menu::Go, name, None, Command::Time(command), no_events);
+    }
+}
+
+/// Steps as in any debugger; backwards with one modifier more.
+fn steps(list: &mut List, direction: Direction, refusal: Option<&str>) {
+    let back = direction == Direction::Backwards;
+    let way = if back { " backwards" } else { "" };
+    let shifted = if back { SHIFT } else { NONE };
+    let with_alt = if back { Modifiers::ALT } else { NONE };
+    for (name, keys, step) in [
+        ("Step into", (with_alt, Key::F11), Step::Into),
+        ("Step over", (shifted, Key::F10), Step::Over),
+        ("Step out", (SHIFT | with_alt, Key::F11), Step::Out),
+    ] {
+        let command = Command::Time(TimeCommand::Step(step, direction));
+        list.add(
+            Menu::Go,
+            format!("{name}{way}"),
+            Some(keys),
+            command,
+            refusal,
+        );
+    }
+    let command = Command::Time(TimeCommand::Continue(direction));
+    let name = format!("Continue to a breakpoint{way}");
+    list.add(Menu::Go, name, Some((shifted, Key::F5)), command, refusal);
+}
+
+fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
+    let (which, modifiers) = match direction {
+        Direction::Forwards => ("Next", NONE),
+        Direction::Backwards => ("Previous", SHIFT),
+    };
+    for (name, key, target) in targets(state) {
+        let command = Command::Time(TimeCommand::RunTo(target, direction));
+        let keys = key.map(|key| (modifiers, key));
+        list.add(Menu::Go, format!("{which} {name}"), keys, command, refusal);
+    }
+}
+
+/// Returns what can be run to, with a key each.
+fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
+    let mut targets: Vec<(String, Option<Key>, Target)> = [
+        ("conflict", Key::C, Target::Conflict),
+        ("elimination", Key::E, Target::Elimination),
+        ("gap found", Key::G, Target::Gap),
+        ("insertion", Key::I, Target::Insertion),
+        (
+            "second insertion in one gap",
+            Key::S,
+            Target::SecondInsertion,
+        ),
+        ("violated invariant", Key::V, Target::Violation),
+    ]
+    .into_iter()
+    .map(|(name, key, target)| (name.to_owned(), Some(key), target))
+    .collect();
+    if let Some(id) = state.selected {
+        let name = format!("event of sample {}", crate::sentence::grouped(id as usize));
+        targets.push((name, Some(Key::H), Target::Sample(id)));
+    }
+    if let Some(event) = state.debugger.as_ref().and_then(|d| d.event()) {
+        let name = "execution of this line".to_owned();
+        targets.push((name, Some(Key::L), Target::Line(event.line())));
+    }
+    targets
+}
