@@ -97,6 +97,12 @@ pub enum MeasureError {
         /// Values needed.
         expected: usize,
     },
+    /// Something that is averaged or compared was taken otherwise than what came before.
+    #[error("{name} differs from that of what was added before")]
+    Differs {
+        /// What differs.
+        name: &'static str,
+    },
     /// A list of values that must rise does not.
     #[error("{name}: value {index}, {value}, is not finite or does not exceed the one before it")]
     NotRising {

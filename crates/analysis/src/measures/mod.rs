@@ -20,18 +20,27 @@
 //! # Ok::<(), tilescope_analysis::measures::MeasureError>(())
 //! ```
 
+mod distances;
+mod distributions;
 mod error;
 mod kernel;
+mod neighbors;
 mod nufft;
+mod pair_correlation;
 mod periodogram;
 mod radial;
 mod spread;
+mod statistics;
 mod window;
 
+pub use distances::{NearestDistances, density, largest_min_distance};
+pub use distributions::{chi_square_quantile, chi_square_tail, student_quantile};
 pub use error::MeasureError;
 pub use nufft::{MAX_FREQUENCY, MAX_WINDOW_BYTES, NUFFT_ERROR};
+pub use pair_correlation::PairCorrelation;
 pub use periodogram::{Periodogram, Taper};
 pub use radial::{Annulus, RadialProfile, anisotropy_reference_db};
+pub use statistics::{Average, MeanPeriodogram, Summary, power_band};
 pub use window::FrequencyWindow;
 
 use crate::domain::Domain;

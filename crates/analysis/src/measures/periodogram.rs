@@ -78,8 +78,8 @@ impl Periodogram {
     ///
     /// Periodic sets have `w = 1`: `P(0) = N`. Bounded ones are tapered by [`Taper::Hann`], and the transform of
     /// the mean density is subtracted: `P(0) = 0`. The sums are wrong by at most [`super::NUFFT_ERROR`] of `sum w`,
-    /// so a power of order 1 by about `2e-11 sqrt(N)` at the very worst and by `1e-11` for sets without a common
-    /// phase. The cost is that of spreading 144 grid points per sample and of a fast transform of the window.
+    /// so an amplitude of order `sqrt(N)` by a relative `1e-10 sqrt(N)` if all errors had one phase and by about
+    /// `1e-10` otherwise; a power by twice that. The cost is that of spreading 144 grid points per sample and of a fast transform of the window.
     /// The result does not depend on the number of threads.
     pub fn of(
         points: &[[f64; 2]],

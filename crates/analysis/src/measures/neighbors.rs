@@ -1,0 +1,124 @@
+//! Searches around samples on the verifier's grid: all samples within a distance, and the nearest one.
+//! Distances go around the torus when periodic.
+//! It never sees a place twice from one sample: distances asked for are at most half a period.
+
+use std::ops::Range;
+
+use crate::grid::{Entry, Grid};
+
+/// The samples around those of a grid.
+pub(super) struct Neighbors<'a> {
+    pub grid: &'a Grid,
+}
+
+impl Neighbors<'_> {
+    /// Magnitudes of the coordinate differences of two samples, the short way around.
+    pub fn offset(&self, a: &Entry, b: &Entry) -> [f64; 2] {
+        let domain = &self.grid.domain;
+        [0, 1].map(|axis| {
+            let direct = (a.position[axis] - b.position[axis]).abs();
+            if domain.periodic {
+                direct.min(domain.extent[axis] - direct)
+            } else {
+                direct
+            }
+        })
+    }
+
+    /// Calls `see` with runs of samples that together hold all within `distance` of the samples of a cell, each
+    /// once, themselves included.
+    pub fn around(&self, [column, row]: [usize; 2], distance: f64, mut see: impl FnMut(&[Entry])) {
+        let (cells, sides) = (self.grid.cells, self.grid.cell_sides());
+        let reach = sides.map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
+        let periodic = self.grid.domain.periodic;
+        let columns = near(column, reach[0], cells[0], periodic);
+        for rows in near(row, reach[1], cells[1], periodic) {
+            for row in rows {
+                for columns in &columns {
+                    see(self.grid.run(row, columns));
+                }
+            }
+        }
+    }
+
+    /// The distance from a sample to the nearest other one. Rows are sorted by x: each is
+    /// walked from the sample's x outwards, nearest rows first.
+    pub fn nearest(&self, entry: &Entry) -> f64 {
+        let (rows, side) = (self.grid.cells[1], self.grid.cell_sides()[1]);
+        let domain = &self.grid.domain;
+        let home = crate::grid::cell_at(domain, self.grid.cells, entry.position)[1];
+        let mut best = f64::INFINITY;
+        let most = if domain.periodic { rows / 2 } else { rows - 1 };
+        for step in 0..=most {
+            // Rows this far off are at least that much away.
+            if (step as f64 - 1.0 - 2.0 * Grid::ROUNDING) * side > best.sqrt() {
+                break;
+            }
+            let below = if domain.periodic {
+                Some((home + rows - step) % rows)
+            } else {
+                home.checked_sub(step)
+            };
+            let above = if domain.periodic {
+                Some((home + step) % rows)
+            } else {
+                Some(home + step).filter(|&row| row < rows)
+            };
+            let above = above.filter(|_| above != below);
+            for row in [below, above].into_iter().flatten() {
+                best = best.min(self.nearest_in_row(entry, row, best));
+            }
+        }
+        best.sqrt()
+    }
+
+    /// The smaller of a squared distance and that to the nearest other sample of a row.
+    fn nearest_in_row(&self, entry: &Entry, row: usize, mut best: f64) -> f64 {
+        let run = self.grid.run(row, &(0..self.grid.cells[0]));
+        let x = entry.position[0];
+        let start = run.partition_point(|other| other.position[0] < x);
+        let width = self.grid.domain.extent[0];
+        let mut closer = |other: &Entry| {
+            let direct = (other.position[0] - x).abs();
+            let [dx, dy] = self.offset(entry, other);
+            if other.id != entry.id {
+                best = best.min(dx * dx + dy * dy);
+            }
+            // Going on, differences grow until they are shorter the other way around, where
+            // the walk from the other end finds them.
+            direct * direct <= best
+        };
+        let _ = run[start..].iter().all(&mut closer);
+        let _ = run[..start].iter().rev().all(&mut closer);
+        if self.grid.domain.periodic {
+            let mut across = |other: &Entry| {
+                let around = width - (other.position[0] - x).abs();
+                let [dx, dy] = self.offset(entry, other);
+                if other.id != entry.id {
+                    best = best.min(dx * dx + dy * dy);
+                }
+                around * around <= best
+            };
+            let _ = run[..start].iter().all(&mut across);
+            let _ = run[start..].iter().rev().all(&mut across);
+        }
+        best
+    }
+}
+
+/// Cell indices within `reach` of one along an axis, each once, as at most two ranges.
+fn near(index: usize, reach: usize, cells: usize, periodic: bool) -> Vec<Range<usize>> {
+    if 2 * reach + 1 >= cells {
+        return vec![0..cells];
+    }
+    if !periodic {
+        return vec![index.saturating_sub(reach)..(index + reach + 1).min(cells)];
+    }
+    if index < reach {
+        vec![0..index + reach + 1, cells + index - reach..cells]
+    } else if index + reach >= cells {
+        vec![0..index + reach + 1 - cells, index - reach..cells]
+    } else {
+        vec![index - reach..index + reach + 1]
+    }
+}
