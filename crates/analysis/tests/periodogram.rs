@@ -5,7 +5,7 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use support::Random;
 use tilescope_analysis::measures::{
@@ -221,7 +221,7 @@ fn the_taper_keeps_the_border_out_of_the_spectrum() {
 
 #[test]
 fn what_cannot_be_transformed_is_named() {
-    let refused = |points: &[[f64; 2]], x: std::ops::Range<i64>, y: std::ops::Range<i64>| {
+    let refused = |points: &[[f64; 2]], x: Range<i64>, y: Range<i64>| {
         let window = FrequencyWindow { x, y };
         Periodogram::of(points, torus(), &window, &go_on).expect_err("a refusal")
     };
@@ -242,7 +242,14 @@ fn what_cannot_be_transformed_is_named() {
         refused(&one, 4..4, 0..4),
         MeasureError::EmptyWindow { .. }
     ));
-    let inverted = refused(&one, 0..4, i64::MAX..i64::MIN);
+    let inverted = refused(
+        &one,
+        0..4,
+        Range {
+            start: i64::MAX,
+            end: i64::MIN,
+        },
+    );
     assert!(matches!(inverted, MeasureError::EmptyWindow { .. }));
     let high = refused(&one, 0..4, 0..MAX_FREQUENCY + 2);
     assert!(

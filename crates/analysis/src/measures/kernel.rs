@@ -27,14 +27,11 @@ pub(super) struct Kernel {
 
 impl Kernel {
     pub fn new() -> Self {
-        let mut coefficients = [[0.0; WIDTH]; DEGREE + 1];
-        for lane in 0..WIDTH {
+        let lanes: [[f64; DEGREE + 1]; WIDTH] = std::array::from_fn(|lane| {
             let start = lane as f64 - 0.5 * WIDTH as f64;
-            let found = monomials(|u| value(start + 0.5 * (u + 1.0)));
-            for (power, coefficient) in found.into_iter().enumerate() {
-                coefficients[DEGREE - power][lane] = coefficient;
-            }
-        }
+            monomials(|u| value(start + 0.5 * (u + 1.0)))
+        });
+        let coefficients = std::array::from_fn(|row| lanes.map(|lane| lane[DEGREE - row]));
         Self { coefficients }
     }
 

@@ -20,27 +20,37 @@
 //! # Ok::<(), tilescope_analysis::measures::MeasureError>(())
 //! ```
 
+mod blue_noise;
+mod discrepancy;
 mod distances;
 mod distributions;
 mod error;
 mod kernel;
 mod neighbors;
 mod nufft;
+mod order;
 mod pair_correlation;
 mod periodogram;
 mod radial;
 mod spread;
 mod statistics;
+mod uniformity;
 mod window;
 
+pub use blue_noise::PowerCurve;
+pub use discrepancy::Discrepancy;
 pub use distances::{NearestDistances, density, largest_min_distance};
 pub use distributions::{chi_square_quantile, chi_square_tail, student_quantile};
 pub use error::MeasureError;
 pub use nufft::{MAX_FREQUENCY, MAX_WINDOW_BYTES, NUFFT_ERROR};
+pub use order::{CellOrder, Order};
 pub use pair_correlation::PairCorrelation;
 pub use periodogram::{Periodogram, Taper};
 pub use radial::{Annulus, RadialProfile, anisotropy_reference_db};
 pub use statistics::{Average, MeanPeriodogram, Summary, power_band};
+pub use uniformity::{
+    ChiSquare, ClassCounts, Deviation, DistanceClasses, PositionClasses, Uniformity,
+};
 pub use window::FrequencyWindow;
 
 use crate::domain::Domain;

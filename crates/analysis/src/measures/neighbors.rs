@@ -107,18 +107,14 @@ impl Neighbors<'_> {
 }
 
 /// Cell indices within `reach` of one along an axis, each once, as at most two ranges.
-fn near(index: usize, reach: usize, cells: usize, periodic: bool) -> Vec<Range<usize>> {
+fn near(index: usize, reach: usize, cells: usize, periodic: bool) -> [Range<usize>; 2] {
+    let (below, above) = (index.checked_sub(reach), index + reach + 1);
     if 2 * reach + 1 >= cells {
-        return vec![0..cells];
+        return [0..cells, 0..0];
     }
-    if !periodic {
-        return vec![index.saturating_sub(reach)..(index + reach + 1).min(cells)];
-    }
-    if index < reach {
-        vec![0..index + reach + 1, cells + index - reach..cells]
-    } else if index + reach >= cells {
-        vec![0..index + reach + 1 - cells, index - reach..cells]
-    } else {
-        vec![index - reach..index + reach + 1]
+    match below {
+        None if periodic => [0..above, index + cells - reach..cells],
+        Some(below) if periodic && above > cells => [0..above - cells, below..cells],
+        _ => [below.unwrap_or(0)..above.min(cells), 0..0],
     }
 }

@@ -178,7 +178,7 @@ impl MeanPeriodogram {
     /// # Errors
     ///
     /// [`MeasureError::Differs`] where its window or its region is not that of the first.
-    pub fn add(&mut self, periodogram: Periodogram) -> Result<(), MeasureError> {
+    pub fn add(&mut self, periodogram: &Periodogram) -> Result<(), MeasureError> {
         if self.first.is_none() {
             self.powers = Average::new(periodogram.power.len());
         }
