@@ -145,8 +145,8 @@ impl PowerCurve {
     }
 
     /// Returns the oscillation `10 sqrt(mean of (P - 1)^2)` over the ring of frequencies from the first at which the
-    /// power is nearly 1 to five beyond (or the end of the curve). Zero for noise. None where the
-    /// power never comes near 1.
+    /// power is nearly 1 to five beyond, or to the end of the curve: compare only curves of one range. Zero for
+    /// noise. None where the power never comes near 1.
     #[must_use]
     pub fn oscillation(&self) -> Option<f64> {
         let first = self.powers.iter().position(|power| *power >= NEARLY_ONE)?;

@@ -36,7 +36,7 @@ pub struct RadialProfile {
 /// powers are then distributed as a mean of that many exponential values, and the level is `-10 log10(sets)`.
 #[must_use]
 pub fn anisotropy_reference_db(sets: u64) -> f64 {
-    -10.0 * (sets as f64).log10()
+    10.0 * (1.0 / sets as f64).log10()
 }
 
 impl RadialProfile {

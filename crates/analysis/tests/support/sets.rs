@@ -47,7 +47,7 @@ pub fn bounded(width: f64, height: f64) -> Region {
 pub const MAXIMAL_RADIUS: f64 = 0.0119;
 
 /// A maximal Poisson-disk set on the unit torus, made by the command line of this workspace:
-/// `tilescope sample --radius 0.0119 --seed 7 --pattern-seed 7 --insertion uniform --out maximal.csv`.
+/// `tilescope sample --method reference --radius 0.0119 --seed 7 --out maximal.csv`.
 pub fn maximal() -> Vec<[f64; 2]> {
     include_str!("../data/maximal.csv")
         .lines()
