@@ -25,18 +25,39 @@ impl Neighbors<'_> {
         })
     }
 
-    /// Calls `see` with runs of samples that together hold all within `distance` of the samples of a cell, each
-    /// once, themselves included.
-    pub fn around(&self, [column, row]: [usize; 2], distance: f64, mut see: impl FnMut(&[Entry])) {
-        let (cells, sides) = (self.grid.cells, self.grid.cell_sides());
+    /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met:
+    /// once where `see` is told true, and otherwise twice, from both sides, or with itself.
+    pub fn partners(
+        &self,
+        [column, row]: [usize; 2],
+        distance: f64,
+        mut see: impl FnMut(&[Entry], bool),
+    ) {
+        let (grid, cells, sides) = (self.grid, self.grid.cells, self.grid.cell_sides());
         let reach = sides.map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
-        let periodic = self.grid.domain.periodic;
+        let periodic = grid.domain.periodic;
+        // Cells that reach around the torus to each other cannot tell which of them is ahead.
+        let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
         let columns = near(column, reach[0], cells[0], periodic);
-        for rows in near(row, reach[1], cells[1], periodic) {
-            for row in rows {
-                for columns in &columns {
-                    see(self.grid.run(row, columns));
-                }
+        let rows = if all_rows {
+            [0..cells[1], 0..0]
+        } else {
+            ahead(row, reach[1], cells[1], periodic)
+        };
+        for row in rows.into_iter().flatten() {
+            for columns in &columns {
+                see(grid.run(row, columns), !all_rows);
+            }
+        }
+        if all_rows {
+            return;
+        }
+        if all_columns {
+            see(grid.run(row, &(0..cells[0])), false);
+        } else {
+            see(grid.run(row, &(column..column + 1)), false);
+            for columns in ahead(column, reach[0], cells[0], periodic) {
+                see(grid.run(row, &columns), true);
             }
         }
     }
@@ -116,5 +137,15 @@ fn near(index: usize, reach: usize, cells: usize, periodic: bool) -> [Range<usiz
         None if periodic => [0..above, index + cells - reach..cells],
         Some(below) if periodic && above > cells => [0..above - cells, below..cells],
         _ => [below.unwrap_or(0)..above.min(cells), 0..0],
+    }
+}
+
+/// Cell indices up to `reach` beyond one along an axis, as at most two ranges.
+fn ahead(index: usize, reach: usize, cells: usize, periodic: bool) -> [Range<usize>; 2] {
+    let end = index + reach + 1;
+    if periodic && end > cells {
+        [index + 1..cells, 0..end - cells]
+    } else {
+        [index + 1..end.min(cells), 0..0]
     }
 }

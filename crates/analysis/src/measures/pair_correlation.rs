@@ -79,7 +79,7 @@ impl PairCorrelation {
         let found = search.run(&monitor)?;
         let bin_width = most / bins as f64;
         let (count, area) = (points.len() as f64, domain.extent[0] * domain.extent[1]);
-        let density = count * (count - 1.0) / (area * area);
+        let density = 0.5 * count * (count - 1.0) / (area * area);
         let step = distance / bins as f64;
         let ring = |bin: usize| std::f64::consts::PI * (2 * bin + 1) as f64 * step * step;
         let g = (found.weights.iter().enumerate())
@@ -89,7 +89,7 @@ impl PairCorrelation {
             samples: points.len(),
             r_max,
             bin_width,
-            counts: found.counts.iter().map(|count| count / 2).collect(),
+            counts: found.counts,
             g,
         })
     }
@@ -107,7 +107,7 @@ struct Search<'a> {
     bins: usize,
 }
 
-/// Ordered pairs and their weights, by bin.
+/// Pairs and their weights, by bin.
 struct Found {
     counts: Vec<u64>,
     weights: Vec<f64>,
@@ -170,22 +170,23 @@ impl Search<'_> {
             self.distance * self.distance,
             self.bins as f64 / self.distance,
         );
-        self.neighbors.around([column, row], self.distance, |run| {
-            for a in own {
-                for b in run {
-                    let [dx, dy] = self.neighbors.offset(a, b);
-                    let square = dx * dx + dy * dy;
-                    if square >= limit || a.id == b.id {
-                        continue;
-                    }
-                    let bin = ((square.sqrt() * per_length) as usize).min(self.bins - 1);
-                    found.counts[bin] += 1;
-                    if !domain.periodic {
-                        let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
-                        found.weights[bin] += 1.0 / overlap;
+        self.neighbors
+            .partners([column, row], self.distance, |run, once| {
+                for a in own {
+                    for b in run {
+                        let [dx, dy] = self.neighbors.offset(a, b);
+                        let square = dx * dx + dy * dy;
+                        if square >= limit || !(once || a.id < b.id) {
+                            continue;
+                        }
+                        let bin = ((square.sqrt() * per_length) as usize).min(self.bins - 1);
+                        found.counts[bin] += 1;
+                        if !domain.periodic {
+                            let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
+                            found.weights[bin] += 1.0 / overlap;
+                        }
                     }
                 }
-            }
-        });
+            });
     }
 }
