@@ -47,8 +47,9 @@ fn the_hexagonal_lattice_has_six_sides_and_full_order() {
 /// Voronoi cells of noise: the areas vary by 0.28018 (Gilbert 1962), the number of sides by 1.7808.
 #[test]
 fn noise_has_its_known_cells() {
-    let region = torus(1.0, 0.5);
-    let found = order(&Random::new(56).points(20_000, region), region);
+    // Enough to be cut into tiles.
+    let region = torus(3.0, 3.0);
+    let found = order(&Random::new(56).points(40_000, region), region);
     assert!((found.relative_areas.mean - 1.0).abs() < 1e-9);
     assert!((found.mean_sides - 6.0).abs() < 1e-12);
     let variance = found.relative_areas.deviation.powi(2);
@@ -57,11 +58,25 @@ fn noise_has_its_known_cells() {
         .map(|(sides, count)| (sides as f64 - 6.0).powi(2) * *count as f64)
         .sum();
     assert!(
-        (squares / 20_000.0 - 1.7808).abs() < 0.1,
+        (squares / 40_000.0 - 1.7808).abs() < 0.1,
         "{}",
-        squares / 20_000.0
+        squares / 40_000.0
     );
     assert!(found.global_bond_order < 0.05);
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let region = bounded(1.0, 1.0);
+    let points = Random::new(55).points(12_000, region);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("a pool");
+        pool.install(|| order(&points, region))
+    };
+    assert!(with(1) == with(3));
 }
 
 #[test]

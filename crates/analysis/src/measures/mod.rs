@@ -34,6 +34,7 @@ mod periodogram;
 mod radial;
 mod spread;
 mod statistics;
+mod tiles;
 mod uniformity;
 mod window;
 

@@ -1,15 +1,16 @@
 //! Order of a set as its Voronoi cells show it: areas, numbers of sides, bond-orientational order.
 //! Cells at a bounded region's border count for nothing: their shape is the border's.
-//! It never triangulates: [`tessellation`](crate::tessellation) does.
+//! It never triangulates: `tiles` has it done.
 
 use std::ops::ControlFlow;
 
 use super::error::MeasureError;
 use super::statistics::Summary;
+use super::tiles::{TILE_CELLS, map_cells};
 use super::{check_not_all_equal, check_set};
 use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
-use crate::tessellation::{VoronoiCell, voronoi_cells};
+use crate::tessellation::VoronoiCell;
 
 /// What one cell contributes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,38 +44,27 @@ pub struct Order {
 }
 
 impl Order {
-    /// Samples at most: the triangulation holds all of them at once, in about 1 KiB each.
-    pub const MAX_SAMPLES: usize = 1 << 22;
-
-    /// Returns the order of a set.
-    ///
-    /// `control` is called before and after the triangulation, which is one piece of work, and sees half of the
-    /// total done then.
+    /// Returns the order of a set. Samples are triangulated in tiles, so that memory is about 100 bytes per sample
+    /// and a tile for each thread. The result does not depend on the number of threads.
     ///
     /// # Errors
     ///
-    /// Fewer than 3 samples, all at one place, more than [`Self::MAX_SAMPLES`], no cell away from the border
+    /// Fewer than 3 samples, all at one place, no cell away from the border
     /// ([`MeasureError::TooFew`]), samples that are no places of the region.
     pub fn of(
         points: &[[f64; 2]],
         region: Region,
         control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Self, MeasureError> {
-        let (count, limit) = (points.len(), Self::MAX_SAMPLES);
-        if count > limit {
-            return Err(MeasureError::TooMany { count, limit });
-        }
         check_set(points, region, 3)?;
         check_not_all_equal(points)?;
-        let monitor = Monitor::new(control, 2 * count as u64);
+        let monitor = Monitor::new(control, points.len() as u64);
         monitor.advance(0)?;
-        let found = voronoi_cells(points, region)?;
-        monitor.advance(count as u64)?;
-        let mean_area = region.area() / count as f64;
-        let cells: Vec<CellOrder> = found.iter().map(|cell| order(cell, mean_area)).collect();
-        let order = Self::of_cells(cells);
-        monitor.advance(count as u64)?;
-        order
+        let mean_area = region.area() / points.len() as f64;
+        let cells = map_cells(points, region, TILE_CELLS, &monitor, |cell| {
+            order(cell, mean_area)
+        })?;
+        Self::of_cells(cells)
     }
 
     fn of_cells(cells: Vec<CellOrder>) -> Result<Self, MeasureError> {

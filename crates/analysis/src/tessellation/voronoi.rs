@@ -19,6 +19,9 @@ pub struct VoronoiCell {
     pub neighbors: Vec<[f64; 2]>,
     /// Whether a bounded domain's border is one of its sides.
     pub at_border: bool,
+    /// Lower and upper corner, from the sample, of a rectangle around the empty circles about the cell's corners:
+    /// the cell follows from the samples in it.
+    pub reach: [[f64; 2]; 2],
 }
 
 /// Returns the Voronoi cell of each sample, in their sequence.
@@ -54,10 +57,16 @@ fn cell(cells: &Cells, index: usize) -> VoronoiCell {
         area: 0.0,
         neighbors: Vec::with_capacity(cells.of(index).len()),
         at_border: false,
+        reach: [[0.0; 2]; 2],
     };
     for side in cells.of(index) {
         let [from, to] = cells.ends(side).map(|end| minus(end, sample));
         found.area += 0.5 * cross(from, to) / (scale * scale);
+        let radius = cells.sides[side].reach;
+        for (axis, at) in from.into_iter().enumerate() {
+            found.reach[0][axis] = found.reach[0][axis].min((at - radius) / scale);
+            found.reach[1][axis] = found.reach[1][axis].max((at + radius) / scale);
+        }
         match cells.sides[side].beyond {
             Some(seen) => {
                 let other = cells.shifted(cells.samples[seen.sample as usize], seen.shift);
