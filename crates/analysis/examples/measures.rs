@@ -135,6 +135,14 @@ fn spectrum(points: &[[f64; 2]], region: Region) -> Result<(), MeasureError> {
             annulus.anisotropy_db
         );
     }
+    correlation(points, region, &profile)
+}
+
+fn correlation(
+    points: &[[f64; 2]],
+    region: Region,
+    profile: &RadialProfile,
+) -> Result<(), MeasureError> {
     let side = region.width.min(region.height) / (region.area() / points.len() as f64).sqrt();
     let most = (0.45 * side / 1.0746).min(12.0);
     let bins = (200.0 * most) as usize;
@@ -149,7 +157,7 @@ fn spectrum(points: &[[f64; 2]], region: Region) -> Result<(), MeasureError> {
         );
     }
     let curves = [
-        ("periodogram", PowerCurve::of_profile(&profile)?),
+        ("periodogram", PowerCurve::of_profile(profile)?),
         (
             "g(r)",
             PowerCurve::of_pairs(&pairs, (1..250).map(|i| f64::from(i) * 0.01).collect())?,
@@ -212,8 +220,12 @@ fn time(count: usize, frequencies: usize, threads: usize) {
             (found.power.iter().sum::<f64>() - count as f64) / (found.power.len() - 1) as f64
         );
     }
-    let found = transform();
-    let half = (frequencies / 2) as i64;
+    errors(&points, &transform());
+}
+
+/// Compares powers with direct sums.
+fn errors(points: &[[f64; 2]], found: &Periodogram) {
+    let half = found.window.x.end;
     let worst = (0..32)
         .map(|i| {
             [
@@ -222,7 +234,7 @@ fn time(count: usize, frequencies: usize, threads: usize) {
             ]
         })
         .map(|k| {
-            let exact = spectrum::power(&points, 1.0, 1.0, k);
+            let exact = spectrum::power(points, 1.0, 1.0, k);
             (found.at(k).expect("in the window") / exact - 1.0).abs()
         })
         .fold(0.0, f64::max);

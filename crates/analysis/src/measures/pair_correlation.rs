@@ -12,7 +12,7 @@ use super::neighbors::Neighbors;
 use super::{check_count, check_not_all_equal, check_range, check_set};
 use crate::domain::Domain;
 use crate::error::VerifyError;
-use crate::grid::Grid;
+use crate::grid::{Entry, Grid};
 use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
 
@@ -23,7 +23,7 @@ const MAX_BINS: usize = 1 << 16;
 const PARTS: usize = 64;
 
 /// Cells along the largest distance: more look at fewer samples in vain but at more cells.
-const CELLS_ALONG: f64 = 3.0;
+const CELLS_ALONG: f64 = 5.0;
 
 /// The pair correlation of a set.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,7 +107,7 @@ struct Search<'a> {
     bins: usize,
 }
 
-/// Pairs and their weights, by bin.
+/// Pairs and their weights, by bin; beyond the last bin the other pairs looked at, until they are dropped.
 struct Found {
     counts: Vec<u64>,
     weights: Vec<f64>,
@@ -130,6 +130,7 @@ impl Search<'_> {
                 *total += weight;
             }
         }
+        sum.counts.pop();
         let domain = &self.neighbors.grid.domain;
         if domain.periodic {
             let area = domain.extent[0] * domain.extent[1];
@@ -144,7 +145,7 @@ impl Search<'_> {
 
     fn empty(&self) -> Found {
         Found {
-            counts: vec![0; self.bins],
+            counts: vec![0; self.bins + 1],
             weights: vec![0.0; self.bins],
         }
     }
@@ -163,30 +164,28 @@ impl Search<'_> {
         Ok(found)
     }
 
+    /// Pairs beyond the distance go into a bin of their own: half of those looked at are, and a branch
+    /// would guess wrong as often.
     fn cell(&self, [column, row]: [usize; 2], found: &mut Found) {
         let domain = &self.neighbors.grid.domain;
         let own = self.neighbors.grid.run(row, &(column..column + 1));
-        let (limit, per_length) = (
-            self.distance * self.distance,
-            self.bins as f64 / self.distance,
-        );
-        self.neighbors
-            .partners([column, row], self.distance, |run, once| {
-                for a in own {
-                    for b in run {
-                        let [dx, dy] = self.neighbors.offset(a, b);
-                        let square = dx * dx + dy * dy;
-                        if square >= limit || !(once || a.id < b.id) {
-                            continue;
-                        }
-                        let bin = ((square.sqrt() * per_length) as usize).min(self.bins - 1);
-                        found.counts[bin] += 1;
-                        if !domain.periodic {
-                            let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
-                            found.weights[bin] += 1.0 / overlap;
-                        }
+        let per_length = self.bins as f64 / self.distance;
+        let partners = |run: &[Entry], once: bool| {
+            for a in own {
+                for b in run {
+                    let [dx, dy] = self.neighbors.offset(a, b);
+                    let length = (dx * dx + dy * dy).sqrt();
+                    let bin = ((length * per_length) as usize).min(self.bins);
+                    let new = once || a.id < b.id;
+                    found.counts[bin] += u64::from(new);
+                    if !domain.periodic && new && bin < self.bins {
+                        let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
+                        found.weights[bin] += 1.0 / overlap;
                     }
                 }
-            });
+            }
+        };
+        self.neighbors
+            .partners([column, row], self.distance, partners);
     }
 }

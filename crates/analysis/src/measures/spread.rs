@@ -31,6 +31,16 @@ struct Placed<const C: usize> {
     value: [f64; C],
 }
 
+impl<const C: usize> Default for Placed<C> {
+    fn default() -> Self {
+        Self {
+            first: [0; 2],
+            ahead: [0.0; 2],
+            value: [0.0; C],
+        }
+    }
+}
+
 /// Samples sorted by tile, to be spread.
 pub(super) struct Spread<const C: usize> {
     kernel: Kernel,
@@ -76,11 +86,7 @@ impl<const C: usize> Spread<C> {
         for tile in 1..starts.len() {
             starts[tile] += starts[tile - 1];
         }
-        let empty = Placed {
-            first: [0; 2],
-            ahead: [0.0; 2],
-            value: [0.0; C],
-        };
+        let empty = Placed::default();
         let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts.clone());
         for (sample, key) in samples.iter().zip(keys) {
             let (first, ahead) = place(sample.at, sizes);

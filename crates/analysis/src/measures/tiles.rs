@@ -144,29 +144,7 @@ impl<'a> Tile<'a> {
 
     /// The cells of its samples from those in view; none if one depends on what is out of view.
     fn seen(&self, view: &View) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
-        let [[first, end], rows] = view.cells;
-        let all = self.grid.cells.map(|cells| cells as i64);
-        let extent = self.grid.domain.extent;
-        let (mut places, mut own) = (Vec::new(), Vec::new());
-        for row in rows[0]..rows[1] {
-            let (turn, home) = (row.div_euclid(all[1]), row.rem_euclid(all[1]) as usize);
-            let y = turn as f64 * extent[1] - view.low[1];
-            for column in first..end {
-                let (turn, cell) = (
-                    column.div_euclid(all[0]),
-                    column.rem_euclid(all[0]) as usize,
-                );
-                let x = turn as f64 * extent[0] - view.low[0];
-                let run = self.grid.run(home, &(cell..cell + 1));
-                if self.holds([column, row]) {
-                    own.extend(places.len()..places.len() + run.len());
-                }
-                places.extend(
-                    run.iter()
-                        .map(|entry| [entry.position[0] + x, entry.position[1] + y]),
-                );
-            }
-        }
+        let (places, own) = self.places(view);
         let size = [0, 1].map(|axis| view.high[axis] - view.low[axis]);
         let region = Region {
             width: size[0],
@@ -176,9 +154,9 @@ impl<'a> Tile<'a> {
         let cells = voronoi_cells(&places, region)?;
         let follows = |index: usize| {
             [0, 1].into_iter().all(|axis| {
-                let [low, high] =
-                    [0, 1].map(|end| places[index][axis] + cells[index].reach[end][axis]);
-                (view.ends[axis][0] || low >= 0.0) && (view.ends[axis][1] || high <= size[axis])
+                let end = |end: usize| places[index][axis] + cells[index].reach[end][axis];
+                let [no_more_below, no_more_above] = view.ends[axis];
+                (no_more_below || end(0) >= 0.0) && (no_more_above || end(1) <= size[axis])
             })
         };
         if !own.iter().all(|&index| follows(index)) {
@@ -189,6 +167,29 @@ impl<'a> Tile<'a> {
             .into_iter()
             .map(|index| in_unit_of_caller(&cells[index], scale));
         Ok(Some(kept.collect()))
+    }
+
+    /// The samples in view, from its lower corner, and which of them are the tile's, row by row.
+    fn places(&self, view: &View) -> (Vec<[f64; 2]>, Vec<usize>) {
+        let (all, extent) = (
+            self.grid.cells.map(|cells| cells as i64),
+            self.grid.domain.extent,
+        );
+        let [columns, rows] = view.cells.map(|[first, end]| first..end);
+        let (mut places, mut own) = (Vec::new(), Vec::new());
+        for cell in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
+            let [column, row] = [0, 1].map(|axis| cell[axis].rem_euclid(all[axis]) as usize);
+            let [x, y] = [0, 1].map(|axis| {
+                let turns = cell[axis].div_euclid(all[axis]);
+                turns as f64 * extent[axis] - view.low[axis]
+            });
+            let run = self.grid.run(row, &(column..column + 1));
+            if self.holds(cell) {
+                own.extend(places.len()..places.len() + run.len());
+            }
+            places.extend((run.iter()).map(|entry| [entry.position[0] + x, entry.position[1] + y]));
+        }
+        (places, own)
     }
 
     fn holds(&self, cell: [i64; 2]) -> bool {
