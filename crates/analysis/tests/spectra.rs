@@ -86,6 +86,28 @@ fn annuli_that_a_window_cuts_are_left_out() {
     assert_eq!(wide.annuli[0].count, 20);
 }
 
+/// On an oblong torus a frequency along the long side may be shorter than 1/2.
+#[test]
+fn all_frequencies_but_zero_are_in_an_annulus() {
+    let (points, region) = (Random::new(7).points(50, torus(9.0, 1.0)), torus(9.0, 1.0));
+    let window = FrequencyWindow {
+        x: -31..32,
+        y: -10..11,
+    };
+    let found = periodogram(&points, region, &window);
+    let profile = RadialProfile::of(&found, 1.0).expect("a profile");
+    let counted: u64 = profile.annuli.iter().map(|annulus| annulus.count).sum();
+    let end = 0.5 + profile.annuli.len() as f64;
+    let within = window
+        .frequencies()
+        .filter(|k| (1e-9..end).contains(&found.length(*k)));
+    assert_eq!(counted, within.count() as u64);
+    // Three times shorter and three times longer than on a square.
+    assert!((found.length([1, 0]) - 1.0 / 3.0).abs() < 1e-15);
+    assert!((found.length([0, 1]) - 3.0).abs() < 1e-14);
+    assert!(profile.annuli[0].frequency < 1.5);
+}
+
 /// On a long torus frequencies are compared by their true lengths, so the hexagonal lattice shows its first six
 /// peaks in one annulus, at the inverse of its largest minimum distance.
 #[test]

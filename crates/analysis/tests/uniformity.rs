@@ -9,7 +9,9 @@ mod support;
 
 use sets::{square, torus};
 use support::Random;
-use tilescope_analysis::measures::{ClassCounts, DistanceClasses, MeasureError, PositionClasses};
+use tilescope_analysis::measures::{
+    ClassCounts, Deviation, DistanceClasses, MeasureError, PositionClasses,
+};
 
 /// Counts over runs of samples drawn with the given shares, expected to have those of the second list.
 fn drawn(seed: u64, runs: usize, samples: usize, truth: &[f64], expected: &[f64]) -> ClassCounts {
@@ -183,10 +185,10 @@ fn noise_is_uniform_on_a_grid_and_a_pile_is_not() {
     let mut random = Random::new(12);
     for _ in 0..20 {
         let points = random.points(2000, region);
-        // Nothing but the last sixth of x is drawn together by 3%.
+        // Density falls from 1.43 at the left to 0.77 at the right.
         let pile: Vec<_> = points
             .iter()
-            .map(|p| [p[0] - 0.03 * p[0] * (1.0 - p[0]), p[1]])
+            .map(|p| [p[0] - 0.3 * p[0] * (1.0 - p[0]), p[1]])
             .collect();
         noise
             .add_run(&classes.counts(&points).expect("counts"), &classes.shares())
@@ -204,8 +206,19 @@ fn noise_is_uniform_on_a_grid_and_a_pile_is_not() {
         "{:?}",
         noise.chi_square
     );
-    assert!(piled.chi_square.probability < noise.chi_square.probability);
-    assert!(piled.chi_square.cramers_v > noise.chi_square.cramers_v);
+    assert!(piled.chi_square.probability < 1e-9);
+    let deviations = [noise.deviations.clone(), piled.deviations.clone()];
+    // The density is 1 / sqrt(0.49 + 1.2 x): it deviates by 0.18 in quadratic mean; V is that over sqrt(255),
+    // beside 0.005 of noise.
+    let [flat, slope] = [noise, piled].map(|found| found.chi_square.cramers_v);
+    assert!((0.004..0.006).contains(&flat), "{flat}");
+    assert!((0.0105..0.0145).contains(&slope), "{slope}");
+    let excluded = |found: &[Deviation]| {
+        let zero = |class: &&Deviation| class.interval[0] <= 0.0 && class.interval[1] >= 0.0;
+        1.0 - found.iter().filter(zero).count() as f64 / 256.0
+    };
+    let [flat, slope] = deviations.map(|found| excluded(&found));
+    assert!(flat < 0.12 && slope > 0.4, "{flat} {slope}");
 }
 
 #[test]
@@ -242,6 +255,16 @@ fn distances_fall_into_ranges_with_the_shares_of_uniform_places() {
         falling,
         Err(MeasureError::NotRising { index: 2, .. })
     ));
+}
+
+#[test]
+fn a_sample_where_none_can_be_is_infinitely_unlikely() {
+    let mut counts = ClassCounts::new(3).expect("classes");
+    counts
+        .add_run(&[5, 5, 1], &[0.5, 0.5, 0.0])
+        .expect("counts");
+    let found = counts.uniformity(0.9).expect("a test").chi_square;
+    assert!(found.statistic.is_infinite() && found.probability.abs() < f64::MIN_POSITIVE);
 }
 
 #[test]

@@ -4,6 +4,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use serde::Serialize;
+
 use super::error::MeasureError;
 use super::pair_correlation::PairCorrelation;
 use super::radial::RadialProfile;
@@ -24,7 +26,7 @@ const NEARLY_ONE: f64 = 0.98;
 const OSCILLATION_RANGE: f64 = 5.0;
 
 /// Power over frequency, without the zero frequency.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PowerCurve {
     /// `nu`, rising.
     frequencies: Vec<f64>,

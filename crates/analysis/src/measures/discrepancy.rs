@@ -5,6 +5,7 @@
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::check_set;
 use super::error::MeasureError;
@@ -13,7 +14,7 @@ use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
 
 /// L2 discrepancies of a set.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Discrepancy {
     /// The root of the mean square over all places `x` of: share of samples in `[0, x]` less the area of `[0, x]`
     /// (Warnock 1972). `sqrt((1/4 - 1/9) / N)` in quadratic mean for noise.

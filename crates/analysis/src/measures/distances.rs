@@ -5,6 +5,7 @@
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::error::MeasureError;
 use super::neighbors::Neighbors;
@@ -49,7 +50,7 @@ pub fn density(count: usize, radius: f64, region: Region) -> Result<f64, Measure
 }
 
 /// Distances from each sample to the nearest other one, in the unit of the samples.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NearestDistances {
     /// In the sequence of the samples.
     pub distances: Vec<f64>,

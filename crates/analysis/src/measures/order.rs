@@ -4,6 +4,8 @@
 
 use std::ops::ControlFlow;
 
+use serde::Serialize;
+
 use super::error::MeasureError;
 use super::statistics::Summary;
 use super::tiles::{TILE_CELLS, map_cells};
@@ -13,7 +15,7 @@ use crate::region::Region;
 use crate::tessellation::VoronoiCell;
 
 /// What one cell contributes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CellOrder {
     /// Area over the mean area, `region area / N`.
     pub relative_area: f64,
@@ -27,7 +29,7 @@ pub struct CellOrder {
 }
 
 /// Order of a whole set; cells at the border are left out of all but `cells`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Order {
     /// Each sample's cell, in the sequence of the samples.
     pub cells: Vec<CellOrder>,

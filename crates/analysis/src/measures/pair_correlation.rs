@@ -5,6 +5,7 @@
 use std::ops::{ControlFlow, Range};
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::distances::largest_min_distance;
 use super::error::MeasureError;
@@ -26,7 +27,7 @@ const PARTS: usize = 64;
 const CELLS_ALONG: f64 = 5.0;
 
 /// The pair correlation of a set.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairCorrelation {
     /// Number of samples.
     pub samples: usize,

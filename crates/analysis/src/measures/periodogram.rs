@@ -4,6 +4,8 @@
 
 use std::ops::ControlFlow;
 
+use serde::Serialize;
+
 use super::check_set;
 use super::error::MeasureError;
 use super::nufft::Plan;
@@ -13,7 +15,7 @@ use crate::monitor::{Monitor, Progress};
 use crate::region::{Boundary, Region};
 
 /// How samples are weighed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Taper {
     /// All alike: right for a periodic set. The border of a bounded one makes a cross of side lobes.
     Flat,
@@ -58,7 +60,7 @@ impl Taper {
 }
 
 /// The power of one set, or the mean power of several, on a window of frequencies.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Periodogram {
     /// The frequencies, in cycles per extent of the region.
     pub window: FrequencyWindow,

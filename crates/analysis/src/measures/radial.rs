@@ -2,12 +2,14 @@
 //! Only annuli that the window holds whole, up to sign, are given; zero is in none.
 //! It never smooths.
 
+use serde::Serialize;
+
 use super::check_range;
 use super::error::MeasureError;
 use super::periodogram::Periodogram;
 
 /// The frequencies whose length lies in a half-open interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Annulus {
     /// Mean length of its frequencies: where its value belongs on the axis. See [`Periodogram::length`].
     pub frequency: f64,
@@ -22,7 +24,7 @@ pub struct Annulus {
 }
 
 /// Radial means of a periodogram.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RadialProfile {
     /// Annuli from the lowest on; ones without a frequency are left out.
     pub annuli: Vec<Annulus>,
@@ -43,8 +45,8 @@ impl RadialProfile {
     /// Widths of annuli that are accepted.
     pub const WIDTHS: [f64; 2] = [0.25, 1e6];
 
-    /// Returns the annuli `1/2 + j width <= |k| < 1/2 + (j + 1) width`, `j` from 0 on, that lie in the window; of
-    /// a window that holds one half of the plane, opposite frequencies stand for the other half.
+    /// Returns the annuli `1/2 + j width <= |k| < 1/2 + (j + 1) width`, `j` from 0 on, that lie in the window. The
+    /// first one has the frequencies below 1/2 of an oblong region as well, but zero. Of a window that holds one half of the plane, opposite frequencies stand for the other half.
     ///
     /// # Errors
     ///
@@ -59,12 +61,9 @@ impl RadialProfile {
         let least_x = |ky: i64| if ky == 0 { 1 } else { -most_x };
         for [kx, ky] in (0..=most_y).flat_map(|ky| (least_x(ky)..=most_x).map(move |kx| [kx, ky])) {
             let length = (kx as f64 * scale_x).hypot(ky as f64 * scale_y);
-            let annulus = ((length - 0.5) / width).floor();
-            if annulus < 0.0 || annulus >= whole as f64 {
-                continue;
-            }
-            if let Some(power) = periodogram.at([kx, ky]) {
-                sums[annulus as usize].add(length, power);
+            let annulus = ((length - 0.5) / width).floor().max(0.0) as usize;
+            if let (Some(sums), Some(power)) = (sums.get_mut(annulus), periodogram.at([kx, ky])) {
+                sums.add(length, power);
             }
         }
         Ok(Self {

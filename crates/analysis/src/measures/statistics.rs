@@ -2,6 +2,8 @@
 //! Sums run in the sequence given, so the same values give the same bits.
 //! It knows no samples.
 
+use serde::Serialize;
+
 use super::check_range;
 use super::distributions::{chi_square_quantile, student_quantile};
 use super::error::MeasureError;
@@ -11,7 +13,7 @@ use super::periodogram::Periodogram;
 const LEVELS: [f64; 2] = [0.01, 0.999_999];
 
 /// What a number of values is like.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of values.
     pub count: usize,
@@ -149,7 +151,7 @@ impl Average {
 /// [`MeasureError::OutOfRange`] for a level that is none or for less than one value.
 pub fn power_band(values: f64, level: f64) -> Result<[f64; 2], MeasureError> {
     check_range("the confidence level", level, LEVELS)?;
-    check_range("the number of powers", values, [1.0, 1e9])?;
+    check_range("the number of powers", values, [1.0, 1e8])?;
     let factor = |tail| 2.0 * values / chi_square_quantile(tail, 2.0 * values);
     Ok([factor(0.5 - 0.5 * level), factor(0.5 + 0.5 * level)])
 }

@@ -2,6 +2,8 @@
 //! Classes are cells of a grid, ranges of a distance that the caller measured, or the caller's own.
 //! It gets numbers only and knows no sampler; how runs were made is the caller's.
 
+use serde::Serialize;
+
 use super::distributions::{chi_square_tail, student_quantile};
 use super::error::MeasureError;
 use super::statistics::Average;
@@ -12,7 +14,7 @@ use crate::region::Region;
 const MAX_CLASSES: usize = 1 << 24;
 
 /// Equal cells of a region as classes, row by row.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PositionClasses {
     /// The region.
     pub region: Region,
@@ -273,7 +275,7 @@ impl ClassCounts {
 }
 
 /// How far counts are from what was expected.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Uniformity {
     /// Samples of all runs.
     pub samples: u64,
@@ -297,7 +299,7 @@ impl Uniformity {
 }
 
 /// How far the count of a class is from what was expected.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Deviation {
     /// Samples in the class.
     pub observed: u64,
@@ -311,7 +313,7 @@ pub struct Deviation {
 }
 
 /// Pearson's chi-square with its effect size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChiSquare {
     /// The statistic.
     pub statistic: f64,

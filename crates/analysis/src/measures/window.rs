@@ -4,8 +4,10 @@
 
 use std::ops::Range;
 
+use serde::Serialize;
+
 /// A rectangle of integer frequencies, in cycles per extent of the region.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrequencyWindow {
     /// Frequencies along x.
     pub x: Range<i64>,
