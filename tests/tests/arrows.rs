@@ -100,7 +100,7 @@ fn core_and_analysis_use_little_else() {
         ),
         (
             "tilescope-analysis",
-            &["rayon", "serde", "spade", "thiserror"],
+            &["rayon", "rustfft", "serde", "spade", "thiserror"],
         ),
     ] {
         let package = metadata

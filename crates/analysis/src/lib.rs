@@ -4,6 +4,7 @@
 //!
 //! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
 //! witnesses; [`StreamVerifier`] gives the same in bounded memory; [`spectrum`] gives the radially averaged periodogram;
+//! [`measures`] has spectra by a fast transform, distances, order and uniformity;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
 //! ```
@@ -30,6 +31,7 @@ mod cover;
 mod domain;
 mod error;
 mod grid;
+pub mod measures;
 mod monitor;
 mod pairs;
 mod region;

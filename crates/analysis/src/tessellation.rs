@@ -6,10 +6,12 @@ mod borders;
 mod cells;
 mod gap_regions;
 mod triangles;
+mod voronoi;
 mod window;
 
 pub use gap_regions::{Edge, GapRegion};
 pub use triangles::Triangle;
+pub use voronoi::{VoronoiCell, voronoi_cells};
 
 use crate::domain::Domain;
 use crate::error::VerifyError;

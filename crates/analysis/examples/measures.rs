@@ -1,0 +1,242 @@
+//! Prints all measures of a file of `x,y` lines, or times the transform on noise:
+//! `measures FILE [width height [periodic|bounded [radius]]]`, `measures time [samples frequencies threads]`.
+//! It never asserts a time; it prints what it saw.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use tilescope_analysis::measures::{
+    Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairCorrelation,
+    Periodogram, PowerCurve, RadialProfile, Summary, anisotropy_reference_db, density, power_band,
+};
+use tilescope_analysis::{Boundary, Progress, Region, spectrum};
+
+fn go_on(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let text = |index: usize| arguments.get(index).map(String::as_str);
+    match text(0) {
+        None => {
+            println!("measures FILE [width height [periodic|bounded [radius]]], or: measures time");
+        }
+        Some("time") => {
+            let whole = |index, default| {
+                text(index).map_or(default, |text| text.parse().expect("a whole number"))
+            };
+            time(whole(1, 1_000_000), whole(2, 1024), whole(3, 1));
+        }
+        Some(path) => {
+            let number = |index, default| {
+                text(index).map_or(default, |text| text.parse().expect("a number"))
+            };
+            let boundary = match text(3) {
+                Some("bounded") => Boundary::Bounded,
+                _ => Boundary::Periodic,
+            };
+            let region = Region {
+                width: number(1, 1.0),
+                height: number(2, 1.0),
+                boundary,
+            };
+            let points = read(path);
+            println!("{path}: {} samples, {region}", points.len());
+            report(&points, region, number(4, 0.0)).unwrap_or_else(|error| println!("{error}"));
+        }
+    }
+}
+
+/// Lines of two numbers; others are passed over.
+fn read(path: &str) -> Vec<[f64; 2]> {
+    let content = std::fs::read_to_string(path).expect("a readable file");
+    let point = |line: &str| {
+        let mut numbers = line.split([',', ' ']).filter_map(|text| text.parse().ok());
+        Some([numbers.next()?, numbers.next()?])
+    };
+    content.lines().filter_map(point).collect()
+}
+
+fn report(points: &[[f64; 2]], region: Region, radius: f64) -> Result<(), MeasureError> {
+    distances(points, region, radius)?;
+    spectrum(points, region)?;
+    let order = timed("order", || Order::of(points, region, &go_on))?;
+    println!("  cells: {}", words(&order.relative_areas));
+    println!(
+        "  sides: mean {:.4}, cells by number {:?}",
+        order.mean_sides, order.sides
+    );
+    println!(
+        "  bond order: local {:.4}, global {:.4}",
+        order.bond_order, order.global_bond_order
+    );
+    match timed("discrepancy", || Discrepancy::of(points, region, &go_on)) {
+        Ok(found) => println!(
+            "  L2 star {:.4e}, centred {:.4e}",
+            found.star, found.centered
+        ),
+        Err(error) => println!("  {error}"),
+    }
+    Ok(())
+}
+
+fn distances(points: &[[f64; 2]], region: Region, radius: f64) -> Result<(), MeasureError> {
+    let found = timed("nearest distances", || {
+        NearestDistances::of(points, region, &go_on)
+    })?;
+    println!("  {}", words(&found.summary));
+    println!(
+        "  r_max {:.6e}, relative radius {:.5}, mean {:.5}",
+        found.r_max,
+        found.relative_radius(),
+        found.mean_relative_distance()
+    );
+    // Without a radius the smallest distance stands for it.
+    let radius = if radius > 0.0 {
+        radius
+    } else {
+        found.summary.least
+    };
+    if radius > 0.0 {
+        println!(
+            "  density N r^2 / area {:.5}",
+            density(points.len(), radius, region)?
+        );
+    }
+    Ok(())
+}
+
+fn spectrum(points: &[[f64; 2]], region: Region) -> Result<(), MeasureError> {
+    // Up to nu = 2.5 along the shorter side, at most 1023.
+    let aspect = (region.width / region.height).max(region.height / region.width);
+    let most = (2.5 * (points.len() as f64 * aspect).sqrt()).clamp(8.0, 1023.0);
+    let window = FrequencyWindow::centered(most as u32);
+    let found = timed("periodogram", || {
+        Periodogram::of(points, region, &window, &go_on)
+    })?;
+    let width = (most / 40.0).max(1.0);
+    let profile = RadialProfile::of(&found, width)?;
+    println!(
+        "  anisotropy of noise: {:.2} dB",
+        anisotropy_reference_db(found.sets)
+    );
+    println!(
+        "  {:>8} {:>9} {:>19} {:>9}",
+        "nu", "power", "band of 95%", "dB"
+    );
+    for (nu, annulus) in profile.relative_frequencies().iter().zip(&profile.annuli) {
+        let [low, high] = power_band(0.5 * annulus.count as f64, 0.95)?;
+        let power = annulus.power;
+        println!(
+            "  {nu:8.3} {power:9.4} {:9.4} {:9.4} {:9.2}",
+            low * power,
+            high * power,
+            annulus.anisotropy_db
+        );
+    }
+    correlation(points, region, &profile)
+}
+
+fn correlation(
+    points: &[[f64; 2]],
+    region: Region,
+    profile: &RadialProfile,
+) -> Result<(), MeasureError> {
+    let side = region.width.min(region.height) / (region.area() / points.len() as f64).sqrt();
+    let most = (0.45 * side / 1.0746).min(12.0);
+    let bins = (200.0 * most) as usize;
+    let pairs = timed("g(r)", || {
+        PairCorrelation::of(points, region, most, bins, &go_on)
+    })?;
+    for bin in (0..pairs.g.len().min(600)).step_by(20) {
+        println!(
+            "  r / r_max {:6.3}: g {:8.4}",
+            pairs.distance(bin),
+            pairs.g[bin]
+        );
+    }
+    let curves = [
+        ("periodogram", PowerCurve::of_profile(profile)?),
+        (
+            "g(r)",
+            PowerCurve::of_pairs(&pairs, (1..250).map(|i| f64::from(i) * 0.01).collect())?,
+        ),
+    ];
+    for (name, curve) in curves {
+        println!(
+            "  from the {name}: effective Nyquist {:.4?}, psa's {:.4?}, oscillation {:.4?}",
+            curve.effective_nyquist(),
+            curve.effective_nyquist_psa(),
+            curve.oscillation()
+        );
+    }
+    Ok(())
+}
+
+fn words(summary: &Summary) -> String {
+    let [q1, median, q3] = summary.quartiles;
+    format!(
+        "mean {:.6e}, deviation {:.3e}, least {:.6e}, quartiles {q1:.4e} {median:.4e} {q3:.4e}, most {:.4e}",
+        summary.mean, summary.deviation, summary.least, summary.most
+    )
+}
+
+fn timed<T>(name: &str, run: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let found = run();
+    println!("{name}: {:.3} s", start.elapsed().as_secs_f64());
+    found
+}
+
+fn time(count: usize, frequencies: usize, threads: usize) {
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut uniform = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let points: Vec<[f64; 2]> = (0..count).map(|_| [uniform(), uniform()]).collect();
+    let region = Region {
+        width: 1.0,
+        height: 1.0,
+        boundary: Boundary::Periodic,
+    };
+    let window = FrequencyWindow::image(frequencies as u32);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("a thread pool");
+    let transform = || Periodogram::of(&points, region, &window, &go_on).expect("a periodogram");
+    for _ in 0..5 {
+        let start = Instant::now();
+        let found = pool.install(transform);
+        let seconds = start.elapsed().as_secs_f64();
+        println!(
+            "{count} samples to {frequencies} x {frequencies} frequencies, {threads} threads: {seconds:.3} s, \
+             {:.2} million samples/s, mean power {:.4}",
+            count as f64 / seconds / 1e6,
+            (found.power.iter().sum::<f64>() - count as f64) / (found.power.len() - 1) as f64
+        );
+    }
+    errors(&points, &transform());
+}
+
+/// Compares powers with direct sums.
+fn errors(points: &[[f64; 2]], found: &Periodogram) {
+    let half = found.window.x.end;
+    let worst = (0..32)
+        .map(|i| {
+            [
+                (i * 7919) % (2 * half) - half,
+                (i * 104_729 + 17) % (2 * half) - half,
+            ]
+        })
+        .map(|k| {
+            let exact = spectrum::power(points, 1.0, 1.0, k);
+            (found.at(k).expect("in the window") / exact - 1.0).abs()
+        })
+        .fold(0.0, f64::max);
+    println!("largest relative error of a power at 32 frequencies: {worst:.1e}");
+}

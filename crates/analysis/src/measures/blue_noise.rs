@@ -1,0 +1,238 @@
+//! Effective Nyquist frequency and oscillation of a radial power curve (Heck, Schloemer and Deussen 2013), and the
+//! curve that follows from g(r). Frequencies are `nu = |k| / sqrt(N)` throughout.
+//! It never looks at samples.
+
+use std::f64::consts::{PI, TAU};
+
+use serde::Serialize;
+
+use super::error::MeasureError;
+use super::pair_correlation::PairCorrelation;
+use super::radial::RadialProfile;
+
+/// Mean power within a disk at which its radius is the effective Nyquist frequency.
+const LOW_POWER: f64 = 0.1;
+
+/// Mean power that psa takes for the end of the low region.
+const HALF_POWER: f64 = 0.5;
+
+/// Where psa begins to look for that end, as `nu`.
+const SEARCH_FROM: f64 = 0.5;
+
+/// Power that psa takes for 1, where oscillations begin.
+const NEARLY_ONE: f64 = 0.98;
+
+/// How far oscillations are looked at, as `nu`: ten times half of `sqrt(N)`.
+const OSCILLATION_RANGE: f64 = 5.0;
+
+/// Power over frequency, without the zero frequency.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PowerCurve {
+    /// `nu`, rising.
+    frequencies: Vec<f64>,
+    powers: Vec<f64>,
+}
+
+impl PowerCurve {
+    /// Returns the curve through powers at rising positive frequencies.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::TooFew`] below two values, [`MeasureError::LengthDiffers`], [`MeasureError::NotRising`] for
+    /// frequencies that do not rise from above zero or a power that is not finite.
+    pub fn new(frequencies: Vec<f64>, powers: Vec<f64>) -> Result<Self, MeasureError> {
+        let (count, expected) = (powers.len(), frequencies.len());
+        if count != expected {
+            return Err(MeasureError::LengthDiffers {
+                name: "powers of a curve",
+                count,
+                expected,
+            });
+        }
+        if count < 2 {
+            return Err(MeasureError::TooFew { count, limit: 2 });
+        }
+        let mut before = 0.0;
+        for (index, &value) in frequencies.iter().enumerate() {
+            if !(value > before && value.is_finite()) {
+                let name = "frequencies of a curve";
+                return Err(MeasureError::NotRising { name, index, value });
+            }
+            before = value;
+        }
+        if let Some(index) = powers.iter().position(|power| !power.is_finite()) {
+            let (name, value) = ("powers of a curve", powers[index]);
+            return Err(MeasureError::NotRising { name, index, value });
+        }
+        Ok(Self {
+            frequencies,
+            powers,
+        })
+    }
+
+    /// Returns the curve of a radial mean. Its scatter adds to the oscillation: average many sets, or use
+    /// [`Self::of_pairs`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::new`].
+    pub fn of_profile(profile: &RadialProfile) -> Result<Self, MeasureError> {
+        Self::new(profile.relative_frequencies(), profile.powers())
+    }
+
+    /// Returns the power at `frequencies` that follows from `g(r)`:
+    /// `P(nu) = 1 + 2 pi int (g(s) - 1) J0(2 pi nu s) s w(s) ds`, `s` the distance in units of the mean spacing
+    /// `sqrt(area / N)`, `w` a Blackman window that falls to zero at the end of `g`.
+    ///
+    /// It smooths by about the inverse of the range of `g` and needs bins far shorter than a wave; eight
+    /// `r_max` in 800 bins serve up to `nu = 5`. Unlike psa it takes no absolute value.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::new`].
+    pub fn of_pairs(pairs: &PairCorrelation, frequencies: Vec<f64>) -> Result<Self, MeasureError> {
+        // r_max in units of the mean spacing.
+        let unit = (2.0 / 3f64.sqrt()).sqrt();
+        let (step, reach) = (pairs.bin_width * unit, pairs.g.len() as f64);
+        let weighed: Vec<[f64; 2]> = (pairs.g.iter().enumerate())
+            .map(|(bin, g)| {
+                let s = (bin as f64 + 0.5) * step;
+                let part = PI * (bin as f64 + 0.5) / reach;
+                let window = 0.42 + 0.5 * part.cos() + 0.08 * (2.0 * part).cos();
+                [s, TAU * (g - 1.0) * s * window * step]
+            })
+            .collect();
+        let power = |nu: &f64| {
+            let sum: f64 = (weighed.iter())
+                .map(|[s, weight]| weight * bessel_j0(TAU * nu * s))
+                .sum();
+            1.0 + sum
+        };
+        let powers = frequencies.iter().map(power).collect();
+        Self::new(frequencies, powers)
+    }
+
+    /// Returns the frequencies.
+    #[must_use]
+    pub fn frequencies(&self) -> &[f64] {
+        &self.frequencies
+    }
+
+    /// Returns the powers.
+    #[must_use]
+    pub fn powers(&self) -> &[f64] {
+        &self.powers
+    }
+
+    /// Returns the effective Nyquist frequency: the largest `nu` up to which the mean power within every disk
+    /// about zero stays below 0.1. As a frequency it is half of that times `sqrt(N)`, so the value compares to the
+    /// limit of a square lattice, `sqrt(N) / 2`, as a ratio. Zero for noise; none where the curve ends before.
+    #[must_use]
+    pub fn effective_nyquist(&self) -> Option<f64> {
+        let means = self.disk_means();
+        let after = means.iter().position(|mean| *mean >= LOW_POWER)?;
+        Some(self.crossing(&means, after))
+    }
+
+    /// Returns psa's variant: from the first disk beyond `nu = 1/2` whose mean power exceeds 0.5 back to the last one
+    /// below 0.1. It passes over low disks that single strong frequencies lift above 0.1. None where the
+    /// mean power never exceeds 0.5.
+    #[must_use]
+    pub fn effective_nyquist_psa(&self) -> Option<f64> {
+        let means = self.disk_means();
+        let end = (self.frequencies.iter().zip(&means))
+            .position(|(nu, mean)| *nu >= SEARCH_FROM && *mean > HALF_POWER)?;
+        let below = means[..end].iter().rposition(|mean| *mean < LOW_POWER);
+        Some(below.map_or(0.0, |below| self.crossing(&means, below + 1)))
+    }
+
+    /// Returns the oscillation `10 sqrt(mean of (P - 1)^2)` over the ring of frequencies from the first at which the
+    /// power is nearly 1 to five beyond, or to the end of the curve: compare only curves of one range. Zero for
+    /// noise. None where the power never comes near 1.
+    #[must_use]
+    pub fn oscillation(&self) -> Option<f64> {
+        let first = self.powers.iter().position(|power| *power >= NEARLY_ONE)?;
+        let limit = self.frequencies[first] + OSCILLATION_RANGE;
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (nu, power) in (self.frequencies.windows(2).zip(self.powers.windows(2))).skip(first) {
+            if nu[1] > limit {
+                break;
+            }
+            let ring = nu[1] * nu[1] - nu[0] * nu[0];
+            let squares = power.iter().map(|power| (power - 1.0).powi(2)).sum::<f64>();
+            sum += 0.5 * squares * ring;
+            area += ring;
+        }
+        (area > 0.0).then(|| 10.0 * (sum / area).sqrt())
+    }
+
+    /// The mean power of the disk up to each frequency, by trapezoids; power below the first frequency is its.
+    fn disk_means(&self) -> Vec<f64> {
+        let (mut before, mut sum) = ([0.0, self.powers[0]], 0.0);
+        (self.frequencies.iter().zip(&self.powers))
+            .map(|(&nu, &power)| {
+                sum += 0.5 * (power + before[1]) * (nu * nu - before[0] * before[0]);
+                before = [nu, power];
+                sum / (nu * nu)
+            })
+            .collect()
+    }
+
+    /// Where the mean power passes the low level before an index.
+    fn crossing(&self, means: &[f64], after: usize) -> f64 {
+        let Some(below) = after.checked_sub(1) else {
+            return 0.0;
+        };
+        let part = (LOW_POWER - means[below]) / (means[after] - means[below]);
+        let [low, high] = [below, after].map(|index| self.frequencies[index]);
+        low + part.clamp(0.0, 1.0) * (high - low)
+    }
+}
+
+/// The Bessel function of the first kind of order 0 of a number that is not negative, to about 1e-10: its
+/// series, and beyond 14 Hankel's expansion.
+fn bessel_j0(x: f64) -> f64 {
+    if x < 14.0 {
+        let square = -0.25 * x * x;
+        let (mut sum, mut term, mut k) = (1.0, 1.0, 1.0);
+        while f64::abs(term) > 1e-18 {
+            term *= square / (k * k);
+            sum += term;
+            k += 1.0;
+        }
+        return sum;
+    }
+    let (mut parts, mut term) = ([0.0; 2], 1.0);
+    for k in 0..20_u32 {
+        let sign = if k / 2 % 2 == 0 { 1.0 } else { -1.0 };
+        parts[(k % 2) as usize] += sign * term;
+        // Terms of the expansion: products of -(2 j - 1)^2 over k! (8 x)^k.
+        let odd = f64::from(2 * k + 1);
+        term *= -odd * odd / (f64::from(k + 1) * 8.0 * x);
+    }
+    let (sin, cos) = (x - 0.25 * PI).sin_cos();
+    (2.0 / (PI * x)).sqrt() * (parts[0] * cos - parts[1] * sin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against Bessel's integral, which the midpoint rule gives to all digits.
+    #[test]
+    fn bessel_is_its_integral() {
+        for step in 0..600 {
+            let x = 0.1 * f64::from(step);
+            let count = 200;
+            let sum: f64 = (0..count)
+                .map(|i| PI * (f64::from(i) + 0.5) / f64::from(count))
+                .map(|angle| (x * angle.sin()).cos())
+                .sum();
+            let found = bessel_j0(x);
+            assert!(
+                (found - sum / f64::from(count)).abs() < 3e-10,
+                "{x}: {found}"
+            );
+        }
+    }
+}

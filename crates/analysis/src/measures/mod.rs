@@ -1,0 +1,118 @@
+//! Measures of a point set: spectra, distances, order, discrepancy, uniformity, each from its formula.
+//! Positions, a region and plain numbers go in, plain numbers come out; long ones report progress.
+//! They never judge: [`verify`](crate::verify) does. They depend on no thread's timing.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//! use tilescope_analysis::measures::{FrequencyWindow, Periodogram, RadialProfile};
+//! use tilescope_analysis::{Boundary, Region};
+//!
+//! // A square lattice of 16 x 16 samples is silent below its first peaks.
+//! let points: Vec<[f64; 2]> = (0..256).map(|i| [f64::from(i % 16), f64::from(i / 16)]).collect();
+//! let region = Region { width: 16.0, height: 16.0, boundary: Boundary::Periodic };
+//! let never_cancel = |_| ControlFlow::Continue(());
+//! let window = FrequencyWindow::centered(20);
+//! let periodogram = Periodogram::of(&points, region, &window, &never_cancel)?;
+//! assert!((periodogram.at([16, 0]).unwrap() - 256.0).abs() < 1e-6);
+//! assert!(periodogram.at([15, 3]).unwrap() < 1e-6);
+//! let profile = RadialProfile::of(&periodogram, 1.0)?;
+//! assert!(profile.annuli[..14].iter().all(|annulus| annulus.power < 1e-6));
+//! # Ok::<(), tilescope_analysis::measures::MeasureError>(())
+//! ```
+
+mod blue_noise;
+mod discrepancy;
+mod distances;
+mod distributions;
+mod error;
+mod kernel;
+mod neighbors;
+mod nufft;
+mod order;
+mod pair_correlation;
+mod periodogram;
+mod radial;
+mod spread;
+mod statistics;
+mod tiles;
+mod uniformity;
+mod window;
+
+pub use blue_noise::PowerCurve;
+pub use discrepancy::Discrepancy;
+pub use distances::{NearestDistances, density, largest_min_distance};
+pub use distributions::{chi_square_quantile, chi_square_tail, student_quantile};
+pub use error::MeasureError;
+pub use nufft::{MAX_FREQUENCY, MAX_WINDOW_BYTES, NUFFT_ERROR};
+pub use order::{CellOrder, Order};
+pub use pair_correlation::PairCorrelation;
+pub use periodogram::{Periodogram, Taper};
+pub use radial::{Annulus, RadialProfile, anisotropy_reference_db};
+pub use statistics::{Average, MeanPeriodogram, Summary, power_band};
+pub use uniformity::{
+    ChiSquare, ClassCounts, Deviation, DistanceClasses, PositionClasses, Uniformity,
+};
+pub use window::FrequencyWindow;
+
+use crate::domain::Domain;
+use crate::grid::Grid;
+use crate::region::Region;
+use crate::verify::check_point;
+
+/// Refuses sets that a measure has no use for.
+fn check_set(points: &[[f64; 2]], region: Region, least: usize) -> Result<(), MeasureError> {
+    Domain::new(region)?;
+    let count = points.len();
+    if count < least {
+        return Err(MeasureError::TooFew {
+            count,
+            limit: least,
+        });
+    }
+    if count > Grid::MAX_SAMPLES {
+        let limit = Grid::MAX_SAMPLES;
+        return Err(MeasureError::TooMany { count, limit });
+    }
+    for (index, &point) in points.iter().enumerate() {
+        check_point(index, point, region)?;
+    }
+    Ok(())
+}
+
+/// Refuses sets all of whose samples are at one place.
+fn check_not_all_equal(points: &[[f64; 2]]) -> Result<(), MeasureError> {
+    match points {
+        [first, rest @ ..] if rest.iter().all(|point| point == first) => {
+            Err(MeasureError::AllEqual {
+                count: points.len(),
+                point: *first,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a value outside a closed range, and NaN.
+fn check_range(
+    name: &'static str,
+    value: f64,
+    [least, most]: [f64; 2],
+) -> Result<(), MeasureError> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(MeasureError::OutOfRange {
+        name,
+        value,
+        least,
+        most,
+    })
+}
+
+/// Refuses zero and more than a limit.
+fn check_count(name: &'static str, count: usize, limit: usize) -> Result<(), MeasureError> {
+    if (1..=limit).contains(&count) {
+        return Ok(());
+    }
+    Err(MeasureError::BadCount { name, count, limit })
+}

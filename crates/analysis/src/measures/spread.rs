@@ -1,0 +1,165 @@
+//! Spreads weighted samples of the unit torus onto a fine grid, in bands that fit a cache.
+//! Samples are sorted by tile first; even bands go before odd ones, so that sums have one order.
+//! It never wraps an index: the grid has margins, and readers fold them back.
+
+use rayon::prelude::*;
+
+use super::error::MeasureError;
+use super::kernel::{Kernel, WIDTH};
+use crate::monitor::Monitor;
+
+/// Grid lines of a band; at least the kernel's width, so that a band reaches only into the next.
+const BAND: usize = 32;
+
+/// Grid points of a tile along a line: a tile with the kernel's margin takes 27 KiB per component.
+const TILE: usize = 64;
+
+/// A sample of the unit torus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    /// From 0 to 1, both included.
+    pub at: [f64; 2],
+    pub weight: f64,
+}
+
+/// A sample in grid points.
+#[derive(Clone, Copy)]
+struct Placed<const C: usize> {
+    /// Of the slow axis x and of y.
+    first: [u32; 2],
+    ahead: [f64; 2],
+    value: [f64; C],
+}
+
+impl<const C: usize> Default for Placed<C> {
+    fn default() -> Self {
+        Self {
+            first: [0; 2],
+            ahead: [0.0; 2],
+            value: [0.0; C],
+        }
+    }
+}
+
+/// Samples sorted by tile, to be spread.
+pub(super) struct Spread<const C: usize> {
+    kernel: Kernel,
+    /// Grid points along x and y, without margins.
+    sizes: [usize; 2],
+    samples: Vec<Placed<C>>,
+    /// Where the samples of each band begin.
+    starts: Vec<usize>,
+}
+
+/// A grid with margins, of `C` components that follow each other line by line.
+pub(super) struct Grid<const C: usize> {
+    stride: usize,
+    cells: Vec<f64>,
+}
+
+impl<const C: usize> Grid<C> {
+    /// The components of a line along y. Values beyond the grid's size belong to its start.
+    pub fn line(&self, index: usize) -> [&[f64]; C] {
+        std::array::from_fn(|component| {
+            &self.cells[(index * C + component) * self.stride..][..self.stride]
+        })
+    }
+}
+
+impl<const C: usize> Spread<C> {
+    /// Sorts samples by band and tile; `value` gives their weights, in components.
+    pub fn new(
+        samples: &[Sample],
+        sizes: [usize; 2],
+        value: impl Fn(&Sample) -> [f64; C] + Sync,
+    ) -> Self {
+        let tiles = sizes[1] / TILE + 1;
+        let bands = sizes[0] / BAND + 1;
+        let key = |first: [u32; 2]| first[0] as usize / BAND * tiles + first[1] as usize / TILE;
+        let keys: Vec<u32> = (samples.par_iter())
+            .map(|sample| key(place(sample.at, sizes).0) as u32)
+            .collect();
+        let mut starts = vec![0_usize; tiles * bands + 1];
+        for &key in &keys {
+            starts[key as usize + 1] += 1;
+        }
+        for tile in 1..starts.len() {
+            starts[tile] += starts[tile - 1];
+        }
+        let empty = Placed::default();
+        let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts.clone());
+        for (sample, key) in samples.iter().zip(keys) {
+            let (first, ahead) = place(sample.at, sizes);
+            let cursor = &mut cursors[key as usize];
+            sorted[*cursor] = Placed {
+                first,
+                ahead,
+                value: value(sample),
+            };
+            *cursor += 1;
+        }
+        Self {
+            kernel: Kernel::new(),
+            sizes,
+            samples: sorted,
+            starts: starts.into_iter().step_by(tiles).collect(),
+        }
+    }
+
+    pub fn run(&self, monitor: &Monitor<'_>) -> Result<Grid<C>, MeasureError> {
+        let bands = self.starts.len() - 1;
+        let stride = self.sizes[1] + WIDTH + 1;
+        let line = C * stride;
+        let mut cells = vec![0.0; (bands + 1) * BAND * line];
+        monitor.advance(self.samples.len() as u64)?;
+        for parity in [0, 1] {
+            let chunks = cells[parity * BAND * line..].par_chunks_mut(2 * BAND * line);
+            chunks.enumerate().try_for_each(|(index, cells)| {
+                let band = 2 * index + parity;
+                if band >= bands {
+                    return Ok(());
+                }
+                let samples = &self.samples[self.starts[band]..self.starts[band + 1]];
+                self.band(band, samples, stride, cells);
+                monitor.advance(samples.len() as u64)
+            })?;
+        }
+        // The lines beyond the last belong to the first ones.
+        let (home, margin) = cells.split_at_mut(self.sizes[0] * line);
+        for (value, extra) in home.iter_mut().zip(&margin[..(WIDTH + 1) * line]) {
+            *value += extra;
+        }
+        Ok(Grid { stride, cells })
+    }
+
+    fn band(&self, band: usize, samples: &[Placed<C>], stride: usize, cells: &mut [f64]) {
+        for sample in samples {
+            let [along_x, along_y] = sample.ahead.map(|ahead| self.kernel.values(ahead));
+            let (line, start) = (
+                sample.first[0] as usize - band * BAND,
+                sample.first[1] as usize,
+            );
+            let lines = &mut cells[line * C * stride..][..WIDTH * C * stride];
+            for (lines, factor) in lines.chunks_exact_mut(C * stride).zip(along_x) {
+                for component in 0..C {
+                    let weight = factor * sample.value[component];
+                    let cells = &mut lines[component * stride + start..];
+                    if let Some(cells) = cells.first_chunk_mut::<WIDTH>() {
+                        for (cell, value) in cells.iter_mut().zip(along_y) {
+                            *cell += weight * value;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The first grid point that a sample's kernel reaches, moved up by half a kernel, and how far it lies behind the
+/// kernel's lower end. It is at most the grid's size.
+fn place(at: [f64; 2], sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
+    let position = [0, 1].map(|axis| at[axis] * sizes[axis] as f64);
+    let first = position.map(f64::ceil);
+    let ahead = [0, 1].map(|axis| first[axis] - position[axis]);
+    (first.map(|value| value as u32), ahead)
+}

@@ -1,0 +1,219 @@
+//! Summaries of values and averages of curves over sets, with standard errors and confidence bands.
+//! Sums run in the sequence given, so the same values give the same bits.
+//! It knows no samples.
+
+use serde::Serialize;
+
+use super::check_range;
+use super::distributions::{chi_square_quantile, student_quantile};
+use super::error::MeasureError;
+use super::periodogram::Periodogram;
+
+/// Confidence levels that are accepted.
+const LEVELS: [f64; 2] = [0.01, 0.999_999];
+
+/// What a number of values is like.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Number of values.
+    pub count: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// Their standard deviation, with `count - 1` in the denominator; zero for one value.
+    pub deviation: f64,
+    /// The smallest.
+    pub least: f64,
+    /// The quartiles, interpolated between neighbours; the second is the median.
+    pub quartiles: [f64; 3],
+    /// The largest.
+    pub most: f64,
+}
+
+impl Summary {
+    /// Returns the summary of finite values; none for no value.
+    #[must_use]
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut values: Vec<f64> = values.into_iter().collect();
+        let mut average = Average::new(1);
+        for value in &values {
+            average.push([*value]);
+        }
+        values.sort_unstable_by(f64::total_cmp);
+        let (least, most) = (*values.first()?, *values.last()?);
+        let at = |part: f64| {
+            let place = part * (values.len() - 1) as f64;
+            let below = place.floor() as usize;
+            let above = (below + 1).min(values.len() - 1);
+            values[below] + (place - below as f64) * (values[above] - values[below])
+        };
+        let error = average.standard_errors().map_or(0.0, |errors| errors[0]);
+        Some(Self {
+            count: values.len(),
+            mean: average.means()[0],
+            deviation: error * (values.len() as f64).sqrt(),
+            least,
+            quartiles: [at(0.25), at(0.5), at(0.75)],
+            most,
+        })
+    }
+}
+
+/// The running average of curves of one length, one curve per set; the spread is kept after Welford 1962.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Average {
+    sets: u64,
+    means: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Average {
+    /// Returns an average of no curve, of `length` values.
+    #[must_use]
+    pub fn new(length: usize) -> Self {
+        Self {
+            sets: 0,
+            means: vec![0.0; length],
+            squares: vec![0.0; length],
+        }
+    }
+
+    /// Adds the curve of a set.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::LengthDiffers`].
+    pub fn add(&mut self, curve: &[f64]) -> Result<(), MeasureError> {
+        if curve.len() != self.means.len() {
+            return Err(MeasureError::LengthDiffers {
+                name: "an average of curves",
+                count: curve.len(),
+                expected: self.means.len(),
+            });
+        }
+        self.push(curve.iter().copied());
+        Ok(())
+    }
+
+    fn push(&mut self, curve: impl IntoIterator<Item = f64>) {
+        self.sets += 1;
+        let sets = self.sets as f64;
+        for ((mean, square), value) in self.means.iter_mut().zip(&mut self.squares).zip(curve) {
+            let before = value - *mean;
+            *mean += before / sets;
+            *square += before * (value - *mean);
+        }
+    }
+
+    /// Returns the number of curves added.
+    #[must_use]
+    pub fn sets(&self) -> u64 {
+        self.sets
+    }
+
+    /// Returns the means; zeros before the first curve.
+    #[must_use]
+    pub fn means(&self) -> &[f64] {
+        &self.means
+    }
+
+    /// Returns the standard errors of the means, from the spread between sets; none below two sets.
+    #[must_use]
+    pub fn standard_errors(&self) -> Option<Vec<f64>> {
+        let sets = self.sets as f64;
+        let error = |square: &f64| (square / (sets * (sets - 1.0))).sqrt();
+        (self.sets >= 2).then(|| self.squares.iter().map(error).collect())
+    }
+
+    /// Returns, for each value, the interval that holds the true mean with probability `level` where means are
+    /// normally distributed (Student's interval of `sets - 1` degrees of freedom); none below two sets.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::OutOfRange`] for a level that is none.
+    pub fn band(&self, level: f64) -> Result<Option<Vec<[f64; 2]>>, MeasureError> {
+        check_range("the confidence level", level, LEVELS)?;
+        Ok(self.standard_errors().map(|errors| {
+            let reach = student_quantile(1.0 - level, self.sets as f64 - 1.0);
+            (self.means.iter().zip(errors))
+                .map(|(mean, error)| [mean - reach * error, mean + reach * error])
+                .collect()
+        }))
+    }
+}
+
+/// Returns the factors by which to multiply a mean of `values` powers to get the interval that holds the true power
+/// with probability `level`. Powers of sets without long order are exponentially distributed, so the mean of
+/// `values` of them is a chi-square value of twice as many degrees of freedom: right from one set on.
+/// For an annulus, `values` is the number of sets times half the frequencies.
+///
+/// # Errors
+///
+/// [`MeasureError::OutOfRange`] for a level that is none or for less than one value.
+pub fn power_band(values: f64, level: f64) -> Result<[f64; 2], MeasureError> {
+    check_range("the confidence level", level, LEVELS)?;
+    check_range("the number of powers", values, [1.0, 1e8])?;
+    let factor = |tail| 2.0 * values / chi_square_quantile(tail, 2.0 * values);
+    Ok([factor(0.5 - 0.5 * level), factor(0.5 + 0.5 * level)])
+}
+
+/// The mean of the periodograms of several sets of one region on one window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeanPeriodogram {
+    first: Option<Periodogram>,
+    samples: f64,
+    powers: Average,
+}
+
+impl Default for MeanPeriodogram {
+    fn default() -> Self {
+        Self {
+            first: None,
+            samples: 0.0,
+            powers: Average::new(0),
+        }
+    }
+}
+
+impl MeanPeriodogram {
+    /// Adds the periodogram of one set.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::Differs`] where its window or its region is not that of the first.
+    pub fn add(&mut self, periodogram: &Periodogram) -> Result<(), MeasureError> {
+        if self.first.is_none() {
+            self.powers = Average::new(periodogram.power.len());
+        }
+        let first = self.first.get_or_insert_with(|| Periodogram {
+            power: Vec::new(),
+            ..periodogram.clone()
+        });
+        if first.window != periodogram.window {
+            return Err(MeasureError::Differs { name: "the window" });
+        }
+        if first.region != periodogram.region {
+            return Err(MeasureError::Differs { name: "the region" });
+        }
+        self.powers.add(&periodogram.power)?;
+        self.samples += periodogram.samples;
+        Ok(())
+    }
+
+    /// Returns the mean periodogram; none before the first set.
+    #[must_use]
+    pub fn mean(&self) -> Option<Periodogram> {
+        let first = self.first.as_ref()?;
+        Some(Periodogram {
+            samples: self.samples / self.powers.sets() as f64,
+            sets: self.powers.sets(),
+            power: self.powers.means().to_vec(),
+            ..first.clone()
+        })
+    }
+
+    /// Returns the average behind the mean, with errors and bands for each frequency.
+    #[must_use]
+    pub fn powers(&self) -> &Average {
+        &self.powers
+    }
+}

@@ -1,0 +1,295 @@
+//! Voronoi cells of large sets, tile by tile: each tile is triangulated with a margin around it, which grows until
+//! the cells of its own samples follow from what it sees. Sets too small or too uneven for that go in one piece.
+//! It keeps of a cell only what the caller makes of it.
+
+use rayon::prelude::*;
+
+use super::error::MeasureError;
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::{Entry, Grid};
+use crate::monitor::Monitor;
+use crate::region::{Boundary, Region};
+use crate::tessellation::{VoronoiCell, voronoi_cells};
+
+/// Grid cells along the side of a tile; one cell holds one sample on average.
+pub(super) const TILE_CELLS: usize = 96;
+
+/// The margin to try first, in grid cells: enough for nearly all tiles of evenly spread sets.
+const FIRST_MARGIN: usize = 5;
+
+/// Returns what `f` makes of the Voronoi cell of each sample, in their sequence.
+pub(super) fn map_cells<T: Clone + Send + Sync>(
+    points: &[[f64; 2]],
+    region: Region,
+    tile_cells: usize,
+    monitor: &Monitor<'_>,
+    f: impl Fn(&VoronoiCell) -> T + Sync,
+) -> Result<Vec<T>, MeasureError> {
+    let domain = Domain::new(region)?;
+    let grid = Grid::new(points, domain, domain.spacing(points.len()));
+    let parts = grid.cells.map(|cells| cells.div_ceil(tile_cells));
+    let tiles = (0..parts[0] * parts[1]).into_par_iter().map(|index| {
+        let tile = Tile::new(&grid, tile_cells, [index % parts[0], index / parts[0]]);
+        let found = tile.cells()?;
+        let own = tile.own();
+        let Some(found) = found else {
+            return Ok(None);
+        };
+        monitor.advance(own.len() as u64)?;
+        let mapped: Vec<T> = found.iter().map(&f).collect();
+        Ok(Some((own, mapped)))
+    });
+    let tiles: Option<Vec<_>> = tiles.collect::<Result<_, VerifyError>>()?;
+    let mut out: Vec<Option<T>> = vec![None; points.len()];
+    for (own, mapped) in tiles.into_iter().flatten() {
+        for (entry, value) in own.into_iter().zip(mapped) {
+            out[entry.id as usize] = Some(value);
+        }
+    }
+    if let Some(all) = out.into_iter().collect() {
+        return Ok(all);
+    }
+    // One tile that would see around the torus is enough to look at the set in one piece.
+    let cells = voronoi_cells(points, region)?;
+    monitor.advance((points.len() as u64).saturating_sub(monitor.done()))?;
+    Ok(cells.iter().map(f).collect())
+}
+
+/// A rectangle of grid cells whose samples' Voronoi cells are wanted.
+struct Tile<'a> {
+    grid: &'a Grid,
+    /// First and end of its cells, by axis.
+    cells: [[usize; 2]; 2],
+}
+
+/// What a tile sees: a rectangle of cells counted on across the seams.
+struct View {
+    cells: [[i64; 2]; 2],
+    /// Whether its sides are those of a bounded domain, beyond which there is nothing: low and high, by axis.
+    ends: [[bool; 2]; 2],
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl<'a> Tile<'a> {
+    fn new(grid: &'a Grid, tile_cells: usize, at: [usize; 2]) -> Self {
+        let cells = [0, 1].map(|axis| {
+            let first = at[axis] * tile_cells;
+            [first, (first + tile_cells).min(grid.cells[axis])]
+        });
+        Self { grid, cells }
+    }
+
+    /// Its samples, row by row.
+    fn own(&self) -> Vec<Entry> {
+        let [[first, end], [low, high]] = self.cells;
+        (low..high)
+            .flat_map(|row| self.grid.run(row, &(first..end)))
+            .copied()
+            .collect()
+    }
+
+    /// The cells of its samples; none where that would take a view around the torus.
+    fn cells(&self) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
+        let own = self.own();
+        if own.is_empty() {
+            return Ok(Some(Vec::new()));
+        }
+        let mut margin = FIRST_MARGIN;
+        loop {
+            let Some(view) = self.view(margin) else {
+                return Ok(None);
+            };
+            if let Some(cells) = self.seen(&view)? {
+                return Ok(Some(cells));
+            }
+            margin *= 2;
+        }
+    }
+
+    fn view(&self, margin: usize) -> Option<View> {
+        let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
+        let mut view = View {
+            cells: [[0; 2]; 2],
+            ends: [[false; 2]; 2],
+            low: [0.0; 2],
+            high: domain.extent,
+        };
+        for axis in [0, 1] {
+            let [first, end] = self.cells[axis].map(|cell| cell as i64);
+            let (all, margin) = (self.grid.cells[axis] as i64, margin as i64);
+            let mut seen = [first - margin, end + margin];
+            if domain.periodic {
+                // Not a whole period: a sample and its copy would both be seen.
+                if seen[1] - seen[0] >= all {
+                    return None;
+                }
+            } else {
+                view.ends[axis] = [seen[0] <= 0, seen[1] >= all];
+                seen = [seen[0].max(0), seen[1].min(all)];
+            }
+            // Rounding may put a sample a little beyond its cell.
+            let slack = 1e-3 * sides[axis];
+            if !view.ends[axis][0] {
+                view.low[axis] = seen[0] as f64 * sides[axis] - slack;
+            }
+            if !view.ends[axis][1] {
+                view.high[axis] = seen[1] as f64 * sides[axis] + slack;
+            }
+            view.cells[axis] = seen;
+        }
+        Some(view)
+    }
+
+    /// The cells of its samples from those in view; none if one depends on what is out of view.
+    fn seen(&self, view: &View) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
+        let (places, own) = self.places(view);
+        let size = [0, 1].map(|axis| view.high[axis] - view.low[axis]);
+        let region = Region {
+            width: size[0],
+            height: size[1],
+            boundary: Boundary::Bounded,
+        };
+        let cells = voronoi_cells(&places, region)?;
+        let follows = |index: usize| {
+            [0, 1].into_iter().all(|axis| {
+                let end = |end: usize| places[index][axis] + cells[index].reach[end][axis];
+                let [no_more_below, no_more_above] = view.ends[axis];
+                (no_more_below || end(0) >= 0.0) && (no_more_above || end(1) <= size[axis])
+            })
+        };
+        if !own.iter().all(|&index| follows(index)) {
+            return Ok(None);
+        }
+        let scale = self.grid.domain.scale;
+        let kept = own
+            .into_iter()
+            .map(|index| in_unit_of_caller(&cells[index], scale));
+        Ok(Some(kept.collect()))
+    }
+
+    /// The samples in view, from its lower corner, and which of them are the tile's, row by row.
+    fn places(&self, view: &View) -> (Vec<[f64; 2]>, Vec<usize>) {
+        let (all, extent) = (
+            self.grid.cells.map(|cells| cells as i64),
+            self.grid.domain.extent,
+        );
+        let [columns, rows] = view.cells.map(|[first, end]| first..end);
+        let (mut places, mut own) = (Vec::new(), Vec::new());
+        for cell in rows.flat_map(|row| columns.clone().map(move |column| [column, row])) {
+            let [column, row] = [0, 1].map(|axis| cell[axis].rem_euclid(all[axis]) as usize);
+            let [x, y] = [0, 1].map(|axis| {
+                let turns = cell[axis].div_euclid(all[axis]);
+                turns as f64 * extent[axis] - view.low[axis]
+            });
+            let run = self.grid.run(row, &(column..column + 1));
+            if self.holds(cell) {
+                own.extend(places.len()..places.len() + run.len());
+            }
+            places.extend((run.iter()).map(|entry| [entry.position[0] + x, entry.position[1] + y]));
+        }
+        (places, own)
+    }
+
+    fn holds(&self, cell: [i64; 2]) -> bool {
+        [0, 1].into_iter().all(|axis| {
+            let [first, end] = self.cells[axis];
+            (first as i64..end as i64).contains(&cell[axis])
+        })
+    }
+}
+
+fn in_unit_of_caller(cell: &VoronoiCell, scale: f64) -> VoronoiCell {
+    let length = |value: f64| value / scale;
+    VoronoiCell {
+        area: cell.area / (scale * scale),
+        neighbors: (cell.neighbors.iter())
+            .map(|offset| offset.map(length))
+            .collect(),
+        at_border: cell.at_border,
+        reach: cell.reach.map(|corner| corner.map(length)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    /// Uneven on purpose: dense at one corner, with a hole.
+    fn uneven(count: usize, region: Region) -> Vec<[f64; 2]> {
+        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut uniform = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut points = Vec::new();
+        while points.len() < count {
+            let [u, v] = [uniform(), uniform()];
+            if (u - 0.6).hypot(v - 0.4) > 0.1 {
+                points.push([u.powf(1.5) * region.width, v * region.height]);
+            }
+        }
+        points
+    }
+
+    #[test]
+    fn tiles_give_the_cells_of_the_whole() {
+        let never_cancel = |_| ControlFlow::Continue(());
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let region = Region {
+                width: 3.0,
+                height: 2.0,
+                boundary,
+            };
+            let mut points = uneven(3000, region);
+            points.push(points[10]);
+            let whole = voronoi_cells(&points, region).expect("cells");
+            let monitor = Monitor::new(&never_cancel, points.len() as u64);
+            for side in [7, 16, 1000] {
+                let tiled = map_cells(&points, region, side, &monitor, VoronoiCell::clone);
+                let tiled = tiled.expect("cells");
+                assert_eq!(tiled.len(), whole.len());
+                for (a, b) in tiled.iter().zip(&whole) {
+                    assert!((a.area - b.area).abs() < 1e-11, "{boundary:?} {side}");
+                    assert_eq!(a.neighbors.len(), b.neighbors.len());
+                    assert_eq!(a.at_border, b.at_border);
+                    let near = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
+                    let shared = |offset: &[f64; 2]| {
+                        b.neighbors
+                            .iter()
+                            .any(|other| near((offset, other)) < 1e-12)
+                    };
+                    assert!(a.neighbors.iter().all(shared));
+                }
+                let total: f64 = tiled.iter().map(|cell| cell.area).sum();
+                assert!((total - 6.0).abs() < 1e-9);
+            }
+            assert!(whole[3000].neighbors.is_empty(), "at the place of another");
+        }
+    }
+
+    /// The margin decides: a view that is too narrow is noticed, not believed.
+    #[test]
+    fn a_view_across_a_hole_is_widened() {
+        let region = Region {
+            width: 3.0,
+            height: 2.0,
+            boundary: Boundary::Bounded,
+        };
+        let points = uneven(3000, region);
+        let domain = Domain::new(region).expect("a domain");
+        let grid = Grid::new(&points, domain, domain.spacing(points.len()));
+        let tiles = [0, 1].map(|axis| grid.cells[axis].div_ceil(7));
+        let narrow = (0..tiles[0] * tiles[1])
+            .map(|index| Tile::new(&grid, 7, [index % tiles[0], index / tiles[0]]))
+            .filter(|tile| {
+                let view = tile.view(2).expect("bounded");
+                !tile.own().is_empty() && tile.seen(&view).expect("cells").is_none()
+            });
+        assert!(narrow.count() > 0);
+    }
+}

@@ -1,0 +1,341 @@
+//! Whether every place is as likely to hold a sample as any other: counts of samples by class over many runs.
+//! Classes are cells of a grid, ranges of a distance that the caller measured, or the caller's own.
+//! It gets numbers only and knows no sampler; how runs were made is the caller's.
+
+use serde::Serialize;
+
+use super::distributions::{chi_square_tail, student_quantile};
+use super::error::MeasureError;
+use super::statistics::Average;
+use super::{check_count, check_range, check_set};
+use crate::region::Region;
+
+/// Classes at most.
+const MAX_CLASSES: usize = 1 << 24;
+
+/// Equal cells of a region as classes, row by row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PositionClasses {
+    /// The region.
+    pub region: Region,
+    /// Cells along x.
+    pub columns: usize,
+    /// Cells along y.
+    pub rows: usize,
+}
+
+impl PositionClasses {
+    /// Returns the number of samples in each cell.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::BadCount`] for no cell or more than 2^24, samples that are no places of the region.
+    pub fn counts(&self, points: &[[f64; 2]]) -> Result<Vec<u64>, MeasureError> {
+        let cells = self.columns.saturating_mul(self.rows);
+        check_count("cells", cells, MAX_CLASSES)?;
+        check_set(points, self.region, 0)?;
+        let mut counts = vec![0; cells];
+        for [x, y] in points {
+            let cell = |value: f64, extent: f64, cells: usize| {
+                ((value / extent * cells as f64) as usize).min(cells - 1)
+            };
+            let column = cell(*x, self.region.width, self.columns);
+            counts[cell(*y, self.region.height, self.rows) * self.columns + column] += 1;
+        }
+        Ok(counts)
+    }
+
+    /// Returns the share of each cell in the area.
+    #[must_use]
+    pub fn shares(&self) -> Vec<f64> {
+        let cells = self.columns * self.rows;
+        vec![1.0 / cells as f64; cells]
+    }
+}
+
+/// Ranges of a distance as classes: `edges[i] <= distance < edges[i + 1]`, and all from the last edge on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceClasses {
+    edges: Vec<f64>,
+}
+
+impl DistanceClasses {
+    /// Returns the classes that begin at rising edges.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::BadCount`] for no edge, [`MeasureError::NotRising`].
+    pub fn new(edges: Vec<f64>) -> Result<Self, MeasureError> {
+        check_count("edges", edges.len(), MAX_CLASSES)?;
+        let mut before = f64::NEG_INFINITY;
+        for (index, &value) in edges.iter().enumerate() {
+            if !(value > before && value.is_finite()) {
+                let name = "edges of distance classes";
+                return Err(MeasureError::NotRising { name, index, value });
+            }
+            before = value;
+        }
+        Ok(Self { edges })
+    }
+
+    /// Returns the number of distances in each class.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::OutOfRange`] for a distance below the first edge or NaN.
+    pub fn counts(&self, distances: &[f64]) -> Result<Vec<u64>, MeasureError> {
+        let mut counts = vec![0; self.edges.len()];
+        for &distance in distances {
+            check_range("a distance", distance, [self.edges[0], f64::INFINITY])?;
+            counts[self.edges.partition_point(|edge| *edge <= distance) - 1] += 1;
+        }
+        Ok(counts)
+    }
+
+    /// Returns the share of each class in the area, estimated from the distances of uniform places.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::counts`], and [`MeasureError::TooFew`] for no place.
+    pub fn shares(&self, of_uniform_places: &[f64]) -> Result<Vec<f64>, MeasureError> {
+        let counts = self.counts(of_uniform_places)?;
+        if of_uniform_places.is_empty() {
+            return Err(MeasureError::TooFew { count: 0, limit: 1 });
+        }
+        let total = of_uniform_places.len() as f64;
+        Ok(counts.iter().map(|count| *count as f64 / total).collect())
+    }
+}
+
+/// Counts by class over runs, with what a uniform process would give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClassCounts {
+    observed: Vec<u64>,
+    expected: Vec<f64>,
+    /// Observed less expected, run by run.
+    residuals: Average,
+}
+
+impl ClassCounts {
+    /// Returns counts of no run.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::BadCount`] for no class or more than 2^24.
+    pub fn new(classes: usize) -> Result<Self, MeasureError> {
+        check_count("classes", classes, MAX_CLASSES)?;
+        Ok(Self {
+            observed: vec![0; classes],
+            expected: vec![0.0; classes],
+            residuals: Average::new(classes),
+        })
+    }
+
+    /// Adds a run: samples in each class, and each class's share of the area in that run. Shares may differ from run
+    /// to run, as blocks do.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::LengthDiffers`]; [`MeasureError::OutOfRange`] for a share outside 0 to 1 or shares that do not
+    /// add up to 1 within 1e-6.
+    pub fn add_run(&mut self, counts: &[u64], shares: &[f64]) -> Result<(), MeasureError> {
+        let expected = self.observed.len();
+        for (name, count) in [("counts", counts.len()), ("shares", shares.len())] {
+            if count != expected {
+                return Err(MeasureError::LengthDiffers {
+                    name,
+                    count,
+                    expected,
+                });
+            }
+        }
+        for share in shares {
+            check_range("the share of a class", *share, [0.0, 1.0])?;
+        }
+        let all: f64 = shares.iter().sum();
+        check_range("the sum of the shares", all, [1.0 - 1e-6, 1.0 + 1e-6])?;
+        let total = counts.iter().sum::<u64>() as f64;
+        let expected: Vec<f64> = shares.iter().map(|share| share * total).collect();
+        let residuals: Vec<f64> = (counts.iter().zip(&expected))
+            .map(|(count, expected)| *count as f64 - expected)
+            .collect();
+        self.residuals.add(&residuals)?;
+        for (class, count) in counts.iter().enumerate() {
+            self.observed[class] += count;
+            self.expected[class] += expected[class];
+        }
+        Ok(())
+    }
+
+    /// Returns the number of runs.
+    #[must_use]
+    pub fn runs(&self) -> u64 {
+        self.residuals.sets()
+    }
+
+    /// Returns the number of samples in each class.
+    #[must_use]
+    pub fn observed(&self) -> &[u64] {
+        &self.observed
+    }
+
+    /// Returns how far the counts are from uniform, with intervals of confidence `level`.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::TooFew`] for no sample, or two classes of which none or one can hold samples;
+    /// [`MeasureError::OutOfRange`] for a level that is none.
+    pub fn uniformity(&self, level: f64) -> Result<Uniformity, MeasureError> {
+        check_range("the confidence level", level, [0.01, 0.999_999])?;
+        let samples: u64 = self.observed.iter().sum();
+        let possible = self.expected.iter().filter(|value| **value > 0.0).count();
+        if samples == 0 || possible < 2 {
+            let count = possible.min(samples as usize);
+            return Err(MeasureError::TooFew { count, limit: 2 });
+        }
+        let errors = self.residuals.standard_errors();
+        let deviations: Vec<Deviation> = (0..self.observed.len())
+            .map(|class| {
+                let error = errors.as_ref().map(|errors| errors[class]);
+                self.deviation(class, error, level, samples as f64)
+            })
+            .collect();
+        // A sample in a class without area is infinitely unlikely.
+        let chi_square: f64 = (self.observed.iter().zip(&self.expected))
+            .filter(|(observed, expected)| **observed > 0 || **expected > 0.0)
+            .map(|(observed, expected)| (*observed as f64 - expected).powi(2) / expected)
+            .sum();
+        Ok(Uniformity {
+            samples,
+            runs: self.runs(),
+            chi_square: ChiSquare::new(chi_square, possible - 1, samples as f64, possible - 1),
+            deviations,
+        })
+    }
+
+    /// `error` is the standard error of a run's residual, where there are several runs.
+    fn deviation(&self, class: usize, error: Option<f64>, level: f64, samples: f64) -> Deviation {
+        let (observed, expected) = (self.observed[class], self.expected[class]);
+        let runs = self.runs() as f64;
+        let error = match error {
+            Some(error) => runs * error,
+            None => (expected * (1.0 - expected / samples)).sqrt(),
+        };
+        let freedom = if runs >= 2.0 {
+            runs - 1.0
+        } else {
+            f64::INFINITY
+        };
+        let reach = student_quantile(1.0 - level, freedom) * error / expected;
+        let relative = observed as f64 / expected - 1.0;
+        Deviation {
+            observed,
+            expected,
+            relative,
+            interval: [relative - reach, relative + reach],
+        }
+    }
+
+    /// Returns how far two such counts are from having the same shares of samples in each class.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::LengthDiffers`], and [`MeasureError::TooFew`] where one has no samples or fewer than two
+    /// classes have any.
+    pub fn compare(&self, other: &Self) -> Result<ChiSquare, MeasureError> {
+        let (count, expected) = (other.observed.len(), self.observed.len());
+        if count != expected {
+            return Err(MeasureError::LengthDiffers {
+                name: "classes",
+                count,
+                expected,
+            });
+        }
+        let totals = [self, other].map(|counts| counts.observed.iter().sum::<u64>() as f64);
+        let (mut sum, mut classes) = (0.0, 0);
+        for (a, b) in self.observed.iter().zip(&other.observed) {
+            let [a, b] = [*a as f64, *b as f64];
+            if a + b > 0.0 {
+                classes += 1;
+                sum += (a * totals[1] - b * totals[0]).powi(2) / (a + b);
+            }
+        }
+        if totals.contains(&0.0) || classes < 2 {
+            let count = classes;
+            return Err(MeasureError::TooFew { count, limit: 2 });
+        }
+        let chi_square = sum / (totals[0] * totals[1]);
+        Ok(ChiSquare::new(
+            chi_square,
+            classes - 1,
+            totals[0] + totals[1],
+            1,
+        ))
+    }
+}
+
+/// How far counts are from what was expected.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Uniformity {
+    /// Samples of all runs.
+    pub samples: u64,
+    /// Runs.
+    pub runs: u64,
+    /// The test against uniform shares.
+    pub chi_square: ChiSquare,
+    /// Each class.
+    pub deviations: Vec<Deviation>,
+}
+
+impl Uniformity {
+    /// Returns the largest relative deviation in magnitude.
+    #[must_use]
+    pub fn largest_deviation(&self) -> f64 {
+        (self.deviations.iter())
+            .map(|class| class.relative.abs())
+            .filter(|relative| !relative.is_nan())
+            .fold(0.0, f64::max)
+    }
+}
+
+/// How far the count of a class is from what was expected.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Samples in the class.
+    pub observed: u64,
+    /// Samples expected.
+    pub expected: f64,
+    /// `observed / expected - 1`; NaN for a class without area and samples.
+    pub relative: f64,
+    /// Where the true relative deviation is, with the confidence asked for. From the spread between runs, which is
+    /// right however the samples of one run depend on each other; of a single run, as if they were independent.
+    pub interval: [f64; 2],
+}
+
+/// Pearson's chi-square with its effect size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChiSquare {
+    /// The statistic.
+    pub statistic: f64,
+    /// Degrees of freedom.
+    pub freedom: usize,
+    /// Probability of at least this statistic if samples were independent and the shares as expected.
+    /// Samples that keep a distance spread less than independent ones over classes wider than that
+    /// distance, so the true probability is then smaller still.
+    pub probability: f64,
+    /// Cramer's V: `sqrt(statistic / (samples * m))`, `m` the classes less one, or 1 for a comparison of two. Unlike
+    /// the statistic it does not grow with the number of samples; for equal shares it is about
+    /// the root mean square relative deviation over `sqrt(m)`.
+    pub cramers_v: f64,
+}
+
+impl ChiSquare {
+    fn new(statistic: f64, freedom: usize, samples: f64, dimensions: usize) -> Self {
+        Self {
+            statistic,
+            freedom,
+            probability: chi_square_tail(statistic, freedom as f64),
+            cramers_v: (statistic / (samples * dimensions as f64)).sqrt(),
+        }
+    }
+}

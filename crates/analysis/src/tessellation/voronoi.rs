@@ -1,0 +1,80 @@
+//! The Voronoi cells of a set one by one: area, sides, and where the neighbours are.
+//! Samples share a side, not only a corner, to be neighbours: cocircular samples are cut in no arbitrary way.
+//! It computes no statistics.
+
+use super::cells::Cells;
+use super::window::Window;
+use super::{check, cross, minus};
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::region::Region;
+
+/// The Voronoi cell of a sample, clipped to a bounded domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VoronoiCell {
+    /// Its area; zero for a sample at the place of an earlier one.
+    pub area: f64,
+    /// From the sample to those beyond the sides, counter-clockwise. In a periodic domain to the copy that is
+    /// beyond, so one sample may appear more than once in a small set.
+    pub neighbors: Vec<[f64; 2]>,
+    /// Whether a bounded domain's border is one of its sides.
+    pub at_border: bool,
+    /// Lower and upper corner, from the sample, of a rectangle around the empty circles about the cell's corners:
+    /// the cell follows from the samples in it.
+    pub reach: [[f64; 2]; 2],
+}
+
+/// Returns the Voronoi cell of each sample, in their sequence.
+///
+/// # Errors
+///
+/// Those of [`Tessellation::of`](super::Tessellation::of).
+///
+/// ```
+/// use tilescope_analysis::tessellation::voronoi_cells;
+/// use tilescope_analysis::{Boundary, Region};
+///
+/// let points = [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5], [1.5, 1.5]];
+/// let region = Region { width: 2.0, height: 2.0, boundary: Boundary::Bounded };
+/// let cells = voronoi_cells(&points, region)?;
+/// assert!(cells.iter().all(|cell| (cell.area - 1.0).abs() < 1e-12 && cell.at_border));
+/// assert!(cells.iter().all(|cell| cell.neighbors.len() == 2));
+/// # Ok::<(), tilescope_analysis::VerifyError>(())
+/// ```
+pub fn voronoi_cells(points: &[[f64; 2]], region: Region) -> Result<Vec<VoronoiCell>, VerifyError> {
+    let domain = Domain::new(region)?;
+    check(points, region)?;
+    let spacing = domain.spacing(points.len());
+    let window = Window::new(points, domain, spacing)?;
+    let same = crate::cover::same_place(&domain, spacing);
+    let cells = Cells::new(&window, &domain, spacing, same);
+    Ok((0..points.len()).map(|index| cell(&cells, index)).collect())
+}
+
+fn cell(cells: &Cells, index: usize) -> VoronoiCell {
+    let (sample, scale) = (cells.samples[index], cells.domain.scale);
+    let mut found = VoronoiCell {
+        area: 0.0,
+        neighbors: Vec::with_capacity(cells.of(index).len()),
+        at_border: false,
+        reach: [[0.0; 2]; 2],
+    };
+    for side in cells.of(index) {
+        let [from, to] = cells.ends(side).map(|end| minus(end, sample));
+        found.area += 0.5 * cross(from, to) / (scale * scale);
+        let radius = cells.sides[side].reach;
+        for (axis, at) in from.into_iter().enumerate() {
+            found.reach[0][axis] = found.reach[0][axis].min((at - radius) / scale);
+            found.reach[1][axis] = found.reach[1][axis].max((at + radius) / scale);
+        }
+        match cells.sides[side].beyond {
+            Some(seen) => {
+                let other = cells.shifted(cells.samples[seen.sample as usize], seen.shift);
+                let offset = minus(other, sample).map(|value| value / scale);
+                found.neighbors.push(offset);
+            }
+            None => found.at_border = true,
+        }
+    }
+    found
+}
