@@ -26,6 +26,10 @@ pub const MIN_SIDE_RADII_PERIODIC: f64 = 10.0;
 /// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
 pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
 
+/// By how many units a bound may miss a lattice line and still be on it: 2^-10. Sums of a thousand lengths miss
+/// theirs by less.
+const EXACT_UNITS: f64 = 1.0 / 1024.0;
+
 /// A position in lattice units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Point {
@@ -168,6 +172,16 @@ impl Domain {
             size,
             radius: 1.0,
         }
+    }
+
+    /// Returns the domain of radius 1 that has as many lattice points on each axis as `rect`: what a set
+    /// lives in that is made for that rectangle.
+    ///
+    /// Fails when the rectangle is too small or too large for a domain of its own.
+    pub fn of_rect(rect: &Rect, boundary: Boundary) -> Result<Self, ParameterError> {
+        let closed = i32::from(boundary == Boundary::Bounded);
+        let radii = |points: i32| f64::from(points - closed) / f64::from(R);
+        Self::from_size([radii(rect.width()), radii(rect.height())], 1.0, boundary)
     }
 
     /// Returns the width in lattice units.
@@ -320,6 +334,33 @@ impl Domain {
                 window.max[axis].min(window.min[axis] + i64::from(self.rect_side(axis)));
         }
         Ok(window)
+    }
+
+    /// Returns the lattice rectangle of the points `low <= position < high` of the domain, in user units, with its
+    /// closed border where `high` reaches it. A bound that lies less than 2^-10 units above a lattice line
+    /// is on it, so that bounds that were added up give the rectangles that they mean.
+    ///
+    /// Bounds outside the domain, or no numbers, give a rectangle that ends at the border or is empty.
+    #[must_use]
+    pub fn rect_from_user(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
+        let first = |position: f64, axis: usize| {
+            let units = [self.width, self.height][axis];
+            let place = position / self.size[axis] * f64::from(units);
+            (place - EXACT_UNITS).ceil().clamp(0.0, units.into()) as i32
+        };
+        let end = |position: f64, axis: usize| {
+            let units = [self.width, self.height][axis];
+            let last = first(position, axis);
+            if last == units {
+                self.rect_side(axis)
+            } else {
+                last
+            }
+        };
+        Rect {
+            min: Point::new(first(low[0], 0), first(low[1], 1)),
+            max: Point::new(end(high[0], 0), end(high[1], 1)),
+        }
     }
 
     const fn rect_side(&self, axis: usize) -> i32 {

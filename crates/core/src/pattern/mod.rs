@@ -5,6 +5,7 @@
 mod cache;
 mod packed;
 mod ready;
+mod sets;
 
 pub use packed::PackedError;
 pub use ready::{READY_MADE, ReadyMade};
@@ -120,27 +121,30 @@ impl Pattern {
                 });
             }
         }
-        // Before any memory is taken that grows with the domain.
-        if (positions.len() as f64) < LEAST_DENSITY * domain.area_radii() {
-            return Err(PatternError::TooFew {
-                count: positions.len(),
-                area: domain.area_radii(),
-            });
-        }
-        let mut samples: Vec<Point> = positions
+        check_count(positions.len(), &domain)?;
+        let samples = positions
             .iter()
             .map(|&p| domain.lattice_from_user(p))
             .collect();
+        Self::checked(&domain, samples)
+    }
+
+    /// Returns the pattern of samples of `domain` if they are conflict-free and maximal.
+    fn checked(domain: &Domain, mut samples: Vec<Point>) -> Result<Self, PatternError> {
         samples.sort_unstable_by_key(|p| p.canonical());
-        let covers_lattice = check(&domain, &samples)?;
-        // Blocks see lattice units only; the user's unit ends here.
-        let domain = Domain::from_units(domain.width(), domain.height(), boundary);
-        Ok(Self {
-            domain,
+        let covers_lattice = check(domain, &samples)?;
+        Ok(Self::of_samples(domain, samples, covers_lattice))
+    }
+
+    /// Returns the pattern of samples in canonical order that need no check.
+    fn of_samples(domain: &Domain, samples: Vec<Point>, covers_lattice: bool) -> Self {
+        Self {
+            // Blocks see lattice units only; the user's unit ends here.
+            domain: Domain::from_units(domain.width(), domain.height(), domain.boundary()),
             samples,
             seed: None,
             covers_lattice,
-        })
+        }
     }
 
     /// Returns whether this is the pattern that [`Self::generate`] makes of `spec`.
@@ -261,6 +265,18 @@ impl Variant {
             max,
         })
     }
+}
+
+/// Refuses too few samples, before any memory is taken that grows with the domain.
+fn check_count(count: usize, domain: &Domain) -> Result<(), PatternError> {
+    let area = domain.area_radii();
+    if count == 0 {
+        return Err(PatternError::Empty);
+    }
+    if (count as f64) < LEAST_DENSITY * area {
+        return Err(PatternError::TooFew { count, area });
+    }
+    Ok(())
 }
 
 /// Checks a given set and returns whether it covers every lattice point.

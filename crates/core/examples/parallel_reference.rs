@@ -1,0 +1,126 @@
+//! The reference sampler on all cores: sets made independently of each other, glued along their seams and verified,
+//! beside the same sampler on one core. Both are measured in one run, in turn.
+//!
+//!     cargo run --release -p tilescope-core --example parallel_reference -- [SIDE] [ROUNDS] [PIECES]
+//!
+//! SIDE is the domain's in radii (default 1200: a million samples), PIECES those along a side.
+
+use std::error::Error;
+use std::hint::black_box;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use tilescope_analysis::{Region, Report, VerifyOptions, verify};
+use tilescope_core::combine::{CombineOptions, Combined, Piece, combine, grid};
+use tilescope_core::{Boundary, Domain, Pattern, Point, SampleError, Unobserved, reference_sample};
+
+type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+
+fn main() -> Outcome<()> {
+    let mut arguments = std::env::args().skip(1);
+    let mut number = |default: u32| arguments.next().map_or(Ok(default), |text| text.parse());
+    let (side, rounds) = (number(1200)?, number(3)?);
+    let threads = rayon::current_num_threads();
+    let along = number(((4 * threads) as f64).sqrt().ceil() as u32)?;
+    let sides = [f64::from(side); 2];
+    println!("{side} x {side} r, {threads} threads, {along} x {along} pieces");
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        let domain = Domain::from_size(sides, 1.0, boundary)?;
+        for own in [Boundary::Periodic, Boundary::Bounded] {
+            let (mut alone, mut together, mut gluing) = (f64::MAX, f64::MAX, f64::MAX);
+            let mut result = None;
+            for _ in 0..rounds.max(1) {
+                let began = Instant::now();
+                black_box(reference_sample(domain, 1, &mut Unobserved)?);
+                alone = alone.min(began.elapsed().as_secs_f64());
+                let began = Instant::now();
+                let pieces = made(&domain, along, own)?;
+                let glue = Instant::now();
+                result = Some(combine(
+                    domain,
+                    &pieces,
+                    &CombineOptions::default(),
+                    &mut Unobserved,
+                )?);
+                gluing = gluing.min(glue.elapsed().as_secs_f64());
+                together = together.min(began.elapsed().as_secs_f64());
+            }
+            let combined = result.ok_or("no round")?;
+            println!(
+                "\n{boundary:?} of {own:?} pieces: {:.2} times as fast",
+                alone / together
+            );
+            println!("  one core   {:7.1} ms", alone * 1e3);
+            println!(
+                "  all cores  {:7.1} ms, {:.1} of them gluing",
+                together * 1e3,
+                gluing * 1e3
+            );
+            tell(&combined)?;
+        }
+    }
+    Ok(())
+}
+
+/// Makes the pieces, one on each thread at a time.
+fn made(domain: &Domain, along: u32, own: Boundary) -> Result<Vec<Piece>, SampleError> {
+    let rects = grid(domain, along, along);
+    let each = rects
+        .into_par_iter()
+        .zip(1_u64..1 + u64::from(along * along))
+        .with_max_len(1);
+    each.map(|(rect, seed)| {
+        let own = Domain::of_rect(&rect, own)?;
+        let set = Arc::new(Pattern::of_reference(own, seed, &mut Unobserved)?);
+        let start = Point::default();
+        Ok(Piece { set, rect, start })
+    })
+    .collect()
+}
+
+fn tell(combined: &Combined) -> Outcome<()> {
+    let summary = combined.summary();
+    let inserted: usize = summary.inserted.iter().sum();
+    println!(
+        "  {} samples, {} eliminated, {inserted} inserted ({:.3}%)",
+        summary.count,
+        summary.eliminated,
+        100.0 * inserted as f64 / summary.count as f64
+    );
+    let report = judged(combined)?;
+    let verdict = if report.valid() { "valid" } else { "NOT VALID" };
+    println!(
+        "  {verdict}: min distance {:.7} r, covering radius {:.7} r, density {:.4}",
+        report.min_distance, report.covering_radius, report.density
+    );
+    if report.valid() {
+        Ok(())
+    } else {
+        Err("the verifier objects".into())
+    }
+}
+
+/// The verdict of the independent verifier.
+fn judged(combined: &Combined) -> Outcome<Report> {
+    let [width, height] = combined.domain.size();
+    let boundary = match combined.domain.boundary() {
+        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
+        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
+    };
+    let region = Region {
+        width,
+        height,
+        boundary,
+    };
+    let go_on = |_| ControlFlow::Continue(());
+    let (radius, options) = (combined.domain.radius(), VerifyOptions::default());
+    Ok(verify(
+        &combined.positions(),
+        region,
+        radius,
+        &options,
+        &go_on,
+    )?)
+}
