@@ -67,13 +67,10 @@ fn main() -> Outcome<()> {
 /// Makes the pieces, one on each thread at a time.
 fn made(domain: &Domain, along: u32, own: Boundary) -> Result<Vec<Piece>, SampleError> {
     let rects = grid(domain, along, along);
-    let each = rects
-        .into_par_iter()
-        .zip(1_u64..1 + u64::from(along * along))
-        .with_max_len(1);
-    each.map(|(rect, seed)| {
+    let each = rects.into_par_iter().enumerate().with_max_len(1);
+    each.map(|(seed, rect)| {
         let own = Domain::of_rect(&rect, own)?;
-        let set = Arc::new(Pattern::of_reference(own, seed, &mut Unobserved)?);
+        let set = Arc::new(Pattern::of_reference(own, seed as u64, &mut Unobserved)?);
         let start = Point::default();
         Ok(Piece { set, rect, start })
     })
