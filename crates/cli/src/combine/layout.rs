@@ -163,6 +163,7 @@ impl Layout {
         check_rects(&domain, &rects)?;
         let mut places = Vec::with_capacity(rects.len());
         let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
+        limit(expected)?;
         for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
             let source = entry
                 .source(self.boundary, &rect, folder)
@@ -180,10 +181,7 @@ impl Layout {
                 offset,
             });
         }
-        ensure!(
-            expected <= MAX_SEQUENTIAL_SAMPLES,
-            "about {expected:.3e} samples would be made; there may be {MAX_SEQUENTIAL_SAMPLES:.0e}"
-        );
+        limit(expected)?;
         Ok(Placed { domain, places })
     }
 
@@ -256,6 +254,15 @@ impl Layout {
         }
         Ok(stated)
     }
+}
+
+/// Refuses more samples than a result and the sets that are made for it may have.
+fn limit(expected: f64) -> Result<()> {
+    ensure!(
+        expected <= MAX_SEQUENTIAL_SAMPLES,
+        "about {expected:.3e} samples would be made; there may be {MAX_SEQUENTIAL_SAMPLES:.0e}"
+    );
+    Ok(())
 }
 
 /// Returns where columns or rows begin and end.

@@ -320,13 +320,13 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
 #[non_exhaustive]
 pub enum PatternError {
     /// There is no sample.
-    #[error("the pattern is empty")]
+    #[error("the set is empty")]
     Empty,
     /// Its domain or radius is impossible.
-    #[error("the pattern's domain is impossible: {0}")]
+    #[error("the set's domain is impossible: {0}")]
     Domain(#[from] ParameterError),
     /// A position is not finite or not inside.
-    #[error("sample {index} of the pattern, ({}, {}), is not inside [0, {}] x [0, {}]", position[0], position[1], size[0], size[1])]
+    #[error("sample {index} of the set, ({}, {}), is not inside [0, {}] x [0, {}]", position[0], position[1], size[0], size[1])]
     Outside {
         /// Index of the position as given.
         index: usize,
@@ -336,7 +336,7 @@ pub enum PatternError {
         size: [f64; 2],
     },
     /// Two samples are no farther apart than the radius.
-    #[error("the pattern is not conflict-free: ({}, {}) and ({}, {}) are {radii:.6} r apart", first[0], first[1], second[0], second[1])]
+    #[error("the set is not conflict-free: ({}, {}) and ({}, {}) are {radii:.6} r apart", first[0], first[1], second[0], second[1])]
     Conflict {
         /// One sample, in the pattern's units.
         first: [f64; 2],
@@ -347,7 +347,7 @@ pub enum PatternError {
     },
     /// So few samples cannot cover the domain.
     #[error(
-        "the pattern is not maximal: {count} samples cannot cover {area:.1} squared radii; is its radius right?"
+        "the set is not maximal: {count} samples cannot cover {area:.1} squared radii; is its radius right?"
     )]
     TooFew {
         /// How many there are.
@@ -356,7 +356,7 @@ pub enum PatternError {
         area: f64,
     },
     /// A place is not covered.
-    #[error("the pattern is not maximal: no sample covers ({}, {})", witness[0], witness[1])]
+    #[error("the set is not maximal: no sample covers ({}, {})", witness[0], witness[1])]
     NotMaximal {
         /// The place, in the pattern's units.
         witness: [f64; 2],
