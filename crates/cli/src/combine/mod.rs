@@ -1,8 +1,11 @@
 //! `tilescope combine`: sets that are there or are made for it, placed side by side by a layout, become one set
 //! (section 4.2 of the paper), verified and saved.
 
+mod entry;
 mod layout;
 mod pieces;
+#[cfg(test)]
+mod refusals;
 #[cfg(test)]
 mod tests;
 

@@ -16,7 +16,8 @@ use tilescope_analysis::Region;
 use tilescope_core::combine::Piece;
 use tilescope_core::{Boundary, Domain, Parameters, Pattern, Point, Progress};
 
-use super::layout::{Place, Placed, Source};
+use super::entry::Source;
+use super::layout::{Place, Placed};
 use crate::interrupt;
 use crate::options::UNIT_SQUARE;
 use crate::parameters::set_of_file;

@@ -10,25 +10,25 @@ use tilescope_core::{Boundary, Domain, Unobserved, reference_sample};
 use tilescope_formats::{ExportContext, positions_digest};
 
 use super::*;
-use crate::{Arguments, Command, EXIT_FINE, describe};
+use crate::{Arguments, Command, EXIT_FINE};
 
 const NINE: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../../assets/layouts/nine.json"
 );
 
-fn folder() -> TempDir {
+pub fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
 
-fn written(folder: &TempDir, layout: &Value) -> PathBuf {
+pub fn written(folder: &TempDir, layout: &Value) -> PathBuf {
     let path = folder.path().join("layout.json");
     fs::write(&path, layout.to_string()).unwrap();
     path
 }
 
 /// Glues a layout and returns the set, judged by the independent verifier.
-fn judged(path: &Path) -> Glued {
+pub fn judged(path: &Path) -> Glued {
     let glued = glue(path).unwrap();
     let facts = &glued.made.facts;
     let report = make::judge(&glued.made.set.points, facts.region, facts.radius).unwrap();
@@ -36,15 +36,8 @@ fn judged(path: &Path) -> Glued {
     glued
 }
 
-/// Returns why a layout is refused, in a folder with a set "a.csv" of 20 x 20 r.
-fn refusal(layout: &Value) -> String {
-    let folder = folder();
-    save_reference(&folder, "a.csv", Boundary::Periodic);
-    describe(&glue(&written(&folder, layout)).err().expect("a refusal"))
-}
-
 /// Saves a reference set of [0, 2] x [0, 2] with radius 0.1, and returns its positions.
-fn save_reference(folder: &TempDir, name: &str, boundary: Boundary) -> Vec<[f64; 2]> {
+pub fn save_reference(folder: &TempDir, name: &str, boundary: Boundary) -> Vec<[f64; 2]> {
     let domain = Domain::from_size([2.0, 2.0], 0.1, boundary).unwrap();
     let points = reference_sample(domain, 5, &mut Unobserved).unwrap();
     let positions = make::positions(&domain, &points);
@@ -55,7 +48,7 @@ fn save_reference(folder: &TempDir, name: &str, boundary: Boundary) -> Vec<[f64;
     positions
 }
 
-fn arguments(words: &[&str]) -> CombineArguments {
+pub fn arguments(words: &[&str]) -> CombineArguments {
     let words = [&["tilescope", "combine"], words].concat();
     match Arguments::try_parse_from(words).unwrap().command {
         Some(Command::Combine(arguments)) => arguments,
@@ -106,11 +99,8 @@ fn sets_of_every_kind_are_glued_in_both_boundaries() {
         let folder = folder();
         save_reference(&folder, "a.csv", Boundary::Periodic);
         let positions = save_reference(&folder, "b.csv", Boundary::Bounded);
-        let plain: String = positions
-            .iter()
-            .map(|[x, y]| format!("{x} {y}\n"))
-            .collect();
-        fs::write(folder.path().join("c.txt"), plain).unwrap();
+        let lines: Vec<String> = positions.iter().map(|[x, y]| format!("{x} {y}")).collect();
+        fs::write(folder.path().join("c.txt"), lines.join("\n")).unwrap();
         let layout = json!({
             "version": 1,
             "boundary": boundary,
@@ -189,196 +179,4 @@ fn a_periodic_file_in_its_own_domain_comes_back_unchanged() {
     ]);
     let glued = judged(&written(&folder, &layout));
     assert_eq!((glued.made.set.points, glued.seams), (positions, 0));
-}
-
-#[test]
-fn bad_layouts_are_refused_with_a_sentence() {
-    let good = json!({
-        "version": 1, "radius": 0.1, "columns": [1.5, 1.5], "rows": [1.5],
-        "pieces": [{ "seed": 1 }, { "file": "a.csv" }],
-    });
-    judged_copy(&good);
-    let with = |key: &str, value: Value| {
-        let mut layout = good.clone();
-        layout[key] = value;
-        refusal(&layout)
-    };
-    let second = |piece: Value| with("pieces", json!([{ "seed": 1 }, piece]));
-    for (said, wanted) in [
-        (
-            with("version", json!(2)),
-            "has version 2; this program reads version 1",
-        ),
-        (with("radius", json!(-1)), "the radius is -1"),
-        (
-            with("radius", json!(0.16)),
-            "r long; it must be at least 10 r",
-        ),
-        (with("radius", json!(1e-9)), "r long; it must be at most"),
-        (with("radius", json!(5e-5)), "samples would be made"),
-        (with("colour", json!(1)), "unknown field `colour`"),
-        (with("boundary", json!("round")), "unknown variant `round`"),
-        (with("columns", json!([1.5, -1.5])), "columns[1] is -1.5"),
-        (
-            with("columns", json!([1.5])),
-            "1 columns and 1 rows make 1 rectangles; there are 2 pieces",
-        ),
-        (with("rows", Value::Null), "either \"columns\" and \"rows\""),
-        (with("width", json!(3)), "either \"columns\" and \"rows\""),
-        (
-            with("pieces", json!([])),
-            "make 2 rectangles; there are 0 pieces",
-        ),
-        (
-            with("pieces", json!(vec![json!({ "seed": 1 }); 4097])),
-            "there may be at most 4096",
-        ),
-        (second(json!({})), "pieces[1]: a piece is one of"),
-        (
-            second(json!({ "seed": 1, "file": "a.csv" })),
-            "pieces[1]: a piece is one of",
-        ),
-        (second(json!({ "seed": -1 })), "invalid value"),
-        (
-            second(json!({ "seed": 1, "method": "best" })),
-            "unknown variant `best`",
-        ),
-        (
-            second(json!({ "seed": 1, "offset": [0, 0] })),
-            "has no \"offset\"",
-        ),
-        (
-            second(json!({ "seed": 1, "width": 2 })),
-            "belong to a \"file\"",
-        ),
-        (
-            second(json!({ "file": "a.csv", "method": "kdrt" })),
-            "belongs to a \"seed\"",
-        ),
-        (second(json!({ "file": "b.csv" })), "b.csv"),
-        (second(json!({ "file": "." })), "this is no file"),
-        (second(json!({ "file": "layout.json" })), "layout.json"),
-        (
-            second(json!({ "file": "a.csv", "radius": 0.11 })),
-            "a.csv: the set is not conflict-free",
-        ),
-        (
-            second(json!({ "file": "a.csv", "radius": 0.09 })),
-            "a.csv: the set is not maximal",
-        ),
-        (
-            second(json!({ "file": "a.csv", "boundary": "bounded" })),
-            "a.csv: the set is not maximal",
-        ),
-        (
-            second(json!({ "rect": [0, 0, 1, 1], "seed": 1 })),
-            "has no place in a layout of columns and rows",
-        ),
-        (
-            second(json!({ "parameters": { "sed": 1 } })),
-            "there is no parameter \"sed\"",
-        ),
-        (
-            second(json!({ "parameters": { "leaf": 2 } })),
-            "the leaf is 2 r",
-        ),
-        (
-            second(json!({ "parameters": { "width": 2 } })),
-            "must be given together",
-        ),
-        (
-            second(json!({ "parameters": { "seed": 1 }, "boundary": "bounded" })),
-            "is one of these",
-        ),
-        (
-            second(
-                json!({ "parameters": { "search": "two-radii", "leaf": 6, "seed": 3,
-            "width": 400, "height": 400, "radius": 1 } }),
-            ),
-            "the set is not maximal",
-        ),
-        (
-            second(json!({ "parameters": { "width": 1, "height": 1, "radius": 5e-5 } })),
-            "samples would",
-        ),
-    ] {
-        assert!(said.contains(wanted), "{said:?} should say {wanted:?}");
-    }
-}
-
-fn judged_copy(layout: &Value) {
-    let folder = folder();
-    save_reference(&folder, "a.csv", Boundary::Periodic);
-    judged(&written(&folder, layout));
-}
-
-#[test]
-fn rectangles_that_overlap_or_leave_a_hole_name_their_pieces() {
-    let with = |rects: [[f64; 4]; 2]| {
-        let piece = |rect: [f64; 4]| json!({ "rect": rect, "seed": 1 });
-        refusal(&json!({
-            "version": 1, "radius": 0.1, "width": 3, "height": 2, "pieces": rects.map(piece),
-        }))
-    };
-    let said = with([[0.0, 0.0, 1.6, 2.0], [1.5, 0.0, 3.0, 2.0]]);
-    assert!(
-        said.contains("pieces 0 and 1 overlap at (1.5, 0)"),
-        "{said}"
-    );
-    let said = with([[0.0, 0.0, 1.5, 2.0], [1.6, 0.0, 3.0, 2.0]]);
-    assert!(said.contains("no piece covers (1.5, 0)"), "{said}");
-    let said = with([[0.0, 0.0, 1.5, 2.0], [1.5, 0.0, 3.1, 2.0]]);
-    assert!(
-        said.contains("pieces[1]: the rect [1.5, 0, 3.1, 2]"),
-        "{said}"
-    );
-    let said = refusal(&json!({
-        "version": 1, "radius": 0.1, "width": 3, "height": 2, "pieces": [{ "seed": 1 }],
-    }));
-    assert!(said.contains("pieces[0]: \"rect\" is missing"), "{said}");
-}
-
-#[test]
-fn a_set_that_ends_inside_its_rectangle_is_refused() {
-    let folder = folder();
-    save_reference(&folder, "b.csv", Boundary::Bounded);
-    let layout = |offset: f64| {
-        let path = written(
-            &folder,
-            &json!({
-                "version": 1, "radius": 0.1, "columns": [1.9], "rows": [2],
-                "pieces": [{ "file": "b.csv", "offset": [offset, 0] }],
-            }),
-        );
-        glue(&path).map(|_| ()).map_err(|error| describe(&error))
-    };
-    assert_eq!(layout(0.1), Ok(()));
-    assert!(
-        layout(0.2)
-            .unwrap_err()
-            .contains("the set of piece 0 ends inside its rectangle")
-    );
-    assert!(
-        layout(-0.1)
-            .unwrap_err()
-            .contains("the offset -0.1 is not inside the set")
-    );
-}
-
-#[test]
-fn what_is_no_layout_is_refused() {
-    let folder = folder();
-    let path = folder.path().join("layout.json");
-    let said = |bytes: &[u8]| {
-        fs::write(&path, bytes).unwrap();
-        describe(&glue(&path).err().unwrap())
-    };
-    assert!(said(b"x,y\n0,0\n").contains("this is no layout of pieces"));
-    assert!(said(b"{\"version\": 1, \"radius\": 1e400}").contains("out of range"));
-    assert!(said(b"{}").contains("this is no layout of pieces"));
-    assert!(said(&vec![b' '; (1 << 20) + 1]).contains("the layout has 1048577 bytes"));
-    assert!(said(&[b'['; 100_000]).contains("this is no layout of pieces"));
-    assert!(describe(&glue(folder.path()).err().unwrap()).contains("this is no file"));
-    let missing = run(&arguments(&["missing.json"])).unwrap_err();
-    assert!(describe(&missing).contains("missing.json"));
 }

@@ -27,55 +27,68 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
     let twins = twins(domain, pieces, piece);
-    let (from_x, width) = margined(piece.start.x, rect.width(), variant.width, variant.periodic);
-    let (from_y, height) = margined(
+    let (min, sides) = (rect.min, [rect.width(), rect.height()]);
+    let x = Margined::new(
+        min.x,
+        piece.start.x,
+        sides[0],
+        variant.width,
+        variant.periodic,
+    );
+    let y = Margined::new(
+        min.y,
         piece.start.y,
-        rect.height(),
+        sides[1],
         variant.height,
         variant.periodic,
     );
-    let wrapped = |from: i64, extent: i32| from.rem_euclid(extent.into()) as i32;
-    let start = Point::new(
-        wrapped(from_x, variant.width),
-        wrapped(from_y, variant.height),
-    );
-    let mut clip = Clip {
-        near: Vec::new(),
-        deep: Vec::new(),
-    };
-    let corner = (
-        i64::from(rect.min.x) - i64::from(piece.start.x) + from_x,
-        i64::from(rect.min.y) - i64::from(piece.start.y) + from_y,
-    );
-    variant.clip(start, width, height, |x, y, index| {
-        let (x, y) = (corner.0 + i64::from(x), corner.1 + i64::from(y));
-        // Places in the rectangle have 32-bit coordinates; those of the margin are not in it.
+    let (mut near, mut deep) = (Vec::new(), Vec::new());
+    let start = Point::new(x.start, y.start);
+    variant.clip(start, x.length, y.length, |right, up, index| {
+        let (x, y) = (x.corner + i64::from(right), y.corner + i64::from(up));
+        // What 32 bits cannot hold lies in a margin.
         let point = Point::new(x as i32, y as i32);
-        let own = i64::from(point.x) == x && i64::from(point.y) == y && rect.contains(point);
+        let own = (i64::from(point.x), i64::from(point.y)) == (x, y) && rect.contains(point);
         if own && rect.depth(point) > reach {
-            clip.deep.push((point, index));
+            deep.push((point, index));
         } else if own || !twins.iter().any(|twin| twin.contains(x, y)) {
-            clip.near.push((y, x, index));
+            near.push((y, x, index));
         }
     });
-    clip.near.sort_unstable();
-    for sample in &mut clip.near {
-        *sample = (sample.1, sample.0, sample.2);
+    near.sort_unstable();
+    let near = near.into_iter().map(|(y, x, index)| (x, y, index));
+    Clip {
+        near: near.collect(),
+        deep,
     }
-    clip
 }
 
-/// Returns where a clip of `side` units from `start` on begins in its set, and how long it is, when it is
-/// enlarged by r on both ends as far as the set goes.
-fn margined(start: i32, side: i32, extent: i32, periodic: bool) -> (i64, i32) {
-    let low = i64::from(start) - i64::from(R);
-    let high = i64::from(start) + i64::from(side) + i64::from(R);
-    let (low, high) = if periodic {
-        (low, high)
-    } else {
-        (low.max(0), high.min(extent.into()))
-    };
-    (low, (high - low) as i32)
+/// One axis of a rectangle that is enlarged by r on both ends, as far as the set goes.
+struct Margined {
+    /// Where it begins in the set.
+    start: i32,
+    /// Where it begins in the result.
+    corner: i64,
+    /// Its length.
+    length: i32,
+}
+
+impl Margined {
+    /// Returns the axis of a rectangle of `side` units from `min` on, which shows the set from `start` on.
+    fn new(min: i32, start: i32, side: i32, extent: i32, periodic: bool) -> Self {
+        let (min, start, extent) = (i64::from(min), i64::from(start), i64::from(extent));
+        let margined = (start - i64::from(R), start + i64::from(side) + i64::from(R));
+        let (low, high) = if periodic {
+            margined
+        } else {
+            (margined.0.max(0), margined.1.min(extent))
+        };
+        Self {
+            start: low.rem_euclid(extent) as i32,
+            corner: min - start + low,
+            length: (high - low) as i32,
+        }
+    }
 }
 
 /// A rectangle of the plane.

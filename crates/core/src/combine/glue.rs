@@ -114,22 +114,11 @@ fn glue_within(
     let clips = clips(&domain, pieces, near);
     let mut glued = placed(&domain, pieces, clips);
     meter.end()?;
-    let key = Key::from_seed(options.seed);
     let first = glued.samples.len();
     sieve(&domain, pieces, options, &mut glued.samples, observer)?;
     match options.insertion {
         Insertion::Circumcentre => fill(domain, options, &mut glued, observer)?,
-        Insertion::Uniform => {
-            let mut process = gap_process(domain, &glued.samples, key);
-            for k in 1.. {
-                if process.is_finished() {
-                    break;
-                }
-                let samples = &mut glued.samples;
-                let made = uniform(&mut process, k, samples, observer, &mut Unrecorded)?;
-                glued.inserted.push(made.inserted.len());
-            }
-        }
+        Insertion::Uniform => throw(domain, options, &mut glued, observer)?,
     }
     while glued.inserted.last() == Some(&0) {
         glued.inserted.pop();
@@ -205,6 +194,25 @@ fn fill(
         }
         glued.inserted.push(inserted.len());
         detectors = inserted.collect();
+    }
+    Ok(())
+}
+
+/// Throws darts into the gaps until none is left.
+fn throw(
+    domain: Domain,
+    options: &CombineOptions,
+    glued: &mut Glued,
+    observer: &mut dyn Observer,
+) -> Result<(), SampleError> {
+    let samples = &mut glued.samples;
+    let mut process = gap_process(domain, samples, Key::from_seed(options.seed));
+    for k in 1.. {
+        if process.is_finished() {
+            break;
+        }
+        let made = uniform(&mut process, k, samples, observer, &mut Unrecorded)?;
+        glued.inserted.push(made.inserted.len());
     }
     Ok(())
 }

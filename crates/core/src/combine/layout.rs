@@ -3,6 +3,7 @@
 
 use super::{CombineError, MAX_PIECES, Piece};
 use crate::lattice::{Domain, Point, R, Rect};
+use crate::stages::blocks::Axis;
 
 /// A line along which two pieces meet that do not continue each other. In a periodic domain a seam may
 /// lie on the left or lower border, between a piece there and one at the opposite border.
@@ -143,38 +144,53 @@ pub(super) fn continues(a: &Piece, b: &Piece, shift: [i64; 2]) -> bool {
 /// Returns the seams: vertical ones by the piece on their left, then horizontal ones by the piece below.
 pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
     let mut seams = Vec::new();
-    for axis in 0..2 {
-        let turned = |p: Point| if axis == 0 { (p.x, p.y) } else { (p.y, p.x) };
-        let (side, _) = turned(Point::new(domain.width(), domain.height()));
-        let mut by_edge: Vec<(i32, usize)> = (0..)
-            .zip(pieces)
-            .map(|(k, piece)| (turned(piece.rect.min).0, k))
-            .collect();
+    for axis in [Axis::X, Axis::Y] {
+        let edges = pieces.iter().map(|piece| across(axis, piece.rect.min));
+        let mut by_edge: Vec<(i32, u32)> = edges.zip(0..).collect();
         by_edge.sort_unstable();
-        for (left, a) in pieces.iter().enumerate() {
-            let (edge, top) = turned(a.rect.max);
-            let bottom = turned(a.rect.min).1;
+        let side = across(axis, Point::new(domain.width(), domain.height()));
+        for left in 0..pieces.len() as u32 {
+            let edge = across(axis, pieces[left as usize].rect.max);
             let wraps = domain.is_periodic() && edge == side;
-            let (edge, shift) = if wraps { (0, side) } else { (edge, 0) };
-            let shift = if axis == 0 { [shift, 0] } else { [0, shift] };
+            let edge = if wraps { 0 } else { edge };
             let first = by_edge.partition_point(|&(min, _)| min < edge);
-            for &(_, right) in by_edge[first..].iter().take_while(|&&(min, _)| min == edge) {
-                let b = &pieces[right];
-                let from = bottom.max(turned(b.rect.min).1);
-                let to = top.min(turned(b.rect.max).1);
-                if from < to && !continues(a, b, shift.map(i64::from)) {
-                    let place = |along| match axis {
-                        0 => Point::new(edge, along),
-                        _ => Point::new(along, edge),
-                    };
-                    seams.push(Seam {
-                        from: place(from),
-                        to: place(to),
-                        pieces: [left as u32, right as u32],
-                    });
-                }
-            }
+            let beyond = by_edge[first..].iter().take_while(|&&(min, _)| min == edge);
+            let shift = if wraps { side } else { 0 };
+            seams.extend(beyond.filter_map(|&(_, right)| seam(axis, pieces, [left, right], shift)));
         }
     }
     seams
+}
+
+/// Returns the coordinate across which pieces lie beside each other.
+const fn across(axis: Axis, p: Point) -> i32 {
+    match axis {
+        Axis::X => p.x,
+        Axis::Y => p.y,
+    }
+}
+
+/// Returns the seam between two pieces whose edges lie on one line, the second moved by `shift` units.
+fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Option<Seam> {
+    let (a, b) = (&pieces[left as usize], &pieces[right as usize]);
+    let shift = i64::from(shift);
+    let (along, shift) = match axis {
+        Axis::X => (Axis::Y, [shift, 0]),
+        Axis::Y => (Axis::X, [0, shift]),
+    };
+    let from = across(along, a.rect.min).max(across(along, b.rect.min));
+    let to = across(along, a.rect.max).min(across(along, b.rect.max));
+    if from >= to || continues(a, b, shift) {
+        return None;
+    }
+    let edge = across(axis, b.rect.min);
+    let place = |along: i32| match axis {
+        Axis::X => Point::new(edge, along),
+        Axis::Y => Point::new(along, edge),
+    };
+    Some(Seam {
+        from: place(from),
+        to: place(to),
+        pieces: [left, right],
+    })
 }
