@@ -29,39 +29,34 @@ fn main() -> Outcome<()> {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
         let domain = Domain::from_size(sides, 1.0, boundary)?;
         for own in [Boundary::Periodic, Boundary::Bounded] {
-            let (mut alone, mut together, mut gluing) = (f64::MAX, f64::MAX, f64::MAX);
-            let mut result = None;
-            for _ in 0..rounds.max(1) {
-                let began = Instant::now();
-                black_box(reference_sample(domain, 1, &mut Unobserved)?);
-                alone = alone.min(began.elapsed().as_secs_f64());
-                let began = Instant::now();
-                let pieces = made(&domain, along, own)?;
-                let glue = Instant::now();
-                result = Some(combine(
-                    domain,
-                    &pieces,
-                    &CombineOptions::default(),
-                    &mut Unobserved,
-                )?);
-                gluing = gluing.min(glue.elapsed().as_secs_f64());
-                together = together.min(began.elapsed().as_secs_f64());
-            }
-            let combined = result.ok_or("no round")?;
-            println!(
-                "\n{boundary:?} of {own:?} pieces: {:.2} times as fast",
-                alone / together
-            );
-            println!("  one core   {:7.1} ms", alone * 1e3);
-            println!(
-                "  all cores  {:7.1} ms, {:.1} of them gluing",
-                together * 1e3,
-                gluing * 1e3
-            );
-            tell(&combined)?;
+            println!("\n{boundary:?}, of {own:?} pieces");
+            compare(domain, along, own, rounds)?;
         }
     }
     Ok(())
+}
+
+/// Makes the set both ways, in turn, and tells the shortest times.
+fn compare(domain: Domain, along: u32, own: Boundary, rounds: u32) -> Outcome<()> {
+    let (mut alone, mut together, mut gluing) = (f64::MAX, f64::MAX, f64::MAX);
+    let mut result = None;
+    for _ in 0..rounds.max(1) {
+        let began = Instant::now();
+        black_box(reference_sample(domain, 1, &mut Unobserved)?);
+        alone = alone.min(began.elapsed().as_secs_f64());
+        let began = Instant::now();
+        let pieces = made(&domain, along, own)?;
+        let glue = Instant::now();
+        let options = CombineOptions::default();
+        result = Some(combine(domain, &pieces, &options, &mut Unobserved)?);
+        gluing = gluing.min(glue.elapsed().as_secs_f64());
+        together = together.min(began.elapsed().as_secs_f64());
+    }
+    println!("  {:.2} times as fast", alone / together);
+    println!("  one core   {:7.1} ms", alone * 1e3);
+    println!("  all cores  {:7.1} ms", together * 1e3);
+    println!("  gluing     {:7.1} ms of them", gluing * 1e3);
+    tell(&result.ok_or("no round")?)
 }
 
 /// Makes the pieces, one on each thread at a time.

@@ -12,7 +12,7 @@ use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::stages::blocks::split;
 use tilescope_core::{
     Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Point, Progress, R,
-    SampleError, Source, Stage, Unobserved, sample,
+    Run, SampleError, Source, Stage, Unobserved, sample,
 };
 
 const BOUNDARIES: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
@@ -169,23 +169,10 @@ fn the_blocks_of_a_run_become_the_run() {
                 ..Parameters::default()
             };
             let run = sample(&parameters, &mut Unobserved).unwrap();
-            let place = |(block, tile): (
-                &tilescope_core::stages::blocks::Block,
-                &tilescope_core::stages::tile::Tile,
-            )| Piece {
-                set: Arc::clone(&run.pattern),
-                rect: block.rect,
-                start: Point::new(tile.start.x + R, tile.start.y + R),
-            };
-            let pieces: Vec<Piece> = run
-                .blocks
-                .leaves
-                .iter()
-                .zip(&run.tiles)
-                .map(place)
-                .collect();
+            let pieces = blocks_of(&run);
+            let seed = parameters.seed;
             let options = CombineOptions {
-                seed: parameters.seed,
+                seed,
                 order,
                 insertion,
                 ..CombineOptions::default()
@@ -196,6 +183,16 @@ fn the_blocks_of_a_run_become_the_run() {
             assert_eq!(combined.summary(), &run.summary());
         }
     }
+}
+
+fn blocks_of(run: &Run) -> Vec<Piece> {
+    let each = run.blocks.leaves.iter().zip(&run.tiles);
+    let place = each.map(|(block, tile)| Piece {
+        set: Arc::clone(&run.pattern),
+        rect: block.rect,
+        start: Point::new(tile.start.x + R, tile.start.y + R),
+    });
+    place.collect()
 }
 
 #[test]

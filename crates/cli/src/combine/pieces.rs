@@ -43,6 +43,18 @@ pub struct Census {
 }
 
 impl Census {
+    fn new(places: &[Place], seconds: f64) -> Self {
+        let count =
+            |test: fn(&Source) -> bool| places.iter().filter(|place| test(&place.source)).count();
+        Self {
+            sources: places.iter().map(|place| place.source.json()).collect(),
+            seconds,
+            files: count(|source| matches!(source, Source::File { .. })),
+            runs: count(|source| matches!(source, Source::Run(_))),
+            references: count(|source| matches!(source, Source::Reference { .. })),
+        }
+    }
+
     pub fn json(&self) -> Value {
         json!({ "count": self.sources.len(), "sources": self.sources, "seconds": self.seconds })
     }
@@ -80,8 +92,8 @@ pub fn make(placed: &Placed) -> Result<Pieces> {
     let sets = each.par_iter().with_max_len(1).map(|sharing| {
         let k = sharing[0];
         let own = set(&placed.places[k].source).with_context(|| format!("pieces[{k}]"));
-        let done = done.fetch_add(sharing.len() as u64, Ordering::Relaxed);
-        bar.set(done + sharing.len() as u64, total);
+        let before = done.fetch_add(sharing.len() as u64, Ordering::Relaxed);
+        bar.set(before + sharing.len() as u64, total);
         own
     });
     // The first error in the sequence of pieces, whoever met it first.
@@ -91,28 +103,14 @@ pub fn make(placed: &Placed) -> Result<Pieces> {
     for (own, sharing) in sets.into_iter().zip(&each) {
         let own = own?;
         for &k in sharing {
-            let place = &placed.places[k];
-            let start = own
-                .start(place.offset)
-                .with_context(|| format!("pieces[{k}]"))?;
-            pieces[k] = Some(Piece {
-                set: Arc::clone(&own.set),
-                rect: place.rect,
-                start,
-            });
+            let piece = own.placed(&placed.places[k]);
+            pieces[k] = Some(piece.with_context(|| format!("pieces[{k}]"))?);
         }
     }
-    let count =
-        |test: fn(&Source) -> bool| placed.places.iter().filter(|p| test(&p.source)).count();
-    let census = Census {
-        sources: placed.places.iter().map(|p| p.source.json()).collect(),
-        seconds: began.elapsed().as_secs_f64(),
-        files: count(|source| matches!(source, Source::File { .. })),
-        runs: count(|source| matches!(source, Source::Run(_))),
-        references: count(|source| matches!(source, Source::Reference { .. })),
-    };
-    let pieces = pieces.into_iter().flatten().collect();
-    Ok(Pieces { pieces, census })
+    Ok(Pieces {
+        pieces: pieces.into_iter().flatten().collect(),
+        census: Census::new(&placed.places, began.elapsed().as_secs_f64()),
+    })
 }
 
 /// Returns the pieces that share a set, by the first of them. What is made for a rectangle is never shared.
@@ -191,6 +189,14 @@ fn file(
 }
 
 impl Own {
+    fn placed(&self, place: &Place) -> Result<Piece> {
+        Ok(Piece {
+            set: Arc::clone(&self.set),
+            rect: place.rect,
+            start: self.start(place.offset)?,
+        })
+    }
+
     /// Returns the lattice point of a place in the set's own units.
     fn start(&self, offset: [f64; 2]) -> Result<Point> {
         let size = self.domain.size();

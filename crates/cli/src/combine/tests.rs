@@ -93,6 +93,27 @@ fn a_combined_set_is_saved_with_a_true_certificate() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
+fn every_kind(boundary: &str) -> Value {
+    json!({
+        "version": 1,
+        "boundary": boundary,
+        "radius": 0.05,
+        "columns": [1, 0.7, 0.9],
+        "rows": [0.8, 1],
+        "seed": 7,
+        "order": "random",
+        "insertion": "uniform",
+        "pieces": [
+            { "file": "a.csv", "offset": [17.3, -2.5] },
+            { "seed": 1 },
+            { "seed": 2, "method": "reference", "boundary": "bounded" },
+            { "file": "b.csv" },
+            { "parameters": { "seed": 3, "leaf": 6.5, "pattern": { "seed": 4, "side": 33 } } },
+            { "file": "c.txt", "radius": 0.1, "width": 2, "height": 2, "boundary": "bounded" },
+        ],
+    })
+}
+
 #[test]
 fn sets_of_every_kind_are_glued_in_both_boundaries() {
     for boundary in ["periodic", "bounded"] {
@@ -101,25 +122,7 @@ fn sets_of_every_kind_are_glued_in_both_boundaries() {
         let positions = save_reference(&folder, "b.csv", Boundary::Bounded);
         let lines: Vec<String> = positions.iter().map(|[x, y]| format!("{x} {y}")).collect();
         fs::write(folder.path().join("c.txt"), lines.join("\n")).unwrap();
-        let layout = json!({
-            "version": 1,
-            "boundary": boundary,
-            "radius": 0.05,
-            "columns": [1, 0.7, 0.9],
-            "rows": [0.8, 1],
-            "seed": 7,
-            "order": "random",
-            "insertion": "uniform",
-            "pieces": [
-                { "file": "a.csv", "offset": [17.3, -2.5] },
-                { "seed": 1 },
-                { "seed": 2, "method": "reference", "boundary": "bounded" },
-                { "file": "b.csv" },
-                { "parameters": { "seed": 3, "leaf": 6.5, "pattern": { "seed": 4, "side": 33 } } },
-                { "file": "c.txt", "radius": 0.1, "width": 2, "height": 2, "boundary": "bounded" },
-            ],
-        });
-        let glued = judged(&written(&folder, &layout));
+        let glued = judged(&written(&folder, &every_kind(boundary)));
         assert_eq!(
             (
                 glued.census.files,

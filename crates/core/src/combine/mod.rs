@@ -169,37 +169,16 @@ pub fn combine(
     Ok(combined)
 }
 
-/// Puts what was glued and what was far from all seams into canonical order.
+/// Puts what was glued and what was far from all seams together.
 fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
-    let samples = &glued.samples;
-    let source = |origin: &Origin| match *origin {
-        Origin::Tiled { block, pattern, .. } => Source::Tiled { block, pattern },
-        Origin::Inserted { iteration, .. } => Source::Inserted { iteration },
-    };
-    let near = samples.points.par_iter().zip(&samples.origins);
-    let near = near
-        .zip(&samples.fates)
-        .filter(|&(_, fate)| *fate == Fate::Kept);
-    let deep = glued.deep.par_iter().enumerate();
-    let deep = deep.flat_map_iter(|(block, samples)| {
-        let block = block as u32;
-        let of = move |&(point, pattern)| (point, Source::Tiled { block, pattern });
-        samples.iter().map(of)
-    });
-    let mut all: Vec<(Point, Source)> = near
-        .map(|((point, origin), _)| (*point, source(origin)))
-        .chain(deep)
-        .collect();
-    all.par_sort_unstable_by_key(|(point, _)| point.canonical());
-    let (points, sources): (Vec<Point>, Vec<Source>) = all.into_iter().unzip();
+    let (points, sources) = in_order(glued);
     let eliminated = glued.eliminated();
-    let dropped = samples.fates.iter().filter(|f| **f == Fate::Dropped);
-    let dropped = dropped.count();
+    let fates = &glued.samples.fates;
     let inserted: usize = glued.inserted.iter().sum();
     let summary = Summary {
         blocks: pieces.len(),
         tiled: points.len() + eliminated.len() - inserted,
-        dropped,
+        dropped: fates.iter().filter(|f| **f == Fate::Dropped).count(),
         eliminated: eliminated.len(),
         inserted: glued.inserted.clone(),
         count: points.len(),
@@ -212,6 +191,28 @@ fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
         seams: layout::seams(&domain, pieces),
         summary,
     }
+}
+
+/// Returns the samples of the result in canonical order, with their sources.
+fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
+    let source = |origin: &Origin| match *origin {
+        Origin::Tiled { block, pattern, .. } => Source::Tiled { block, pattern },
+        Origin::Inserted { iteration, .. } => Source::Inserted { iteration },
+    };
+    let samples = &glued.samples;
+    let near = samples.points.par_iter().zip(&samples.origins);
+    let near = near.zip(&samples.fates);
+    let near = near.filter(|&(_, fate)| *fate == Fate::Kept);
+    let deep = glued.deep.par_iter().enumerate();
+    let deep = deep.flat_map_iter(|(block, samples)| {
+        let block = block as u32;
+        let of = move |&(point, pattern)| (point, Source::Tiled { block, pattern });
+        samples.iter().map(of)
+    });
+    let near = near.map(|((point, origin), _)| (*point, source(origin)));
+    let mut all: Vec<(Point, Source)> = near.chain(deep).collect();
+    all.par_sort_unstable_by_key(|(point, _)| point.canonical());
+    all.into_iter().unzip()
 }
 
 /// Why pieces cannot be combined. Places are in the result's user units, pieces counted from 0.
