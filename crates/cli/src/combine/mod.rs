@@ -66,19 +66,21 @@ const LAYOUT_HELP: &str = r#"The layout:
       { "parameters": { "seed": 3, "leaf": 20, "insertion": "uniform" } }
     ]
   }
-Instead of columns and rows: "width", "height", and in each piece "rect": [x0, y0, x1, y1]. The rectangles
-must fill the domain and not overlap. Also: "seed" (1) of the gluing, "order" and "insertion" as in sample.
+Instead of columns and rows: "width", "height", and in each piece "rect": [x0, y0, x1, y1].
+The rectangles must fill the domain and not overlap. Also: "seed" of the gluing (1 if not given),
+"order" and "insertion" as in sample.
 
 Pieces:
-  seed         a set as large as its rectangle, by "method" kdrt (if not given) or reference; its "boundary" is
-               the layout's, if not given
-  parameters   a set by kdrt; what is not given is as in sample, and width, height and radius, given together or
-               not at all, are the rectangle's and the layout's
-  file         a point set, relative to the layout's folder, with a certificate beside it, or with its own
-               "radius" and, if it is not the periodic unit square, "width", "height" and "boundary"
-  offset       of a set by file or parameters: which place of it lies on the rectangle's lowest corner, in its own units
-Every set is scaled until its radius is the layout's; one that is not conflict-free and maximal is refused.
-A periodic set repeats; a bounded one must reach over its rectangle.
+  seed         a set as large as its rectangle, by "method" kdrt (if not given) or reference;
+               its "boundary" is the layout's, if not given
+  parameters   a set by kdrt. Width, height and radius are given together, or are the rectangle's and
+               the layout's; the boundary is the layout's and all else as in sample, if not given
+  file         a point set, relative to the layout's folder, with a certificate beside it or with
+               "radius" and, unless it is the periodic unit square, "width", "height", "boundary"
+  offset       of a set by file or parameters: which place of it, in its own units, lies on the
+               rectangle's lowest corner
+Every set is scaled until its radius is the layout's. One that is not conflict-free and maximal is
+refused. A periodic set repeats; a bounded one must reach over its rectangle.
 
 Examples:
   tilescope combine nine.json --out nine.csv
