@@ -3,7 +3,8 @@
 //!
 //!     cargo run --release -p tilescope-core --example parallel_reference -- [SIDE] [ROUNDS] [PIECES]
 //!
-//! SIDE is the domain's in radii (default 1200: a million samples), PIECES those along a side.
+//! SIDE is the domain's in radii (default 1200: a million samples), PIECES those along a side
+//! (default: about eight a thread, so that all threads end together).
 
 use std::error::Error;
 use std::hint::black_box;
@@ -24,7 +25,7 @@ fn main() -> Outcome<()> {
     let mut number = |default: u32| arguments.next().map_or(Ok(default), |text| text.parse());
     let (side, rounds) = (number(1200)?, number(3)?);
     let threads = rayon::current_num_threads();
-    let along = number(((4 * threads) as f64).sqrt().ceil() as u32)?;
+    let along = number(((8 * threads) as f64).sqrt().ceil() as u32)?;
     let sides = [f64::from(side); 2];
     println!("{side} x {side} r, {threads} threads, {along} x {along} pieces");
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
