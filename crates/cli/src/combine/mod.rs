@@ -73,8 +73,8 @@ The rectangles must fill the domain and not overlap. Also: "seed" of the gluing 
 Pieces:
   seed         a set as large as its rectangle, by "method" kdrt (if not given) or reference;
                its "boundary" is the layout's, if not given
-  parameters   a set by kdrt. Width, height and radius are given together, or are the rectangle's and
-               the layout's; the boundary is the layout's and all else as in sample, if not given
+  parameters   a set by kdrt. Width, height and radius are given together, or are the rectangle's
+               and the layout's; the boundary is the layout's, all else as in sample, if not given
   file         a point set, relative to the layout's folder, with a certificate beside it or with
                "radius" and, unless it is the periodic unit square, "width", "height", "boundary"
   offset       of a set by file or parameters: which place of it, in its own units, lies on the
