@@ -472,6 +472,7 @@ fn side_units(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn domain(side: f64, radius: f64, boundary: Boundary) -> Domain {
         Domain::from_size([side, side], radius, boundary).unwrap()
@@ -562,5 +563,46 @@ mod tests {
             Err(ParameterError::SideTooLong { .. })
         ));
         assert!(make(1.0, 1.0, 1.0 / 65_532.0).is_ok());
+    }
+
+    proptest! {
+        /// Columns whose edges are sums partition the domain, and a bounded set of a column's width reaches over it but
+        /// for a unit, where its own quotient is rounded down.
+        #[test]
+        fn rectangles_of_added_widths_partition_and_fit_their_sets(
+            widths in prop::collection::vec(6.1_f64..40.0, 1..9),
+            coarse: bool,
+            radius in 1e-5_f64..1e5,
+            bounded: bool,
+        ) {
+            let boundary = if bounded { Boundary::Bounded } else { Boundary::Periodic };
+            // Widths in tenths of a radius meet lattice lines in exact arithmetic, and not in floating point.
+            let width = |w: &f64| if coarse { (w * 10.0).ceil() * 0.1 * radius } else { w * radius * 1.000_001 };
+            let mut edges = vec![0.0];
+            for width in widths.iter().map(width) {
+                edges.push(edges[edges.len() - 1] + width);
+            }
+            let side = edges[edges.len() - 1].max(10.000_001 * radius);
+            *edges.last_mut().unwrap() = side;
+            let domain = Domain::from_size([side, side], radius, boundary).unwrap();
+            let mut end = 0;
+            for pair in edges.windows(2) {
+                let rect = domain.rect_from_user([pair[0], 0.0], [pair[1], side]);
+                prop_assert_eq!((rect.min.x, rect.min.y, rect.max.y), (end, 0, domain.rect().max.y));
+                end = rect.max.x;
+                let own = Domain::from_size([pair[1] - pair[0]; 2], radius, Boundary::Bounded);
+                prop_assert!(own.unwrap().rect().max.x >= rect.width() - 1);
+            }
+            prop_assert_eq!(end, domain.rect().max.x);
+        }
+    }
+
+    #[test]
+    fn rectangles_beyond_the_domain_end_at_its_border() {
+        let domain = domain(20.0, 1.0, Boundary::Bounded);
+        let all = domain.rect_from_user([-1.0, -1e300], [f64::INFINITY, 21.0]);
+        assert_eq!(all, domain.rect());
+        let none = domain.rect_from_user([5.0, 5.0], [f64::NAN, 5.0]);
+        assert!(none.width() <= 0 && none.height() <= 0);
     }
 }

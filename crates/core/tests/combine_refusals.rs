@@ -4,7 +4,7 @@ mod combining;
 
 use combining::{Made, domain, mixed, piece};
 use tilescope_core::combine::{CombineError, CombineOptions, MAX_PIECES, Piece, combine};
-use tilescope_core::{Boundary, Domain, ParameterError, Point, R, Unobserved};
+use tilescope_core::{Boundary, Domain, ParameterError, Point, R, Unobserved, covers_offset};
 
 fn refused(domain: Domain, pieces: &[Piece]) -> CombineError {
     combine(domain, pieces, &CombineOptions::default(), &mut Unobserved).unwrap_err()
@@ -71,21 +71,50 @@ fn overlaps_and_holes_are_named() {
 
 #[test]
 fn a_set_must_reach_over_its_rectangle() {
-    let bounded = |change: fn(&mut Piece)| {
-        let domain = domain([20.0, 20.0], Boundary::Bounded);
-        let mut piece = piece(domain.rect(), Made::Reference(Boundary::Bounded), 1);
-        change(&mut piece);
-        refused(domain, &[piece])
-    };
-    for error in [
-        bounded(|piece| piece.start = Point::new(0, 1)),
-        bounded(|piece| piece.start = Point::new(-1, 0)),
-        bounded(|piece| piece.start = Point::new(i32::MAX, i32::MIN)),
-    ] {
-        assert!(
-            matches!(error, CombineError::TooSmall { piece: 0, .. }),
-            "{error}"
+    let domain = domain([20.0, 20.0], Boundary::Bounded);
+    let whole = piece(domain.rect(), Made::Reference(Boundary::Bounded), 1);
+    for start in [(0, 3), (3, 0), (-1, 0), (i32::MAX, i32::MIN)] {
+        let start = Point::new(start.0, start.1);
+        let error = refused(
+            domain,
+            &[Piece {
+                start,
+                ..whole.clone()
+            }],
         );
+        let named = matches!(error, CombineError::TooSmall { piece: 0, .. });
+        assert!(named, "{error}");
+    }
+}
+
+/// A set that ends a unit or two early serves where its samples cover these, too.
+#[test]
+fn a_set_that_ends_a_unit_early_must_cover_it() {
+    let domain = domain([20.0, 20.0], Boundary::Bounded);
+    let whole = piece(domain.rect(), Made::Reference(Boundary::Bounded), 1);
+    let set = &whole.set;
+    let covers = |start: Point| {
+        let ends = set.domain().rect().max;
+        let beyond = (0..ends.y).map(|y| Point::new(ends.x - 1 + start.x, y));
+        let near: Vec<Point> = set
+            .samples()
+            .iter()
+            .filter(|p| p.x >= ends.x - R - 9)
+            .copied()
+            .collect();
+        beyond
+            .into_iter()
+            .all(|b| near.iter().any(|s| covers_offset(b.x - s.x, b.y - s.y)))
+    };
+    for early in [1, 2] {
+        let start = Point::new(early, 0);
+        let pieces = [Piece {
+            start,
+            ..whole.clone()
+        }];
+        let made = combine(domain, &pieces, &CombineOptions::default(), &mut Unobserved);
+        assert_eq!(made.is_ok(), covers(start));
+        combining::check(&pieces, &made.expect("this set covers them"));
     }
 }
 

@@ -2,7 +2,7 @@
 //! It looks at rectangles only, never at samples.
 
 use super::{CombineError, MAX_PIECES, Piece};
-use crate::lattice::{Domain, Point, R, Rect};
+use crate::lattice::{Domain, Point, R, R_SQUARED, Rect};
 use crate::stages::blocks::Axis;
 
 /// A line along which two pieces meet that do not continue each other. In a periodic domain a seam may
@@ -104,7 +104,11 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
     Ok(())
 }
 
-/// Refuses a bounded set that does not reach over its rectangle.
+/// By how many units a bounded set may end inside its rectangle, if its samples cover what lies beyond: quotients of sides and
+/// radii that are rounded down lose a unit.
+const SHORT: i32 = 2;
+
+/// Refuses a bounded set that does not cover its rectangle.
 fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
     let own = placed.set.domain();
     if own.is_periodic() {
@@ -115,7 +119,8 @@ fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
     let has = |start: i32, max: i32| if start < 0 { 0 } else { (max - start).max(0) };
     let has = [has(start.x, max.x), has(start.y, max.y)];
     let needs = [placed.rect.width(), placed.rect.height()];
-    if has[0] < needs[0] || has[1] < needs[1] {
+    let short = [needs[0] - has[0], needs[1] - has[1]];
+    if short.iter().any(|&units| units > SHORT) || !covers_beyond(placed, short) {
         let radii = |units: i32| f64::from(units) / f64::from(R);
         return Err(CombineError::TooSmall {
             piece,
@@ -124,6 +129,45 @@ fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
         });
     }
     Ok(())
+}
+
+/// Returns whether the set covers the lines of its rectangle, `short` of them on each axis, on which it ends.
+fn covers_beyond(placed: &Piece, short: [i32; 2]) -> bool {
+    let (start, max) = (placed.start, placed.set.domain().rect().max);
+    let points = placed.set.samples().iter();
+    let columns = points.clone().map(|p| (p.y, p.x));
+    let rows = points.map(|p| (p.x, p.y));
+    let mut lines = (0..short[0]).map(|k| max.x + k);
+    let columns = lines.all(|x| covers_line(columns.clone(), x, start.y, placed.rect.height()));
+    let mut lines = (0..short[1]).map(|k| max.y + k);
+    columns && lines.all(|y| covers_line(rows.clone(), y, start.x, placed.rect.width()))
+}
+
+/// Returns whether samples, each with its coordinates along and across a line, cover `length` lattice points of it from `start`
+/// on.
+fn covers_line(
+    samples: impl Iterator<Item = (i32, i32)>,
+    line: i32,
+    start: i32,
+    length: i32,
+) -> bool {
+    let mut covered: Vec<(i64, i64)> = samples
+        .filter_map(|(along, across)| {
+            let apart = i64::from(across) - i64::from(line);
+            let left = R_SQUARED - apart * apart;
+            let half = (left >= 0).then(|| left.isqrt())?;
+            Some((i64::from(along) - half, i64::from(along) + half))
+        })
+        .collect();
+    covered.sort_unstable();
+    let mut next = i64::from(start);
+    for (first, last) in covered {
+        if first > next {
+            break;
+        }
+        next = next.max(last + 1);
+    }
+    next >= i64::from(start) + i64::from(length)
 }
 
 /// Returns whether `b`, moved by `shift` units, shows what `a` shows beyond its rectangle: the same set in the same place.
@@ -193,4 +237,22 @@ fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Op
         to: place(to),
         pieces: [left, right],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_covered_to_the_last_lattice_point() {
+        // Two disks that meet in the point R of line 0, and miss it on the next line by a hair.
+        let samples = [(0, 0), (2 * R, 0)];
+        let covers = |line, start, length| covers_line(samples.into_iter(), line, start, length);
+        assert!(covers(0, -R, 4 * R + 1));
+        assert!(!covers(0, -R - 1, 4 * R));
+        assert!(!covers(0, -R, 4 * R + 2));
+        assert!(!covers(1, 0, 2 * R));
+        assert!(covers(1, 0, R) && covers(-1, R + 1, R));
+        assert!(!covers(R + 1, 0, 1));
+    }
 }
