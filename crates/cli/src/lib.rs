@@ -4,6 +4,7 @@
 mod bands;
 mod bench;
 mod bench_gpu;
+mod combine;
 mod completions;
 mod convert;
 mod draw;
@@ -56,6 +57,8 @@ pub enum Command {
     Verify(verify::VerifyArguments),
     /// Convert a point set to another format, verified
     Convert(convert::ConvertArguments),
+    /// Glue maximal sets, placed side by side by a layout, into one
+    Combine(combine::CombineArguments),
     /// Draw a point set as PNG or SVG
     Draw(draw::DrawArguments),
     /// Measure KDRT against the reference sampler, or a GPU against the threads
@@ -77,6 +80,7 @@ Examples:
   tilescope sample --radius 0.005 --boundary bounded --seed 7 --json
   tilescope verify set.csv
   tilescope convert set.csv set.npy
+  tilescope combine nine.json --out nine.csv           nine sets, glued along their seams
   tilescope draw set.csv set.svg
   tilescope bench --samples 1000000 --leaf 20 40 80
   tilescope gpu                                        which adapters there are, tested
@@ -90,6 +94,7 @@ pub fn run(command: &Command) -> ExitCode {
         Command::Sample(arguments) => sample::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
+        Command::Combine(arguments) => combine::run(arguments),
         Command::Draw(arguments) => draw::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Soak(arguments) => soak::run(arguments),

@@ -47,7 +47,7 @@ impl Facts {
     ) -> Result<Self> {
         let mut stated = described(parameters)?;
         if let Some(path) = arguments.and_then(|arguments| arguments.pattern.as_ref()) {
-            stated.insert("pattern".into(), pattern_of_file(path)?);
+            stated.insert("pattern".into(), named_by_content(path)?);
         }
         Ok(Self {
             method: "kdrt",
@@ -296,8 +296,8 @@ pub fn described(parameters: &Parameters) -> Result<BTreeMap<String, Value>> {
     Ok(serde_json::from_value(serde_json::to_value(parameters)?)?)
 }
 
-/// A pattern from a file is named by its content.
-fn pattern_of_file(path: &Path) -> Result<Value> {
+/// Returns a file's name without folders, and its digest: a set from a file is named by its content.
+pub fn named_by_content(path: &Path) -> Result<Value> {
     let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Ok(json!({ "file": name, "digest": bytes_digest(&bytes) }))

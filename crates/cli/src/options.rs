@@ -37,14 +37,18 @@ impl From<BoundaryArgument> for Boundary {
 /// Returns the verifier's region of a run's domain.
 pub fn region(domain: &tilescope_core::Domain) -> Region {
     let [width, height] = domain.size();
-    let boundary = match domain.boundary() {
-        tilescope_core::Boundary::Periodic => Boundary::Periodic,
-        tilescope_core::Boundary::Bounded => Boundary::Bounded,
-    };
     Region {
         width,
         height,
-        boundary,
+        boundary: judged(domain.boundary()),
+    }
+}
+
+/// Returns the verifier's name of a run's boundary.
+pub const fn judged(boundary: tilescope_core::Boundary) -> Boundary {
+    match boundary {
+        tilescope_core::Boundary::Periodic => Boundary::Periodic,
+        tilescope_core::Boundary::Bounded => Boundary::Bounded,
     }
 }
 

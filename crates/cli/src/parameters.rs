@@ -1,12 +1,13 @@
 //! Arguments that determine a run, and the parameters and pattern that they make.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use tilescope_analysis::Region;
 use tilescope_core::{
-    Insertion, Observer, Order, Parameters, Pattern, PatternSpec, Search, Variant,
+    Domain, Insertion, Observer, Order, Parameters, Pattern, PatternSpec, Search, Variant,
 };
 use tilescope_formats::Hint;
 
@@ -163,24 +164,40 @@ impl RunArguments {
         }
     }
 
-    fn pattern_from_file(&self, path: &std::path::Path) -> Result<Pattern> {
-        let read = tilescope_formats::read(path, &Hint::default())?;
-        let (region, radius) = match (&read.certificate, self.pattern_radius) {
-            (Some(c), None) => (c.region, c.radius),
-            (Some(c), Some(radius)) => (c.region, radius),
-            (None, Some(radius)) => (UNIT_SQUARE, radius),
-            (None, None) => bail!("the pattern has no certificate; give --pattern-radius"),
-        };
-        let boundary = match region.boundary {
-            tilescope_analysis::Boundary::Periodic => tilescope_core::Boundary::Periodic,
-            tilescope_analysis::Boundary::Bounded => tilescope_core::Boundary::Bounded,
-        };
-        let size = [region.width, region.height];
-        Ok(Pattern::from_positions(
-            &read.set.points,
-            size,
-            radius,
-            boundary,
-        )?)
+    fn pattern_from_file(&self, path: &Path) -> Result<Pattern> {
+        let (radius, wanted) = (self.pattern_radius, "--pattern-radius");
+        let stated = |region: Option<Region>| region.unwrap_or(UNIT_SQUARE);
+        Ok(set_of_file(path, radius, wanted, stated)?.pattern)
     }
+}
+
+/// A checked set with the domain that it is a set of.
+pub struct FileSet {
+    pub pattern: Pattern,
+    pub domain: Domain,
+}
+
+/// Returns the set in a file, conflict-free and maximal. The region is what `region` makes of its certificate's; the radius
+/// is `radius`, or its certificate's, or an error that asks for `wanted`.
+pub fn set_of_file(
+    path: &Path,
+    radius: Option<f64>,
+    wanted: &str,
+    region: impl FnOnce(Option<Region>) -> Region,
+) -> Result<FileSet> {
+    let read = tilescope_formats::read(path, &Hint::default())?;
+    let stated = read.certificate.as_ref();
+    let Some(radius) = radius.or(stated.map(|stated| stated.radius)) else {
+        bail!("the set has no certificate; give {wanted}");
+    };
+    let region = region(stated.map(|stated| stated.region));
+    let boundary = match region.boundary {
+        tilescope_analysis::Boundary::Periodic => tilescope_core::Boundary::Periodic,
+        tilescope_analysis::Boundary::Bounded => tilescope_core::Boundary::Bounded,
+    };
+    let size = [region.width, region.height];
+    Ok(FileSet {
+        pattern: Pattern::from_positions(&read.set.points, size, radius, boundary)?,
+        domain: Domain::from_size(size, radius, boundary)?,
+    })
 }

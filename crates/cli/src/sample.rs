@@ -232,7 +232,7 @@ impl SampleArguments {
 }
 
 /// Refuses, before any work, a target that could not be written at its end.
-fn check_target(path: &Path, format: Option<Format>) -> Result<()> {
+pub fn check_target(path: &Path, format: Option<Format>) -> Result<()> {
     let known = Format::ALL.map(Format::extension).join(", ");
     ensure!(
         format.is_some() || Format::from_path(path).is_some(),

@@ -26,6 +26,10 @@ pub const MIN_SIDE_RADII_PERIODIC: f64 = 10.0;
 /// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
 pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
 
+/// By how many units a bound may miss a lattice line and still be on it: 2^-10. Sums of a thousand lengths miss
+/// theirs by less.
+const EXACT_UNITS: f64 = 1.0 / 1024.0;
+
 /// A position in lattice units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Point {
@@ -168,6 +172,16 @@ impl Domain {
             size,
             radius: 1.0,
         }
+    }
+
+    /// Returns the domain of radius 1 that has as many lattice points on each axis as `rect`: what a set
+    /// lives in that is made for that rectangle.
+    ///
+    /// Fails when the rectangle is too small or too large for a domain of its own.
+    pub fn of_rect(rect: &Rect, boundary: Boundary) -> Result<Self, ParameterError> {
+        let closed = i32::from(boundary == Boundary::Bounded);
+        let radii = |points: i32| f64::from(points - closed) / f64::from(R);
+        Self::from_size([radii(rect.width()), radii(rect.height())], 1.0, boundary)
     }
 
     /// Returns the width in lattice units.
@@ -322,6 +336,33 @@ impl Domain {
         Ok(window)
     }
 
+    /// Returns the lattice rectangle of the points `low <= position < high` of the domain, in user units, with its
+    /// closed border where `high` reaches it. A bound that lies less than 2^-10 units above a lattice line
+    /// is on it, so that bounds that were added up give the rectangles that they mean.
+    ///
+    /// Bounds outside the domain, or no numbers, give a rectangle that ends at the border or is empty.
+    #[must_use]
+    pub fn rect_from_user(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
+        let first = |position: f64, axis: usize| {
+            let units = [self.width, self.height][axis];
+            let place = position / self.size[axis] * f64::from(units);
+            (place - EXACT_UNITS).ceil().clamp(0.0, units.into()) as i32
+        };
+        let end = |position: f64, axis: usize| {
+            let units = [self.width, self.height][axis];
+            let last = first(position, axis);
+            if last == units {
+                self.rect_side(axis)
+            } else {
+                last
+            }
+        };
+        Rect {
+            min: Point::new(first(low[0], 0), first(low[1], 1)),
+            max: Point::new(end(high[0], 0), end(high[1], 1)),
+        }
+    }
+
     const fn rect_side(&self, axis: usize) -> i32 {
         let max = self.rect().max;
         if axis == 0 { max.x } else { max.y }
@@ -431,6 +472,7 @@ fn side_units(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn domain(side: f64, radius: f64, boundary: Boundary) -> Domain {
         Domain::from_size([side, side], radius, boundary).unwrap()
@@ -521,5 +563,46 @@ mod tests {
             Err(ParameterError::SideTooLong { .. })
         ));
         assert!(make(1.0, 1.0, 1.0 / 65_532.0).is_ok());
+    }
+
+    proptest! {
+        /// Columns whose edges are sums partition the domain, and a bounded set of a column's width reaches over it but
+        /// for a unit, where its own quotient is rounded down.
+        #[test]
+        fn rectangles_of_added_widths_partition_and_fit_their_sets(
+            widths in prop::collection::vec(6.1_f64..40.0, 1..9),
+            coarse: bool,
+            radius in 1e-5_f64..1e5,
+            bounded: bool,
+        ) {
+            let boundary = if bounded { Boundary::Bounded } else { Boundary::Periodic };
+            // Widths in tenths of a radius meet lattice lines in exact arithmetic, and not in floating point.
+            let width = |w: &f64| if coarse { (w * 10.0).ceil() * 0.1 * radius } else { w * radius * 1.000_001 };
+            let mut edges = vec![0.0];
+            for width in widths.iter().map(width) {
+                edges.push(edges[edges.len() - 1] + width);
+            }
+            let side = edges[edges.len() - 1].max(10.000_001 * radius);
+            *edges.last_mut().unwrap() = side;
+            let domain = Domain::from_size([side, side], radius, boundary).unwrap();
+            let mut end = 0;
+            for pair in edges.windows(2) {
+                let rect = domain.rect_from_user([pair[0], 0.0], [pair[1], side]);
+                prop_assert_eq!((rect.min.x, rect.min.y, rect.max.y), (end, 0, domain.rect().max.y));
+                end = rect.max.x;
+                let own = Domain::from_size([pair[1] - pair[0]; 2], radius, Boundary::Bounded);
+                prop_assert!(own.unwrap().rect().max.x >= rect.width() - 1);
+            }
+            prop_assert_eq!(end, domain.rect().max.x);
+        }
+    }
+
+    #[test]
+    fn rectangles_beyond_the_domain_end_at_its_border() {
+        let domain = domain(20.0, 1.0, Boundary::Bounded);
+        let all = domain.rect_from_user([-1.0, -1e300], [f64::INFINITY, 21.0]);
+        assert_eq!(all, domain.rect());
+        let none = domain.rect_from_user([5.0, 5.0], [f64::NAN, 5.0]);
+        assert!(none.width() <= 0 && none.height() <= 0);
     }
 }

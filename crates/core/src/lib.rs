@@ -5,6 +5,7 @@
 //! takes part in a decision. Everything drawn is keyed by what it is drawn for.
 
 mod circumcentre;
+pub mod combine;
 mod count;
 mod engine;
 mod error;

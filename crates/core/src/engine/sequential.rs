@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::engine::as_printed::AsPrinted;
 use crate::error::SampleError;
 use crate::grid::SampleGrid;
+use crate::lattice::Domain;
 use crate::parameters::{Insertion, Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::progress::{Meter, Observer, Stage};
@@ -227,7 +228,7 @@ impl Sequential {
             }
             (Variant::Staged, Insertion::Circumcentre) => {
                 eliminate(&run.domain, &mut run.samples, &contested, meter, recorder)?;
-                let survivors = survivors(run);
+                let survivors = survivors(run.domain, &run.samples);
                 let detectors = first_detectors_recorded(&run.samples, &survivors, recorder);
                 Filling::Circumcentres {
                     survivors,
@@ -318,11 +319,12 @@ impl Sequential {
     }
 }
 
-fn survivors(run: &Run) -> SampleGrid {
-    let mut grid = SampleGrid::with_capacity(run.domain, run.samples.len());
-    for (id, &fate) in (0..).zip(&run.samples.fates) {
+/// Returns the grid of all kept samples.
+pub(crate) fn survivors(domain: Domain, samples: &Samples) -> SampleGrid {
+    let mut grid = SampleGrid::with_capacity(domain, samples.len());
+    for (id, &fate) in (0..).zip(&samples.fates) {
         if fate == Fate::Kept {
-            grid.insert(id, run.samples.points[id as usize]);
+            grid.insert(id, samples.points[id as usize]);
         }
     }
     grid
@@ -351,7 +353,8 @@ fn detect<T: Recorder>(
     Ok(candidates)
 }
 
-fn uniform<T: Recorder>(
+/// Makes iteration `k` of uniform insertion: one throw of the process.
+pub(crate) fn uniform<T: Recorder>(
     process: &mut DartProcess,
     k: u32,
     samples: &mut Samples,

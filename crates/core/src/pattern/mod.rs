@@ -5,6 +5,7 @@
 mod cache;
 mod packed;
 mod ready;
+mod sets;
 
 pub use packed::PackedError;
 pub use ready::{READY_MADE, ReadyMade};
@@ -120,27 +121,30 @@ impl Pattern {
                 });
             }
         }
-        // Before any memory is taken that grows with the domain.
-        if (positions.len() as f64) < LEAST_DENSITY * domain.area_radii() {
-            return Err(PatternError::TooFew {
-                count: positions.len(),
-                area: domain.area_radii(),
-            });
-        }
-        let mut samples: Vec<Point> = positions
+        check_count(positions.len(), &domain)?;
+        let samples = positions
             .iter()
             .map(|&p| domain.lattice_from_user(p))
             .collect();
+        Self::checked(&domain, samples)
+    }
+
+    /// Returns the pattern of samples of `domain` if they are conflict-free and maximal.
+    fn checked(domain: &Domain, mut samples: Vec<Point>) -> Result<Self, PatternError> {
         samples.sort_unstable_by_key(|p| p.canonical());
-        let covers_lattice = check(&domain, &samples)?;
-        // Blocks see lattice units only; the user's unit ends here.
-        let domain = Domain::from_units(domain.width(), domain.height(), boundary);
-        Ok(Self {
-            domain,
+        let covers_lattice = check(domain, &samples)?;
+        Ok(Self::of_samples(domain, samples, covers_lattice))
+    }
+
+    /// Returns the pattern of samples in canonical order that need no check.
+    fn of_samples(domain: &Domain, samples: Vec<Point>, covers_lattice: bool) -> Self {
+        Self {
+            // Blocks see lattice units only; the user's unit ends here.
+            domain: Domain::from_units(domain.width(), domain.height(), domain.boundary()),
             samples,
             seed: None,
             covers_lattice,
-        })
+        }
     }
 
     /// Returns whether this is the pattern that [`Self::generate`] makes of `spec`.
@@ -263,6 +267,18 @@ impl Variant {
     }
 }
 
+/// Refuses too few samples, before any memory is taken that grows with the domain.
+fn check_count(count: usize, domain: &Domain) -> Result<(), PatternError> {
+    let area = domain.area_radii();
+    if count == 0 {
+        return Err(PatternError::Empty);
+    }
+    if (count as f64) < LEAST_DENSITY * area {
+        return Err(PatternError::TooFew { count, area });
+    }
+    Ok(())
+}
+
 /// Checks a given set and returns whether it covers every lattice point.
 fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
     let conflict = |a: Point, b: Point| {
@@ -304,13 +320,13 @@ fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
 #[non_exhaustive]
 pub enum PatternError {
     /// There is no sample.
-    #[error("the pattern is empty")]
+    #[error("the set is empty")]
     Empty,
     /// Its domain or radius is impossible.
-    #[error("the pattern's domain is impossible: {0}")]
+    #[error("the set's domain is impossible: {0}")]
     Domain(#[from] ParameterError),
     /// A position is not finite or not inside.
-    #[error("sample {index} of the pattern, ({}, {}), is not inside [0, {}] x [0, {}]", position[0], position[1], size[0], size[1])]
+    #[error("sample {index} of the set, ({}, {}), is not inside [0, {}] x [0, {}]", position[0], position[1], size[0], size[1])]
     Outside {
         /// Index of the position as given.
         index: usize,
@@ -320,7 +336,7 @@ pub enum PatternError {
         size: [f64; 2],
     },
     /// Two samples are no farther apart than the radius.
-    #[error("the pattern is not conflict-free: ({}, {}) and ({}, {}) are {radii:.6} r apart", first[0], first[1], second[0], second[1])]
+    #[error("the set is not conflict-free: ({}, {}) and ({}, {}) are {radii:.6} r apart", first[0], first[1], second[0], second[1])]
     Conflict {
         /// One sample, in the pattern's units.
         first: [f64; 2],
@@ -331,7 +347,7 @@ pub enum PatternError {
     },
     /// So few samples cannot cover the domain.
     #[error(
-        "the pattern is not maximal: {count} samples cannot cover {area:.1} squared radii; is its radius right?"
+        "the set is not maximal: {count} samples cannot cover {area:.1} squared radii; is its radius right?"
     )]
     TooFew {
         /// How many there are.
@@ -340,7 +356,7 @@ pub enum PatternError {
         area: f64,
     },
     /// A place is not covered.
-    #[error("the pattern is not maximal: no sample covers ({}, {})", witness[0], witness[1])]
+    #[error("the set is not maximal: no sample covers ({}, {})", witness[0], witness[1])]
     NotMaximal {
         /// The place, in the pattern's units.
         witness: [f64; 2],

@@ -78,8 +78,9 @@ pub(crate) fn tile<T: Recorder>(
     Ok(tiles)
 }
 
+/// Appends the sample `pattern` of a clip at (x, y): wrapped in a periodic domain, dropped outside a bounded one.
 #[inline]
-fn place(
+pub(crate) fn place(
     domain: &Domain,
     block: &Rect,
     (x, y): (i64, i64),

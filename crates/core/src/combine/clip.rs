@@ -1,0 +1,131 @@
+//! What a piece contributes: the samples of its set in its rectangle, and in the margin of r around it as far as
+//! the set goes on. It never looks at another piece's samples.
+
+use rayon::prelude::*;
+
+use super::Piece;
+use super::layout::continues;
+use crate::lattice::{Domain, Point, R};
+use crate::pattern::Symmetry;
+
+/// A piece's contribution.
+pub(super) struct Clip {
+    /// Samples in the margin and near it, by y, then x, each with its index in the set. Places are the result's, where they
+    /// are before a periodic domain wraps.
+    pub near: Vec<(i64, i64, u32)>,
+    /// Samples deeper inside than what was asked for.
+    pub deep: Vec<(Point, u32)>,
+}
+
+/// Returns every piece's contribution; samples more than `reach` units inside their rectangle are deep.
+pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> {
+    let each = pieces.par_iter().with_max_len(1);
+    each.map(|piece| clip(domain, pieces, piece, reach))
+        .collect()
+}
+
+fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
+    let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
+    let twins = twins(domain, pieces, piece);
+    let (min, sides) = (rect.min, [rect.width(), rect.height()]);
+    let x = Margined::new(
+        min.x,
+        piece.start.x,
+        sides[0],
+        variant.width,
+        variant.periodic,
+    );
+    let y = Margined::new(
+        min.y,
+        piece.start.y,
+        sides[1],
+        variant.height,
+        variant.periodic,
+    );
+    let (mut near, mut deep) = (Vec::new(), Vec::new());
+    let start = Point::new(x.start, y.start);
+    variant.clip(start, x.length, y.length, |right, up, index| {
+        let (x, y) = (x.corner + i64::from(right), y.corner + i64::from(up));
+        // What 32 bits cannot hold lies in a margin.
+        let point = Point::new(x as i32, y as i32);
+        let own = (i64::from(point.x), i64::from(point.y)) == (x, y) && rect.contains(point);
+        if own && rect.depth(point) > reach {
+            deep.push((point, index));
+        } else if own || !twins.iter().any(|twin| twin.contains(x, y)) {
+            near.push((y, x, index));
+        }
+    });
+    near.sort_unstable();
+    let near = near.into_iter().map(|(y, x, index)| (x, y, index));
+    Clip {
+        near: near.collect(),
+        deep,
+    }
+}
+
+/// One axis of a rectangle that is enlarged by r on both ends, as far as the set goes.
+struct Margined {
+    /// Where it begins in the set.
+    start: i32,
+    /// Where it begins in the result.
+    corner: i64,
+    /// Its length.
+    length: i32,
+}
+
+impl Margined {
+    /// Returns the axis of a rectangle of `side` units from `min` on, which shows the set from `start` on.
+    fn new(min: i32, start: i32, side: i32, extent: i32, periodic: bool) -> Self {
+        let (min, start, extent) = (i64::from(min), i64::from(start), i64::from(extent));
+        let margined = (start - i64::from(R), start + i64::from(side) + i64::from(R));
+        let (low, high) = if periodic {
+            margined
+        } else {
+            (margined.0.max(0), margined.1.min(extent))
+        };
+        Self {
+            start: low.rem_euclid(extent) as i32,
+            corner: min - start + low,
+            length: (high - low) as i32,
+        }
+    }
+}
+
+/// A rectangle of the plane.
+struct Twin {
+    min: [i64; 2],
+    max: [i64; 2],
+}
+
+impl Twin {
+    fn contains(&self, x: i64, y: i64) -> bool {
+        (self.min[0]..self.max[0]).contains(&x) && (self.min[1]..self.max[1]).contains(&y)
+    }
+}
+
+/// Returns the rectangles around a piece in which the set goes on as it is: there the piece's margin
+/// would only repeat samples that are there.
+fn twins(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Twin> {
+    let mut twins = Vec::new();
+    let periodic = domain.is_periodic();
+    let shifts = |side: i32| {
+        let side = i64::from(side);
+        let sides: &[i64] = if periodic { &[-1, 0, 1] } else { &[0] };
+        sides.iter().map(move |k| k * side)
+    };
+    for other in pieces {
+        for dx in shifts(domain.width()) {
+            for dy in shifts(domain.height()) {
+                let itself = std::ptr::eq(other, piece) && dx == 0 && dy == 0;
+                if !itself && continues(piece, other, [dx, dy]) {
+                    let (min, max) = (other.rect.min, other.rect.max);
+                    twins.push(Twin {
+                        min: [i64::from(min.x) + dx, i64::from(min.y) + dy],
+                        max: [i64::from(max.x) + dx, i64::from(max.y) + dy],
+                    });
+                }
+            }
+        }
+    }
+    twins
+}

@@ -1,0 +1,316 @@
+//! The stages at the seams: elimination, detection and insertion among the samples near them. It schedules the
+//! stages and decides nothing itself.
+
+use rayon::prelude::*;
+
+use super::clip::{Clip, clips};
+use super::{CombineError, CombineOptions, Lost, Piece};
+use crate::engine::sequential::{survivors, uniform};
+use crate::error::SampleError;
+use crate::lattice::{Domain, Point, R};
+use crate::parameters::Insertion;
+use crate::progress::{Meter, Observer, Stage};
+use crate::random::Key;
+use crate::record::Unrecorded;
+use crate::run::{Fate, Origin, Samples};
+use crate::stages::blocks::{Block, Blocks};
+use crate::stages::detect::{Candidate, Detection, first_detectors};
+use crate::stages::eliminate::{contested, eliminate};
+use crate::stages::insert::{insert, unique};
+use crate::stages::order::Ranking;
+use crate::stages::tile::place;
+use crate::stages::uniform::gap_process;
+
+/// How far around a detector samples are read, at most: 7r in the box around a detector at a border.
+const READ: i32 = 7 * R;
+
+/// How far inside their rectangles samples are looked at, at first. Eliminated samples are at most 2r inside, so
+/// first detectors at most 4r and 4 units.
+const NEAR: i32 = 5 * R + READ;
+
+/// Detectors between two looks at the observer, and those of one thread's turn.
+const BATCH: usize = 1 << 14;
+const TURN: usize = 256;
+
+/// The samples near the seams with their fates, and all others.
+pub(super) struct Glued {
+    pub samples: Samples,
+    /// By piece; all of them are in the result.
+    pub deep: Vec<Vec<(Point, u32)>>,
+    /// Samples inserted, by iteration.
+    pub inserted: Vec<usize>,
+}
+
+impl Glued {
+    pub fn eliminated(&self) -> Vec<Lost> {
+        let Samples {
+            points,
+            origins,
+            fates,
+        } = &self.samples;
+        let of = |((&point, origin), fate): ((&Point, &Origin), &Fate)| match (*origin, fate) {
+            (
+                Origin::Tiled {
+                    block,
+                    pattern,
+                    own,
+                },
+                Fate::Eliminated { .. },
+            ) => Some(Lost {
+                point,
+                piece: block,
+                index: pattern,
+                own,
+            }),
+            _ => None,
+        };
+        points
+            .iter()
+            .zip(origins)
+            .zip(fates)
+            .filter_map(of)
+            .collect()
+    }
+}
+
+/// Glues the pieces. Samples that are inserted deeper than expected, which only sets with lattice points uncovered by
+/// a hair allow, may see samples that were not looked at: then it begins again with twice as many.
+pub(super) fn glue(
+    domain: Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    observer: &mut dyn Observer,
+) -> Result<Glued, CombineError> {
+    glue_from(NEAR, domain, pieces, options, observer)
+}
+
+fn glue_from(
+    mut near: i32,
+    domain: Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    observer: &mut dyn Observer,
+) -> Result<Glued, CombineError> {
+    loop {
+        let (glued, deepest) = glue_within(domain, pieces, options, near, observer)?;
+        let sides = domain.rect().max;
+        if deepest <= near - READ || near > sides.x.max(sides.y) {
+            return Ok(glued);
+        }
+        near = near.saturating_mul(2);
+    }
+}
+
+/// Glues the pieces looking at samples up to `near` units inside their rectangles only, and returns how deep the deepest
+/// inserted sample lies.
+fn glue_within(
+    domain: Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    near: i32,
+    observer: &mut dyn Observer,
+) -> Result<(Glued, i32), CombineError> {
+    let meter = Meter::begin(observer, Stage::Tile, pieces.len() as u64)?;
+    let clips = clips(&domain, pieces, near);
+    let mut glued = placed(&domain, pieces, clips);
+    meter.end()?;
+    let first = glued.samples.len();
+    sieve(&domain, pieces, options, &mut glued.samples, observer)?;
+    match options.insertion {
+        Insertion::Circumcentre => fill(domain, options, &mut glued, observer)?,
+        Insertion::Uniform => throw(domain, options, &mut glued, observer)?,
+    }
+    while glued.inserted.last() == Some(&0) {
+        glued.inserted.pop();
+    }
+    let inserted = &glued.samples.points[first..];
+    let depth = |p: &Point| {
+        let mut rects = pieces.iter().map(|piece| piece.rect);
+        rects.find(|rect| rect.contains(*p)).map(|r| r.depth(*p))
+    };
+    let deepest = inserted.par_iter().filter_map(depth).max();
+    Ok((glued, deepest.unwrap_or(0)))
+}
+
+/// Returns the contributions as samples, piece by piece.
+fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
+    let mut samples = Samples::default();
+    let mut deep = Vec::with_capacity(clips.len());
+    for ((piece, clip), index) in pieces.iter().zip(clips).zip(0..) {
+        for (x, y, pattern) in clip.near {
+            place(domain, &piece.rect, (x, y), index, pattern, &mut samples);
+        }
+        deep.push(clip.deep);
+    }
+    Glued {
+        samples,
+        deep,
+        inserted: Vec::new(),
+    }
+}
+
+/// Eliminates: pieces are the blocks.
+fn sieve(
+    domain: &Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    samples: &mut Samples,
+    observer: &mut dyn Observer,
+) -> Result<(), SampleError> {
+    let key = Key::from_seed(options.seed);
+    let block = |piece: &Piece| Block {
+        rect: piece.rect,
+        key,
+        depth: 0,
+    };
+    let blocks = Blocks {
+        splits: Vec::new(),
+        leaves: pieces.iter().map(block).collect(),
+    };
+    let ranking = Ranking::new(options.order, domain, key);
+    let contested = contested(samples, &blocks, &ranking);
+    let meter = Meter::begin(observer, Stage::Eliminate, contested.len() as u64)?;
+    eliminate(domain, samples, &contested, meter, &mut Unrecorded)
+}
+
+/// Detects and inserts until no gap is left.
+fn fill(
+    domain: Domain,
+    options: &CombineOptions,
+    glued: &mut Glued,
+    observer: &mut dyn Observer,
+) -> Result<(), SampleError> {
+    let key = Key::from_seed(options.seed);
+    let samples = &mut glued.samples;
+    let mut survivors = survivors(domain, samples);
+    let mut detectors = first_detectors(samples, &survivors);
+    for k in 1.. {
+        let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
+        let detection = || Detection::new(domain, options.search, &survivors);
+        let candidates = detect(detection, samples, &detectors, meter)?;
+        let inserted = insert(samples, &mut survivors, &candidates, k, key);
+        if inserted.is_empty() {
+            break;
+        }
+        glued.inserted.push(inserted.len());
+        detectors = inserted.collect();
+    }
+    Ok(())
+}
+
+/// Throws darts into the gaps until none is left.
+fn throw(
+    domain: Domain,
+    options: &CombineOptions,
+    glued: &mut Glued,
+    observer: &mut dyn Observer,
+) -> Result<(), SampleError> {
+    let samples = &mut glued.samples;
+    let mut process = gap_process(domain, samples, Key::from_seed(options.seed));
+    for k in 1.. {
+        if process.is_finished() {
+            break;
+        }
+        let made = uniform(&mut process, k, samples, observer, &mut Unrecorded)?;
+        glued.inserted.push(made.inserted.len());
+    }
+    Ok(())
+}
+
+/// Returns the unique candidates of the detectors, found on all threads.
+fn detect<'a>(
+    detection: impl Fn() -> Detection<'a> + Sync,
+    samples: &Samples,
+    detectors: &[u32],
+    mut meter: Meter<'_>,
+) -> Result<Vec<Candidate>, SampleError> {
+    let mut candidates = Vec::new();
+    for batch in detectors.chunks(BATCH) {
+        let turns = batch.par_chunks(TURN).map(|turn| {
+            let (mut detection, mut found) = (detection(), Vec::new());
+            for &id in turn {
+                detection.find(id, samples.points[id as usize], &mut found);
+            }
+            found
+        });
+        candidates.par_extend(turns.flatten_iter());
+        for _ in batch {
+            meter.tick()?;
+        }
+    }
+    unique(&mut candidates);
+    meter.end()?;
+    Ok(candidates)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::combine::grid;
+    use crate::parameters::{Boundary, Order};
+    use crate::pattern::Pattern;
+    use crate::progress::Unobserved;
+    use std::sync::Arc;
+
+    fn layout(boundary: Boundary) -> (Domain, Vec<Piece>) {
+        let domain = Domain::from_size([72.0, 63.0], 1.0, boundary).unwrap();
+        let each = grid(&domain, 2, 2).into_iter().zip(1..);
+        let pieces = each.map(|(rect, seed)| {
+            let own = Domain::of_rect(&rect, Boundary::Periodic).unwrap();
+            let set = Pattern::of_reference(own, seed, &mut Unobserved).unwrap();
+            let (set, start) = (Arc::new(set), Point::default());
+            Piece { set, rect, start }
+        });
+        (domain, pieces.collect())
+    }
+
+    /// All samples of a result, by place, and how many of them were looked at.
+    fn kept(glued: &Glued) -> (Vec<Point>, usize) {
+        let samples = glued.samples.points.iter().zip(&glued.samples.fates);
+        let near = samples.filter(|(_, fate)| **fate == Fate::Kept);
+        let near: Vec<Point> = near.map(|(&p, _)| p).collect();
+        let looked_at = near.len();
+        let deep = glued.deep.iter().flatten().map(|&(p, _)| p);
+        let mut all: Vec<Point> = near.into_iter().chain(deep).collect();
+        all.sort_unstable_by_key(|p| p.canonical());
+        (all, looked_at)
+    }
+
+    #[test]
+    fn what_is_far_from_seams_is_not_looked_at_and_would_change_nothing() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let (domain, pieces) = layout(boundary);
+            for order in [Order::OwnBlockFirst, Order::Random] {
+                for insertion in [Insertion::Circumcentre, Insertion::Uniform] {
+                    let options = CombineOptions {
+                        order,
+                        insertion,
+                        ..CombineOptions::default()
+                    };
+                    let within = |near: i32| {
+                        let made =
+                            glue_within(domain, &pieces, &options, near, &mut Unobserved).unwrap();
+                        assert!(made.1 <= crate::combine::TOUCHED);
+                        kept(&made.0)
+                    };
+                    let (near, whole) = (within(NEAR), within(i32::MAX));
+                    assert_eq!(near.0, whole.0);
+                    assert!(near.1 < whole.1);
+                }
+            }
+        }
+    }
+
+    /// Detectors that cannot see enough are noticed, and what they should have seen is loaded.
+    #[test]
+    fn too_little_is_widened_until_it_suffices() {
+        let (domain, pieces) = layout(Boundary::Bounded);
+        let options = CombineOptions::default();
+        let from = |near| glue_from(near, domain, &pieces, &options, &mut Unobserved).unwrap();
+        let within = |near| glue_within(domain, &pieces, &options, near, &mut Unobserved).unwrap();
+        let whole = kept(&within(i32::MAX).0).0;
+        let narrow = 2 * R + R / 4;
+        assert_ne!(kept(&within(narrow).0).0, whole);
+        assert_eq!(kept(&from(narrow)).0, whole);
+    }
+}

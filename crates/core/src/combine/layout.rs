@@ -1,0 +1,258 @@
+//! The layout of pieces: whether their rectangles partition the domain, and where they meet.
+//! It looks at rectangles only, never at samples.
+
+use super::{CombineError, MAX_PIECES, Piece};
+use crate::lattice::{Domain, Point, R, R_SQUARED, Rect};
+use crate::stages::blocks::Axis;
+
+/// A line along which two pieces meet that do not continue each other. In a periodic domain a seam may
+/// lie on the left or lower border, between a piece there and one at the opposite border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Seam {
+    /// Its lowest place.
+    pub from: Point,
+    /// Its highest place: `x` or `y` is that of the lowest.
+    pub to: Point,
+    /// The pieces left of it (or below) and right of it (or above).
+    pub pieces: [u32; 2],
+}
+
+/// Returns rectangles that partition `domain`: `columns` x `rows` of them, row by row, as equal as the lattice allows.
+/// No rectangle is empty while there are at least as many lattice points as columns and rows.
+#[must_use]
+pub fn grid(domain: &Domain, columns: u32, rows: u32) -> Vec<Rect> {
+    let max = domain.rect().max;
+    let edge = |k: u32, of: u32, extent: i32| {
+        (i64::from(extent) * i64::from(k) / i64::from(of.max(1))) as i32
+    };
+    let rect = |column: u32, row: u32| Rect {
+        min: Point::new(edge(column, columns, max.x), edge(row, rows, max.y)),
+        max: Point::new(edge(column + 1, columns, max.x), edge(row + 1, rows, max.y)),
+    };
+    let rows = 0..rows;
+    rows.flat_map(|row| (0..columns).map(move |column| rect(column, row)))
+        .collect()
+}
+
+/// Refuses rectangles, one a piece, that do not partition `domain`. [`super::combine`] does it too; who makes the
+/// sets for the rectangles wants to know before.
+pub fn check_rects(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
+    if rects.is_empty() {
+        return Err(CombineError::NoPieces);
+    }
+    if rects.len() > MAX_PIECES {
+        return Err(CombineError::TooManyPieces {
+            count: rects.len(),
+            maximum: MAX_PIECES,
+        });
+    }
+    let all = domain.rect().max;
+    for (piece, Rect { min, max }) in rects.iter().enumerate() {
+        let inside = 0 <= min.x && 0 <= min.y && max.x <= all.x && max.y <= all.y;
+        if !inside || min.x >= max.x || min.y >= max.y {
+            return Err(CombineError::Rectangle {
+                piece,
+                low: domain.user_from_lattice(*min),
+                high: domain.user_from_lattice(*max),
+            });
+        }
+    }
+    check_partition(domain, rects)
+}
+
+/// Refuses pieces that cannot be combined.
+pub(super) fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineError> {
+    let rects: Vec<Rect> = pieces.iter().map(|piece| piece.rect).collect();
+    check_rects(domain, &rects)?;
+    let mut each = pieces.iter().enumerate();
+    each.try_for_each(|(piece, placed)| check_set(piece, placed))
+}
+
+/// Goes through the rows between two edges: in each, the rectangles must follow each other.
+fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
+    let all = domain.rect().max;
+    let mut by_column: Vec<usize> = (0..rects.len()).collect();
+    by_column.sort_by_key(|&k| rects[k].min.x);
+    let edges = rects.iter().flat_map(|rect| [rect.min.y, rect.max.y]);
+    let mut edges: Vec<i32> = edges.chain([0]).filter(|&y| y < all.y).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    for y in edges {
+        let (mut end, mut last) = (0, 0);
+        let at = |x: i32| domain.user_from_lattice(Point::new(x, y));
+        for &k in &by_column {
+            let Rect { min, max } = rects[k];
+            if !(min.y..max.y).contains(&y) {
+                continue;
+            }
+            if min.x > end {
+                return Err(CombineError::Uncovered { at: at(end) });
+            }
+            if min.x < end {
+                return Err(CombineError::Overlap {
+                    first: k.min(last),
+                    second: k.max(last),
+                    at: at(min.x),
+                });
+            }
+            (end, last) = (max.x, k);
+        }
+        if end < all.x {
+            return Err(CombineError::Uncovered { at: at(end) });
+        }
+    }
+    Ok(())
+}
+
+/// By how many units a bounded set may end inside its rectangle, if its samples cover what lies beyond: quotients of sides and
+/// radii that are rounded down lose a unit.
+const SHORT: i32 = 2;
+
+/// Refuses a bounded set that does not cover its rectangle.
+fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
+    let own = placed.set.domain();
+    if own.is_periodic() {
+        return Ok(());
+    }
+    let (start, max) = (placed.start, own.rect().max);
+    // Points from the start on; none for a start outside.
+    let has = |start: i32, max: i32| if start < 0 { 0 } else { (max - start).max(0) };
+    let has = [has(start.x, max.x), has(start.y, max.y)];
+    let needs = [placed.rect.width(), placed.rect.height()];
+    let short = [needs[0] - has[0], needs[1] - has[1]];
+    if short.iter().any(|&units| units > SHORT) || !covers_beyond(placed, short) {
+        let radii = |units: i32| f64::from(units) / f64::from(R);
+        return Err(CombineError::TooSmall {
+            piece,
+            has: has.map(radii),
+            needs: needs.map(radii),
+        });
+    }
+    Ok(())
+}
+
+/// Returns whether the set covers the lines of its rectangle, `short` of them on each axis, on which it ends.
+fn covers_beyond(placed: &Piece, short: [i32; 2]) -> bool {
+    let (start, max) = (placed.start, placed.set.domain().rect().max);
+    let points = placed.set.samples().iter();
+    let columns = points.clone().map(|p| (p.y, p.x));
+    let rows = points.map(|p| (p.x, p.y));
+    let mut lines = (0..short[0]).map(|k| max.x + k);
+    let columns = lines.all(|x| covers_line(columns.clone(), x, start.y, placed.rect.height()));
+    let mut lines = (0..short[1]).map(|k| max.y + k);
+    columns && lines.all(|y| covers_line(rows.clone(), y, start.x, placed.rect.width()))
+}
+
+/// Returns whether samples, each with its coordinates along and across a line, cover `length` lattice points of it from `start`
+/// on.
+fn covers_line(
+    samples: impl Iterator<Item = (i32, i32)>,
+    line: i32,
+    start: i32,
+    length: i32,
+) -> bool {
+    let mut covered: Vec<(i64, i64)> = samples
+        .filter_map(|(along, across)| {
+            let apart = i64::from(across) - i64::from(line);
+            let left = R_SQUARED - apart * apart;
+            let half = (left >= 0).then(|| left.isqrt())?;
+            Some((i64::from(along) - half, i64::from(along) + half))
+        })
+        .collect();
+    covered.sort_unstable();
+    let mut next = i64::from(start);
+    for (first, last) in covered {
+        if first > next {
+            break;
+        }
+        next = next.max(last + 1);
+    }
+    next >= i64::from(start) + i64::from(length)
+}
+
+/// Returns whether `b`, moved by `shift` units, shows what `a` shows beyond its rectangle: the same set in the same place.
+pub(super) fn continues(a: &Piece, b: &Piece, shift: [i64; 2]) -> bool {
+    if !std::sync::Arc::ptr_eq(&a.set, &b.set) {
+        return false;
+    }
+    let own = a.set.domain();
+    let axis = |a: [i32; 2], b: [i32; 2], shift: i64, side: i32| {
+        let apart = i64::from(b[0]) + shift - i64::from(a[0]) + i64::from(a[1]) - i64::from(b[1]);
+        apart == 0 || own.is_periodic() && apart % i64::from(side) == 0
+    };
+    let (p, q) = (a.rect.min, b.rect.min);
+    axis([p.x, a.start.x], [q.x, b.start.x], shift[0], own.width())
+        && axis([p.y, a.start.y], [q.y, b.start.y], shift[1], own.height())
+}
+
+/// Returns the seams: vertical ones by the piece on their left, then horizontal ones by the piece below.
+pub(super) fn seams(domain: &Domain, pieces: &[Piece]) -> Vec<Seam> {
+    let mut seams = Vec::new();
+    for axis in [Axis::X, Axis::Y] {
+        let edges = pieces.iter().map(|piece| across(axis, piece.rect.min));
+        let mut by_edge: Vec<(i32, u32)> = edges.zip(0..).collect();
+        by_edge.sort_unstable();
+        let side = across(axis, Point::new(domain.width(), domain.height()));
+        for left in 0..pieces.len() as u32 {
+            let edge = across(axis, pieces[left as usize].rect.max);
+            let wraps = domain.is_periodic() && edge == side;
+            let edge = if wraps { 0 } else { edge };
+            let first = by_edge.partition_point(|&(min, _)| min < edge);
+            let beyond = by_edge[first..].iter().take_while(|&&(min, _)| min == edge);
+            let shift = if wraps { side } else { 0 };
+            seams.extend(beyond.filter_map(|&(_, right)| seam(axis, pieces, [left, right], shift)));
+        }
+    }
+    seams
+}
+
+/// Returns the coordinate across which pieces lie beside each other.
+const fn across(axis: Axis, p: Point) -> i32 {
+    match axis {
+        Axis::X => p.x,
+        Axis::Y => p.y,
+    }
+}
+
+/// Returns the seam between two pieces whose edges lie on one line, the second moved by `shift` units.
+fn seam(axis: Axis, pieces: &[Piece], [left, right]: [u32; 2], shift: i32) -> Option<Seam> {
+    let (a, b) = (&pieces[left as usize], &pieces[right as usize]);
+    let shift = i64::from(shift);
+    let (along, shift) = match axis {
+        Axis::X => (Axis::Y, [shift, 0]),
+        Axis::Y => (Axis::X, [0, shift]),
+    };
+    let from = across(along, a.rect.min).max(across(along, b.rect.min));
+    let to = across(along, a.rect.max).min(across(along, b.rect.max));
+    if from >= to || continues(a, b, shift) {
+        return None;
+    }
+    let edge = across(axis, b.rect.min);
+    let place = |along: i32| match axis {
+        Axis::X => Point::new(edge, along),
+        Axis::Y => Point::new(along, edge),
+    };
+    Some(Seam {
+        from: place(from),
+        to: place(to),
+        pieces: [left, right],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_covered_to_the_last_lattice_point() {
+        // Two disks that meet in the point R of line 0, and miss it on the next line by a hair.
+        let samples = [(0, 0), (2 * R, 0)];
+        let covers = |line, start, length| covers_line(samples.into_iter(), line, start, length);
+        assert!(covers(0, -R, 4 * R + 1));
+        assert!(!covers(0, -R - 1, 4 * R));
+        assert!(!covers(0, -R, 4 * R + 2));
+        assert!(!covers(1, 0, 2 * R));
+        assert!(covers(1, 0, R) && covers(-1, R + 1, R));
+        assert!(!covers(R + 1, 0, 1));
+    }
+}

@@ -1,0 +1,281 @@
+//! Combining: maximal sets that are already there, each in its rectangle of a layout, become one (paper, section
+//! 4.2). The two last stages do it, near the seams. It never makes a set and never moves a sample.
+//!
+//! *Each rectangle is covered by what its piece contributes*: the samples of its set in the rectangle enlarged by
+//! r, as far as the set goes on (paper, Theorem 3.1). A set that ends at the rectangle covers it without
+//! them. So all contributions together are maximal, and what elimination opens, detection closes, for the
+//! reasons given in [`crate::stages::detect`]. Samples of the margin yield to those of the rectangles
+//! they reach into ([`crate::Order::OwnBlockFirst`]): first they are a choice of places for what is lost at the
+//! seam, then they are gone.
+//!
+//! *Nothing farther than [`TOUCHED`] from all seams is touched*: conflicts are between samples of which one is in a
+//! margin, so that eliminated samples are at most 2r inside their rectangles; places that they covered are
+//! at most 3r inside, and a unit more where a set covers the lattice but not every place between.
+
+mod clip;
+mod glue;
+mod layout;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::engine::parallel::sweep::Source;
+use crate::error::SampleError;
+use crate::lattice::{Domain, Point, R, Rect};
+use crate::parameters::{
+    Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, ParameterError, Search,
+};
+use crate::pattern::Pattern;
+use crate::progress::{Meter, Observer, Stage};
+use crate::run::{Fate, Origin, Summary};
+
+use glue::Glued;
+pub use layout::{Seam, check_rects, grid};
+
+/// The most pieces: their rectangles are compared with each other.
+pub const MAX_PIECES: usize = 4096;
+
+/// How far inside a rectangle a sample can be eliminated or inserted, in units: 3r and 4 units. Only sets from elsewhere
+/// that leave lattice points uncovered by a hair can receive a sample there that lies deeper.
+pub const TOUCHED: i32 = 3 * R + 4;
+
+/// A set and the rectangle of the result that it fills.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The set: conflict-free and maximal, since it is a [`Pattern`]. [`Pattern::from_points`] and
+    /// [`Pattern::from_positions`] check sets from elsewhere.
+    pub set: Arc<Pattern>,
+    /// Its rectangle in the result.
+    pub rect: Rect,
+    /// The place of the set that comes to lie on the rectangle's lowest corner. A periodic set repeats.
+    pub start: Point,
+}
+
+/// How pieces are glued.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CombineOptions {
+    /// Seed of the draws of orders and insertion.
+    pub seed: u64,
+    /// Order of elimination; a piece's rectangle is its block.
+    pub order: Order,
+    /// How gaps are filled.
+    pub insertion: Insertion,
+    /// How far detectors look.
+    pub search: Search,
+}
+
+impl Default for CombineOptions {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            order: Order::default(),
+            insertion: Insertion::default(),
+            search: Search::default(),
+        }
+    }
+}
+
+/// A sample that was eliminated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost {
+    /// Where it was.
+    pub point: Point,
+    /// The piece it was of.
+    pub piece: u32,
+    /// Its index in the piece's set.
+    pub index: u32,
+    /// Whether it lay in its own rectangle, rather than in the margin around it.
+    pub own: bool,
+}
+
+/// One set, made of pieces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Combined {
+    /// The result's domain.
+    pub domain: Domain,
+    /// The samples in canonical order.
+    pub points: Vec<Point>,
+    /// Where each comes from: a piece (in the place of the block) and the index in its set, or an iteration.
+    pub sources: Vec<Source>,
+    /// What was eliminated, piece by piece and row by row.
+    pub eliminated: Vec<Lost>,
+    /// The lines along which different sets meet.
+    pub seams: Vec<Seam>,
+    summary: Summary,
+}
+
+impl Combined {
+    /// Returns the samples in user units, in canonical order.
+    #[must_use]
+    pub fn positions(&self) -> Vec<[f64; 2]> {
+        let user = |&p: &Point| self.domain.user_from_lattice(p);
+        self.points.iter().map(user).collect()
+    }
+
+    /// Returns the counts; blocks are the pieces, and tiled is what they contributed.
+    #[must_use]
+    pub const fn summary(&self) -> &Summary {
+        &self.summary
+    }
+}
+
+/// Returns the maximal set of `domain` that the pieces make, whose rectangles must partition it.
+///
+/// The result is conflict-free and, with the complete search, maximal (covering radius at most (1 + 2^-15) r). It depends
+/// on nothing but the arguments: not on the number of threads. Uses the current rayon pool. Time beyond copying
+/// grows with the length of the seams. One periodic piece in its own domain comes back unchanged.
+///
+/// Fails when the rectangles do not partition the domain, a set ends inside its rectangle, the domain holds too many
+/// samples, or `observer` stops it.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
+/// use tilescope_core::{Boundary, Domain, Pattern, Point, Unobserved};
+///
+/// // Four sets made independently of each other.
+/// let domain = Domain::from_size([1.0, 1.0], 0.02, Boundary::Periodic)?;
+/// let pieces: Result<Vec<Piece>, tilescope_core::SampleError> = (1..)
+///     .zip(grid(&domain, 2, 2))
+///     .map(|(seed, rect)| {
+///         let own = Domain::of_rect(&rect, Boundary::Periodic)?;
+///         let set = Arc::new(Pattern::of_reference(own, seed, &mut Unobserved)?);
+///         Ok(Piece { set, rect, start: Point::default() })
+///     })
+///     .collect();
+/// let combined = combine(domain, &pieces?, &CombineOptions::default(), &mut Unobserved)?;
+/// assert_eq!(combined.positions().len(), combined.summary().count);
+/// assert!((1650..1850).contains(&combined.points.len()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn combine(
+    domain: Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    observer: &mut dyn Observer,
+) -> Result<Combined, CombineError> {
+    let samples = domain.area_radii() * MAXIMAL_DENSITY;
+    if samples > MAX_SEQUENTIAL_SAMPLES {
+        let maximum = MAX_SEQUENTIAL_SAMPLES;
+        return Err(ParameterError::TooManySamples { samples, maximum }.into());
+    }
+    layout::check(&domain, pieces)?;
+    let glued = glue::glue(domain, pieces, options, observer)?;
+    let meter = Meter::begin(observer, Stage::Finish, 1)?;
+    let combined = gather(domain, pieces, &glued);
+    meter.end()?;
+    Ok(combined)
+}
+
+/// Puts what was glued and what was far from all seams together.
+fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
+    let (points, sources) = in_order(glued);
+    let eliminated = glued.eliminated();
+    let fates = &glued.samples.fates;
+    let inserted: usize = glued.inserted.iter().sum();
+    let summary = Summary {
+        blocks: pieces.len(),
+        tiled: points.len() + eliminated.len() - inserted,
+        dropped: fates.iter().filter(|f| **f == Fate::Dropped).count(),
+        eliminated: eliminated.len(),
+        inserted: glued.inserted.clone(),
+        count: points.len(),
+    };
+    Combined {
+        domain,
+        points,
+        sources,
+        eliminated,
+        seams: layout::seams(&domain, pieces),
+        summary,
+    }
+}
+
+/// Returns the samples of the result in canonical order, with their sources.
+fn in_order(glued: &Glued) -> (Vec<Point>, Vec<Source>) {
+    let source = |origin: &Origin| match *origin {
+        Origin::Tiled { block, pattern, .. } => Source::Tiled { block, pattern },
+        Origin::Inserted { iteration, .. } => Source::Inserted { iteration },
+    };
+    let samples = &glued.samples;
+    let near = samples.points.par_iter().zip(&samples.origins);
+    let near = near.zip(&samples.fates);
+    let near = near.filter(|&(_, fate)| *fate == Fate::Kept);
+    let deep = glued.deep.par_iter().enumerate();
+    let deep = deep.flat_map_iter(|(block, samples)| {
+        let block = block as u32;
+        let of = move |&(point, pattern)| (point, Source::Tiled { block, pattern });
+        samples.iter().map(of)
+    });
+    let near = near.map(|((point, origin), _)| (*point, source(origin)));
+    let mut all: Vec<(Point, Source)> = near.chain(deep).collect();
+    all.par_sort_unstable_by_key(|(point, _)| point.canonical());
+    all.into_iter().unzip()
+}
+
+/// Why pieces cannot be combined. Places are in the result's user units, pieces counted from 0.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CombineError {
+    /// There is no piece.
+    #[error("there are no pieces")]
+    NoPieces,
+    /// More pieces than rectangles are compared.
+    #[error("there are {count} pieces; there may be at most {maximum}")]
+    TooManyPieces {
+        /// How many there are.
+        count: usize,
+        /// The limit.
+        maximum: usize,
+    },
+    /// A rectangle holds no lattice point or reaches beyond the domain.
+    #[error(
+        "the rectangle of piece {piece}, [{}, {}] to [{}, {}], is empty or not inside the domain",
+        low[0], low[1], high[0], high[1]
+    )]
+    Rectangle {
+        /// The piece.
+        piece: usize,
+        /// Its lowest corner.
+        low: [f64; 2],
+        /// Its highest corner.
+        high: [f64; 2],
+    },
+    /// Two rectangles overlap.
+    #[error("the rectangles of pieces {first} and {second} overlap at ({}, {})", at[0], at[1])]
+    Overlap {
+        /// One piece.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// A place in both.
+        at: [f64; 2],
+    },
+    /// A place is in no rectangle.
+    #[error("no piece covers ({}, {}): the rectangles must fill the domain", at[0], at[1])]
+    Uncovered {
+        /// The place.
+        at: [f64; 2],
+    },
+    /// A bounded set ends inside its rectangle.
+    #[error(
+        "the set of piece {piece} ends inside its rectangle: it is {:.4} x {:.4} r large, and {:.4} x {:.4} r are needed",
+        has[0], has[1], needs[0], needs[1]
+    )]
+    TooSmall {
+        /// The piece.
+        piece: usize,
+        /// How far the set reaches from its start, in radii.
+        has: [f64; 2],
+        /// The rectangle's sides in radii.
+        needs: [f64; 2],
+    },
+    /// The result cannot be sampled.
+    #[error(transparent)]
+    Parameters(#[from] ParameterError),
+    /// It was cancelled.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+}
