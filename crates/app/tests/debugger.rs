@@ -13,7 +13,7 @@ use tilescope_core::Stage;
 use tilescope_debugger::{Kind, Listings};
 
 mod support;
-use support::{opened, settle};
+use support::{cursor, next_kind, opened, settle};
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
     harness.state_mut().state.apply(command);
@@ -23,18 +23,6 @@ fn apply(harness: &mut Harness<'_, App>, command: Command) {
 fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
     harness.run();
-}
-
-fn cursor(harness: &Harness<'_, App>) -> usize {
-    harness.state().state.cursor().expect("events").0
-}
-
-fn next_kind(harness: &Harness<'_, App>) -> Option<Kind> {
-    let debugger = harness.state().state.debugger.as_ref();
-    debugger
-        .expect("events")
-        .event()
-        .map(tilescope_debugger::Event::kind)
 }
 
 #[test]

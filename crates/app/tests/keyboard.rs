@@ -8,7 +8,7 @@ use tilescope_app::App;
 use tilescope_debugger::Kind;
 
 mod support;
-use support::{opened, settle};
+use support::{cursor, next_kind, opened, settle};
 
 const NONE: Modifiers = Modifiers::NONE;
 
@@ -43,18 +43,6 @@ fn tab_to(harness: &mut Harness<'_, App>, role: Role, label: &str) {
         }
     }
     panic!("Tab does not lead to {label}");
-}
-
-fn cursor(harness: &Harness<'_, App>) -> usize {
-    harness.state().state.cursor().expect("events").0
-}
-
-fn next_kind(harness: &Harness<'_, App>) -> Option<Kind> {
-    let debugger = harness.state().state.debugger.as_ref();
-    debugger
-        .expect("events")
-        .event()
-        .map(tilescope_debugger::Event::kind)
 }
 
 #[test]

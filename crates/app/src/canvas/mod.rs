@@ -52,6 +52,8 @@ const UNIT: Rect = Rect {
 pub struct Canvas {
     first: Pane,
     second: Pane,
+    /// What the second picture will draw with.
+    device: Option<RenderState>,
     /// The symbols of the rows of buffers.
     marks: Sprites,
 }
@@ -60,7 +62,8 @@ impl Canvas {
     /// Draws samples by instancing on the device of `render_state` from now on.
     pub fn draw_with(&mut self, render_state: &RenderState) {
         self.first.draw_with(render_state);
-        self.second.draw_with(render_state);
+        // The second picture asks for its own when there is one: pipelines take a while to be made.
+        self.device = Some(render_state.clone());
     }
 
     /// Shows the canvas in all the space that `ui` has left.
@@ -94,6 +97,9 @@ impl Canvas {
             subject,
         };
         left.show(ui, state, &mut self.first, &mut self.marks, commands);
+        if let Some(device) = self.device.take() {
+            self.second.draw_with(&device);
+        }
         let subject = state.second_subject();
         let right = Side {
             rect: contrast::heading(ui, right, state, &contrast::second_title(state, second)),

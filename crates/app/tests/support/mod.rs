@@ -5,6 +5,7 @@ pub mod sessions;
 
 use egui_kittest::Harness;
 use tilescope_app::App;
+use tilescope_debugger::Kind;
 
 /// Returns the window when its session is made and verified.
 pub fn opened() -> Harness<'static, App> {
@@ -25,4 +26,18 @@ pub fn opened_at(size: [f32; 2]) -> Harness<'static, App> {
 pub fn settle(harness: &mut Harness<'_, App>) {
     harness.state_mut().state.settle();
     harness.run();
+}
+
+/// Returns how many events have happened.
+pub fn cursor(harness: &Harness<'_, App>) -> usize {
+    harness.state().state.cursor().expect("events").0
+}
+
+/// Returns what happens next.
+pub fn next_kind(harness: &Harness<'_, App>) -> Option<Kind> {
+    let debugger = harness.state().state.debugger.as_ref();
+    debugger
+        .expect("events")
+        .event()
+        .map(tilescope_debugger::Event::kind)
 }
