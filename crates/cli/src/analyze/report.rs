@@ -125,8 +125,8 @@ pub fn html(analysis: &Analysis, svg: &str) -> String {
 
 const NOTES: &str = "<p>Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in \
 the hexagonal lattice of as many samples. The shaded bands hold the true mean power with probability 0.95 where \
-frequencies are independent; bounded sets are tapered and have none. In a periodogram a ring marks the zero \
-frequency, which is left out.</p>\n";
+frequencies are independent; bounded sets are tapered and have none. Periodograms leave the zero \
+frequency out; where it has a cell of its own, a ring marks it.</p>\n";
 
 fn page_table(out: &mut String, table: &Table) {
     let _ = write!(

@@ -12,6 +12,9 @@ pub(super) const LEFT: f64 = 66.0;
 pub(super) const FOOT: f64 = 50.0;
 pub(super) const RIGHT: f64 = 18.0;
 
+/// Size of a heading.
+pub(super) const HEADING: f64 = 15.0;
+
 const LABEL: f64 = 13.0;
 const TICK: f64 = 12.0;
 
@@ -93,7 +96,7 @@ impl Frame<'_> {
         below.anchor = Anchor::Middle;
         let mut beside = self.text([min[0] - LEFT + 18.0, middle[1]], labels[1], LABEL);
         (beside.anchor, beside.quarter_turns) = (Anchor::Middle, 3);
-        let mut head = self.text([min[0], min[1] - 12.0], title, 15.0);
+        let mut head = self.text([min[0], min[1] - 12.0], title, HEADING);
         (head.font, head.color) = (Font::SemiBold, self.palette.text);
         let texts = [below, beside, head].map(Shape::Text);
         group.shapes.extend(texts);

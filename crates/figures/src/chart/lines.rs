@@ -1,7 +1,7 @@
 //! Curves in a frame: bands, levels, lines with marks. The legend draws its samples with the same functions.
 //! Never chooses an axis's unit.
 
-use super::frame::Frame;
+use super::frame::{Frame, HEADING};
 use super::{LineChart, Look, Series};
 use crate::fonts::{Font, text_width};
 use crate::palette::{Color, Palette, with_alpha};
@@ -9,6 +9,9 @@ use crate::scene::{Anchor, Group, Marker, Rect, Shape, Stroke, Style, Text};
 
 /// Pixels between two marks of a curve.
 const MARK_EVERY: f64 = 70.0;
+
+/// Size of a level's name in pixels.
+const LEVEL_NAME: f64 = 12.0;
 
 /// Part of the data's extent that a vertical axis has to spare at either end.
 const SPARE: f64 = 0.05;
@@ -84,7 +87,7 @@ fn wide(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [low - half, high + half]
 }
 
-/// Returns the levels, bands and curves of a chart.
+/// Returns the bands, levels and curves of a chart, and the levels' names.
 pub(super) fn groups(chart: &LineChart, frame: &Frame<'_>) -> Vec<Group> {
     let clipped = |name: &str| Group {
         clip: Some(frame.plot),
@@ -96,7 +99,12 @@ pub(super) fn groups(chart: &LineChart, frame: &Frame<'_>) -> Vec<Group> {
         bands.shapes.extend(band(series, frame));
         curve(series, frame, &mut curves);
     }
-    let mut groups = vec![bands, levels(chart, frame, clipped("levels")), curves];
+    let mut groups = vec![
+        bands,
+        levels(chart, frame, clipped("levels")),
+        curves,
+        level_names(chart, frame),
+    ];
     groups.retain(|group| !group.shapes.is_empty());
     groups
 }
@@ -113,27 +121,49 @@ fn band(series: &Series, frame: &Frame<'_>) -> Option<Shape> {
     })
 }
 
+fn level_stroke(frame: &Frame<'_>) -> Stroke {
+    Stroke::new(frame.palette.text, 1.0).dashed(2.0, 3.0)
+}
+
 fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
     let Rect { min, max } = frame.plot;
     for level in &chart.levels {
         let at = frame.pixel([frame.x[0], level.y])[1];
-        let stroke = Stroke::new(frame.palette.text, 1.0).dashed(2.0, 3.0);
-        let line = Shape::line([min[0], at], [max[0], at], stroke);
-        let mut text = Text::new(
-            [max[0] - 8.0, at - 6.0],
-            &level.name,
-            12.0,
-            frame.palette.text,
-        );
-        text.anchor = Anchor::End;
-        let width = text_width(&level.name, Font::Regular, 12.0);
-        let behind = Rect::new([max[0] - 12.0 - width, at - 19.0], [max[0] - 4.0, at - 2.0]);
-        let style = Style::filled(with_alpha(frame.palette.background, 210));
-        let rect = Shape::Rect {
-            rect: behind,
-            style,
+        let line = Shape::line([min[0], at], [max[0], at], level_stroke(frame));
+        group.shapes.push(line);
+    }
+    group
+}
+
+/// Returns the levels' names: a single one beside the heading, where no curve runs, others at their lines.
+fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
+    let mut group = Group::new("level names");
+    let Rect { min, max } = frame.plot;
+    let head = text_width(&chart.title, Font::SemiBold, HEADING);
+    for level in &chart.levels {
+        let width = text_width(&level.name, Font::Regular, LEVEL_NAME);
+        let beside = chart.levels.len() == 1 && head + width + 60.0 < max[0] - min[0];
+        let y = if beside {
+            min[1] - 12.0
+        } else {
+            frame.pixel([frame.x[0], level.y])[1] - 6.0
         };
-        group.shapes.extend([line, rect, Shape::Text(text)]);
+        if beside {
+            let [from, to] = [38.0, 8.0].map(|left| [max[0] - width - left, y - 4.0]);
+            group
+                .shapes
+                .push(Shape::line(from, to, level_stroke(frame)));
+        } else {
+            let behind = [[max[0] - 12.0 - width, y - 13.0], [max[0] - 4.0, y + 4.0]];
+            group.shapes.push(Shape::Rect {
+                rect: Rect::new(behind[0], behind[1]),
+                style: Style::filled(with_alpha(frame.palette.background, 225)),
+            });
+        }
+        let right = if beside { max[0] } else { max[0] - 8.0 };
+        let mut text = Text::new([right, y], &level.name, LEVEL_NAME, frame.palette.text);
+        text.anchor = Anchor::End;
+        group.shapes.push(Shape::Text(text));
     }
     group
 }

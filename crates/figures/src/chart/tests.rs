@@ -119,6 +119,20 @@ fn texts(group: &Group) -> Vec<String> {
 }
 
 #[test]
+fn levels_have_their_names() {
+    let mut two = chart(vec![series("a.csv", 0, wave(1.0))]);
+    let one = scene(Panel::Lines(two.clone())).unwrap();
+    assert_eq!(texts(group(&one, "level names")), ["noise"]);
+    two.levels.push(Level {
+        name: "lattice".to_owned(),
+        y: 3.0,
+    });
+    let made = scene(Panel::Lines(two)).unwrap();
+    assert_eq!(texts(group(&made, "level names")), ["noise", "lattice"]);
+    assert_eq!(group(&made, "levels").shapes.len(), 2);
+}
+
+#[test]
 fn the_legend_has_every_name_once() {
     let names: Vec<String> = (0..30)
         .map(|i| format!("a rather long name {i}.csv"))
