@@ -24,7 +24,7 @@ const ANNULI: f64 = 150.0;
 const MOST_DISTANCE: f64 = 5.0;
 const BINS_PER_R_MAX: f64 = 40.0;
 /// Cells along the picture of a periodogram.
-const PICTURE_CELLS: usize = 241;
+const PICTURE_CELLS: usize = 121;
 /// Probability that a band holds the true power.
 const LEVEL: f64 = 0.95;
 
