@@ -5,8 +5,10 @@ mod curves;
 mod differences;
 mod measured;
 mod report;
+mod scalars;
 mod table;
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
@@ -188,7 +190,7 @@ fn to_text(analysis: &Analysis, saved: Option<&Path>) -> String {
         )));
     }
     if let Some(path) = saved {
-        out.push_str(&format!("\nreport         {}\n", path.display()));
+        let _ = writeln!(out, "\nreport         {}", path.display());
     }
     out
 }

@@ -2,12 +2,13 @@
 
 use serde_json::{Map, Value, json};
 
-use super::measured::{Measured, Scalar};
+use super::measured::Measured;
+use super::scalars::{Scalar, scalars};
 use super::table::{Row, Table};
 
 /// Returns each number with its difference; none where either is not defined.
 fn differences(reference: &Measured, set: &Measured) -> Vec<(Scalar, Option<f64>)> {
-    let each = set.scalars().into_iter().zip(reference.scalars());
+    let each = scalars(set).into_iter().zip(scalars(reference));
     each.map(|(scalar, base)| {
         let difference = scalar
             .value

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::{Map, Value, json};
 
 use super::measured::{Measured, Place};
+use super::scalars::scalars;
 use super::table::{self, Table};
 use super::{Analysis, differences};
 
@@ -22,7 +23,7 @@ pub fn csv(analysis: &Analysis) -> String {
     let mut out = "file,measure,x,y,lower,upper\n".to_owned();
     for set in &analysis.sets {
         let name = quoted(&set.name);
-        for scalar in set.scalars() {
+        for scalar in scalars(set) {
             if let Some(value) = scalar.value {
                 let _ = writeln!(out, "{name},{},,{value},,", scalar.key);
             }
@@ -48,7 +49,7 @@ fn quoted(name: &str) -> String {
 
 /// Returns the numbers and curves of a set.
 pub fn json(set: &Measured) -> Value {
-    let scalars = set.scalars().into_iter();
+    let scalars = scalars(set).into_iter();
     let mut map: Map<String, Value> = scalars
         .map(|scalar| (scalar.key.to_owned(), json!(scalar.value)))
         .collect();

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::measured::Measured;
+use super::scalars::{Scalar, scalars};
 use crate::output::region_text;
 
 /// Columns wider than this many letters together are split into several tables.
@@ -26,7 +27,7 @@ pub struct Table {
 
 /// Returns the measures of all sets; the first may be what others are held against.
 pub fn measures(sets: &[Measured], against: bool) -> Table {
-    let scalars: Vec<_> = sets.iter().map(Measured::scalars).collect();
+    let scalars: Vec<Vec<Scalar>> = sets.iter().map(scalars).collect();
     let domain = Row {
         label: "domain".to_owned(),
         unit: "",
@@ -45,7 +46,7 @@ pub fn measures(sets: &[Measured], against: bool) -> Table {
         cells: sets.iter().map(|set| known(set).to_owned()).collect(),
     };
     let numbers = (0..scalars.first().map_or(0, Vec::len)).map(|index| {
-        let cell = |column: &Vec<super::measured::Scalar>| {
+        let cell = |column: &Vec<Scalar>| {
             let scalar = &column[index];
             let text = |value| format!("{value:.*}", scalar.decimals);
             scalar.value.map_or_else(|| "-".to_owned(), text)
