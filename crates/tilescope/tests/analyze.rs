@@ -278,6 +278,26 @@ fn another_domain_than_the_references_is_refused() {
 }
 
 #[test]
+fn oblong_domains_have_curves_and_no_picture_of_frequencies() {
+    let folder = two_sets();
+    tilescope(&folder)
+        .args([
+            "sample", "--count", "500", "--width", "3", "--out", "wide.csv",
+        ])
+        .assert()
+        .success();
+    for (name, pictures) in [("wide.csv", false), ("kdrt.csv", true)] {
+        tilescope(&folder)
+            .args(["analyze", name, "--out", "curves.svg"])
+            .assert()
+            .success();
+        let svg = fs::read_to_string(folder.path().join("curves.svg")).unwrap();
+        assert!(svg.contains("Radial mean power") && svg.contains("Pair correlation"));
+        assert_eq!(svg.contains("Periodogram"), pictures, "{name}");
+    }
+}
+
+#[test]
 fn sets_of_others_take_their_smallest_distance_for_the_radius() {
     let folder = two_sets();
     fs::remove_file(folder.path().join("kdrt.csv.certificate.json")).unwrap();

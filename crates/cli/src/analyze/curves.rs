@@ -35,7 +35,9 @@ pub fn figure(sets: &[Measured], against: bool) -> Figure {
     ];
     let spectra = spectra.into_iter().filter(|chart| !chart.series.is_empty());
     let pairs = Panel::Lines(correlation(series(Measured::correlation)));
-    let shown = sets.iter().take(MOST_PICTURES);
+    // Squares of frequencies are squares of the plane on a square alone.
+    let shown =
+        (sets.iter().take(MOST_PICTURES)).filter(|set| set.region.width == set.region.height);
     let mut pictures: Vec<Panel> = shown.map(|set| Panel::Image(picture(set))).collect();
     let mut rows = vec![spectra.map(Panel::Lines).collect()];
     if pictures.len() <= 2 {
@@ -76,7 +78,7 @@ fn cut(label: &str, series: &[Series]) -> Axis {
 
 fn noise(y: f64) -> Level {
     Level {
-        name: "independent uniform samples".to_owned(),
+        name: "white noise".to_owned(),
         y,
     }
 }
@@ -121,7 +123,7 @@ fn from_zero(label: &str, series: &[Series]) -> Axis {
 }
 
 fn picture(set: &Measured) -> ImageChart {
-    let [x, y] = set.picture_reach;
+    let reach = set.picture_reach;
     let side = set.picture.side;
     let each = if side == 1 {
         String::new()
@@ -135,8 +137,8 @@ fn picture(set: &Measured) -> ImageChart {
         x: Axis::new(format!(
             "\u{3bd} along x (white 0, black {BLACK} and above{each})"
         ))
-        .with_range(-x, x),
-        y: Axis::new("\u{3bd} along y").with_range(-y, y),
+        .with_range(-reach, reach),
+        y: Axis::new("\u{3bd} along y").with_range(-reach, reach),
         columns: set.picture.size,
         values: set.picture.power.clone(),
         clamp: [0.0, BLACK],

@@ -46,8 +46,8 @@ pub struct Measured {
     pub curve: Option<PowerCurve>,
     pub pairs: PairCorrelation,
     pub picture: CoarsePower,
-    /// Half of the picture's extent along each axis, as `nu`.
-    pub picture_reach: [f64; 2],
+    /// Half of the picture's extent on a square, as `nu`.
+    pub picture_reach: f64,
 }
 
 type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
@@ -86,7 +86,6 @@ impl Measured {
         let profile = RadialProfile::of(&periodogram, (longest / ANNULI).max(1.0))?;
         let picture = CoarsePower::of(&periodogram, PICTURE_CELLS)?;
         let reach = 0.5 * (picture.size * picture.side) as f64 / (points.len() as f64).sqrt();
-        let aspect = (region.height / region.width).sqrt();
         Ok(Self {
             order: Order::of(points, region, control)?,
             pairs: pairs(points, region, control)?,
@@ -100,7 +99,7 @@ impl Measured {
             discrepancy,
             profile,
             picture,
-            picture_reach: [reach * aspect, reach / aspect],
+            picture_reach: reach,
         })
     }
 

@@ -28,23 +28,16 @@ pub struct Table {
 /// Returns the measures of all sets; the first may be what others are held against.
 pub fn measures(sets: &[Measured], against: bool) -> Table {
     let scalars: Vec<Vec<Scalar>> = sets.iter().map(scalars).collect();
-    let domain = Row {
-        label: "domain".to_owned(),
+    let words = |label: &str, word: &dyn Fn(&Measured) -> String| Row {
+        label: label.to_owned(),
         unit: "",
-        cells: sets.iter().map(|set| region_text(&set.region)).collect(),
+        cells: sets.iter().map(word).collect(),
     };
-    let known = |set: &Measured| {
-        if set.certain {
-            "known"
-        } else {
-            "smallest distance"
-        }
-    };
-    let origin = Row {
-        label: "radius is".to_owned(),
-        unit: "",
-        cells: sets.iter().map(|set| known(set).to_owned()).collect(),
-    };
+    let domain = words("domain", &|set| region_text(&set.region));
+    let origin = words("radius is", &|set| {
+        let known = ["smallest distance", "known"];
+        known[usize::from(set.certain)].to_owned()
+    });
     let numbers = (0..scalars.first().map_or(0, Vec::len)).map(|index| {
         let cell = |column: &Vec<Scalar>| {
             let scalar = &column[index];

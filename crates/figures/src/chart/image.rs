@@ -36,22 +36,25 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
             stroke: Stroke::new(grey(shade), size[1]),
         });
     }
-    let mut groups = vec![cells];
-    if let Some(absent) = chart.absent {
+    let ring = chart.absent.map(|absent| {
         let column = (absent % chart.columns) as f64;
         let row = (absent / chart.columns) as f64;
         let center = [
             min[0] + (column + 0.5) * size[0],
             max[1] - (row + 0.5) * size[1],
         ];
-        let mut group = Group::new("absent");
-        let color = frame.palette.conflict;
-        let radius = size[0].max(size[1]).max(5.0);
-        let style = Style::stroked(color, 1.2);
-        group.shapes.push(Shape::circle(center, radius, style));
-        groups.push(group);
-    }
-    groups
+        ring(center, size[0].max(size[1]), frame)
+    });
+    std::iter::once(cells).chain(ring).collect()
+}
+
+fn ring(center: [f64; 2], cell: f64, frame: &Frame<'_>) -> Group {
+    let mut group = Group::new("absent");
+    let style = Style::stroked(frame.palette.conflict, 1.2);
+    group
+        .shapes
+        .push(Shape::circle(center, cell.max(5.0), style));
+    group
 }
 
 /// Returns, for each shade, the runs of its cells: row, first column, end.
