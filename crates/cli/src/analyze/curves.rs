@@ -36,8 +36,8 @@ pub fn figure(sets: &[Measured], against: bool) -> Figure {
     let spectra = spectra.into_iter().filter(|chart| !chart.series.is_empty());
     let pairs = Panel::Lines(correlation(series(Measured::correlation)));
     // Squares of frequencies are squares of the plane on a square alone.
-    let shown =
-        (sets.iter().take(MOST_PICTURES)).filter(|set| set.region.width == set.region.height);
+    let square = |set: &&Measured| set.region.width.to_bits() == set.region.height.to_bits();
+    let shown = sets.iter().filter(square).take(MOST_PICTURES);
     let mut pictures: Vec<Panel> = shown.map(|set| Panel::Image(picture(set))).collect();
     let mut rows = vec![spectra.map(Panel::Lines).collect()];
     if pictures.len() <= 2 {
