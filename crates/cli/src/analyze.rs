@@ -53,7 +53,7 @@ Examples:
   tilescope analyze set.csv
   tilescope analyze kdrt.npy darts.npy --against reference.npy --out report.html
   tilescope analyze theirs.txt --radius 0.01 --boundary bounded --json
-  tilescope analyze *.csv --out all.csv
+  tilescope analyze *.npy --out numbers.csv
 
 Exit codes: 0 all files were analysed, 2 one was not or the arguments cannot be used.";
 
@@ -90,6 +90,7 @@ impl Analysis {
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let kind = arguments.out.as_deref().map(kind_of).transpose()?;
+    check_no_input_is_replaced(arguments)?;
     let analysis = analyse(arguments)?;
     let nothing = analysis.sets.len() == usize::from(analysis.against);
     if let (Some(kind), Some(path), false) = (kind, &arguments.out, nothing) {
@@ -106,6 +107,25 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     } else {
         EXIT_BAD_INPUT
     })
+}
+
+/// A report that is a table would be written over a set of the same name.
+fn check_no_input_is_replaced(arguments: &AnalyzeArguments) -> Result<()> {
+    let Some(out) = arguments.out.as_deref() else {
+        return Ok(());
+    };
+    // A file that is not there yet replaces nothing.
+    let place = |path: &Path| path.canonicalize().ok();
+    let inputs = arguments.files.iter().chain(&arguments.against);
+    for input in inputs {
+        let same = input == out || place(out).is_some_and(|out| place(input) == Some(out));
+        ensure!(
+            !same,
+            "{}: --out would be written over this set; give it another name",
+            input.display()
+        );
+    }
+    Ok(())
 }
 
 fn kind_of(path: &Path) -> Result<Kind> {

@@ -335,6 +335,15 @@ fn reports_of_unknown_kinds_and_useless_references_are_refused() {
         .assert()
         .code(2)
         .stderr(contains("--against").and(contains("missing.csv")));
+    let set = fs::read(folder.path().join("kdrt.csv")).unwrap();
+    for out in ["kdrt.csv", "./kdrt.csv"] {
+        tilescope(&folder)
+            .args(["analyze", "kdrt.csv", "--out", out])
+            .assert()
+            .code(2)
+            .stderr(contains("written over this set"));
+    }
+    assert_eq!(fs::read(folder.path().join("kdrt.csv")).unwrap(), set);
     let before = names(folder.path());
     tilescope(&folder)
         .args(["analyze", "missing.csv", "--out", "report.html"])
