@@ -1,6 +1,7 @@
 //! The command line of Tilescope: commands and their arguments, progress bars, exit codes.
 //! It joins the crates below and computes nothing itself; the window is another crate's.
 
+mod analyze;
 mod bands;
 mod bench;
 mod bench_gpu;
@@ -55,6 +56,8 @@ pub enum Command {
     Sample(Box<sample::SampleArguments>),
     /// Verify a point set, against its certificate if it has one
     Verify(verify::VerifyArguments),
+    /// Measure point sets: spectra, distances, order; as a table and as a report
+    Analyze(analyze::AnalyzeArguments),
     /// Convert a point set to another format, verified
     Convert(convert::ConvertArguments),
     /// Glue maximal sets, placed side by side by a layout, into one
@@ -79,6 +82,7 @@ Examples:
   tilescope sample --count 10000 --out set.csv         a verified set with its certificate
   tilescope sample --radius 0.005 --boundary bounded --seed 7 --json
   tilescope verify set.csv
+  tilescope analyze set.csv --out report.html          spectra, distances and order, in one page
   tilescope convert set.csv set.npy
   tilescope combine nine.json --out nine.csv           nine sets, glued along their seams
   tilescope draw set.csv set.svg
@@ -93,6 +97,7 @@ pub fn run(command: &Command) -> ExitCode {
     let outcome = match command {
         Command::Sample(arguments) => sample::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Analyze(arguments) => analyze::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Combine(arguments) => combine::run(arguments),
         Command::Draw(arguments) => draw::run(arguments),

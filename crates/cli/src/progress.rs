@@ -37,11 +37,21 @@ impl Bar {
     }
 }
 
+/// What asks a function of the analysis whether it shall go on.
+type Control<'a> = &'a (dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync);
+
 /// Verifies with a bar and Ctrl-C; hands itself to functions that report analysis progress.
-pub fn verifying<T>(
-    work: impl FnOnce(&(dyn Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync)) -> T,
-) -> T {
-    let bar = Bar::new("verify");
+pub fn verifying<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
+    watched("verify", work)
+}
+
+/// Measures with a bar and Ctrl-C.
+pub fn measuring<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
+    watched("measure", work)
+}
+
+fn watched<T>(what: &str, work: impl FnOnce(Control<'_>) -> T) -> T {
+    let bar = Bar::new(what);
     let outcome = work(&|progress| {
         bar.set(progress.done, progress.total);
         interrupt::flow()

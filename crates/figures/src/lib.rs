@@ -19,6 +19,7 @@
 
 pub mod animation;
 mod canvas;
+pub mod chart;
 mod error;
 mod fonts;
 mod geometry;

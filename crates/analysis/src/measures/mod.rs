@@ -21,6 +21,7 @@
 //! ```
 
 mod blue_noise;
+mod coarse;
 mod discrepancy;
 mod distances;
 mod distributions;
@@ -39,6 +40,7 @@ mod uniformity;
 mod window;
 
 pub use blue_noise::PowerCurve;
+pub use coarse::CoarsePower;
 pub use discrepancy::Discrepancy;
 pub use distances::{NearestDistances, density, largest_min_distance};
 pub use distributions::{chi_square_quantile, chi_square_tail, student_quantile};

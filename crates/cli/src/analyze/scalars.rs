@@ -1,0 +1,103 @@
+//! The numbers of the table, in its sequence, with their names and units.
+
+use tilescope_analysis::measures::PowerCurve;
+
+use super::measured::Measured;
+
+/// A number of the table.
+pub struct Scalar {
+    /// Its name in JSON and CSV.
+    pub key: &'static str,
+    pub label: &'static str,
+    pub unit: &'static str,
+    /// None where it is not defined.
+    pub value: Option<f64>,
+    pub decimals: usize,
+}
+
+/// Name in files, label, unit, decimals.
+type Row = (&'static str, &'static str, &'static str, usize);
+
+const SET: [Row; 7] = [
+    ("samples", "samples N", "", 0),
+    ("radius", "radius r", "user units", 8),
+    ("density", "density", "N r\u{b2} / area", 4),
+    ("min_distance_r", "smallest distance", "r", 6),
+    ("covering_radius_r", "covering radius", "r", 6),
+    ("conflicts", "conflicts", "pairs", 0),
+    ("gaps", "gaps", "places", 0),
+];
+const CURVES: [Row; 5] = [
+    ("relative_radius", "relative radius", "r_max", 4),
+    ("mean_nearest_distance", "mean nearest distance", "r_max", 4),
+    ("effective_nyquist", "effective Nyquist frequency", "nu", 3),
+    ("effective_nyquist_psa", "the same, as psa has it", "nu", 3),
+    ("oscillation", "oscillation of power", "", 3),
+];
+const CELLS: [Row; 7] = [
+    ("area_deviation", "deviation of cell areas", "mean area", 4),
+    ("six_sided", "cells with six sides", "share", 4),
+    ("mean_sides", "mean sides of a cell", "", 3),
+    ("bond_order", "bond order, local", "", 4),
+    ("global_bond_order", "bond order, global", "", 4),
+    ("star_discrepancy", "L2 star discrepancy", "", 6),
+    ("centered_discrepancy", "L2 centred discrepancy", "", 6),
+];
+
+/// Returns the numbers of a set.
+pub fn scalars(set: &Measured) -> Vec<Scalar> {
+    let rows = SET.into_iter().chain(CURVES).chain(CELLS);
+    let values = verdict(set).into_iter().chain(curves(set));
+    let values = values.chain(cells(set));
+    rows.zip(values)
+        .map(|((key, label, unit, decimals), value)| Scalar {
+            key,
+            label,
+            unit,
+            value: value.filter(|value| value.is_finite()),
+            decimals,
+        })
+        .collect()
+}
+
+fn verdict(set: &Measured) -> [Option<f64>; SET.len()] {
+    let report = &set.report;
+    let r = report.radius;
+    // Of a radius that is not known, conflicts and gaps say nothing.
+    let certain = |count: u64| set.certain.then_some(count as f64);
+    [
+        Some(report.count as f64),
+        Some(r),
+        Some(report.density),
+        Some(report.min_distance / r),
+        Some(report.covering_radius / r),
+        certain(report.conflicts),
+        certain(report.gaps),
+    ]
+}
+
+fn curves(set: &Measured) -> [Option<f64>; CURVES.len()] {
+    let curve = set.curve.as_ref();
+    [
+        Some(set.distances.relative_radius()),
+        Some(set.distances.mean_relative_distance()),
+        curve.and_then(PowerCurve::effective_nyquist),
+        curve.and_then(PowerCurve::effective_nyquist_psa),
+        curve.and_then(PowerCurve::oscillation),
+    ]
+}
+
+fn cells(set: &Measured) -> [Option<f64>; CELLS.len()] {
+    let order = &set.order;
+    let all: u64 = order.sides.iter().sum();
+    let six = order.sides.get(6).copied().unwrap_or(0);
+    [
+        Some(order.relative_areas.deviation),
+        Some(six as f64 / all as f64),
+        Some(order.mean_sides),
+        Some(order.bond_order),
+        Some(order.global_bond_order),
+        set.discrepancy.map(|found| found.star),
+        set.discrepancy.map(|found| found.centered),
+    ]
+}

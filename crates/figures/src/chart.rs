@@ -1,0 +1,289 @@
+//! Charts of curves and of grids of values, as a scene: data in, shapes out.
+//!
+//! Axes have round ticks; a series has a colour, a dash pattern and a mark of its own, so that nothing is told
+//! by colour alone. Never computes what it shows, and takes no logarithm.
+
+mod frame;
+mod image;
+mod layout;
+mod lines;
+mod ticks;
+
+pub use layout::figure_scene;
+
+/// Colour, dash pattern and mark of a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// One of a cycle of 60 combinations, by its number.
+    Numbered(usize),
+    /// What others are held against: dashed, in the colour of text, without marks.
+    Reference,
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Its name in the legend; series of one name in several charts should have one look.
+    pub name: String,
+    /// How it looks.
+    pub look: Look,
+    /// Places `[x, y]` in the sequence in which they are joined.
+    pub points: Vec<[f64; 2]>,
+    /// Lower and upper end of a confidence band at each place, or none.
+    pub band: Option<Vec<[f64; 2]>>,
+}
+
+/// A horizontal line with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// What is written at it.
+    pub name: String,
+    /// Where it is.
+    pub y: f64,
+}
+
+/// An axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// The quantity and its unit.
+    pub label: String,
+    /// The ends; none takes those of the data.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Axis {
+    /// An axis that reaches as far as its data.
+    #[must_use]
+    pub fn new(label: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            range: None,
+        }
+    }
+
+    /// The same axis from `low` to `high`; what lies beyond is cut off.
+    #[must_use]
+    pub fn with_range(self, low: f64, high: f64) -> Self {
+        Self {
+            range: Some([low, high]),
+            ..self
+        }
+    }
+}
+
+/// Curves over one pair of axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineChart {
+    /// Its heading.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// The curves, the first painted first.
+    pub series: Vec<Series>,
+    /// Named horizontal lines, below the curves.
+    pub levels: Vec<Level>,
+}
+
+/// Values on a grid, as shades of grey: white at the lower end, black at the upper.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImageChart {
+    /// Its heading.
+    pub title: String,
+    /// The horizontal axis; its range, which must be given, spans the grid's columns.
+    pub x: Axis,
+    /// The vertical axis, upwards; its range, which must be given, spans the grid's rows.
+    pub y: Axis,
+    /// Columns of the grid.
+    pub columns: usize,
+    /// Rows of equal ordinate, the lowest first.
+    pub values: Vec<f64>,
+    /// Values at and beyond which a cell is white or black.
+    pub clamp: [f64; 2],
+    /// Index of a cell without a value: it is ringed, and its value is not read.
+    pub absent: Option<usize>,
+}
+
+/// A part of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Panel {
+    /// Curves.
+    Lines(LineChart),
+    /// A grid of values.
+    Image(ImageChart),
+}
+
+/// Panels under a common title and legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// The title.
+    pub title: String,
+    /// Rows of panels, which share the width evenly.
+    pub rows: Vec<Vec<Panel>>,
+}
+
+/// Why there is no figure.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ChartError {
+    /// A figure, a row of it or a chart has nothing to show.
+    #[error("\"{0}\" has nothing to show")]
+    Empty(String),
+    /// A series has no place.
+    #[error("the series \"{series}\" of \"{chart}\" is empty")]
+    EmptySeries {
+        /// Title of the chart.
+        chart: String,
+        /// Name of the series.
+        series: String,
+    },
+    /// A number is NaN or infinite.
+    #[error("value {index} of \"{series}\" in \"{chart}\" is {value}, which is not finite")]
+    NotFinite {
+        /// Title of the chart.
+        chart: String,
+        /// Name of the series, or what else the value belongs to.
+        series: String,
+        /// Its index there.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A band has not one pair of ends for each place.
+    #[error("the band of \"{series}\" has {found} places, the series {expected}")]
+    Band {
+        /// Name of the series.
+        series: String,
+        /// Places of the band.
+        found: usize,
+        /// Places of the series.
+        expected: usize,
+    },
+    /// A range of an axis or of shades does not rise, or an image's axis has none.
+    #[error("the range of \"{0}\" is missing or does not rise")]
+    Range(String),
+    /// The values of an image do not fill its rows, or are too many.
+    #[error(
+        "the image \"{chart}\" has {values} values in {columns} columns; they must fill 1 to {MAX_CELLS} rows, and \
+         columns be as many at most"
+    )]
+    Grid {
+        /// Title of the image.
+        chart: String,
+        /// Values.
+        values: usize,
+        /// Columns.
+        columns: usize,
+    },
+}
+
+/// Columns and rows of an image at most: more than pixels would not be seen.
+pub const MAX_CELLS: usize = 1024;
+
+impl LineChart {
+    fn check(&self) -> Result<(), ChartError> {
+        if self.series.is_empty() {
+            return Err(ChartError::Empty(self.title.clone()));
+        }
+        for series in &self.series {
+            self.check_series(series)?;
+        }
+        let levels: Vec<f64> = self.levels.iter().map(|level| level.y).collect();
+        self.check_finite("levels", &levels)?;
+        for axis in [&self.x, &self.y] {
+            if axis.range.is_some() {
+                axis.checked_range()?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_series(&self, series: &Series) -> Result<(), ChartError> {
+        if series.points.is_empty() {
+            return Err(ChartError::EmptySeries {
+                chart: self.title.clone(),
+                series: series.name.clone(),
+            });
+        }
+        for axis in [0, 1] {
+            let values: Vec<f64> = series.points.iter().map(|point| point[axis]).collect();
+            self.check_finite(&series.name, &values)?;
+        }
+        let Some(band) = &series.band else {
+            return Ok(());
+        };
+        if band.len() != series.points.len() {
+            return Err(ChartError::Band {
+                series: series.name.clone(),
+                found: band.len(),
+                expected: series.points.len(),
+            });
+        }
+        for end in [0, 1] {
+            let values: Vec<f64> = band.iter().map(|ends| ends[end]).collect();
+            self.check_finite(&series.name, &values)?;
+        }
+        Ok(())
+    }
+
+    fn check_finite(&self, series: &str, values: &[f64]) -> Result<(), ChartError> {
+        finite(&self.title, series, values.iter().copied().enumerate())
+    }
+}
+
+impl ImageChart {
+    fn check(&self) -> Result<(), ChartError> {
+        let sides = 1..=MAX_CELLS;
+        let values = self.values.len();
+        let fits = sides.contains(&self.columns)
+            && values.is_multiple_of(self.columns)
+            && sides.contains(&(values / self.columns));
+        if !fits {
+            return Err(ChartError::Grid {
+                chart: self.title.clone(),
+                values,
+                columns: self.columns,
+            });
+        }
+        let read = self.values.iter().copied().enumerate();
+        let read = read.filter(|(index, _)| Some(*index) != self.absent);
+        finite(&self.title, "the grid", read)?;
+        self.x.checked_range()?;
+        self.y.checked_range()?;
+        if !rises(self.clamp) {
+            return Err(ChartError::Range(self.title.clone()));
+        }
+        Ok(())
+    }
+}
+
+impl Axis {
+    fn checked_range(&self) -> Result<[f64; 2], ChartError> {
+        let range = self.range.filter(|range| rises(*range));
+        range.ok_or_else(|| ChartError::Range(self.label.clone()))
+    }
+}
+
+fn rises([low, high]: [f64; 2]) -> bool {
+    low.is_finite() && high.is_finite() && low < high && (high - low).is_normal()
+}
+
+fn finite(
+    chart: &str,
+    series: &str,
+    mut values: impl Iterator<Item = (usize, f64)>,
+) -> Result<(), ChartError> {
+    match values.find(|(_, value)| !value.is_finite()) {
+        None => Ok(()),
+        Some((index, value)) => Err(ChartError::NotFinite {
+            chart: chart.to_owned(),
+            series: series.to_owned(),
+            index,
+            value,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

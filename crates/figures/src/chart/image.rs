@@ -1,0 +1,89 @@
+//! A grid of values as shades of grey.
+//! Never smooths: a cell is a square of one shade.
+
+use super::ImageChart;
+use super::frame::Frame;
+use crate::palette::Color;
+use crate::scene::{Group, Rect, Shape, Stroke, Style};
+
+/// Shades that are told apart.
+const SHADES: usize = 32;
+
+/// Returns the cells of an image, and the ring about the absent one. Cells of one shade are one shape.
+pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
+    let mut cells = Group {
+        clip: Some(frame.plot),
+        ..Group::new("cells")
+    };
+    let Rect { min, max } = frame.plot;
+    let rows = chart.values.len() / chart.columns;
+    let size = [
+        (max[0] - min[0]) / chart.columns as f64,
+        (max[1] - min[1]) / rows as f64,
+    ];
+    let shades = runs(chart);
+    for (shade, runs) in shades
+        .iter()
+        .enumerate()
+        .filter(|(_, runs)| !runs.is_empty())
+    {
+        let line = |&[row, from, to]: &[usize; 3]| {
+            let y = max[1] - (row as f64 + 0.5) * size[1];
+            [from, to].map(|column| [min[0] + column as f64 * size[0], y])
+        };
+        cells.shapes.push(Shape::Segments {
+            segments: runs.iter().map(line).collect(),
+            stroke: Stroke::new(grey(shade), size[1]),
+        });
+    }
+    let ring = chart.absent.map(|absent| {
+        let column = (absent % chart.columns) as f64;
+        let row = (absent / chart.columns) as f64;
+        let center = [
+            min[0] + (column + 0.5) * size[0],
+            max[1] - (row + 0.5) * size[1],
+        ];
+        ring(center, size[0].max(size[1]), frame)
+    });
+    std::iter::once(cells).chain(ring).collect()
+}
+
+fn ring(center: [f64; 2], cell: f64, frame: &Frame<'_>) -> Group {
+    let mut group = Group::new("absent");
+    let style = Style::stroked(frame.palette.conflict, 1.2);
+    group
+        .shapes
+        .push(Shape::circle(center, cell.max(5.0), style));
+    group
+}
+
+/// Returns, for each shade, the runs of its cells: row, first column, end.
+fn runs(chart: &ImageChart) -> Vec<Vec<[usize; 3]>> {
+    let mut shades = vec![Vec::new(); SHADES];
+    for (row, values) in chart.values.chunks(chart.columns).enumerate() {
+        let mut last = None;
+        for (column, value) in values.iter().enumerate() {
+            let absent = chart.absent == Some(row * chart.columns + column);
+            let shade = (!absent).then(|| shade(*value, chart.clamp));
+            if let Some(shade) = shade {
+                let runs: &mut Vec<[usize; 3]> = &mut shades[shade];
+                match runs.last_mut() {
+                    Some(run) if last == Some(shade) => run[2] = column + 1,
+                    _ => runs.push([row, column, column + 1]),
+                }
+            }
+            last = shade;
+        }
+    }
+    shades
+}
+
+fn shade(value: f64, [low, high]: [f64; 2]) -> usize {
+    let part = ((value - low) / (high - low)).clamp(0.0, 1.0);
+    ((part * SHADES as f64) as usize).min(SHADES - 1)
+}
+
+fn grey(shade: usize) -> Color {
+    let level = 255 - (255 * shade / (SHADES - 1)) as u8;
+    [level, level, level, 255]
+}

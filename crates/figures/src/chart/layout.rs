@@ -1,0 +1,177 @@
+//! A figure's scene: title, legend and rows of panels.
+//! Never draws within a panel's frame.
+
+use super::frame::{FOOT, Frame, HEAD, LEFT, RIGHT};
+use super::lines::{self, drawn};
+use super::{ChartError, Figure, ImageChart, Look, Panel, image};
+use crate::fonts::{Font, text_width};
+use crate::palette::Palette;
+use crate::scene::{Baseline, Group, Rect, Scene, Shape, Text};
+
+/// Width of a figure in pixels.
+const WIDTH: f64 = 1200.0;
+/// Height of a row of curves, and the least one of images.
+const ROW: f64 = 380.0;
+/// Left and right of everything, and below.
+const MARGIN: f64 = 20.0;
+const TITLE: f64 = 52.0;
+const LEGEND_LINE: f64 = 24.0;
+const LEGEND_TEXT: f64 = 13.0;
+/// A line's sample in the legend, and what follows its name.
+const SAMPLE: f64 = 44.0;
+const GAP: f64 = 28.0;
+
+/// Returns the scene of a figure, 1200 pixels wide; its height follows from the number of rows.
+///
+/// Above the panels stands a legend with the name of each series, once.
+///
+/// # Errors
+///
+/// [`ChartError`] for a figure or a series without content, numbers that are not finite, ranges that do not
+/// rise, and grids that are none.
+///
+/// ```
+/// use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, figure_scene};
+/// use tilescope_figures::{Palette, to_svg};
+///
+/// let curve = Series { name: "a.csv".into(), look: Look::Numbered(0), points: vec![[0.0, 1.0], [1.0, 2.0]], band: None };
+/// let chart = LineChart {
+///     title: "Power".into(),
+///     x: Axis::new("frequency"),
+///     y: Axis::new("power"),
+///     series: vec![curve],
+///     levels: Vec::new(),
+/// };
+/// let figure = Figure { title: "One set".into(), rows: vec![vec![Panel::Lines(chart)]] };
+/// let scene = figure_scene(&figure, &Palette::LIGHT)?;
+/// assert!(to_svg(&scene).unwrap().contains("a.csv"));
+/// # Ok::<(), tilescope_figures::chart::ChartError>(())
+/// ```
+pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartError> {
+    if figure.rows.is_empty() || figure.rows.iter().any(Vec::is_empty) {
+        return Err(ChartError::Empty(figure.title.clone()));
+    }
+    let (legend, mut top) = legend(figure, palette, TITLE);
+    let mut scene = Scene::new(WIDTH, 1.0, palette.background);
+    scene.title.clone_from(&figure.title);
+    let mut title = Text::new([MARGIN, 34.0], &figure.title, 20.0, palette.text);
+    title.font = Font::SemiBold;
+    let mut head = Group::new("title");
+    head.shapes.push(Shape::Text(title));
+    scene.groups.extend([head, legend]);
+    for row in &figure.rows {
+        let width = (WIDTH - 2.0 * MARGIN) / row.len() as f64;
+        let height = row_height(row, width);
+        for (index, panel) in row.iter().enumerate() {
+            let left = (MARGIN + index as f64 * width).round();
+            let cell = Rect::new([left, top], [left + width, top + height]);
+            scene.groups.extend(panel_groups(panel, cell, palette)?);
+        }
+        top += height;
+    }
+    scene.height = top + MARGIN;
+    Ok(scene)
+}
+
+/// Rows of images are as high as makes them square.
+fn row_height(row: &[Panel], width: f64) -> f64 {
+    if row.iter().all(|panel| matches!(panel, Panel::Image(_))) {
+        let plot = width - LEFT - RIGHT;
+        return (plot.min(480.0) + HEAD + FOOT).round();
+    }
+    ROW
+}
+
+fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Group>, ChartError> {
+    let plot = Rect::new(
+        [cell.min[0] + LEFT, cell.min[1] + HEAD],
+        [cell.max[0] - RIGHT, cell.max[1] - FOOT],
+    );
+    match panel {
+        Panel::Lines(chart) => {
+            chart.check()?;
+            let [x, y] = chart.ranges();
+            let frame = Frame {
+                plot,
+                x,
+                y,
+                palette,
+            };
+            let mut groups = vec![frame.grid()];
+            groups.extend(lines::groups(chart, &frame));
+            groups.push(frame.axes(&chart.title, [&chart.x.label, &chart.y.label]));
+            Ok(groups)
+        }
+        Panel::Image(chart) => {
+            chart.check()?;
+            let frame = Frame {
+                plot: whole_cells(chart, plot),
+                x: chart.x.checked_range()?,
+                y: chart.y.checked_range()?,
+                palette,
+            };
+            let mut groups = image::groups(chart, &frame);
+            groups.push(frame.axes(&chart.title, [&chart.x.label, &chart.y.label]));
+            Ok(groups)
+        }
+    }
+}
+
+/// Returns the largest plot within `plot` whose cells are square, of whole pixels where these suffice.
+fn whole_cells(chart: &ImageChart, plot: Rect) -> Rect {
+    let rows = chart.values.len() / chart.columns;
+    let room = [0, 1].map(|axis| plot.max[axis] - plot.min[axis]);
+    let cell = (room[0] / chart.columns as f64).min(room[1] / rows as f64);
+    // Below a pixel, halves: pictures are often made at scale 2.
+    let cell = if cell >= 1.0 {
+        (2.0 * cell).floor() / 2.0
+    } else {
+        cell
+    };
+    let min = plot.min.map(f64::round);
+    let size = [cell * chart.columns as f64, cell * rows as f64];
+    Rect::new(min, [min[0] + size[0], min[1] + size[1]])
+}
+
+/// Returns the legend and its lower end.
+fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
+    let mut group = Group::new("legend");
+    let mut at = [MARGIN, top + 0.5 * LEGEND_LINE];
+    for (name, look) in entries(figure) {
+        let width = SAMPLE + text_width(name, Font::Regular, LEGEND_TEXT) + GAP;
+        if at[0] > MARGIN && at[0] + width - GAP > WIDTH - MARGIN {
+            at = [MARGIN, at[1] + LEGEND_LINE];
+        }
+        let drawn = drawn(look, palette);
+        let ends = [at, [at[0] + SAMPLE - 8.0, at[1]]];
+        group
+            .shapes
+            .push(Shape::line(ends[0], ends[1], drawn.stroke));
+        if let Some(marker) = drawn.marker {
+            let middle = [at[0] + 0.5 * (SAMPLE - 8.0), at[1]];
+            group
+                .shapes
+                .push(lines::mark(marker, middle, drawn.stroke.color));
+        }
+        let mut text = Text::new([at[0] + SAMPLE, at[1]], name, LEGEND_TEXT, palette.text);
+        text.baseline = Baseline::Middle;
+        group.shapes.push(Shape::Text(text));
+        at[0] += width;
+    }
+    (group, at[1] + 0.5 * LEGEND_LINE + 8.0)
+}
+
+/// Returns each name once, in sequence.
+fn entries(figure: &Figure) -> Vec<(&str, Look)> {
+    let mut entries: Vec<(&str, Look)> = Vec::new();
+    for panel in figure.rows.iter().flatten() {
+        if let Panel::Lines(chart) = panel {
+            for series in &chart.series {
+                if entries.iter().all(|(name, _)| *name != series.name) {
+                    entries.push((&series.name, series.look));
+                }
+            }
+        }
+    }
+    entries
+}

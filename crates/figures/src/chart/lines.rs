@@ -1,0 +1,196 @@
+//! Curves in a frame: bands, levels, lines with marks. The legend draws its samples with the same functions.
+//! Never chooses an axis's unit.
+
+use super::frame::{Frame, HEADING};
+use super::{LineChart, Look, Series};
+use crate::fonts::{Font, text_width};
+use crate::palette::{Color, Palette, with_alpha};
+use crate::scene::{Anchor, Group, Marker, Rect, Shape, Stroke, Style, Text};
+
+/// Pixels between two marks of a curve.
+const MARK_EVERY: f64 = 70.0;
+
+/// Size of a level's name in pixels.
+const LEVEL_NAME: f64 = 12.0;
+
+/// Part of the data's extent that a vertical axis has to spare at either end.
+const SPARE: f64 = 0.05;
+
+/// The line and mark of a series.
+pub(super) struct Drawn {
+    pub(super) stroke: Stroke,
+    pub(super) marker: Option<Marker>,
+}
+
+/// Returns how a series is drawn.
+pub(super) fn drawn(look: Look, palette: &Palette) -> Drawn {
+    let Look::Numbered(number) = look else {
+        return Drawn {
+            stroke: Stroke::new(palette.text, 2.0).dashed(9.0, 5.0),
+            marker: None,
+        };
+    };
+    let colors: [Color; 6] = [
+        palette.detector,
+        palette.conflict,
+        palette.inserted,
+        palette.gap,
+        palette.candidate,
+        palette.disk,
+    ];
+    let markers = [
+        Marker::Dot,
+        Marker::Triangle,
+        Marker::Square,
+        Marker::Diamond,
+        Marker::Cross,
+    ];
+    let stroke = Stroke::new(colors[number % colors.len()], 1.6);
+    let stroke = match number % 4 {
+        0 => stroke,
+        1 => stroke.dashed(5.0, 2.0),
+        2 => stroke.dashed(16.0, 3.0),
+        _ => stroke.dashed(2.0, 2.0),
+    };
+    let marker = Some(markers[number % markers.len()]);
+    Drawn { stroke, marker }
+}
+
+impl LineChart {
+    /// Returns the ranges of both axes: those given, or those of the data with some room.
+    pub(super) fn ranges(&self) -> [[f64; 2]; 2] {
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let x = self.x.range.unwrap_or_else(|| wide(points().map(|p| p[0])));
+        let y = self.y.range.unwrap_or_else(|| {
+            let bands = self.series.iter().filter_map(|series| series.band.as_ref());
+            let ends = bands.flatten().flatten().copied();
+            let levels = self.levels.iter().map(|level| level.y);
+            let [low, high] = wide(points().map(|p| p[1]).chain(ends).chain(levels));
+            let spare = SPARE * (high - low);
+            // Quantities that cannot be negative start at zero.
+            let floor = if low >= 0.0 { 0.0 } else { low - spare };
+            [floor, high + spare]
+        });
+        [x, y]
+    }
+}
+
+/// Returns the extent of values, at least a little wide.
+fn wide(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    });
+    if (high - low) > 1e-9 * high.abs().max(low.abs()) {
+        return [low, high];
+    }
+    let half = (0.5 * high.abs()).max(0.5);
+    [low - half, high + half]
+}
+
+/// Returns the bands, levels and curves of a chart, and the levels' names.
+pub(super) fn groups(chart: &LineChart, frame: &Frame<'_>) -> Vec<Group> {
+    let clipped = |name: &str| Group {
+        clip: Some(frame.plot),
+        ..Group::new(name)
+    };
+    let mut bands = clipped("bands");
+    let mut curves = clipped("curves");
+    for series in &chart.series {
+        bands.shapes.extend(band(series, frame));
+        curve(series, frame, &mut curves);
+    }
+    let mut groups = vec![
+        bands,
+        levels(chart, frame, clipped("levels")),
+        curves,
+        level_names(chart, frame),
+    ];
+    groups.retain(|group| !group.shapes.is_empty());
+    groups
+}
+
+fn band(series: &Series, frame: &Frame<'_>) -> Option<Shape> {
+    let band = series.band.as_ref()?;
+    let along = || series.points.iter().zip(band);
+    let lower = along().map(|(point, ends)| frame.pixel([point[0], ends[0]]));
+    let upper = along().map(|(point, ends)| frame.pixel([point[0], ends[1]]));
+    let color = drawn(series.look, frame.palette).stroke.color;
+    Some(Shape::Polygon {
+        points: lower.chain(upper.rev()).collect(),
+        style: Style::filled(with_alpha(color, 36)),
+    })
+}
+
+fn level_stroke(frame: &Frame<'_>) -> Stroke {
+    Stroke::new(frame.palette.text, 1.0).dashed(2.0, 3.0)
+}
+
+fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
+    let Rect { min, max } = frame.plot;
+    for level in &chart.levels {
+        let at = frame.pixel([frame.x[0], level.y])[1];
+        let line = Shape::line([min[0], at], [max[0], at], level_stroke(frame));
+        group.shapes.push(line);
+    }
+    group
+}
+
+/// Returns the levels' names: a single one beside the heading, where no curve runs, others at their lines.
+fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
+    let mut group = Group::new("level names");
+    let Rect { min, max } = frame.plot;
+    let head = text_width(&chart.title, Font::SemiBold, HEADING);
+    for level in &chart.levels {
+        let width = text_width(&level.name, Font::Regular, LEVEL_NAME);
+        let beside = chart.levels.len() == 1 && head + width + 60.0 < max[0] - min[0];
+        let y = if beside {
+            min[1] - 12.0
+        } else {
+            frame.pixel([frame.x[0], level.y])[1] - 6.0
+        };
+        if beside {
+            let [from, to] = [38.0, 8.0].map(|left| [max[0] - width - left, y - 4.0]);
+            group
+                .shapes
+                .push(Shape::line(from, to, level_stroke(frame)));
+        } else {
+            let behind = [[max[0] - 12.0 - width, y - 13.0], [max[0] - 4.0, y + 4.0]];
+            group.shapes.push(Shape::Rect {
+                rect: Rect::new(behind[0], behind[1]),
+                style: Style::filled(with_alpha(frame.palette.background, 225)),
+            });
+        }
+        let right = if beside { max[0] } else { max[0] - 8.0 };
+        let mut text = Text::new([right, y], &level.name, LEVEL_NAME, frame.palette.text);
+        text.anchor = Anchor::End;
+        group.shapes.push(Shape::Text(text));
+    }
+    group
+}
+
+fn curve(series: &Series, frame: &Frame<'_>, group: &mut Group) {
+    let points: Vec<[f64; 2]> = series.points.iter().map(|p| frame.pixel(*p)).collect();
+    let drawn = drawn(series.look, frame.palette);
+    let mut next = frame.plot.min[0] + 0.5 * MARK_EVERY;
+    if let Look::Numbered(number) = series.look {
+        // Marks of curves that run together stand beside each other.
+        next += MARK_EVERY * ((number * 3) % 8) as f64 / 8.0 - 0.5 * MARK_EVERY;
+    }
+    let mut marks = Vec::new();
+    for point in &points {
+        if let Some(marker) = drawn.marker
+            && point[0] >= next
+        {
+            marks.push(mark(marker, *point, drawn.stroke.color));
+            next = point[0] + MARK_EVERY;
+        }
+    }
+    let stroke = drawn.stroke;
+    group.shapes.push(Shape::Polyline { points, stroke });
+    group.shapes.extend(marks);
+}
+
+/// Returns a mark of a curve.
+pub(super) fn mark(marker: Marker, at: [f64; 2], color: Color) -> Shape {
+    Shape::marker(marker, at, 8.0, Style::filled(color))
+}

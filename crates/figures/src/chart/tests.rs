@@ -1,0 +1,267 @@
+use super::*;
+use crate::palette::Palette;
+use crate::scene::{Group, Scene, Shape};
+use crate::{to_png, to_svg};
+
+fn series(name: &str, number: usize, points: Vec<[f64; 2]>) -> Series {
+    Series {
+        name: name.to_owned(),
+        look: Look::Numbered(number),
+        points,
+        band: None,
+    }
+}
+
+fn chart(series: Vec<Series>) -> LineChart {
+    LineChart {
+        title: "Radial mean power".to_owned(),
+        x: Axis::new("nu"),
+        y: Axis::new("power"),
+        series,
+        levels: vec![Level {
+            name: "noise".to_owned(),
+            y: 1.0,
+        }],
+    }
+}
+
+fn image() -> ImageChart {
+    ImageChart {
+        title: "Periodogram".to_owned(),
+        x: Axis::new("nu x").with_range(-1.0, 1.0),
+        y: Axis::new("nu y").with_range(-1.0, 1.0),
+        columns: 3,
+        values: vec![0.0, 1.0, 2.0, 0.5, f64::NAN, 0.5, 9.0, -1.0, 1.0],
+        clamp: [0.0, 2.0],
+        absent: Some(4),
+    }
+}
+
+fn figure(panels: Vec<Panel>) -> Figure {
+    Figure {
+        title: "Two sets".to_owned(),
+        rows: vec![panels],
+    }
+}
+
+fn scene(panel: Panel) -> Result<Scene, ChartError> {
+    figure_scene(&figure(vec![panel]), &Palette::LIGHT)
+}
+
+fn group<'a>(scene: &'a Scene, name: &str) -> &'a Group {
+    let found = scene.groups.iter().find(|group| group.name == name);
+    found.unwrap_or_else(|| panic!("no group {name}"))
+}
+
+fn wave(height: f64) -> Vec<[f64; 2]> {
+    let at = |i: i32| [0.1 * f64::from(i), height * f64::from(i % 5)];
+    (0..40).map(at).collect()
+}
+
+#[test]
+fn curves_lie_in_their_frame() {
+    let made = scene(Panel::Lines(chart(vec![
+        series("a.csv", 0, wave(1.0)),
+        series("b.csv", 1, wave(-0.5)),
+    ])));
+    let made = made.unwrap();
+    let curves = group(&made, "curves");
+    let frame = curves.clip.unwrap();
+    let mut places = 0;
+    for shape in &curves.shapes {
+        if let Shape::Polyline { points, .. } = shape {
+            for point in points {
+                assert!((0..2).all(|k| (frame.min[k]..=frame.max[k]).contains(&point[k])));
+                places += 1;
+            }
+        }
+    }
+    assert_eq!(places, 80);
+    // A given range cuts off instead: the same curve then leaves the frame.
+    let mut short = chart(vec![series("a.csv", 0, wave(1.0))]);
+    short.y = short.y.with_range(0.0, 2.0);
+    let made = scene(Panel::Lines(short)).unwrap();
+    let curves = group(&made, "curves");
+    let outside = |shape: &Shape| match shape {
+        Shape::Polyline { points, .. } => points.iter().any(|p| p[1] < curves.clip.unwrap().min[1]),
+        _ => false,
+    };
+    assert!(curves.shapes.iter().any(outside));
+}
+
+#[test]
+fn values_are_where_their_ticks_are() {
+    let line = vec![[0.0, 0.0], [2.0, 10.0]];
+    let mut plain = chart(vec![series("a.csv", 0, line)]);
+    plain.y = plain.y.with_range(0.0, 10.0);
+    let made = scene(Panel::Lines(plain)).unwrap();
+    let frame = group(&made, "curves").clip.unwrap();
+    let Shape::Polyline { points, .. } = &group(&made, "curves").shapes[0] else {
+        panic!("no curve");
+    };
+    let corners = [[frame.min[0], frame.max[1]], [frame.max[0], frame.min[1]]];
+    for (point, corner) in points.iter().zip(corners) {
+        let off = (point[0] - corner[0]).hypot(point[1] - corner[1]);
+        assert!(off < 1e-9, "{point:?} {corner:?}");
+    }
+    let texts = texts(group(&made, "axes"));
+    for label in ["0.0", "1.0", "2.0", "0", "4", "10", "nu", "power"] {
+        assert!(texts.iter().any(|text| text == label), "{label}: {texts:?}");
+    }
+}
+
+fn texts(group: &Group) -> Vec<String> {
+    let text = |shape: &Shape| match shape {
+        Shape::Text(text) => Some(text.text.clone()),
+        _ => None,
+    };
+    group.shapes.iter().filter_map(text).collect()
+}
+
+#[test]
+fn levels_have_their_names() {
+    let mut two = chart(vec![series("a.csv", 0, wave(1.0))]);
+    let one = scene(Panel::Lines(two.clone())).unwrap();
+    assert_eq!(texts(group(&one, "level names")), ["noise"]);
+    two.levels.push(Level {
+        name: "lattice".to_owned(),
+        y: 3.0,
+    });
+    let made = scene(Panel::Lines(two)).unwrap();
+    assert_eq!(texts(group(&made, "level names")), ["noise", "lattice"]);
+    assert_eq!(group(&made, "levels").shapes.len(), 2);
+}
+
+#[test]
+fn the_legend_has_every_name_once() {
+    let names: Vec<String> = (0..30)
+        .map(|i| format!("a rather long name {i}.csv"))
+        .collect();
+    let all = |_| {
+        let each = names.iter().enumerate();
+        Panel::Lines(chart(each.map(|(i, n)| series(n, i, wave(1.0))).collect()))
+    };
+    let made = figure_scene(&figure((0..2).map(all).collect()), &Palette::DARK).unwrap();
+    assert_eq!(texts(group(&made, "legend")), names);
+    for shape in &group(&made, "legend").shapes {
+        if let Shape::Text(text) = shape {
+            assert!(text.at[0] < made.width - 100.0 && text.at[1] < made.height);
+        }
+    }
+}
+
+#[test]
+fn sixty_series_look_different_and_neighbours_not_by_colour_alone() {
+    let looks: Vec<_> = (0..60)
+        .map(|i| lines::drawn(Look::Numbered(i), &Palette::LIGHT))
+        .map(|d| {
+            (
+                d.stroke.color,
+                format!("{:?} {:?}", d.stroke.dash, d.marker),
+            )
+        })
+        .collect();
+    for (i, look) in looks.iter().enumerate() {
+        assert!(!looks[..i].contains(look), "{i}");
+        assert!(i == 0 || look.1 != looks[i - 1].1);
+    }
+}
+
+#[test]
+fn numbers_that_are_none_are_refused() {
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut points = wave(1.0);
+        points[7][1] = bad;
+        let refused = scene(Panel::Lines(chart(vec![series("a.csv", 0, points)])));
+        let error = refused.unwrap_err();
+        assert!(
+            matches!(&error, ChartError::NotFinite { index: 7, series, .. } if series == "a.csv"),
+            "{error}"
+        );
+    }
+    let empty = scene(Panel::Lines(chart(vec![series("a.csv", 0, vec![])])));
+    assert!(matches!(empty, Err(ChartError::EmptySeries { .. })));
+    assert!(matches!(
+        scene(Panel::Lines(chart(vec![]))),
+        Err(ChartError::Empty(_))
+    ));
+    assert!(figure_scene(&figure(vec![]), &Palette::LIGHT).is_err());
+    let mut short = series("a.csv", 0, wave(1.0));
+    short.band = Some(vec![[0.0, 1.0]; 39]);
+    let refused = scene(Panel::Lines(chart(vec![short])));
+    assert!(matches!(refused, Err(ChartError::Band { found: 39, .. })));
+    let flat = LineChart {
+        x: Axis::new("nu").with_range(1.0, 1.0),
+        ..chart(vec![series("a.csv", 0, wave(1.0))])
+    };
+    assert!(matches!(
+        scene(Panel::Lines(flat)),
+        Err(ChartError::Range(_))
+    ));
+}
+
+#[test]
+fn a_constant_curve_has_axes() {
+    let one = scene(Panel::Lines(chart(vec![series(
+        "a.csv",
+        0,
+        vec![[3.0, 1.0]],
+    )])));
+    assert!(to_svg(&one.unwrap()).is_ok());
+}
+
+#[test]
+fn the_absent_cell_is_ringed_and_not_painted() {
+    let made = scene(Panel::Image(image())).unwrap();
+    let painted: usize = (group(&made, "cells").shapes.iter())
+        .map(|shape| match shape {
+            Shape::Segments { segments, .. } => segments.len(),
+            _ => 0,
+        })
+        .sum();
+    assert_eq!(
+        painted, 8,
+        "nine cells without the middle one, no two alike in a row"
+    );
+    let Shape::Circle { center, .. } = group(&made, "absent").shapes[0] else {
+        panic!("no ring");
+    };
+    let frame = group(&made, "cells").clip.unwrap();
+    for axis in [0, 1] {
+        let middle = f64::midpoint(frame.min[axis], frame.max[axis]);
+        assert!((center[axis] - middle).abs() < 1e-9);
+    }
+    let present = ImageChart {
+        absent: None,
+        ..image()
+    };
+    assert!(matches!(
+        scene(Panel::Image(present)),
+        Err(ChartError::NotFinite { index: 4, .. })
+    ));
+}
+
+#[test]
+fn images_that_are_no_grids_are_refused() {
+    for (columns, clamp) in [(0, [0.0, 1.0]), (4, [0.0, 1.0]), (3, [1.0, 1.0])] {
+        let bad = ImageChart {
+            columns,
+            clamp,
+            ..image()
+        };
+        assert!(scene(Panel::Image(bad)).is_err(), "{columns} {clamp:?}");
+    }
+}
+
+#[test]
+fn equal_figures_have_equal_bytes() {
+    let make = || {
+        let mut curve = series("a.csv", 0, wave(1.0));
+        curve.band = Some(wave(1.0).iter().map(|p| [p[1] - 0.5, p[1] + 0.5]).collect());
+        let panels = vec![Panel::Lines(chart(vec![curve])), Panel::Image(image())];
+        figure_scene(&figure(panels), &Palette::LIGHT).unwrap()
+    };
+    assert_eq!(to_png(&make(), 1.0).unwrap(), to_png(&make(), 1.0).unwrap());
+    assert_eq!(to_svg(&make()).unwrap(), to_svg(&make()).unwrap());
+    assert!(to_svg(&make()).unwrap().contains("Radial mean power"));
+}

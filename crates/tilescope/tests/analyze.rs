@@ -1,0 +1,354 @@
+//! `tilescope analyze` end to end: two sets of the program's own, files that cannot be used, every kind of report.
+
+mod support;
+
+use std::fs;
+
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+use support::{names, tilescope};
+use tempfile::{TempDir, tempdir};
+
+/// Returns a folder with a set of KDRT and one of the reference sampler.
+fn two_sets() -> TempDir {
+    let folder = tempdir().unwrap();
+    for (name, method) in [("kdrt.csv", "kdrt"), ("reference.npy", "reference")] {
+        tilescope(&folder)
+            .args(["sample", "--count", "3000", "--method", method])
+            .args(["--out", name])
+            .assert()
+            .success();
+    }
+    folder
+}
+
+fn write(folder: &TempDir, name: &str, content: &str) {
+    fs::write(folder.path().join(name), content).unwrap();
+}
+
+fn json(folder: &TempDir, arguments: &[&str], code: i32) -> Value {
+    let mut command = tilescope(folder);
+    let assert = command.arg("analyze").args(arguments).arg("--json");
+    let output = assert.assert().code(code).get_output().clone();
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn maximal_sets_have_the_numbers_of_maximal_sets() {
+    let folder = two_sets();
+    let found = json(&folder, &["kdrt.csv", "reference.npy"], 0);
+    let files = found["files"].as_array().unwrap();
+    assert_eq!(files.len(), 2);
+    for file in files {
+        let within = |key: &str, low: f64, high: f64| {
+            let value = number(&file[key]);
+            assert!((low..=high).contains(&value), "{key}: {value}");
+        };
+        within("samples", 2970.0, 3030.0);
+        within("density", 0.69, 0.71);
+        within("relative_radius", 0.77, 0.79);
+        within("min_distance_r", 1.0, 1.01);
+        within("covering_radius_r", 0.9, 1.0 + 1.0 / 32768.0);
+        within("effective_nyquist", 0.6, 0.75);
+        within("mean_sides", 5.99, 6.01);
+        within("star_discrepancy", 1e-4, 0.01);
+        assert_eq!((&file["valid"], &file["gaps"]), (&true.into(), &0.0.into()));
+        curves_of_a_maximal_set(&file["curves"]);
+    }
+    assert_eq!(found["against"], Value::Null);
+    assert_eq!(found["failures"], Value::Array(Vec::new()));
+}
+
+/// No power at low frequencies and two rings, no pairs at small distances and as many as in noise far out.
+fn curves_of_a_maximal_set(curves: &Value) {
+    let column = |curve: &str, name: &str| -> Vec<f64> {
+        let values = curves[curve][name].as_array().unwrap();
+        values.iter().map(number).collect()
+    };
+    let mean = |curve: &str, from: f64, to: f64| {
+        let places = column(curve, "x").into_iter().zip(column(curve, "y"));
+        let inside: Vec<f64> = places
+            .filter(|(x, _)| (from..to).contains(x))
+            .map(|(_, y)| y)
+            .collect();
+        inside.iter().sum::<f64>() / inside.len() as f64
+    };
+    assert!(mean("power", 0.0, 0.4) < 0.1);
+    assert!(mean("power", 0.9, 1.1) > 1.2);
+    assert!(mean("power", 1.6, 1.9) < 0.8 && mean("power", 2.2, 2.5) > 1.1);
+    assert!(mean("pair_correlation", 0.0, 0.7) < 1e-9);
+    assert!((mean("pair_correlation", 3.0, 5.0) - 1.0).abs() < 0.02);
+    assert!(mean("anisotropy_db", 1.0, 2.0).abs() < 1.0);
+    let [lower, power, upper] = ["lower", "y", "upper"].map(|name| column("power", name));
+    for (index, power) in power.iter().enumerate() {
+        assert!(lower[index] < *power && *power < upper[index]);
+    }
+}
+
+#[test]
+fn differences_from_a_reference_are_value_less_reference() {
+    let folder = two_sets();
+    let found = json(&folder, &["kdrt.csv", "--against", "reference.npy"], 0);
+    let (file, base) = (&found["files"][0], &found["against"]);
+    assert_eq!(base["file"], "reference.npy");
+    for key in ["samples", "density", "relative_radius", "bond_order"] {
+        let expected = number(&file[key]) - number(&base[key]);
+        assert!(
+            (number(&file["differences"][key]) - expected).abs() < 1e-12,
+            "{key}"
+        );
+    }
+    let same = json(&folder, &["kdrt.csv", "--against", "kdrt.csv"], 0);
+    assert_eq!(same["files"][0]["differences"]["density"], 0.0);
+    tilescope(&folder)
+        .args(["analyze", "kdrt.csv", "--against", "reference.npy"])
+        .assert()
+        .success()
+        .stdout(contains("reference.npy (reference)").and(contains("less reference.npy")));
+}
+
+#[test]
+fn the_table_has_units_and_aligned_columns() {
+    let folder = two_sets();
+    let output = tilescope(&folder)
+        .args(["analyze", "kdrt.csv", "reference.npy"])
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lengths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
+    assert!(lengths.iter().all(|length| *length == lengths[0]), "{text}");
+    for part in [
+        "density, N r\u{b2} / area",
+        "relative radius, r_max",
+        "1 x 1, periodic",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn csv_is_in_long_form() {
+    let folder = two_sets();
+    let arguments = ["analyze", "kdrt.csv", "reference.npy", "--out", "all.csv"];
+    tilescope(&folder).args(arguments).assert().success();
+    let text = fs::read_to_string(folder.path().join("all.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("file,measure,x,y,lower,upper"));
+    let mut seen = std::collections::BTreeMap::new();
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), 6, "{line}");
+        assert!(fields[3].parse::<f64>().unwrap().is_finite(), "{line}");
+        assert_eq!(fields[1] == "power", !fields[4].is_empty(), "{line}");
+        *seen
+            .entry((fields[0].to_owned(), fields[1].to_owned()))
+            .or_insert(0) += 1;
+    }
+    for file in ["kdrt.csv", "reference.npy"] {
+        let count = |measure: &str| seen[&(file.to_owned(), measure.to_owned())];
+        assert_eq!(count("density"), 1);
+        assert!(count("power") > 50 && count("anisotropy_db") > 50);
+        assert_eq!(count("pair_correlation"), 200);
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere() {
+    let folder = two_sets();
+    fs::rename(
+        folder.path().join("kdrt.csv"),
+        folder.path().join("a & <b>.csv"),
+    )
+    .unwrap();
+    let arguments = [
+        "a & <b>.csv",
+        "--radius",
+        "0.015",
+        "--against",
+        "reference.npy",
+    ];
+    tilescope(&folder)
+        .arg("analyze")
+        .args(arguments)
+        .args(["--out", "report.html"])
+        .assert()
+        .success();
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("</svg>") && page.ends_with("</html>\n"));
+    for part in ["src=", "href=", "<script", "url(http", "@import", "<link"] {
+        assert!(!page.contains(part), "{part}");
+    }
+    assert!(!page.contains("<b>.csv") && page.contains("a &amp; &lt;b&gt;.csv"));
+    assert!(page.contains("analyze 'a &amp; &lt;b&gt;.csv' --radius 0.015"));
+    assert!(page.contains("relative radius") && page.contains("Differences"));
+}
+
+#[test]
+fn pictures_are_pictures_and_alike_each_time() {
+    let folder = two_sets();
+    for name in ["a.png", "b.png", "a.svg", "b.svg"] {
+        tilescope(&folder)
+            .args(["analyze", "kdrt.csv", "reference.npy", "--out", name])
+            .assert()
+            .success();
+    }
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("a.png").starts_with(b"\x89PNG") && read("a.svg").starts_with(b"<svg"));
+    assert_eq!(read("a.png"), read("b.png"));
+    assert_eq!(read("a.svg"), read("b.svg"));
+}
+
+#[test]
+fn bad_files_do_not_keep_others_from_being_analysed() {
+    let folder = two_sets();
+    write(&folder, "two.csv", "x,y\n0.1,0.1\n0.6,0.6\n");
+    write(
+        &folder,
+        "same.csv",
+        "x,y\n0.5,0.5\n0.5,0.5\n0.5,0.5\n0.5,0.5\n",
+    );
+    write(
+        &folder,
+        "nan.csv",
+        "x,y\n0.1,0.1\nnan,0.6\n0.3,0.9\n0.7,0.2\n",
+    );
+    let bad = ["two.csv", "same.csv", "nan.csv", "missing.csv"];
+    for name in bad {
+        let found = json(&folder, &["kdrt.csv", name, "reference.npy"], 2);
+        assert_eq!(found["files"].as_array().unwrap().len(), 2, "{name}");
+        assert_eq!(found["files"][1]["file"], "reference.npy");
+        assert_eq!(found["failures"][0]["file"], name);
+        tilescope(&folder)
+            .args([
+                "analyze",
+                "kdrt.csv",
+                name,
+                "reference.npy",
+                "--out",
+                "r.html",
+            ])
+            .assert()
+            .code(2)
+            .stdout(contains("reference.npy"))
+            .stderr(contains("error: ").and(contains(name)));
+        let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
+        assert!(page.contains("Not analysed") && page.contains(name));
+    }
+}
+
+#[test]
+fn another_domain_than_the_references_is_refused() {
+    let folder = two_sets();
+    tilescope(&folder)
+        .args([
+            "sample",
+            "--radius",
+            "0.03",
+            "--boundary",
+            "bounded",
+            "--out",
+            "b.csv",
+        ])
+        .assert()
+        .success();
+    let found = json(
+        &folder,
+        &["b.csv", "kdrt.csv", "--against", "reference.npy"],
+        2,
+    );
+    assert_eq!(found["files"].as_array().unwrap().len(), 1);
+    let reason = found["failures"][0]["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("1 x 1, bounded, is not that of reference.npy"),
+        "{reason}"
+    );
+    // Without a reference both are analysed; a bounded set has no bands.
+    let both = json(&folder, &["b.csv", "kdrt.csv"], 0);
+    assert_eq!(both["files"][0]["curves"]["power"]["lower"], Value::Null);
+    assert!(both["files"][1]["curves"]["power"]["lower"].is_array());
+}
+
+#[test]
+fn oblong_domains_have_curves_and_no_picture_of_frequencies() {
+    let folder = two_sets();
+    tilescope(&folder)
+        .args([
+            "sample", "--count", "500", "--width", "3", "--out", "wide.csv",
+        ])
+        .assert()
+        .success();
+    for (name, pictures) in [("wide.csv", false), ("kdrt.csv", true)] {
+        tilescope(&folder)
+            .args(["analyze", name, "--out", "curves.svg"])
+            .assert()
+            .success();
+        let svg = fs::read_to_string(folder.path().join("curves.svg")).unwrap();
+        assert!(svg.contains("Radial mean power") && svg.contains("Pair correlation"));
+        assert_eq!(svg.contains("Periodogram"), pictures, "{name}");
+    }
+}
+
+#[test]
+fn sets_of_others_take_their_smallest_distance_for_the_radius() {
+    let folder = two_sets();
+    fs::remove_file(folder.path().join("kdrt.csv.certificate.json")).unwrap();
+    let found = json(&folder, &["kdrt.csv"], 0);
+    let file = &found["files"][0];
+    assert_eq!(
+        (&file["radius_known"], &file["valid"]),
+        (&false.into(), &Value::Null)
+    );
+    assert_eq!(
+        (&file["gaps"], &file["min_distance_r"]),
+        (&Value::Null, &1.0.into())
+    );
+    let known = json(&folder, &["kdrt.csv", "--radius", "0.01"], 0);
+    assert_eq!(known["files"][0]["radius"], 0.01);
+    assert_eq!(
+        known["files"][0]["valid"], false,
+        "gaps are a finding, not an error"
+    );
+}
+
+#[test]
+fn reports_of_unknown_kinds_and_useless_references_are_refused() {
+    let folder = two_sets();
+    for name in ["report.pdf", "report"] {
+        tilescope(&folder)
+            .args(["analyze", "kdrt.csv", "--out", name])
+            .assert()
+            .code(2)
+            .stdout("")
+            .stderr(contains("must be .html, .png, .svg or .csv"));
+    }
+    tilescope(&folder)
+        .args(["analyze", "kdrt.csv", "--against", "missing.csv"])
+        .assert()
+        .code(2)
+        .stderr(contains("--against").and(contains("missing.csv")));
+    let set = fs::read(folder.path().join("kdrt.csv")).unwrap();
+    for out in ["kdrt.csv", "./kdrt.csv"] {
+        tilescope(&folder)
+            .args(["analyze", "kdrt.csv", "--out", out])
+            .assert()
+            .code(2)
+            .stderr(contains("written over this set"));
+    }
+    assert_eq!(fs::read(folder.path().join("kdrt.csv")).unwrap(), set);
+    let before = names(folder.path());
+    tilescope(&folder)
+        .args(["analyze", "missing.csv", "--out", "report.html"])
+        .assert()
+        .code(2)
+        .stdout("");
+    assert_eq!(names(folder.path()), before, "no report of nothing");
+}
