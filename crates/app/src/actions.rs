@@ -255,9 +255,9 @@ fn camera(list: &mut List, state: &State) {
         list.add(Menu::View, name, keys, Command::Pan(delta), no_session);
     }
     let middle = state.viewport.center();
-    for (name, factor) in [("Zoom in", 1.25), ("Zoom out", 0.8)] {
+    for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let command = Command::Zoom(middle, factor);
-        list.add(Menu::View, name, None, command, no_session);
+        list.add(Menu::View, name, Some((NONE, key)), command, no_session);
     }
     list.add(
         Menu::Edit,
@@ -324,10 +324,20 @@ fn debug(list: &mut List, state: &State) {
     );
 }
 
+/// Returns a press as it is meant: plus is on the key of the equals sign on many keyboards, with Shift or without.
+fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
+    match key {
+        Key::Plus | Key::Equals if modifiers == SHIFT || modifiers.is_none() => (Key::Plus, NONE),
+        _ => (key, modifiers),
+    }
+}
+
 /// Returns the commands whose keys were pressed in this frame. While text is typed, only keys with Ctrl and function keys
 /// count.
 pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
     let typing = ctx.text_edit_focused();
+    // A focused button takes the space key for itself.
+    let pointed = ctx.memory(|memory| memory.focused().is_some());
     let listed = state.palette.is_some();
     // Each press comes with the modifiers of its own moment: a slow frame may hold presses and releases of several.
     let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
@@ -337,7 +347,7 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
                 pressed: true,
                 modifiers,
                 ..
-            } => Some((key, modifiers)),
+            } => Some(meant(key, modifiers)),
             _ => None,
         });
         presses.collect()
@@ -364,11 +374,14 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
             }
             let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);
             let free = !typing || modifiers.command || function;
+            if !free || (key == Key::Space && pointed) {
+                continue;
+            }
             let same =
-                |&(other, held): &(Key, Modifiers)| other == key && held.matches_exact(modifiers);
-            if free && presses.iter().any(same) {
+                |&&(other, held): &&(Key, Modifiers)| other == key && held.matches_exact(modifiers);
+            for _ in presses.iter().filter(same) {
                 input.consume_key(modifiers, key);
-                commands.push(action.command);
+                commands.push(action.command.clone());
             }
         }
     });

@@ -120,3 +120,26 @@ fn a_session_needs_no_mouse() {
     act(&mut harness, "close B");
     assert!(harness.state().state.comparison.is_none());
 }
+
+#[test]
+fn space_plays_and_pauses_unless_a_button_has_the_focus() {
+    let mut harness = opened();
+    let playing = |harness: &Harness<'_, App>| harness.state().state.playback.is_playing();
+    let space = |harness: &mut Harness<'_, App>| {
+        harness.key_press(Key::Space);
+        harness.step();
+        harness.step();
+    };
+    press(&mut harness, NONE, Key::Home);
+    space(&mut harness);
+    assert!(playing(&harness));
+    space(&mut harness);
+    assert!(!playing(&harness));
+    press(&mut harness, NONE, Key::End);
+    harness.get_by_label("First stage (Home)").focus();
+    harness.step();
+    space(&mut harness);
+    // The button was pressed, and nothing plays.
+    assert_eq!(cursor(&harness), 0);
+    assert!(!playing(&harness));
+}

@@ -199,6 +199,19 @@ fn ids_are_no_difference() {
     );
 }
 
+/// Returns the events at which two recordings differ, and what each does.
+fn parted(a: &Recording, b: &Recording) -> (usize, usize, String, String) {
+    match first_divergence(a, b) {
+        Divergence::Events {
+            a,
+            b,
+            sentence_a,
+            sentence_b,
+        } => (a, b, sentence_a, sentence_b),
+        other => panic!("they differ at an event: {other:?}"),
+    }
+}
+
 #[test]
 fn two_seeds_part_at_the_first_cut() {
     let parameters = variants()[0];
@@ -210,15 +223,7 @@ fn two_seeds_part_at_the_first_cut() {
         record(&parameters, DEFAULT_BUDGET),
         record(&other, DEFAULT_BUDGET),
     );
-    let Divergence::Events {
-        a: i,
-        b: j,
-        sentence_a,
-        sentence_b,
-    } = first_divergence(&a, &b)
-    else {
-        panic!("they differ");
-    };
+    let (i, j, sentence_a, sentence_b) = parted(&a, &b);
     assert_eq!((i, j), (1, 1), "{sentence_a} {sentence_b}");
     let divergence = first_divergence_of_runs(a.run(), b.run());
     assert_eq!(stage(&divergence).0, Stage::Blocks);
@@ -255,15 +260,7 @@ fn a_shorter_search_parts_at_the_first_search() {
         record(&complete, DEFAULT_BUDGET),
         record(&short, DEFAULT_BUDGET),
     );
-    let Divergence::Events {
-        a: i,
-        b: j,
-        sentence_a,
-        sentence_b,
-    } = first_divergence(&a, &b)
-    else {
-        panic!("they differ");
-    };
+    let (i, j, sentence_a, sentence_b) = parted(&a, &b);
     assert_eq!(i, j);
     let is_search = |recording: &Recording| recording.event(i).unwrap().kind() == Kind::Search;
     assert!(is_search(&a) && is_search(&b));

@@ -109,15 +109,20 @@ fn assert_ends(reports: &[PassReport], ended: &[Option<Stage>]) {
     }
 }
 
-#[test]
-fn every_pass_tells_what_it_did() {
+/// Returns a small run at its beginning.
+fn small() -> Stepper {
     let parameters = Parameters {
         radius: 0.02,
         ..Parameters::default()
     };
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
     let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
-    let mut stepper = pollster::block_on(stepper).unwrap();
+    pollster::block_on(stepper).unwrap()
+}
+
+#[test]
+fn every_pass_tells_what_it_did() {
+    let mut stepper = small();
     let mut names = Vec::new();
     let mut ended = Vec::new();
     while let Some(report) = pollster::block_on(stepper.step_pass()).unwrap() {
@@ -245,13 +250,7 @@ fn a_word_set_on_the_device_is_found_by_the_twin() {
 
 #[test]
 fn a_run_that_is_rewound_runs_the_same_passes_to_the_same_result() {
-    let parameters = Parameters {
-        radius: 0.02,
-        ..Parameters::default()
-    };
-    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-    let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
-    let mut stepper = pollster::block_on(stepper).unwrap();
+    let mut stepper = small();
     pollster::block_on(stepper.finish()).unwrap();
     let before = pollster::block_on(stepper.run()).unwrap();
     pollster::block_on(stepper.rewind()).unwrap();

@@ -14,7 +14,8 @@ pub(super) fn add(list: &mut List, state: &State) {
     let no_session = state.session.is_none().then_some(NO_SESSION);
     let no_events = state.debugger.is_none().then_some(NO_EVENTS);
     let play = Command::TogglePlay;
-    list.add(Menu::Go, "Play or pause", None, play, no_session);
+    let space = Some((NONE, Key::Space));
+    list.add(Menu::Go, "Play or pause", space, play, no_session);
     for (name, key, command, refusal) in [
         (
             "Tick forward",

@@ -1,6 +1,6 @@
-//! What the pointer, fingers and keys do to a canvas, as commands. Nothing is drawn and nothing is changed.
+//! What the pointer and fingers do to a canvas, as commands. Nothing is drawn and nothing is changed.
 
-use egui::{Key, PointerButton, Response, Ui};
+use egui::{PointerButton, Response, Ui};
 use tilescope_core::Standing;
 
 use super::subject::Subject;
@@ -9,18 +9,9 @@ use crate::command::{Command, DebugCommand, Selection};
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;
 
-/// Pans, zooms, hovers and selects. Of two canvases side by side one has the `keys`.
-pub fn handle(
-    ui: &Ui,
-    response: &Response,
-    subject: &Subject<'_>,
-    keys: bool,
-    commands: &mut Vec<Command>,
-) {
+/// Pans, zooms, hovers and selects.
+pub fn handle(ui: &Ui, response: &Response, subject: &Subject<'_>, commands: &mut Vec<Command>) {
     handle_input(ui, response, subject, commands);
-    if keys && (response.has_focus() || !ui.ctx().text_edit_focused()) {
-        zoom_by_key(ui, response, commands);
-    }
     pick(response, subject, commands);
 }
 
@@ -52,21 +43,6 @@ fn handle_input(ui: &Ui, response: &Response, subject: &Subject<'_>, commands: &
         let place = subject.camera.domain_from_screen(response.rect, pos);
         commands.push(Command::FlyToBlock(place));
     }
-}
-
-fn zoom_by_key(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
-    let middle = response.rect.center();
-    ui.input(|i| {
-        for (key, command) in [
-            (Key::Plus, Command::Zoom(middle, 1.25)),
-            (Key::Equals, Command::Zoom(middle, 1.25)),
-            (Key::Minus, Command::Zoom(middle, 0.8)),
-        ] {
-            if i.key_pressed(key) && i.modifiers.is_none() {
-                commands.push(command);
-            }
-        }
-    });
 }
 
 /// Hovers and selects the sample nearest to the pointer.

@@ -77,7 +77,6 @@ impl Canvas {
                 name: "Canvas of samples",
                 viewport: state.viewport,
                 waiting: state.sampling.is_some(),
-                keys: true,
                 subject,
             };
             side.show(ui, state, &mut self.first, &mut self.marks, commands);
@@ -86,14 +85,11 @@ impl Canvas {
         ui.painter()
             .rect_filled(rect, 0.0, Palette::of(state.look).line);
         let [left, right] = contrast::halves(rect);
-        let pointer = ui.input(|input| input.pointer.hover_pos());
-        let on_second = pointer.is_some_and(|at| right.contains(at));
         let left = Side {
             rect: contrast::heading(ui, left, state, &contrast::first_title(state)),
             name: "Canvas of run A",
             viewport: state.viewport,
             waiting: state.sampling.is_some(),
-            keys: !on_second,
             subject,
         };
         left.show(ui, state, &mut self.first, &mut self.marks, commands);
@@ -106,7 +102,6 @@ impl Canvas {
             name: "Canvas of run B",
             viewport: second.viewport,
             waiting: second.sampling.is_some(),
-            keys: on_second,
             subject,
         };
         let mut own = Vec::new();
@@ -131,8 +126,6 @@ struct Side<'a> {
     viewport: Rect,
     /// Whether a run is at work for it.
     waiting: bool,
-    /// Whether keys are meant for it.
-    keys: bool,
     subject: Option<Subject<'a>>,
 }
 
@@ -158,7 +151,7 @@ impl Side<'_> {
             overlay::waiting(&painter, rect, self.waiting, palette);
             return;
         };
-        input::handle(ui, &response, subject, self.keys, commands);
+        input::handle(ui, &response, subject, commands);
         let note = pane.paint(ui, rect, subject, palette);
         let note = buffers::show(ui, rect, subject, palette, marks, note);
         overlay::scale_bar(&painter, rect, subject, palette);

@@ -1,6 +1,6 @@
 //! The timeline: what happened last, in a sentence, and the ways through time.
 
-use egui::{Align, Button, ComboBox, Key, Layout, RichText, Role, Ui, WidgetInfo};
+use egui::{Align, Button, ComboBox, Layout, RichText, Role, Ui, WidgetInfo};
 use tilescope_core::Stage;
 
 use super::track;
@@ -18,7 +18,6 @@ const WIDE: f32 = 760.0;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    space(ui, commands);
     ui.horizontal(|ui| {
         ui.set_height(24.0);
         let sentence = happened(state);
@@ -126,14 +125,6 @@ pub fn happened(state: &State) -> String {
             tilescope_debugger::sentence(debugger.recording(), last)
         }
         _ => stage_sentence(shown.session, shown.stage),
-    }
-}
-
-fn space(ui: &Ui, commands: &mut Vec<Command>) {
-    // A focused button takes the space key for itself.
-    let free = !ui.ctx().text_edit_focused() && ui.memory(|m| m.focused().is_none());
-    if free && ui.input(|i| i.key_pressed(Key::Space)) {
-        commands.push(Command::TogglePlay);
     }
 }
 

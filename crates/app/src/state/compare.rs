@@ -10,7 +10,7 @@ use super::{Notice, Side, State};
 use crate::canvas::subject::{Contrast, Subject};
 use crate::command::Command;
 use crate::compare::link::{At, common, corresponding};
-use crate::compare::{CompareCommand, Rival};
+use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
 use crate::recipe::Recipe;
@@ -24,18 +24,15 @@ impl State {
             CompareCommand::Close => self.comparison = None,
             CompareCommand::GoToDivergence => self.go_to_divergence(),
             CompareCommand::OnOther(command) => self.carry_out_on_second(*command),
-            CompareCommand::LinkCameras(_)
-            | CompareCommand::LinkClocks(_)
-            | CompareCommand::ShowDifferences(_) => {
-                if let Some((_, comparison)) = &mut self.comparison {
-                    match command {
-                        CompareCommand::LinkCameras(on) => comparison.linked_cameras = on,
-                        CompareCommand::LinkClocks(on) => comparison.linked_clocks = on,
-                        CompareCommand::ShowDifferences(on) => comparison.shows_differences = on,
-                        _ => {}
-                    }
-                }
-            }
+            CompareCommand::LinkCameras(on) => self.set(|known| known.linked_cameras = on),
+            CompareCommand::LinkClocks(on) => self.set(|known| known.linked_clocks = on),
+            CompareCommand::ShowDifferences(on) => self.set(|known| known.shows_differences = on),
+        }
+    }
+
+    fn set(&mut self, change: impl FnOnce(&mut Comparison)) {
+        if let Some((_, comparison)) = &mut self.comparison {
+            change(comparison);
         }
     }
 
@@ -276,16 +273,12 @@ impl State {
         let Some((side, mut comparison)) = self.comparison.take() else {
             return;
         };
-        if let (Some(a), Some(b)) = (&self.session, &side.session) {
-            comparison.seek(a, b, &self.wake);
-        }
-        if let (Some(a), Some(b)) = (self.shown(), side.shown()) {
-            let sessions = [&self.session, &side.session];
-            if let [Some(first), Some(second)] = sessions {
-                comparison
-                    .differences
-                    .want([(first, &a), (second, &b)], &self.wake);
-            }
+        let first = self.session.as_ref().zip(self.shown());
+        let second = side.session.as_ref().zip(side.shown());
+        if let (Some((first, a)), Some((second, b))) = (first, second) {
+            comparison.seek(first, second, &self.wake);
+            let moments = [(first, &a), (second, &b)];
+            comparison.differences.want(moments, &self.wake);
         }
         self.comparison = Some((side, comparison));
     }
