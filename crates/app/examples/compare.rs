@@ -31,6 +31,9 @@ fn main() {
     let start = |rival| Command::Compare(CompareCommand::Start(rival));
     shoot("none", vec![Command::OpenPanel(Panel::Compare)]);
     shoot("order", vec![start(Rival::Order), Command::ShowStage(3)]);
+    shoot("seeds", vec![start(Rival::NextSeed)]);
+    shoot("seeds-near", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
+    shoot("order-fitted", vec![start(Rival::Order), Command::Fit]);
     let near = Command::FlyTo([37.0, 45.0], 24.0);
     shoot("order-near", vec![near.clone()]);
     shoot("light", vec![Command::ToggleTheme]);
@@ -51,4 +54,6 @@ fn main() {
             near,
         ],
     );
+    let sheet = tilescope_app::files::FileCommand::Sheet(tilescope_app::files::Purpose::Save);
+    shoot("projector-sheet", vec![Command::File(sheet)]);
 }

@@ -360,3 +360,23 @@ fn what_goes_wrong_with_the_second_run_is_said_of_it() {
     };
     assert_eq!([seed(&state.session), seed(&second(state).session)], [1, 2]);
 }
+
+#[test]
+fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
+    let note = "Too many samples differ to mark them at this scale: zoom in.";
+    let drawn = |rival: Rival, command: Command| {
+        let mut harness = compared(rival);
+        harness.state_mut().state.reduced_motion = true;
+        apply(&mut harness, Command::LastStage);
+        apply(&mut harness, command);
+        harness.run();
+        let said = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            egui::Shape::Text(text) => text.galley.text() == note,
+            _ => false,
+        };
+        harness.output().shapes.iter().any(said)
+    };
+    assert!(drawn(Rival::NextSeed, Command::Fit));
+    assert!(!drawn(Rival::NextSeed, Command::FlyTo([37.0, 45.0], 9.0)));
+    assert!(!drawn(Rival::Search, Command::Fit));
+}

@@ -1,7 +1,7 @@
 //! Two runs side by side: where their pictures go, what stands above each, the marks on samples that only one of them
 //! has, and the pointer's place on the other picture. What differs is handed to it.
 
-use egui::{Color32, FontId, Mesh, Rect, Stroke, Ui, vec2};
+use egui::{Color32, FontId, Mesh, Pos2, Rect, Stroke, Ui, vec2};
 
 use super::paint::Scene;
 use super::subject::Subject;
@@ -17,6 +17,10 @@ const GUTTER: f32 = 3.0;
 const HEADING: f32 = 44.0;
 /// With more marks in view none are drawn: one would see no more than a surface.
 const MOST_MARKS: usize = 60_000;
+/// So much of the picture may be covered by marks: beyond, they hide what they mark.
+const MOST_INK: f32 = 0.25;
+/// How wide the lines of a mark are, in screen points.
+const WIDTH: f32 = 1.5;
 
 /// Returns where the two pictures go.
 pub fn halves(rect: Rect) -> [Rect; 2] {
@@ -158,17 +162,19 @@ pub fn paint(scene: &Scene<'_>, crowded: bool) -> Option<String> {
     let there = there.map(|&id| (contrast.other.place(id), false));
     let here = contrast.here.iter();
     let here = here.map(|&id| (scene.session.place(id), true));
+    let seen: Vec<(Pos2, bool)> = there
+        .chain(here)
+        .map(|(place, whole)| (scene.at(place), whole))
+        .filter(|(at, _)| view.contains(*at))
+        .collect();
+    let domain = scene.screen_rect([0.0; 2], scene.session.size_radii());
+    let room = domain.intersect(scene.rect).area();
+    let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
+    if !seen.is_empty() && (crowded || seen.len() > MOST_MARKS || ink > MOST_INK * room) {
+        return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
+    }
     let mut mesh = Mesh::default();
-    let mut count = 0;
-    for (place, whole) in there.chain(here) {
-        let at = scene.at(place);
-        if !view.contains(at) {
-            continue;
-        }
-        count += 1;
-        if crowded || count > MOST_MARKS {
-            return Some("Too many samples in view to mark what differs: zoom in.".to_owned());
-        }
+    for (at, whole) in seen {
         let rect = Rect::from_center_size(at, vec2(2.0 * half, 2.0 * half));
         add_square(&mut mesh, rect, whole, scene.palette.margin);
     }
@@ -186,7 +192,6 @@ pub fn mark(painter: &egui::Painter, at: egui::Pos2, whole: bool, palette: &Pale
 
 /// Adds a square of thin lines, or its corners alone.
 fn add_square(mesh: &mut Mesh, rect: Rect, whole: bool, color: Color32) {
-    const WIDTH: f32 = 1.5;
     let side = rect.width();
     let arm = if whole { side } else { (0.3 * side).max(WIDTH) };
     let ends = if whole {
