@@ -1,5 +1,6 @@
-//! Prints all measures of a file of `x,y` lines, or times the transform on noise:
-//! `measures FILE [width height [periodic|bounded [radius]]]`, `measures time [samples frequencies threads]`.
+//! Prints all measures of a file of `x,y` lines, or times the transform and brushing on noise:
+//! `measures FILE [width height [periodic|bounded [radius]]]`, `measures time [samples frequencies threads]`,
+//! `measures brush [samples nu distance threads]`.
 //! It never asserts a time; it prints what it saw.
 
 use std::ops::ControlFlow;
@@ -7,7 +8,8 @@ use std::time::Instant;
 
 use tilescope_analysis::measures::{
     Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairCorrelation,
-    Periodogram, PowerCurve, RadialProfile, Summary, anisotropy_reference_db, density, power_band,
+    Periodogram, PowerCurve, RadialProfile, Summary, anisotropy_reference_db, density,
+    frequency_shares, largest_min_distance, pairs_between, power_band,
 };
 use tilescope_analysis::{Boundary, Progress, Region, spectrum};
 
@@ -18,9 +20,13 @@ fn go_on(_: Progress) -> ControlFlow<()> {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let text = |index: usize| arguments.get(index).map(String::as_str);
+    let number =
+        |index, default: f64| text(index).map_or(default, |text| text.parse().expect("a number"));
     match text(0) {
         None => {
-            println!("measures FILE [width height [periodic|bounded [radius]]], or: measures time");
+            println!(
+                "measures FILE [width height [periodic|bounded [radius]]], or: measures time, or: measures brush"
+            );
         }
         Some("time") => {
             let whole = |index, default| {
@@ -28,10 +34,11 @@ fn main() {
             };
             time(whole(1, 1_000_000), whole(2, 1024), whole(3, 1));
         }
+        Some("brush") => {
+            let [count, threads] = [number(1, 1e4), number(4, 1.0)].map(|value| value as usize);
+            brush(count, number(2, 2.0), number(3, 2.0), threads);
+        }
         Some(path) => {
-            let number = |index, default| {
-                text(index).map_or(default, |text| text.parse().expect("a number"))
-            };
             let boundary = match text(3) {
                 Some("bounded") => Boundary::Bounded,
                 _ => Boundary::Periodic,
@@ -189,7 +196,7 @@ fn timed<T>(name: &str, run: impl FnOnce() -> T) -> T {
     found
 }
 
-fn time(count: usize, frequencies: usize, threads: usize) {
+fn noise(count: usize) -> (Vec<[f64; 2]>, Region) {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut uniform = || {
         state ^= state << 13;
@@ -197,12 +204,17 @@ fn time(count: usize, frequencies: usize, threads: usize) {
         state ^= state << 17;
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    let points: Vec<[f64; 2]> = (0..count).map(|_| [uniform(), uniform()]).collect();
+    let points = (0..count).map(|_| [uniform(), uniform()]).collect();
     let region = Region {
         width: 1.0,
         height: 1.0,
         boundary: Boundary::Periodic,
     };
+    (points, region)
+}
+
+fn time(count: usize, frequencies: usize, threads: usize) {
+    let (points, region) = noise(count);
     let window = FrequencyWindow::image(frequencies as u32);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -221,6 +233,30 @@ fn time(count: usize, frequencies: usize, threads: usize) {
         );
     }
     errors(&points, &transform());
+}
+
+/// Times what a mark in a spectrum asks for: a ring that ends at a frequency `nu`, and the pairs up to a distance
+/// in units of the largest possible minimum distance.
+fn brush(count: usize, nu: f64, distance: f64, threads: usize) {
+    let (points, region) = noise(count);
+    let outer = nu * (count as f64).sqrt();
+    let pool = (rayon::ThreadPoolBuilder::new().num_threads(threads).build()).expect("a pool");
+    let unit = largest_min_distance(count, region.area());
+    for ring in [[0.0, outer], [0.95 * outer, outer]] {
+        let shares = || frequency_shares(&points, region, ring, &go_on);
+        match timed("shares", || pool.install(shares)) {
+            Ok(found) => println!("  {} frequencies", found.frequencies),
+            Err(error) => println!("  {error}"),
+        }
+    }
+    for distances in [[0.0, distance], [0.95 * distance, distance]] {
+        let range = distances.map(|distance| distance * unit);
+        let pairs = || pairs_between(&points, region, range, 100_000, &go_on);
+        match timed("pairs", || pool.install(pairs)) {
+            Ok(found) => println!("  {} of {} pairs", found.pairs.len(), found.total),
+            Err(error) => println!("  {error}"),
+        }
+    }
 }
 
 /// Compares powers with direct sums.

@@ -22,7 +22,7 @@ use cells::Cells;
 use window::Window;
 
 /// The triangulation of a set and what its disks leave uncovered, in the unit of the samples.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Tessellation {
     /// Delaunay triangles. In a periodic domain each appears once and there are two per sample.
     pub triangles: Vec<Triangle>,

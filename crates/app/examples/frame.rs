@@ -9,6 +9,7 @@ use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use tilescope_app::canvas::layers::Layer;
 use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command, Session};
 
 /// Frames per figure.
@@ -154,6 +155,14 @@ fn main() {
         "", "at rest", "panning", "stepping"
     );
     measure_all(&mut bench, &session, "usual layers");
+    bench.apply(Command::Fit);
+    measure(&mut bench, "end, fitted");
+    let start = Instant::now();
+    bench.apply(Command::OpenPanel(Panel::Analysis));
+    let seconds = start.elapsed().as_secs_f64();
+    println!("the moment and the reference are measured in {seconds:.2} s");
+    measure(&mut bench, "end, fitted, with the analysis");
+    bench.apply(Command::OpenPanel(Panel::Parameters));
     for layer in Layer::ALL {
         if !bench.app.state.layers.has(layer) {
             bench.apply(Command::ToggleLayer(layer));

@@ -1,17 +1,24 @@
 //! Every action of the window in one list: menus, shortcuts and the palette show it, and all issue the same
 //! commands. What cannot be done now says why.
 
+mod analyze;
 mod compare;
 mod file;
 mod go;
+mod keys;
+
+use std::sync::LazyLock;
 
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 use crate::canvas::layers::{Colouring, Layer};
 use crate::command::{Command, DebugCommand, Selection};
 use crate::layout::Panel;
+use crate::sentence::grouped;
+use crate::session::MOST_STAGED;
 use crate::state::State;
 use crate::theme::Look;
+pub use keys::{pressed, takes_key};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,18 +33,21 @@ pub enum Menu {
     Go,
     /// Breakpoints, bookmarks, causes.
     Debug,
+    /// What is measured.
+    Analyze,
     /// The second run.
     Compare,
 }
 
 impl Menu {
     /// Every menu.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::File,
         Self::Edit,
         Self::View,
         Self::Go,
         Self::Debug,
+        Self::Analyze,
         Self::Compare,
     ];
 
@@ -50,6 +60,7 @@ impl Menu {
             Self::View => "View",
             Self::Go => "Go",
             Self::Debug => "Debug",
+            Self::Analyze => "Analyze",
             Self::Compare => "Compare",
         }
     }
@@ -115,7 +126,21 @@ impl State {
 }
 
 const NO_SESSION: &str = "There is no session yet.";
-const NO_EVENTS: &str = "This session was made without events: runs of more than 500,000 samples keep their result alone.";
+static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
+    let most = grouped(MOST_STAGED as usize);
+    format!(
+        "This session was made without events: runs of more than {most} samples keep their result alone."
+    )
+});
+
+/// Returns why a session has no events.
+fn no_events(state: &State) -> &'static str {
+    if state.shows_combination() {
+        "A combination has stages but no events: its sets were there before."
+    } else {
+        NO_EVENTS.as_str()
+    }
+}
 
 /// Returns every action as things stand.
 #[must_use]
@@ -129,6 +154,7 @@ pub fn actions(state: &State) -> Vec<Action> {
     camera(&mut list, state);
     go::add(&mut list, state);
     debug(&mut list, state);
+    analyze::add(&mut list, state);
     compare::compare(&mut list, state);
     list.actions
 }
@@ -285,7 +311,7 @@ pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
 }
 
 fn debug(list: &mut List, state: &State) {
-    let no_events = state.debugger.is_none().then_some(NO_EVENTS);
+    let no_events = state.debugger.is_none().then_some(no_events(state));
     let mut add = |name: &str, keys, command, refusal: Option<&str>| {
         list.add(Menu::Debug, name, keys, Command::Debug(command), refusal);
     };
@@ -322,68 +348,4 @@ fn debug(list: &mut List, state: &State) {
         DebugCommand::Watch("p".to_owned()),
         no_events,
     );
-}
-
-/// Returns a press as it is meant: plus is on the key of the equals sign on many keyboards, with Shift or without.
-fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
-    match key {
-        Key::Plus | Key::Equals if modifiers == SHIFT || modifiers.is_none() => (Key::Plus, NONE),
-        _ => (key, modifiers),
-    }
-}
-
-/// Returns the commands whose keys were pressed in this frame. While text is typed, only keys with Ctrl and function keys
-/// count.
-pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
-    let typing = ctx.text_edit_focused();
-    // A focused button takes the space key for itself.
-    let pointed = ctx.memory(|memory| memory.focused().is_some());
-    let listed = state.palette.is_some();
-    // Each press comes with the modifiers of its own moment: a slow frame may hold presses and releases of several.
-    let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
-        let presses = input.events.iter().filter_map(|event| match *event {
-            egui::Event::Key {
-                key,
-                pressed: true,
-                modifiers,
-                ..
-            } => Some(meant(key, modifiers)),
-            _ => None,
-        });
-        presses.collect()
-    });
-    let mut commands = Vec::new();
-    if presses.is_empty() {
-        return commands;
-    }
-    ctx.input_mut(|input| {
-        for action in actions(state)
-            .into_iter()
-            .filter(|action| action.refusal.is_none())
-        {
-            let Some(shortcut) = action.shortcut else {
-                continue;
-            };
-            if listed && action.command != Command::TogglePalette {
-                continue;
-            }
-            let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
-            // What lies on top comes first: Escape closes it, and letters are meant for it.
-            if state.has_sheet() && !modifiers.command {
-                continue;
-            }
-            let function = matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11);
-            let free = !typing || modifiers.command || function;
-            if !free || (key == Key::Space && pointed) {
-                continue;
-            }
-            let same =
-                |&&(other, held): &&(Key, Modifiers)| other == key && held.matches_exact(modifiers);
-            for _ in presses.iter().filter(same) {
-                input.consume_key(modifiers, key);
-                commands.push(action.command.clone());
-            }
-        }
-    });
-    commands
 }

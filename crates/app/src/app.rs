@@ -8,13 +8,17 @@ use egui::{CentralPanel, Context, Frame, Ui};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, UiResponse};
 
 use crate::actions;
+use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::canvas::Canvas;
+use crate::canvas::touch::release_cancelled;
 use crate::command::Command;
+use crate::embedding::Embedding;
 use crate::files::FileCommand;
+use crate::focus;
 use crate::layout::{Layout, Panel};
 use crate::panels;
 use crate::state::State;
-use crate::theme::{self, Look};
+use crate::theme::{self, Look, Manner};
 
 /// The application.
 pub struct App {
@@ -23,6 +27,12 @@ pub struct App {
     canvas: Canvas,
     commands: Vec<Command>,
     shown_look: Look,
+    shown_manner: Manner,
+    /// What had the focus in the frame before.
+    focused: Option<egui::Id>,
+    /// Files that were dropped on the page, while they are read.
+    #[cfg(target_arch = "wasm32")]
+    dropped: Option<crate::jobs::Job<crate::files::web::Found>>,
 }
 
 impl App {
@@ -34,9 +44,13 @@ impl App {
         theme::install(ctx, state.look.theme());
         Self {
             shown_look: state.look,
+            shown_manner: Manner::default(),
             state,
             canvas: Canvas::default(),
             commands: Vec::new(),
+            focused: None,
+            #[cfg(target_arch = "wasm32")]
+            dropped: None,
         }
     }
 
@@ -47,15 +61,33 @@ impl App {
 
     /// Shows one frame.
     pub fn show(&mut self, ui: &mut Ui) {
+        self.arrange(ui);
         self.follow_look(ui.ctx());
+        self.copy(ui.ctx());
         let dt = ui.input(|i| i.stable_dt);
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
         }
-        self.take_dropped(ui);
+        if self.state.embedding.is_none() {
+            self.take_dropped(ui);
+        }
+        focus::keep_arrows(ui.ctx(), &self.state);
         self.commands
             .extend(actions::pressed(ui.ctx(), &self.state));
-        if self.state.look == Look::Projector {
+        if let Some(embedding) = self.state.embedding {
+            self.commands.retain(Embedding::takes);
+            panels::show_embedded(
+                ui,
+                embedding,
+                &self.state,
+                &mut self.canvas,
+                &mut self.commands,
+            );
+            // A long press would open a panel.
+            self.commands.retain(Embedding::takes);
+        } else if self.state.drawer.arrangement.is_compact() {
+            panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
+        } else if self.state.look == Look::Projector {
             panels::show_projector(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else {
             if !self.state.bare {
@@ -63,11 +95,59 @@ impl App {
             }
             self.show_tiles(ui);
         }
-        panels::show_floating(ui, &self.state, &mut self.commands);
+        if self.state.embedding.is_none() {
+            panels::show_floating(ui, &self.state, &mut self.commands);
+        }
+        focus::ring(ui.ctx(), theme::Palette::of(self.state.look));
+        self.follow_focus(ui.ctx());
         self.apply_commands(ui.ctx());
+        #[cfg(target_arch = "wasm32")]
+        self.download();
+    }
+
+    /// Another frame is due when the focus has moved: only then does a page take in what is typed.
+    fn follow_focus(&mut self, ctx: &Context) {
+        let focused = ctx.memory(egui::Memory::focused);
+        if focused != self.focused {
+            self.focused = focused;
+            ctx.request_repaint();
+        }
+    }
+
+    /// Takes files that were dropped on the page, once they are read.
+    #[cfg(target_arch = "wasm32")]
+    fn take_dropped(&mut self, ui: &Ui) {
+        let dropped = ui.input(|input| input.raw.dropped_files.clone());
+        if !dropped.is_empty() {
+            let waker = ui.ctx().clone();
+            let wake: crate::jobs::Wake = Arc::new(move || waker.request_repaint());
+            self.dropped = Some(crate::files::web::take(&dropped, &wake));
+        }
+        let read = self.dropped.as_ref().and_then(crate::jobs::Job::poll);
+        if let Some(outcome) = read {
+            self.dropped = None;
+            let found = outcome.unwrap_or_else(|why| crate::files::web::Found {
+                refused: vec![why],
+                ..Default::default()
+            });
+            let command = FileCommand::DroppedBytes(found.files, found.refused);
+            self.commands.push(Command::File(command));
+        }
+    }
+
+    /// Hands what was made to the browser.
+    #[cfg(target_arch = "wasm32")]
+    fn download(&mut self) {
+        for file in self.state.take_downloads() {
+            if let Err(text) = crate::download::start(&file) {
+                let is_error = true;
+                self.state.notice = Some(crate::state::Notice { text, is_error });
+            }
+        }
     }
 
     /// Takes files that were dropped on the window.
+    #[cfg(not(target_arch = "wasm32"))]
     fn take_dropped(&mut self, ui: &Ui) {
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
         let paths: Vec<String> = dropped
@@ -87,12 +167,21 @@ impl App {
             canvas: &mut self.canvas,
             commands: &mut self.commands,
             edited: false,
+            // Where all panels are, their tabs stand close together.
+            spacing: if layout.is_whole() { 4.0 } else { 6.0 },
         };
         CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
             layout.0.ui(&mut tiles, ui);
         });
         if tiles.edited && layout.is_whole() {
             self.state.replace_layout(layout);
+        }
+    }
+
+    /// Puts what was copied on the clipboard.
+    fn copy(&mut self, ctx: &Context) {
+        if let Some(text) = self.state.copied.take() {
+            ctx.copy_text(text);
         }
     }
 
@@ -103,24 +192,61 @@ impl App {
         for command in self.commands.drain(..) {
             self.state.apply(command);
         }
+        self.copy(ctx);
         self.follow_look(ctx);
         ctx.request_repaint();
     }
 
-    fn follow_look(&mut self, ctx: &Context) {
-        if self.shown_look != self.state.look {
-            self.shown_look = self.state.look;
-            ctx.set_theme(self.state.look.theme());
-            ctx.set_zoom_factor(self.state.look.zoom());
-            ctx.request_repaint();
+    /// Arranges the window for its size. A layout that was made for less than a whole window stays what it is.
+    fn arrange(&mut self, ui: &Ui) {
+        let mut size = ui.available_size();
+        if self.state.look == Look::Projector {
+            size *= ui.ctx().zoom_factor();
         }
+        let arrangement = if self.state.layout.is_whole() {
+            Arrangement::of(size, self.state.look)
+        } else {
+            Arrangement::Tiles
+        };
+        if arrangement != self.state.drawer.arrangement {
+            let command = DrawerCommand::Arrange(arrangement);
+            self.state.apply(Command::Drawer(command));
+        }
+    }
+
+    fn follow_look(&mut self, ctx: &Context) {
+        let is_compact = self.state.drawer.arrangement.is_compact();
+        let manner = Manner {
+            touch: is_compact,
+            still: self.state.reduced_motion,
+        };
+        let look = self.state.look;
+        if (self.shown_look, self.shown_manner) == (look, manner) {
+            return;
+        }
+        if self.shown_look != look {
+            ctx.set_theme(look.theme());
+        }
+        if self.shown_manner != manner {
+            theme::restyle(ctx, manner);
+        }
+        let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
+        let (before, after) = (
+            zoom(self.shown_look, self.shown_manner.touch),
+            zoom(look, is_compact),
+        );
+        // Who enlarges the window otherwise keeps that.
+        if before.to_bits() != after.to_bits() {
+            ctx.set_zoom_factor(after);
+        }
+        (self.shown_look, self.shown_manner) = (look, manner);
+        ctx.request_repaint();
     }
 
     /// Takes up what an earlier window remembered.
     pub fn remember(&mut self, storage: &dyn eframe::Storage) {
-        if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY)
-            && layout.is_whole()
-        {
+        let layout = eframe::get_value::<Layout>(storage, LAYOUT_KEY);
+        if let Some(layout) = layout.and_then(Layout::completed) {
             self.state.layout = layout;
         }
         if let Some((look, reduced_motion)) = eframe::get_value(storage, LOOK_KEY) {
@@ -144,6 +270,10 @@ impl eframe::App for App {
         eframe::set_value(storage, LOOK_KEY, &look);
     }
 
+    fn raw_input_hook(&mut self, _: &Context, raw: &mut egui::RawInput) {
+        release_cancelled(raw);
+    }
+
     /// Sizes of egui's own widgets follow from the layout; nothing else of egui is remembered.
     fn persist_egui_memory(&self) -> bool {
         false
@@ -156,6 +286,8 @@ struct Shower<'a> {
     canvas: &'a mut Canvas,
     commands: &'a mut Vec<Command>,
     edited: bool,
+    /// Beside the title of a tab, in screen points.
+    spacing: f32,
 }
 
 impl Behavior<Panel> for Shower<'_> {
@@ -189,7 +321,7 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn tab_title_spacing(&self, _: &egui::Visuals) -> f32 {
-        6.0
+        self.spacing
     }
 
     fn tab_bar_height(&self, _: &egui::Style) -> f32 {

@@ -13,7 +13,7 @@ const FLIGHT_SECS: f32 = 0.7;
 const FIT_MARGIN: f32 = 28.0;
 
 /// A view of the domain plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Camera {
     /// The place at the centre of the canvas, in r.
     pub center: [f64; 2],

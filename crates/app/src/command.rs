@@ -5,8 +5,11 @@ use egui::{Pos2, Rect, Vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use tilescope_debugger::{Direction, LineId, Step, Target};
 
+use crate::analysis::AnalysisCommand;
+use crate::arrangement::DrawerCommand;
 use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
+use crate::combination::CombineCommand;
 use crate::compare::CompareCommand;
 use crate::device::Engine;
 use crate::export::ExportCommand;
@@ -149,6 +152,8 @@ pub enum Command {
     NameAdapter(Option<String>),
     /// Samples with the parameters of the panel.
     Run,
+    /// Glues the sets of a layout to one.
+    Combine(CombineCommand),
     /// Stops the sampling.
     Cancel,
     /// Shows the state after the stage of this place in the session's list.
@@ -175,6 +180,8 @@ pub enum Command {
     ToggleReducedMotion,
     /// Brings a panel into view.
     OpenPanel(Panel),
+    /// Does something with the one panel of a compact window.
+    Drawer(DrawerCommand),
     /// Puts all panels where they were at first.
     ResetLayout,
     /// Takes back the last change of parameters, layers or layout.
@@ -197,6 +204,8 @@ pub enum Command {
     File(FileCommand),
     /// Does something with the comparison of two runs.
     Compare(CompareCommand),
+    /// Does something with what is measured.
+    Analysis(AnalysisCommand),
     /// Does something with the debugger.
     Debug(DebugCommand),
     /// Tells where the canvas is in the window.
@@ -223,6 +232,10 @@ pub enum Command {
     GoToSample(u32),
     /// Does something with the export sheet.
     Export(ExportCommand),
+    /// Puts a link to what is shown on the clipboard.
+    CopyLink,
+    /// Opens a link: a fragment of an address, or a whole one.
+    OpenLink(String),
     /// Closes the notice.
     DismissNotice,
 }

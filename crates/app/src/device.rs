@@ -52,6 +52,17 @@ impl Device {
         }
     }
 
+    /// Returns what is known of it, in a word.
+    #[must_use]
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown",
+            Self::Testing(_) => "testing",
+            Self::Ready(_) => "ready",
+            Self::Refused(_) => "refused",
+        }
+    }
+
     /// Returns its name, once it is known.
     #[must_use]
     pub fn name(&self) -> Option<&str> {

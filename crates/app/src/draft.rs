@@ -1,9 +1,10 @@
 //! The parameters as they are being typed: text until a run needs numbers.
 //! It knows which field a refusal belongs to; what is refused is the core's business.
 
-use tilescope_core::{MAXIMAL_DENSITY, ParameterError, Parameters};
+use tilescope_core::{MAXIMAL_DENSITY, ParameterError, Parameters, Variant};
 
 use crate::command::{Choice, Field};
+use crate::session::MOST_STAGED;
 
 /// Every typed field, in the order of the panel.
 pub const FIELDS: [Field; 7] = [
@@ -113,6 +114,13 @@ impl Draft {
                 refusals.push(Refusal { field, reason });
             }
         }
+        // Algorithm 4 as printed keeps every event, however many there are.
+        let most = match self.parameters.variant {
+            Variant::Staged => MOST_ON_A_PAGE,
+            Variant::AsPrinted => MOST_STAGED,
+        };
+        let too_many = too_many(self.expected_samples(), most);
+        refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));
         refusals
     }
 
@@ -161,16 +169,41 @@ fn field_of(error: &ParameterError) -> Option<Field> {
     }
 }
 
-/// Returns `text` with a capital letter and a full stop.
+/// Returns `text` with a capital letter and a full stop. The name of a file in front stays as it is.
 #[must_use]
 pub fn sentence(text: &str) -> String {
+    let word = text.split([' ', ':', ',']).next().unwrap_or_default();
+    if word.contains(['.', '/', '\\', '_']) && !word.ends_with('.') {
+        return ended(text);
+    }
     let mut letters = text.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string());
-    let mut sentence = first.unwrap_or_default() + letters.as_str();
-    if !sentence.ends_with(['.', '!', '?']) {
-        sentence.push('.');
-    }
-    sentence
+    ended(&(first.unwrap_or_default() + letters.as_str()))
+}
+
+/// Returns `text` with a full stop. It begins with a name, which stays as it is.
+#[must_use]
+pub fn ended(text: &str) -> String {
+    let stop = if text.ends_with(['.', '!', '?']) {
+        ""
+    } else {
+        "."
+    };
+    format!("{text}{stop}")
+}
+
+/// The most samples of a run on a page: a tab has no room for more.
+const MOST_ON_A_PAGE: f64 = 2_000_000.0;
+
+fn too_many(expected: Option<f64>, most: f64) -> Option<Refusal> {
+    let expected = expected.filter(|expected| *expected > most)?;
+    let [expected, most] = [expected, most].map(|count| crate::sentence::grouped(count as usize));
+    Some(Refusal {
+        field: Some(Field::Radius),
+        reason: format!(
+            "About {expected} samples would result; a browser has room for {most}, and the native program for more."
+        ),
+    })
 }
 
 #[cfg(test)]
@@ -178,11 +211,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn sentences_leave_names_of_files_as_they_are() {
+        assert_eq!(sentence("the radius is 0"), "The radius is 0.");
+        assert_eq!(sentence("no!"), "No!");
+        assert_eq!(sentence(""), ".");
+        assert_eq!(sentence("set.csv: no points"), "set.csv: no points.");
+        assert_eq!(sentence("sets/a has 2 bytes"), "sets/a has 2 bytes.");
+        assert_eq!(ended("my set.csv is empty"), "my set.csv is empty.");
+    }
+
+    #[test]
     fn the_default_draft_is_the_default_session() {
         let draft = Draft::default();
         assert_eq!(draft.refusals(), []);
         assert_eq!(draft.parameters, Parameters::default());
         assert_eq!(draft.text(Field::Radius), "0.00836");
+    }
+
+    #[test]
+    fn more_than_a_tab_has_room_for_is_refused_with_both_numbers() {
+        assert_eq!(too_many(Some(2e6), 2e6), None);
+        assert_eq!(too_many(None, 2e6), None);
+        let refusal = too_many(Some(1e9), 2e6).unwrap();
+        assert_eq!(refusal.field, Some(Field::Radius));
+        assert!(refusal.reason.contains("1,000,000,000") && refusal.reason.contains("2,000,000"));
     }
 
     #[test]

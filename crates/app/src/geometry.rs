@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region, Tessellation};
 
-use crate::jobs::{Job, Wake};
+use crate::errand::Errand;
+use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::Shown;
 use crate::session::{Session, radii};
 
@@ -22,6 +23,22 @@ pub struct Geometry {
     ready: Option<(Key, Arc<Tessellation>)>,
     /// The last moment that has none.
     failed: Option<Key>,
+}
+
+/// Has samples triangulated, in r.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Triangulating {
+    points: Vec<[f64; 2]>,
+    region: Region,
+}
+
+impl Errand for Triangulating {
+    type Outcome = Option<Tessellation>;
+    const NAME: &'static str = "triangulate";
+
+    fn carry_out(self, _: &Monitor) -> Self::Outcome {
+        Tessellation::of(&self.points, self.region, 1.0).ok()
+    }
 }
 
 /// Returns what a moment is known by.
@@ -52,7 +69,7 @@ impl Geometry {
             return;
         }
         let (points, region) = (covering(shown), region_of(shown.session));
-        let job = Job::start(wake, move |_| Tessellation::of(&points, region, 1.0).ok());
+        let job = Job::run(wake, Triangulating { points, region });
         self.work = Some((key, job));
     }
 

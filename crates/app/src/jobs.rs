@@ -1,4 +1,4 @@
-//! Background work: a job runs on its own thread natively; on the web a function runs at once and a
+//! Background work: a job runs on its own thread natively; on the web an errand runs in a worker, a function at once and a
 //! future beside the window. It reports progress, can be cancelled, and hands over its result when asked.
 //! It never touches the window but to wake it.
 
@@ -8,6 +8,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::errand::{self, Errand};
 
 /// Asks the window for a new frame; called from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -32,6 +34,47 @@ pub struct Monitor {
 }
 
 impl Monitor {
+    /// Returns the monitor of work for somebody far away, who is told its activity and how much of it is done.
+    #[must_use]
+    pub fn reporting(tell: impl Fn(&str, f32) + Send + Sync + 'static) -> Arc<Self> {
+        Arc::new_cyclic(|monitor: &std::sync::Weak<Self>| {
+            let monitor = monitor.clone();
+            let wake = move || {
+                if let Some(monitor) = monitor.upgrade() {
+                    tell(&monitor.activity(), monitor.fraction());
+                }
+            };
+            Self::waking(Arc::new(wake))
+        })
+    }
+
+    fn waking(wake: Wake) -> Self {
+        Self {
+            cancelled: AtomicBool::new(false),
+            fraction_bits: AtomicU32::new(0),
+            activity: Mutex::new(String::new()),
+            wake,
+        }
+    }
+
+    /// Returns how far the job has come, from 0 to 1.
+    #[must_use]
+    pub fn fraction(&self) -> f32 {
+        f32::from_bits(self.fraction_bits.load(Ordering::Relaxed))
+    }
+
+    /// Returns what the job is doing.
+    #[must_use]
+    pub fn activity(&self) -> String {
+        let current = self.activity.lock();
+        current.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Asks the job to stop.
+    pub(crate) fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
     /// Returns whether the owner has asked the job to stop.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
@@ -83,6 +126,29 @@ impl<T: Portable> Job<T> {
         job
     }
 
+    /// Has an errand carried out: by a thread, or by the carrier if there is one.
+    #[must_use]
+    pub fn run<E: Errand<Outcome = T>>(wake: &Wake, errand: E) -> Self {
+        let Some(carrier) = errand::carrier() else {
+            return Self::start(wake, |monitor| errand.carry_out(monitor));
+        };
+        let (job, sender) = Self::begun(wake);
+        let failed = sender.clone();
+        let waker = Arc::clone(wake);
+        let take = move |outcome| {
+            // An owner that is gone does not want the result.
+            let _ = sender.send(outcome);
+            waker();
+        };
+        match errand::parcel(&errand, Arc::clone(&job.monitor), take) {
+            Ok(parcel) => carrier.carry(parcel),
+            Err(fault) => {
+                let _ = failed.send(Err(fault));
+            }
+        }
+        job
+    }
+
     /// Starts the work of the future that `work` returns: natively on a thread of its own that drives it, on
     /// the web between the window's frames.
     #[must_use]
@@ -106,19 +172,14 @@ impl<T: Portable> Job<T> {
     }
 
     fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
-        let monitor = Arc::new(Monitor {
-            cancelled: AtomicBool::new(false),
-            fraction_bits: AtomicU32::new(0),
-            activity: Mutex::new(String::new()),
-            wake: Arc::clone(wake),
-        });
+        let monitor = Arc::new(Monitor::waking(Arc::clone(wake)));
         let (sender, result) = channel();
         (Self { monitor, result }, sender)
     }
 
     /// Asks the job to stop; it ends soon after.
     pub fn cancel(&self) {
-        self.monitor.cancelled.store(true, Ordering::Relaxed);
+        self.monitor.cancel();
     }
 
     /// Returns whether it was asked to stop.
@@ -130,14 +191,13 @@ impl<T: Portable> Job<T> {
     /// Returns how far it has come, from 0 to 1.
     #[must_use]
     pub fn fraction(&self) -> f32 {
-        f32::from_bits(self.monitor.fraction_bits.load(Ordering::Relaxed))
+        self.monitor.fraction()
     }
 
     /// Returns what it is doing.
     #[must_use]
     pub fn activity(&self) -> String {
-        let current = self.monitor.activity.lock();
-        current.unwrap_or_else(PoisonError::into_inner).clone()
+        self.monitor.activity()
     }
 
     /// Returns the result once it is there. It is handed out once.
@@ -161,7 +221,7 @@ impl<T: Portable> Job<T> {
 impl<T> Drop for Job<T> {
     /// Nobody wants the result any more.
     fn drop(&mut self) {
-        self.monitor.cancelled.store(true, Ordering::Relaxed);
+        self.monitor.cancel();
     }
 }
 

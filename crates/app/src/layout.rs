@@ -33,13 +33,15 @@ pub enum Panel {
     Passes,
     /// The second run beside the first.
     Compare,
+    /// What is measured of the moment.
+    Analysis,
     /// What happened, and the clocks.
     Timeline,
 }
 
 impl Panel {
     /// Every panel.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Parameters,
         Self::Statistics,
         Self::Events,
@@ -52,6 +54,7 @@ impl Panel {
         Self::Legend,
         Self::Passes,
         Self::Compare,
+        Self::Analysis,
         Self::Timeline,
     ];
 
@@ -71,11 +74,14 @@ impl Panel {
             Self::Legend => "Legend",
             Self::Passes => "GPU passes",
             Self::Compare => "Compare",
+            Self::Analysis => "Analysis",
             Self::Timeline => "Timeline",
         }
     }
 }
 
+/// Panels that a layout lacks stand beside this one.
+const NEIGHBOUR: Panel = Panel::Parameters;
 /// More tiles than this no layout of this program has.
 const MOST_TILES: usize = 200;
 
@@ -93,7 +99,12 @@ impl Default for Layout {
                 .collect();
             tiles.insert_tab_tile(panes)
         };
-        let left = tabs(&[Panel::Parameters, Panel::Events, Panel::Bookmarks]);
+        let left = tabs(&[
+            Panel::Parameters,
+            Panel::Events,
+            Panel::Bookmarks,
+            Panel::Analysis,
+        ]);
         let canvas = tabs(&[Panel::Canvas, Panel::Passes]);
         let upper = tabs(&[Panel::Pseudocode, Panel::Statistics, Panel::Compare]);
         let lower = tabs(&[
@@ -132,13 +143,51 @@ impl Layout {
             .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == panel));
     }
 
-    /// Returns whether every panel can be reached once, as in every layout that this program made. A remembered layout
-    /// may come from another version, and one of a file from anywhere.
+    /// Returns whether every panel can be reached once, as in every layout that this program made.
     #[must_use]
     pub fn is_whole(&self) -> bool {
+        self.reached()
+            .is_some_and(|panels| panels.len() == Panel::ALL.len())
+    }
+
+    /// Returns the layout with every panel in it, the missing ones as tabs, if it is sound: a remembered layout may come
+    /// from a version with fewer panels, and one of a file from anywhere.
+    #[must_use]
+    pub fn completed(mut self) -> Option<Self> {
+        let there = self.reached()?;
+        let missing = Panel::ALL
+            .into_iter()
+            .filter(|panel| !there.contains(panel));
+        for panel in missing {
+            let tabs = self.tabs_of(NEIGHBOUR)?;
+            let pane = self.0.tiles.insert_pane(panel);
+            if let Some(Tile::Container(Container::Tabs(tabs))) = self.0.tiles.get_mut(tabs) {
+                tabs.add_child(pane);
+            }
+        }
+        self.is_whole().then_some(self)
+    }
+
+    /// Returns the tabs that hold a panel, else any tabs that can be reached.
+    fn tabs_of(&self, panel: Panel) -> Option<TileId> {
+        let tiles = &self.0.tiles;
+        let is_tabs = |id: &TileId| {
+            let tile = tiles.get(*id);
+            matches!(tile, Some(Tile::Container(Container::Tabs(_))))
+        };
+        let pane = tiles.find_pane(&panel);
+        let around = pane.and_then(|pane| tiles.parent_of(pane));
+        around.filter(is_tabs).or_else(|| {
+            let reached = self.0.active_tiles();
+            reached.into_iter().find(is_tabs)
+        })
+    }
+
+    /// Returns the panels that can be reached; none if the tiles are not sound or a panel is there twice.
+    fn reached(&self) -> Option<Vec<Panel>> {
         let tiles = &self.0.tiles;
         let (Some(root), true) = (self.0.root(), tiles.iter().count() <= MOST_TILES) else {
-            return false;
+            return None;
         };
         let mut seen = HashSet::new();
         let mut panels = Vec::new();
@@ -146,21 +195,21 @@ impl Layout {
         while let Some(id) = waiting.pop() {
             // A tile that is reached twice is in two places, or in itself.
             if !seen.insert(id) {
-                return false;
+                return None;
             }
             match tiles.get(id) {
                 Some(Tile::Pane(panel)) => panels.push(*panel),
                 Some(Tile::Container(container)) => {
                     if !has_sound_shares(container) {
-                        return false;
+                        return None;
                     }
                     waiting.extend(container.children().copied());
                 }
-                None => return false,
+                None => return None,
             }
         }
-        panels.len() == Panel::ALL.len()
-            && Panel::ALL.into_iter().all(|panel| panels.contains(&panel))
+        let kinds: HashSet<Panel> = panels.iter().copied().collect();
+        (kinds.len() == panels.len()).then_some(panels)
     }
 }
 
@@ -209,6 +258,38 @@ mod tests {
         let tile = layout.0.tiles.find_pane(&Panel::Canvas).unwrap();
         layout.0.remove_recursively(tile);
         assert!(!layout.is_whole());
+    }
+
+    #[test]
+    fn a_layout_of_a_version_with_fewer_panels_gets_the_new_ones() {
+        let mut old = Layout::default();
+        old.open(Panel::Events);
+        for panel in [Panel::Analysis, Panel::Parameters] {
+            let tile = old.0.tiles.find_pane(&panel).unwrap();
+            old.0.remove_recursively(tile);
+        }
+        assert!(!old.is_whole());
+        let mut new = old.completed().unwrap();
+        assert!(new.is_whole() && new.shows(Panel::Events));
+        for panel in Panel::ALL {
+            new.open(panel);
+            assert!(new.shows(panel), "{panel:?}");
+        }
+        let whole = Layout::default();
+        assert_eq!(whole.clone().completed(), Some(whole.clone()));
+        // A single panel has nowhere to put others.
+        let id = egui::Id::unique("one");
+        let mut tiles = Tiles::default();
+        let root = tiles.insert_pane(Panel::Canvas);
+        assert_eq!(Layout(Tree::new(id, root, tiles)).completed(), None);
+        // Twice the same is no layout of any version.
+        let mut twice = whole;
+        let tabs = twice.tabs_of(Panel::Events).unwrap();
+        let pane = twice.0.tiles.insert_pane(Panel::Canvas);
+        if let Some(Tile::Container(Container::Tabs(tabs))) = twice.0.tiles.get_mut(tabs) {
+            tabs.add_child(pane);
+        }
+        assert_eq!(twice.completed(), None);
     }
 
     #[test]

@@ -5,25 +5,35 @@
 //! judges, the formats write; long work happens in [`jobs`].
 
 pub mod actions;
+pub mod analysis;
 mod app;
+pub mod arrangement;
 pub mod camera;
 pub mod canvas;
 pub mod clock;
+pub mod combination;
 pub mod command;
 pub mod compare;
 pub mod device;
+#[cfg(target_arch = "wasm32")]
+pub mod download;
 pub mod draft;
+pub mod embedding;
+pub mod errand;
 pub mod export;
 pub mod files;
+mod focus;
 pub mod geometry;
 pub mod jobs;
 pub mod layout;
+pub mod link;
 pub mod moment;
 #[cfg(not(target_arch = "wasm32"))]
 mod native;
 mod panels;
 pub mod passes;
 pub mod recipe;
+pub mod remote;
 pub mod sentence;
 pub mod session;
 pub mod state;

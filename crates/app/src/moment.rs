@@ -1,9 +1,12 @@
 //! The moment that is shown: a session after some of its events, or after a stage where there are none.
 //! It answers how samples stand; it never moves.
 
-use tilescope_core::{Fate, Origin, Stage, Standing};
+use std::sync::Arc;
+
+use tilescope_core::{Fate, Origin, Point, Stage, Standing};
 use tilescope_debugger::{Context, Debugger, Event, Status};
 
+use crate::errand::Lent;
 use crate::session::Session;
 
 /// A moment of a session.
@@ -40,6 +43,14 @@ impl<'a> Shown<'a> {
     #[must_use]
     pub fn covers(&self, id: u32) -> bool {
         matches!(self.standing(id), Standing::Tiled | Standing::Valid)
+    }
+
+    /// Returns the samples that cover their disks, with their places.
+    #[must_use]
+    pub fn covering(&self) -> Vec<(Point, u32)> {
+        let points = &self.session.run().samples.points;
+        let all = points.iter().copied().zip(0..);
+        all.filter(|&(_, id)| self.covers(id)).collect()
     }
 
     /// Returns how many events have happened; for a session without events, the stage's number.
@@ -96,5 +107,50 @@ impl<'a> Shown<'a> {
         );
         let since = if inserted { life.born } else { life.marked };
         (since as usize) < cursor
+    }
+}
+
+/// A moment that can be taken to another thread.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Still {
+    session: Lent,
+    stage: Stage,
+    /// Which samples cover their disks; for sessions without events the stage says it.
+    covers: Option<Vec<bool>>,
+}
+
+impl Still {
+    /// Takes the moment `shown` of `session`.
+    #[must_use]
+    pub fn of(session: &Arc<Session>, shown: &Shown<'_>) -> Self {
+        let all = 0..session.run().samples.len() as u32;
+        Self {
+            session: Lent(Arc::clone(session)),
+            stage: shown.stage,
+            covers: shown
+                .debugger
+                .map(|_| all.map(|id| shown.covers(id)).collect()),
+        }
+    }
+
+    /// Returns the session.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// Returns the samples that cover their disks, with their places.
+    #[must_use]
+    pub fn covering(&self) -> Vec<(Point, u32)> {
+        let shown = Shown {
+            session: &self.session,
+            debugger: None,
+            stage: self.stage,
+        };
+        let Some(covers) = &self.covers else {
+            return shown.covering();
+        };
+        let points = self.session.run().samples.points.iter().copied().zip(0..);
+        points.filter(|&(_, id)| covers[id as usize]).collect()
     }
 }

@@ -1,6 +1,9 @@
-//! The native window: opening it, or saying in a typed error why there is none.
+//! The native window: opening it, or saying in a typed error why there is none, or why it is gone.
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use thiserror::Error;
 
@@ -19,11 +22,72 @@ pub enum AppError {
     /// The windowing system failed in a way that it does not report as an error.
     #[error("no window could be opened: {0}")]
     WindowSystem(String),
+    /// The window was there and is lost: by a fault of the program, or as its graphics or the windowing system failed.
+    #[error("the window was open and is lost: {0}")]
+    Lost(String),
+}
+
+impl AppError {
+    /// Returns whether a window was there: then what the user did in it is lost, and nothing else replaces it.
+    #[must_use]
+    pub const fn was_open(&self) -> bool {
+        matches!(self, Self::Lost(_))
+    }
+}
+
+/// What is known of a window's frames when it ends.
+#[derive(Default)]
+struct Frames {
+    drawn: AtomicU64,
+    /// Whether one is being made.
+    inside: AtomicBool,
+}
+
+impl Frames {
+    /// Returns whether the window was there. What fails while a frame is made is not the window's opening.
+    fn shown(&self) -> bool {
+        self.drawn.load(Ordering::Relaxed) > 0 || self.inside.load(Ordering::Relaxed)
+    }
+}
+
+/// An application whose frames are counted.
+struct Counted<A> {
+    app: A,
+    frames: Arc<Frames>,
+}
+
+impl<A: eframe::App> eframe::App for Counted<A> {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        self.app.logic(ctx, frame);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        // A frame may be made in several passes; the second one begins when the first is drawn.
+        let drawn = ui.ctx().cumulative_frame_nr();
+        self.frames.drawn.store(drawn, Ordering::Relaxed);
+        self.frames.inside.store(true, Ordering::Relaxed);
+        self.app.ui(ui, frame);
+        self.frames.inside.store(false, Ordering::Relaxed);
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {
+        self.app.raw_input_hook(ctx, raw);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.app.save(storage);
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        self.app.persist_egui_memory()
+    }
 }
 
 /// How the window opens.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOptions {
+    /// The link that it opens with: an address, or its fragment.
+    pub link: Option<String>,
     /// Its inner size in screen points.
     pub size: [f32; 2],
     /// Whether it opens in the light theme.
@@ -33,6 +97,7 @@ pub struct WindowOptions {
 impl Default for WindowOptions {
     fn default() -> Self {
         Self {
+            link: None,
             size: [1440.0, 900.0],
             light: false,
         }
@@ -62,11 +127,13 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
         viewport: egui::ViewportBuilder::default()
             .with_title("Tilescope")
             .with_inner_size(options.size)
-            .with_min_inner_size([960.0, 600.0]),
+            .with_min_inner_size([360.0, 360.0]),
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
     };
-    let light = options.light;
+    let (light, link) = (options.light, options.link.clone());
+    let frames = Arc::new(Frames::default());
+    let counter = Arc::clone(&frames);
     let run = || {
         eframe::run_native(
             "tilescope",
@@ -82,12 +149,92 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                 if light {
                     app.state.apply(crate::Command::ToggleTheme);
                 }
-                Ok(Box::new(app))
+                if let Some(link) = link {
+                    app.state.apply(crate::Command::OpenLink(link));
+                }
+                let frames = counter;
+                Ok(Box::new(Counted { app, frames }))
             }),
         )
     };
-    match catch_unwind(AssertUnwindSafe(run)) {
-        Ok(outcome) => Ok(outcome?),
-        Err(panic) => Err(AppError::WindowSystem(crate::jobs::panic_sentence(&*panic))),
+    outcome(catch_unwind(AssertUnwindSafe(run)), &frames)
+}
+
+/// Returns what came of a window. Faults of the program unwind through the windowing system, whose own come either way.
+fn outcome(
+    ended: Result<Result<(), eframe::Error>, Box<dyn Any + Send>>,
+    frames: &Frames,
+) -> Result<(), AppError> {
+    match ended {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(error)) if frames.shown() => Err(AppError::Lost(error.to_string())),
+        Ok(Err(error)) => Err(error.into()),
+        Err(panic) if frames.shown() => Err(AppError::Lost(said(&*panic))),
+        Err(panic) => Err(AppError::WindowSystem(said(&*panic))),
+    }
+}
+
+fn said(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fails in the frame of this number, counted from 1.
+    struct Failing(usize);
+
+    impl eframe::App for Failing {
+        fn ui(&mut self, _: &mut egui::Ui, _: &mut eframe::Frame) {
+            self.0 -= 1;
+            assert!(self.0 > 0, "out of ink");
+        }
+    }
+
+    /// Makes frames as a window does, then ends with an error.
+    fn ended(failing: usize, made: usize) -> Result<(), AppError> {
+        let frames = Arc::new(Frames::default());
+        let mut window = Counted {
+            app: Failing(failing),
+            frames: Arc::clone(&frames),
+        };
+        let ctx = egui::Context::default();
+        let run = || {
+            for _ in 0..made {
+                let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                    let mut frame = eframe::Frame::_new_kittest();
+                    eframe::App::ui(&mut window, ui, &mut frame);
+                });
+            }
+            Err(eframe::Error::AppCreation("no surface".into()))
+        };
+        outcome(catch_unwind(AssertUnwindSafe(run)), &frames)
+    }
+
+    #[test]
+    fn a_window_that_was_never_drawn_was_not_opened() {
+        for frames in [0, 1] {
+            let error = ended(usize::MAX, frames).unwrap_err();
+            assert!(!error.was_open(), "{error}");
+            assert!(error.to_string().contains("no surface"), "{error}");
+        }
+        let none = Frames::default();
+        let error = outcome(Err(Box::new("no display")), &none).unwrap_err();
+        assert!(!error.was_open() && error.to_string().contains("no display"));
+        assert!(outcome(Ok(Ok(())), &none).is_ok());
+    }
+
+    #[test]
+    fn a_window_that_was_drawn_or_whose_frame_fails_is_lost() {
+        let error = ended(usize::MAX, 2).unwrap_err();
+        assert!(error.was_open() && error.to_string().contains("no surface"));
+        for failing in [1, 2, 5] {
+            let error = ended(failing, 9).unwrap_err();
+            assert!(error.was_open(), "{error}");
+            assert!(error.to_string().contains("out of ink"), "{error}");
+        }
     }
 }

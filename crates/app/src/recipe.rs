@@ -3,11 +3,15 @@
 
 use std::sync::Arc;
 
+use tilescope_analysis::Boundary;
 use tilescope_core::{Observer, Parameters, Pattern, SampleError};
-use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording};
+use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest};
+use tilescope_formats::ReadSet;
+
+use crate::files::Incoming;
 
 /// A pattern that was read from a file.
-#[derive(Clone)]
+#[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub struct OwnPattern {
     /// The file, and the digest of what it held.
     pub file: PatternFile,
@@ -28,7 +32,7 @@ impl PartialEq for OwnPattern {
 }
 
 /// What a session is made from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Recipe {
     /// The parameters.
     pub parameters: Parameters,
@@ -68,44 +72,33 @@ impl Recipe {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
-pub use native::load;
+/// Reads a pattern from a point set that was exported with its certificate.
+///
+/// Fails with a sentence when the file cannot be read, has no certificate, or holds no maximal set.
+pub fn load(incoming: &Incoming) -> Result<OwnPattern, String> {
+    pattern_of(&incoming.point_set()?, &incoming.name)
+}
 
-#[cfg(not(target_arch = "wasm32"))]
-mod native {
-    use std::path::Path;
-
-    use super::{Arc, OwnPattern, Pattern, PatternFile};
-    use tilescope_analysis::Boundary;
-    use tilescope_debugger::pattern_digest;
-    use tilescope_formats::Hint;
-
-    /// Reads a pattern from a point set that was exported with its certificate.
-    ///
-    /// Fails with a sentence when the file cannot be read, has no certificate, or holds no maximal set.
-    pub fn load(path: &Path) -> Result<OwnPattern, String> {
-        let read =
-            tilescope_formats::read(path, &Hint::default()).map_err(|error| error.to_string())?;
-        let certificate = read.certificate.ok_or_else(|| {
-            format!(
-                "{} has no certificate, which says how large its domain and its radius are",
-                path.display()
-            )
-        })?;
-        let region = certificate.region;
-        let boundary = match region.boundary {
-            Boundary::Periodic => tilescope_core::Boundary::Periodic,
-            Boundary::Bounded => tilescope_core::Boundary::Bounded,
-        };
-        let size = [region.width, region.height];
-        let pattern = Pattern::from_positions(&read.set.points, size, certificate.radius, boundary)
-            .map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(OwnPattern {
-            file: PatternFile {
-                path: path.to_string_lossy().into_owned(),
-                digest: pattern_digest(&pattern),
-            },
-            pattern: Arc::new(pattern),
-        })
-    }
+/// Takes the point set of a file called `name` as a pattern.
+///
+/// Fails with a sentence when it has no certificate or is no maximal set.
+pub fn pattern_of(read: &ReadSet, name: &str) -> Result<OwnPattern, String> {
+    let certificate = read.certificate.as_ref().ok_or_else(|| {
+        format!("{name} has no certificate, which says how large its domain and its radius are")
+    })?;
+    let region = certificate.region;
+    let boundary = match region.boundary {
+        Boundary::Periodic => tilescope_core::Boundary::Periodic,
+        Boundary::Bounded => tilescope_core::Boundary::Bounded,
+    };
+    let size = [region.width, region.height];
+    let pattern = Pattern::from_positions(&read.set.points, size, certificate.radius, boundary)
+        .map_err(|error| format!("{name}: {error}"))?;
+    Ok(OwnPattern {
+        file: PatternFile {
+            path: name.to_owned(),
+            digest: pattern_digest(&pattern),
+        },
+        pattern: Arc::new(pattern),
+    })
 }

@@ -16,6 +16,16 @@ pub fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{} {}", grouped(count), if count == 1 { one } else { many })
 }
 
+/// Returns the name of a stage of a session with a capital letter.
+#[must_use]
+pub fn name_in(session: &Session, stage: Stage) -> String {
+    match stage {
+        Stage::Blocks if session.combination.is_some() => "Pieces".to_owned(),
+        Stage::Tile if session.combination.is_some() => "Place".to_owned(),
+        stage => stage_name(stage),
+    }
+}
+
 /// Returns the name of a stage with a capital letter.
 #[must_use]
 pub fn stage_name(stage: Stage) -> String {
@@ -33,6 +43,9 @@ pub fn stage_name(stage: Stage) -> String {
 /// Returns what happened at `stage`.
 #[must_use]
 pub fn stage_sentence(session: &Session, stage: Stage) -> String {
+    if let Some(sentence) = combination_sentence(session, stage) {
+        return sentence;
+    }
     let run = session.run();
     let summary = &session.summary;
     let samples = |count: usize| counted(count, "sample", "samples");
@@ -92,6 +105,43 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
             grouped(summary.inserted.iter().sum()),
         ),
     }
+}
+
+/// Returns what happened at a stage of a combination that is not what happens in a run.
+fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
+    let combination = session.combination.as_ref()?;
+    let summary = &session.summary;
+    let pieces = counted(summary.blocks, "piece", "pieces");
+    let samples = |count: usize| counted(count, "sample", "samples");
+    let inserted = summary.inserted.iter().sum();
+    match stage {
+        Stage::Blocks => {
+            let [width, height] = session.size_radii();
+            let seams = counted(combination.seams.len(), "seam", "seams");
+            Some(format!(
+                "Pieces: a domain of {width:.1} \u{d7} {height:.1} r is filled by {pieces}, which meet along {seams}."
+            ))
+        }
+        Stage::Tile => Some(format!(
+            "Place: {pieces} bring {}, up to r beyond their rectangles; {} in conflict.",
+            samples(summary.tiled),
+            counted(session.conflicts.len(), "pair is", "pairs are"),
+        )),
+        Stage::Finish => Some(format!(
+            "Finish: {} of {pieces}; {} eliminated, {} inserted ({}).",
+            samples(summary.count),
+            grouped(summary.eliminated),
+            grouped(inserted),
+            share(inserted, summary.count),
+        )),
+        _ => None,
+    }
+}
+
+/// Returns a part of a whole in percent.
+#[must_use]
+pub fn share(part: usize, whole: usize) -> String {
+    format!("{:.1}%", 100.0 * part as f64 / whole.max(1) as f64)
 }
 
 fn iteration_sentence(session: &Session, k: u32) -> String {

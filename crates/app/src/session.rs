@@ -1,23 +1,38 @@
 //! A finished run made ready to be looked at: its stages, an index of its samples by place, the
 //! conflicts that elimination resolved. Immutable once built; it is built in the background.
 
-use std::ops::ControlFlow;
-use std::sync::Arc;
+mod errands;
+mod report;
+
+use std::sync::{Arc, OnceLock};
+
+use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
-    MAXIMAL_DENSITY, Moment, Observer, Parameters, Progress, R, Run, SampleError, SampleGrid,
-    Stage, Standing, Summary, Sweep, Variant, covers_offset,
+    MAXIMAL_DENSITY, Moment, Parameters, Pattern, R, Run, SampleError, SampleGrid, Stage, Standing,
+    Summary, Sweep, Variant, covers_offset,
 };
 use tilescope_debugger::{Outline, Recording};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
 use crate::canvas::index::SampleIndex;
+use crate::combination::Combination;
+use crate::errand;
 use crate::jobs::Monitor;
 use crate::recipe::{OwnPattern, Recipe};
+pub use errands::{Patterning, Sampling, Twin};
+pub use report::MakeError;
+pub(crate) use report::Reporter;
 
 /// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
 /// 105 bytes for each sample and ten times as long.
-pub const MOST_STAGED: f64 = 500_000.0;
+///
+/// A page keeps less: its memory is that of a tab, and a session is there twice, in a worker and in the window.
+pub const MOST_STAGED: f64 = if cfg!(target_arch = "wasm32") {
+    200_000.0
+} else {
+    500_000.0
+};
 
 /// The first stage that a GPU runs of a run that is kept stage by stage.
 const FIRST_GPU_STAGE: Stage = Stage::Blocks;
@@ -29,6 +44,7 @@ fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
 }
 
 /// A run and what the window needs to show it.
+#[derive(Serialize, Deserialize)]
 pub struct Session {
     source: Source,
     /// Its stages, in their sequence.
@@ -49,11 +65,19 @@ pub struct Session {
     pub engine: String,
     /// The pattern of one's own that it was made with.
     pub own: Option<OwnPattern>,
+    /// What it was glued from, if it is a combination: its blocks are the pieces.
+    pub combination: Option<Combination>,
     /// What befell the GPU that was to make it, until somebody has been told.
+    #[serde(skip)]
     pub failure: Option<Failure>,
+    #[serde(skip)]
+    digest: OnceLock<String>,
+    #[serde(skip)]
+    positions_digest: OnceLock<String>,
 }
 
 /// Where a session's run is kept.
+#[derive(Serialize, Deserialize)]
 enum Source {
     /// With every event of it.
     Recorded(Arc<Recording>),
@@ -119,22 +143,41 @@ impl Session {
         gpu: Arc<Gpu>,
         recipe: &Recipe,
         generation: u64,
-        monitor: &Monitor,
-    ) -> Result<Self, SampleError> {
+        monitor: &Arc<Monitor>,
+    ) -> Result<Self, MakeError> {
         let name = gpu.report().name.clone();
         let mut observer = Reporter { monitor };
-        let error = match run_on(gpu, recipe, &mut observer).await {
+        let recipe = recipe.clone();
+        let pattern = if let Some(own) = &recipe.own {
+            Arc::clone(&own.pattern)
+        } else {
+            let making = Patterning(recipe.parameters.pattern);
+            let made = errand::on_behalf(making, monitor).await;
+            made.map_err(MakeError::fault)??
+        };
+        let parameters = &recipe.parameters;
+        let error = match run_on(gpu, parameters, &pattern, &mut observer).await {
             Ok(run) => {
-                let session = Self::of_gpu(run, recipe, generation, &mut observer)?;
                 let engine = format!("GPU ({name})");
-                return Ok(Self { engine, ..session }.with(recipe));
+                let twin = Twin {
+                    run,
+                    recipe,
+                    generation,
+                };
+                let session = errand::on_behalf(twin, monitor).await;
+                return Ok(Self {
+                    engine,
+                    ..session.map_err(MakeError::fault)??
+                });
             }
-            Err(GpuError::Sample(error)) => return Err(error),
+            Err(GpuError::Sample(error)) => return Err(error.into()),
             Err(error) => error,
         };
+        let sampling = Sampling { recipe, generation };
+        let session = errand::on_behalf(sampling, monitor).await;
         Ok(Self {
             failure: Some(Failure { name, error }),
-            ..Self::sample(recipe, generation, monitor)?
+            ..session.map_err(MakeError::fault)??
         })
     }
 
@@ -150,10 +193,13 @@ impl Session {
             let recording = recipe.record(observer)?;
             let twin = recording.run();
             if twin.samples == run.samples && twin.result == run.result {
-                return observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
+                let made =
+                    observer.prepare(|| Self::from_recording(Arc::new(recording), generation));
+                return made.map(|session| session.with(recipe));
             }
         }
-        observer.prepare(|| Self::from_run(run, generation))
+        let made = observer.prepare(|| Self::from_run(run, generation));
+        made.map(|session| session.with(recipe))
     }
 
     /// Returns the run.
@@ -163,6 +209,21 @@ impl Session {
             Source::Recorded(recording) => recording.run(),
             Source::Run(run) => run,
         }
+    }
+
+    /// Returns the digest of the result's positions in user units, as certificates have it: computed once, when it is
+    /// first asked for.
+    #[must_use]
+    pub fn positions_digest(&self) -> &str {
+        let digest = || tilescope_formats::positions_digest(&self.run().positions());
+        self.positions_digest.get_or_init(digest)
+    }
+
+    /// Returns the digest of the result, 16 hexadecimal digits: computed once, when it is first asked for.
+    #[must_use]
+    pub fn digest(&self) -> &str {
+        self.digest
+            .get_or_init(|| tilescope_debugger::digest(self.run()))
     }
 
     /// Returns the events of the run, where they were kept.
@@ -206,6 +267,15 @@ impl Session {
         Self::of(Source::Recorded(recording), generation)
     }
 
+    /// Prepares a combination. It clips from no common pattern, so that its first stage is that of its pieces.
+    #[must_use]
+    pub fn from_combination(run: Run, combination: Combination, generation: u64) -> Self {
+        let mut session = Self::from_run(run, generation);
+        session.stages.retain(|&stage| stage != Stage::Pattern);
+        session.combination = Some(combination);
+        session
+    }
+
     fn of(source: Source, generation: u64) -> Self {
         let (run, starts, outline) = match &source {
             Source::Recorded(recording) => {
@@ -230,7 +300,10 @@ impl Session {
             generation,
             engine: "CPU".to_owned(),
             own: None,
+            combination: None,
             failure: None,
+            digest: OnceLock::new(),
+            positions_digest: OnceLock::new(),
             source,
         }
     }
@@ -287,19 +360,18 @@ impl Session {
     }
 }
 
-/// Runs a recipe on a device: to the last stage with all of them kept, or for the result alone.
+/// Runs parameters on a device: to the last stage with all of them kept, or for the result alone.
 async fn run_on(
     gpu: Arc<Gpu>,
-    recipe: &Recipe,
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
     observer: &mut Reporter<'_>,
 ) -> Result<Run, GpuError> {
-    let parameters = &recipe.parameters;
     parameters.validate_sequential()?;
-    let pattern = recipe.pattern(observer)?;
     if !keeps_everything(parameters)? {
-        return GpuSweep::run(gpu, parameters, &pattern, observer).await;
+        return GpuSweep::run(gpu, parameters, pattern, observer).await;
     }
-    let mut stepper = Stepper::new(gpu, parameters, &pattern, FIRST_GPU_STAGE).await?;
+    let mut stepper = Stepper::new(gpu, parameters, pattern, FIRST_GPU_STAGE).await?;
     while let Some(stage) = stepper.step().await? {
         if let Some(stage) = observer.report(stage, 1.0) {
             return Err(SampleError::Cancelled { stage }.into());
@@ -351,49 +423,4 @@ fn tiled_conflicts(run: &Run) -> Vec<[u32; 2]> {
         });
     }
     conflicts
-}
-
-/// Carries a run's progress to the window, and the wish to cancel back.
-pub(crate) struct Reporter<'a> {
-    pub(crate) monitor: &'a Monitor,
-}
-
-impl Reporter<'_> {
-    /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
-    fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
-        // Shares of the whole, as measured on a million samples.
-        let (start, share) = match stage {
-            Stage::Pattern => (0.0, 0.08),
-            Stage::Blocks => (0.08, 0.01),
-            Stage::Tile => (0.09, 0.16),
-            Stage::Eliminate => (0.25, 0.3),
-            Stage::Iterate(1) => (0.55, 0.3),
-            Stage::Iterate(_) => (0.85, 0.05),
-            Stage::Regions => (0.05, 0.85),
-            Stage::Finish => (0.9, 0.1),
-        };
-        self.monitor.set_activity(&stage.to_string());
-        self.monitor.set_fraction(start + share * part);
-        self.monitor.is_cancelled().then_some(stage)
-    }
-}
-
-impl Reporter<'_> {
-    /// Returns what `prepare` makes, unless the run is to stop.
-    fn prepare(&self, prepare: impl FnOnce() -> Session) -> Result<Session, SampleError> {
-        match self.report(Stage::Finish, 0.5) {
-            None => Ok(prepare()),
-            Some(stage) => Err(SampleError::Cancelled { stage }),
-        }
-    }
-}
-
-impl Observer for Reporter<'_> {
-    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
-        let part = progress.done as f32 / progress.total.max(1) as f32;
-        match self.report(progress.stage, part) {
-            Some(_) => ControlFlow::Break(()),
-            None => ControlFlow::Continue(()),
-        }
-    }
 }

@@ -4,11 +4,12 @@
 use std::sync::Arc;
 
 use egui::Rect;
-use tilescope_analysis::VerifyError;
-use tilescope_core::{SampleError, Stage};
-use tilescope_debugger::{Debugger, OutlineRows};
+use tilescope_core::Stage;
+use tilescope_debugger::{Debugger, Direction, OutlineRows};
 
 use crate::actions::Palette;
+use crate::analysis::Analysis;
+use crate::arrangement::Drawer;
 use crate::camera::{Camera, Flight};
 use crate::canvas::layers::{Colouring, Layers};
 use crate::clock::Playback;
@@ -16,18 +17,20 @@ use crate::command::Command;
 use crate::compare::Comparison;
 use crate::device::{Device, Engine};
 use crate::draft::Draft;
+use crate::embedding::Embedding;
 use crate::export::ExportForm;
-use crate::files::FileForm;
+use crate::files::{Delivery, FileForm, NamedBytes};
 use crate::geometry::Geometry;
 use crate::jobs::{Job, Wake};
 use crate::layout::Layout;
 use crate::passes::Passes;
 use crate::recipe::OwnPattern;
-use crate::session::Session;
+use crate::session::{MakeError, Session};
 use crate::theme::Look;
 use crate::verification::{Sight, Verdict};
 pub use debug::{EventQuery, Found, MOST_FOUND};
 pub use hits::{Hits, MOST_HITS};
+pub use page::PageStart;
 pub use side::Side;
 
 /// What the verifier has said so far.
@@ -35,7 +38,7 @@ pub enum Verification {
     /// There is nothing to verify.
     Nothing,
     /// It is at work.
-    Pending(Job<Result<Verdict, VerifyError>>),
+    Pending(Job<Result<Verdict, String>>),
     /// It has judged.
     Done(Box<Verdict>),
     /// It gave no verdict, and why.
@@ -59,12 +62,19 @@ pub struct State {
     pub own_pattern: Option<OwnPattern>,
     /// Who samples.
     pub engine: Engine,
+    /// What befell the GPU last that was to sample.
+    pub gpu_failure: Option<String>,
+    /// The way in which a breakpoint is being looked for.
+    continuing: Option<Direction>,
     /// What is known of the GPU.
     pub device: Device,
+    /// What draws the window, where it is not always the same: on a page. There a GPU that passed its test samples without
+    /// being chosen.
+    display: Option<String>,
     /// What is being looked at; stays until the next one is ready.
     pub session: Option<Arc<Session>>,
     /// The run at work.
-    pub sampling: Option<Job<Result<Session, SampleError>>>,
+    pub sampling: Option<Job<Result<Session, MakeError>>>,
     /// What the verifier says about the session.
     pub verification: Verification,
     /// The stage shown, as its place in the session's list.
@@ -79,6 +89,8 @@ pub struct State {
     pub passes: Option<Passes>,
     /// The second run, and what is known of the two together.
     pub comparison: Option<(Side, Comparison)>,
+    /// What is measured of the moment.
+    pub analysis: Analysis,
     /// How time runs.
     pub playback: Playback,
     /// Where the breakpoints would stop a run.
@@ -101,6 +113,8 @@ pub struct State {
     pub reduced_motion: bool,
     /// Where the panels stand.
     pub layout: Layout,
+    /// What a window shows that is too small for them.
+    pub drawer: Drawer,
     /// The list of all actions, when open.
     pub palette: Option<Palette>,
     /// The view.
@@ -122,19 +136,34 @@ pub struct State {
     /// The sheet of saved sessions and pattern files, when open.
     pub file: Option<FileForm>,
     /// What is read or written for it.
-    #[cfg(not(target_arch = "wasm32"))]
     pub filing: Option<crate::files::Filing>,
     /// The system's dialog for it, while open.
     #[cfg(not(target_arch = "wasm32"))]
     pub finding: Option<(crate::files::Purpose, Job<Option<std::path::PathBuf>>)>,
+    /// The dialog of the browser for it, and the reading of what was chosen.
+    #[cfg(target_arch = "wasm32")]
+    pub finding: Option<(crate::files::Purpose, Job<crate::files::web::Found>)>,
+    /// Where files go that are written.
+    pub delivery: Delivery,
+    /// Files that are to be downloaded.
+    downloads: Vec<NamedBytes>,
     /// The file that the session was saved to or opened from last.
     pub session_path: Option<String>,
     /// How many frames the animation of the sheet has.
     frames: Option<crate::export::frames::Count>,
     /// A notice, when there is one.
     pub notice: Option<Notice>,
+    /// The address of the page, without a fragment, to which copied links belong. There is none natively.
+    pub link_base: Option<String>,
+    /// What is to be put on the clipboard.
+    pub copied: Option<String>,
+    /// What of the window is left where it is part of another page.
+    pub embedding: Option<Embedding>,
+    /// A link whose run is being made.
+    arriving: Option<Box<link::Arriving>>,
+    /// What a screen reader should say.
+    announcer: announce::Announcer,
     /// The export at work.
-    #[cfg(not(target_arch = "wasm32"))]
     pub exporting: Option<Job<export::Outcome>>,
     /// The system's file dialog, while open.
     #[cfg(not(target_arch = "wasm32"))]
@@ -160,6 +189,7 @@ impl State {
             own_pattern: None,
             engine: Engine::default(),
             device: Device::default(),
+            display: None,
             session: None,
             sampling: None,
             verification: Verification::Nothing,
@@ -169,6 +199,7 @@ impl State {
             revealed: 0,
             passes: None,
             comparison: None,
+            analysis: Analysis::default(),
             playback: Playback::default(),
             hits: Hits::default(),
             query: EventQuery::default(),
@@ -180,8 +211,11 @@ impl State {
             bare: false,
             reduced_motion: false,
             layout: Layout::default(),
+            drawer: Drawer::default(),
             palette: None,
             camera: Camera::default(),
+            gpu_failure: None,
+            continuing: None,
             flight: None,
             viewport: Rect::NOTHING,
             hovered: None,
@@ -191,13 +225,17 @@ impl State {
             export: None,
             file: None,
             session_path: None,
-            #[cfg(not(target_arch = "wasm32"))]
             filing: None,
-            #[cfg(not(target_arch = "wasm32"))]
             finding: None,
+            delivery: Delivery::default(),
+            downloads: Vec::new(),
             frames: None,
             notice: None,
-            #[cfg(not(target_arch = "wasm32"))]
+            link_base: None,
+            copied: None,
+            embedding: None,
+            arriving: None,
+            announcer: announce::Announcer::default(),
             exporting: None,
             #[cfg(not(target_arch = "wasm32"))]
             browsing: None,
@@ -266,6 +304,7 @@ impl State {
             Command::Engine(engine) => self.choose_engine(engine),
             Command::NameAdapter(name) => self.name_adapter(name),
             Command::Run => self.run(),
+            Command::Combine(command) => self.combine(command),
             Command::Cancel => {
                 if let Some(job) = &self.sampling {
                     job.cancel();
@@ -277,8 +316,9 @@ impl State {
             Command::DismissNotice => self.notice = None,
             Command::ToggleTheme => self.look = self.look.other(),
             Command::Look(look) => self.look = look,
-            Command::ToggleReducedMotion => self.reduced_motion = !self.reduced_motion,
-            Command::OpenPanel(panel) => self.layout.open(panel),
+            Command::ToggleReducedMotion => self.toggle_reduced_motion(),
+            Command::OpenPanel(panel) => self.open_panel(panel),
+            Command::Drawer(command) => self.apply_to_drawer(command),
             Command::ResetLayout => self.layout = Layout::default(),
             Command::Undo | Command::Redo => {}
             Command::TogglePalette | Command::PaletteText(_) | Command::PaletteChoice(_) => {
@@ -288,6 +328,7 @@ impl State {
             Command::Passes(command) => self.apply_to_passes(command),
             Command::File(command) => self.apply_to_files(command),
             Command::Compare(command) => self.apply_to_comparison(command),
+            Command::Analysis(command) => self.apply_to_analysis(command),
             Command::Debug(command) => {
                 self.apply_to_debugger(command);
                 self.follow_cursor();
@@ -310,6 +351,8 @@ impl State {
             | Command::FlyToWitness(_)
             | Command::GoToSample(_) => self.apply_to_camera(&command),
             Command::Export(command) => self.apply_to_export(command),
+            Command::CopyLink => self.copy_link(),
+            Command::OpenLink(text) => self.open_link(&text),
         }
     }
 
@@ -318,13 +361,19 @@ impl State {
     }
 }
 
+mod analysis;
+mod announce;
 mod camera;
+mod combine;
 mod compare;
-mod debug;
+pub(crate) mod debug;
 mod engine;
-mod export;
+pub(crate) mod export;
 mod files;
-mod hits;
+pub(crate) mod hits;
+mod link;
+mod page;
+mod remote;
 mod side;
 #[cfg(test)]
 mod tests;

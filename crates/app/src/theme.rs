@@ -1,12 +1,12 @@
 //! Colours, type and spacing, light and dark: one palette (after Okabe and Ito) and one accent.
 //! The meaning of a colour is the same on the canvas, in chips and in the legend.
 
-use egui::{
-    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Shadow,
-    Stroke, Style, TextStyle, Theme, Visuals, vec2,
-};
-use std::sync::Arc;
+mod manner;
+
+use egui::{Color32, FontFamily, Theme};
 use tilescope_figures::Palette as Marks;
+
+pub use manner::{FINGER, Manner, install, is_for_fingers, restyle, row_height};
 
 /// The family of headings.
 #[must_use]
@@ -244,128 +244,6 @@ fn oklab(lightness: f64, a: f64, b: f64) -> Color32 {
     )
 }
 
-/// Gives `ctx` the fonts and both themes, and shows `theme`.
-pub fn install(ctx: &Context, theme: Theme) {
-    ctx.set_fonts(fonts());
-    for theme in [Theme::Dark, Theme::Light] {
-        ctx.set_style_of(theme, style(Palette::of_theme(theme)));
-    }
-    ctx.set_theme(theme);
-}
-
-fn fonts() -> FontDefinitions {
-    let mut fonts = FontDefinitions::default();
-    let embedded: [(&str, &'static [u8], FontFamily); 3] = [
-        (
-            "Inter",
-            include_bytes!("../../../assets/fonts/Inter-Regular.otf"),
-            FontFamily::Proportional,
-        ),
-        (
-            "Inter SemiBold",
-            include_bytes!("../../../assets/fonts/Inter-SemiBold.otf"),
-            semibold(),
-        ),
-        (
-            "JetBrains Mono",
-            include_bytes!("../../../assets/fonts/JetBrainsMono-Regular.ttf"),
-            FontFamily::Monospace,
-        ),
-    ];
-    let fallback = fonts.families[&FontFamily::Proportional].clone();
-    for (name, bytes, family) in embedded {
-        let data = Arc::new(FontData::from_static(bytes));
-        fonts.font_data.insert(name.to_owned(), data);
-        let names = fonts.families.entry(family).or_insert(fallback.clone());
-        names.insert(0, name.to_owned());
-    }
-    fonts
-}
-
-fn style(palette: &Palette) -> Style {
-    let mut style = Style {
-        visuals: visuals(palette),
-        animation_time: 0.12,
-        ..Style::default()
-    };
-    let fonts = [
-        (TextStyle::Small, 11.5, FontFamily::Proportional),
-        (TextStyle::Body, 13.5, FontFamily::Proportional),
-        (TextStyle::Button, 13.5, FontFamily::Proportional),
-        (TextStyle::Heading, 15.0, semibold()),
-        (TextStyle::Monospace, 12.5, FontFamily::Monospace),
-    ];
-    for (name, size, family) in fonts {
-        style.text_styles.insert(name, FontId::new(size, family));
-    }
-    style.spacing.item_spacing = vec2(8.0, 5.0);
-    style.spacing.button_padding = vec2(9.0, 4.0);
-    style.spacing.interact_size.y = 24.0;
-    style.spacing.window_margin = Margin::same(18);
-    style.interaction.tooltip_delay = 0.25;
-    style
-}
-
-fn visuals(palette: &Palette) -> Visuals {
-    let mut visuals = if palette.dark {
-        Visuals::dark()
-    } else {
-        Visuals::light()
-    };
-    let corner = CornerRadius::same(6);
-    visuals.panel_fill = palette.panel;
-    visuals.window_fill = palette.panel;
-    visuals.window_stroke = Stroke::new(1.0, palette.line);
-    visuals.window_corner_radius = CornerRadius::same(10);
-    visuals.menu_corner_radius = CornerRadius::same(8);
-    visuals.window_shadow = Shadow {
-        offset: [0, 8],
-        blur: 28,
-        spread: 0,
-        color: Color32::from_black_alpha(if palette.dark { 130 } else { 50 }),
-    };
-    visuals.extreme_bg_color = palette.raised;
-    visuals.faint_bg_color = palette.raised;
-    visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
-    visuals.selection.stroke = Stroke::new(1.0, palette.accent);
-    visuals.hyperlink_color = palette.accent;
-    visuals.weak_text_color = Some(palette.muted);
-    visuals.error_fg_color = palette.conflict;
-    visuals.warn_fg_color = palette.margin;
-    let hover = palette.text.gamma_multiply(0.08);
-    let states = [
-        (
-            &mut visuals.widgets.noninteractive,
-            Color32::TRANSPARENT,
-            1.0,
-        ),
-        (&mut visuals.widgets.inactive, palette.raised, 1.0),
-        (
-            &mut visuals.widgets.hovered,
-            palette.raised.blend(hover),
-            1.0,
-        ),
-        (
-            &mut visuals.widgets.active,
-            palette.raised.blend(hover),
-            1.0,
-        ),
-        (&mut visuals.widgets.open, palette.raised, 1.0),
-    ];
-    for (state, fill, width) in states {
-        state.bg_fill = fill;
-        state.weak_bg_fill = fill;
-        state.bg_stroke = Stroke::new(width, palette.line);
-        state.fg_stroke = Stroke::new(1.0, palette.text);
-        state.corner_radius = corner;
-        state.expansion = 0.0;
-    }
-    visuals.widgets.hovered.bg_stroke.color = palette.muted;
-    visuals.widgets.active.bg_stroke.color = palette.accent;
-    visuals.disabled_alpha = 0.45;
-    visuals
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -402,6 +280,15 @@ mod tests {
                 assert!(contrast(palette.muted, ground) > 4.5);
             }
             assert!(contrast(palette.on_accent, palette.accent) > 4.5);
+            // The ring of the focus.
+            for ground in [
+                palette.panel,
+                palette.raised,
+                palette.domain,
+                palette.outside,
+            ] {
+                assert!(contrast(palette.accent, ground) > 3.0);
+            }
             let symbols = [
                 palette.sample,
                 palette.margin,

@@ -6,6 +6,7 @@ use tilescope_analysis::{
 };
 
 use crate::command::Witness;
+use crate::errand::{Errand, Lent};
 use crate::jobs::Monitor;
 use crate::session::Session;
 
@@ -15,7 +16,7 @@ const MAX_EXTREMES: usize = 3_000_000;
 const HAIR: f64 = 1e-9;
 
 /// A report and the places that decide it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Verdict {
     /// The verifier's report on the result.
     pub report: Report,
@@ -95,6 +96,22 @@ impl Verdict {
             Witness::Verdict if !self.report.maximal() => circle(),
             Witness::Verdict => pair().or_else(circle),
         }
+    }
+}
+
+/// Has the result of a session judged.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Judging(pub Lent);
+
+impl Errand for Judging {
+    type Outcome = Result<Verdict, String>;
+    const NAME: &'static str = "verify";
+
+    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+        let session = &self.0;
+        let (points, region) = (session.run().positions(), region_of(session));
+        let verdict = Verdict::of(&points, region, session.run().domain.radius(), monitor);
+        verdict.map_err(|error| error.to_string())
     }
 }
 

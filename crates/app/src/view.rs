@@ -109,9 +109,7 @@ impl View {
             layers: parts.take("layers", layers),
             colouring: parts.take("colouring", Some),
             look: parts.take("look", Some),
-            layout: parts.take("layout", |layout: Layout| {
-                layout.is_whole().then_some(layout)
-            }),
+            layout: parts.take("layout", Layout::completed),
             selection: parts.take("selection", selection),
             clock: parts.take("clock", Some),
             speed: parts.take("speed", speed),
@@ -150,12 +148,18 @@ impl Parts<'_> {
 }
 
 fn camera(saved: SavedCamera) -> Option<Camera> {
-    let near = saved.center.iter().all(|x| x.abs() <= FARTHEST);
-    let scale = (MIN_SCALE..=MAX_SCALE).contains(&saved.scale);
-    (near && scale).then_some(Camera {
-        center: saved.center,
-        scale: saved.scale,
-    })
+    sound_camera(saved.center, saved.scale)
+}
+
+/// Returns the camera at `center`, in r, with `scale` screen points per r, if there may be one.
+pub(crate) fn sound_camera(center: [f64; 2], scale: f64) -> Option<Camera> {
+    let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
+    may_be.then_some(Camera { center, scale })
+}
+
+/// Returns whether there are domains that reach as far as `place`, in r.
+pub(crate) fn is_near(place: [f64; 2]) -> bool {
+    place.iter().all(|x| x.abs() <= FARTHEST)
 }
 
 /// Layers that this version does not know are passed over.
@@ -174,10 +178,7 @@ fn layers(names: Vec<String>) -> Option<Layers> {
 fn selection(saved: SavedSelection) -> Option<Selection> {
     match saved {
         SavedSelection::Sample(id) => Some(Selection::Sample(id)),
-        SavedSelection::Place(place) => place
-            .iter()
-            .all(|x| x.abs() <= FARTHEST)
-            .then_some(Selection::Place(place)),
+        SavedSelection::Place(place) => is_near(place).then_some(Selection::Place(place)),
     }
 }
 
@@ -187,7 +188,8 @@ fn second(second: Parameters) -> Option<Parameters> {
     (MAXIMAL_DENSITY * domain.area_radii() <= MAX_SAMPLES as f64).then_some(second)
 }
 
-fn speed(speed: f32) -> Option<f32> {
+/// Returns the speed, if it is between the slowest and the fastest to choose.
+pub(crate) fn speed(speed: f32) -> Option<f32> {
     let fastest = SPEEDS[SPEEDS.len() - 1];
     (SPEEDS[0]..=fastest).contains(&speed).then_some(speed)
 }

@@ -7,7 +7,10 @@ use egui::{
 };
 
 use crate::canvas::layers::Layer;
-use crate::theme::{Palette, semibold};
+use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+
+/// Rows that are only read are at most so high, in screen points.
+const READ: f32 = 24.0;
 
 /// Returns a heading of a section of a panel.
 pub fn heading(ui: &mut Ui, text: &str) {
@@ -18,12 +21,16 @@ pub fn heading(ui: &mut Ui, text: &str) {
 
 /// A name on the left, a number in tabular figures on the right.
 pub fn row(ui: &mut Ui, name: &str, value: &str, palette: &Palette) {
+    // There is nothing to press: it need not be as high as what can be.
+    let height = ui.spacing().interact_size.y;
+    ui.spacing_mut().interact_size.y = height.min(READ);
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(palette.muted));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.label(RichText::new(value).monospace());
         });
     });
+    ui.spacing_mut().interact_size.y = height;
 }
 
 /// The symbol of a layer, as on the canvas, in a square around `at`.
@@ -69,6 +76,7 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
                 painter.line_segment(ends, Stroke::new(width, palette.text));
             }
         }
+        Layer::Seams => crate::canvas::seam_symbol(painter, at, palette),
         Layer::Conflicts => {
             let ends = [at + vec2(-6.0, 4.0), at + vec2(6.0, -4.0)];
             painter.extend(Shape::dashed_line(
@@ -146,15 +154,12 @@ fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
 }
 
 /// A pill with a symbol and a name that is on or off.
-pub fn chip(ui: &mut Ui, layer: Layer, on: bool, palette: &Palette) -> Response {
+pub fn chip(ui: &mut Ui, (layer, name): (Layer, &str), on: bool, palette: &Palette) -> Response {
     let font = FontId::proportional(12.2);
     let color = if on { palette.text } else { palette.muted };
-    let galley = ui
-        .painter()
-        .layout_no_wrap(layer.name().to_owned(), font, color);
-    let size = vec2(galley.size().x + 32.0, 26.0);
+    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, color);
+    let size = vec2(galley.size().x + 32.0, row_height(ui.ctx(), 26.0));
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    let name = layer.name();
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, name));
     let (fill, line) = if on {
         (
@@ -170,7 +175,14 @@ pub fn chip(ui: &mut Ui, layer: Layer, on: bool, palette: &Palette) -> Response 
         line
     };
     let painter = ui.painter();
-    painter.rect(rect, 13.0, fill, Stroke::new(1.0, line), StrokeKind::Inside);
+    let round = rect.height() / 2.0;
+    painter.rect(
+        rect,
+        round,
+        fill,
+        Stroke::new(1.0, line),
+        StrokeKind::Inside,
+    );
     let mut shaded = painter.clone();
     if !on {
         shaded.set_opacity(0.45);
@@ -211,6 +223,12 @@ pub enum Icon {
     Moon,
     /// The whole domain.
     Fit,
+    /// All there is to do.
+    Menu,
+    /// More room.
+    Taller,
+    /// Less room.
+    Shorter,
 }
 
 /// A square button with an icon; `name` is its label for readers and its tooltip.
@@ -222,7 +240,12 @@ pub fn icon_button(
     palette: &Palette,
 ) -> Response {
     let enabled = refusal.is_none();
-    let (rect, response) = button_place(ui, Vec2::splat(30.0), name, enabled);
+    let side = if is_for_fingers(ui.ctx()) {
+        FINGER + 2.0
+    } else {
+        30.0
+    };
+    let (rect, response) = button_place(ui, Vec2::splat(side), name, enabled);
     let hot = enabled && (response.hovered() || response.has_focus());
     let painter = ui.painter();
     if hot {
@@ -248,6 +271,12 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
         let corners = corners.map(|v| middle + v).to_vec();
         painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
     };
+    // Steps look other than play.
+    let chevron = |way: f32| {
+        let corners = [(-2.5, -5.5), (3.0, 0.0), (-2.5, 5.5)];
+        let corners = corners.map(|(x, y)| at + vec2(x * way, y)).to_vec();
+        painter.add(Shape::line(corners, Stroke::new(2.2, color)));
+    };
     let bar = |x: f32| {
         let ends = [at + vec2(x, -5.5), at + vec2(x, 5.5)];
         painter.line_segment(ends, Stroke::new(2.2, color));
@@ -257,8 +286,9 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
             triangle(at + vec2(1.5, 0.0), -1.0);
             bar(-5.5);
         }
-        Icon::Back => triangle(at, -1.0),
-        Icon::Play | Icon::Forward => triangle(at, 1.0),
+        Icon::Back => chevron(-1.0),
+        Icon::Play => triangle(at, 1.0),
+        Icon::Forward => chevron(1.0),
         Icon::Last => {
             triangle(at - vec2(1.5, 0.0), 1.0);
             bar(5.5);
@@ -282,6 +312,18 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
         Icon::Moon => {
             painter.circle_filled(at, 7.0, color);
             painter.circle_filled(at + vec2(3.6, -2.6), 5.6, ground);
+        }
+        Icon::Menu => {
+            for y in [-5.0, 0.0, 5.0] {
+                let ends = [at + vec2(-7.0, y), at + vec2(7.0, y)];
+                painter.line_segment(ends, stroke);
+            }
+        }
+        Icon::Taller | Icon::Shorter => {
+            let way = if icon == Icon::Taller { 1.0 } else { -1.0 };
+            let line = [vec2(-6.0, 3.0), vec2(0.0, -3.0), vec2(6.0, 3.0)];
+            let line = line.map(|v| at + vec2(v.x, way * v.y)).to_vec();
+            painter.add(Shape::line(line, stroke));
         }
         Icon::Fit => {
             for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
@@ -330,7 +372,7 @@ pub fn primary_button(
     palette: &Palette,
 ) -> Response {
     let enabled = refusal.is_none();
-    let size = vec2(ui.available_width(), 34.0);
+    let size = vec2(ui.available_width(), row_height(ui.ctx(), 34.0));
     let (rect, response) = button_place(ui, size, text, enabled);
     let strength = match (enabled, response.hovered()) {
         (false, _) => 0.25,
@@ -339,10 +381,6 @@ pub fn primary_button(
     };
     let painter = ui.painter();
     painter.rect_filled(rect, 8.0, palette.accent.gamma_multiply(strength));
-    if response.has_focus() {
-        let stroke = Stroke::new(2.0, palette.text);
-        painter.rect_stroke(rect, 8.0, stroke, StrokeKind::Outside);
-    }
     let color = if enabled {
         palette.on_accent
     } else {

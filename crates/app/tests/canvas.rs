@@ -18,13 +18,13 @@ const TILE_STAGE: usize = 2;
 const FIRST_ITERATION: usize = 4;
 
 mod support;
-use support::{opened, settle};
+use support::{MOST_FRAMES, opened, settle};
 
 /// Returns the window on its default session, its samples drawn by instancing or as meshes.
 fn window(instanced: bool) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size([1_100.0, 760.0])
-        .with_max_steps(64)
+        .with_max_steps(MOST_FRAMES)
         .wgpu()
         .build_eframe(move |creation| {
             let mut app = App::new(&creation.egui_ctx);

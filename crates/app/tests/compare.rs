@@ -346,7 +346,7 @@ fn what_goes_wrong_with_the_second_run_is_said_of_it() {
     let (side, _) = harness.state_mut().state.comparison.as_mut().unwrap();
     let cancelled = SampleError::Cancelled { stage: Stage::Tile };
     let wake: tilescope_app::jobs::Wake = std::sync::Arc::new(|| {});
-    side.sampling = Some(Job::start(&wake, move |_| Err(cancelled)));
+    side.sampling = Some(Job::start(&wake, move |_| Err(cancelled.into())));
     settle(&mut harness);
     let state = &harness.state().state;
     let notice = state.notice.as_ref().expect("a notice");

@@ -94,7 +94,7 @@ fn files_that_are_no_sessions_are_refused() {
     go(&mut harness, Purpose::Open, &long);
     let (said, _) = notice(&harness);
     assert!(
-        said.contains("17000000 bytes") && said.contains("at most 16000000"),
+        said.contains("17,000,000 bytes") && said.contains("at most 16,000,000"),
         "{said}"
     );
     // Nowhere to write to.

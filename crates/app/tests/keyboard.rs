@@ -4,7 +4,8 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tilescope_app::App;
+use tilescope_app::layout::Panel;
+use tilescope_app::{App, Command};
 use tilescope_debugger::Kind;
 
 mod support;
@@ -142,4 +143,219 @@ fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     // The button was pressed, and nothing plays.
     assert_eq!(cursor(&harness), 0);
     assert!(!playing(&harness));
+}
+
+/// Presses Tab until the focus comes back to where it was first; returns what had it, in sequence.
+fn tab_round(harness: &mut Harness<'_, App>) -> Vec<String> {
+    let mut round: Vec<String> = Vec::new();
+    let mut first = None;
+    for _ in 0..400 {
+        harness.key_press(Key::Tab);
+        harness.run();
+        let focused = harness
+            .query_all_by(|node| node.is_focused() && !node.is_hidden())
+            .next();
+        let Some(node) = focused else { continue };
+        let node = node.accesskit_node();
+        let name = node.label().or(node.value()).unwrap_or_default();
+        let name = format!("{:?} {name}", node.role());
+        if first == Some(node.id()) {
+            return round;
+        }
+        first = first.or(Some(node.id()));
+        round.push(name);
+    }
+    panic!("Tab goes on and on: {round:?}");
+}
+
+/// Returns what can be pressed or typed into, but for what is disabled.
+fn controls(harness: &Harness<'_, App>) -> Vec<String> {
+    const ROLES: [Role; 8] = [
+        Role::Button,
+        Role::CheckBox,
+        Role::ComboBox,
+        Role::TextInput,
+        Role::Slider,
+        Role::Canvas,
+        Role::Link,
+        Role::RadioButton,
+    ];
+    let nodes = harness.query_all_by(|node| ROLES.contains(&node.role()) && !node.is_disabled());
+    nodes
+        .map(|node| {
+            let node = node.accesskit_node();
+            let name = node.label().or(node.value()).unwrap_or_default();
+            format!("{:?} {name}", node.role())
+        })
+        .collect()
+}
+
+#[test]
+fn tab_reaches_every_control_of_every_panel() {
+    for size in [[1440.0, 900.0], [390.0, 844.0]] {
+        let mut harness = support::opened_at(size);
+        for panel in Panel::ALL {
+            harness.state_mut().state.apply(Command::OpenPanel(panel));
+            settle(&mut harness);
+            let round = tab_round(&mut harness);
+            let missing: Vec<String> = controls(&harness)
+                .into_iter()
+                .filter(|control| !round.contains(control))
+                .collect();
+            assert_eq!(missing, Vec::<String>::new(), "{panel:?} at {size:?}");
+        }
+    }
+}
+
+#[test]
+fn tab_goes_through_a_small_window_from_top_to_bottom() {
+    let mut harness = support::opened_at([390.0, 844.0]);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::OpenPanel(Panel::Parameters));
+    settle(&mut harness);
+    let round = tab_round(&mut harness);
+    let place = |name: &str| {
+        let found = round.iter().position(|at| at == name);
+        found.unwrap_or_else(|| panic!("{name} is not in {round:?}"))
+    };
+    let places = [
+        "Button Menu",
+        "Canvas Canvas of samples",
+        "Button First stage (Home)",
+        "Button Play (Space)",
+        "Button Parameters",
+        "TextInput Radius",
+        "Button Run",
+    ]
+    .map(place);
+    assert!(places.is_sorted(), "{round:?}");
+}
+
+#[test]
+fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
+    let mut harness = opened();
+    let last = cursor(&harness);
+    harness.get_by_label("Canvas of samples").focus();
+    harness.run();
+    let before = harness.state().state.camera;
+    press(&mut harness, NONE, Key::ArrowRight);
+    press(&mut harness, NONE, Key::ArrowDown);
+    let after = harness.state().state.camera;
+    assert!(after.center[0] > before.center[0] && after.center[1] < before.center[1]);
+    assert_eq!(cursor(&harness), last);
+    assert!(harness.get_by_label("Canvas of samples").is_focused());
+    press(&mut harness, NONE, Key::Plus);
+    assert!(harness.state().state.camera.scale > after.scale);
+    press(&mut harness, NONE, Key::Enter);
+    let state = &harness.state().state;
+    assert!(state.selected.is_some() || state.place.is_some());
+    // Elsewhere the same keys go through time, and leave the focus where it is.
+    harness.get_by_label("Play (Space)").focus();
+    harness.run();
+    let camera = harness.state().state.camera;
+    press(&mut harness, NONE, Key::ArrowLeft);
+    assert!(cursor(&harness) < last);
+    assert!(harness.get_by_label("Play (Space)").is_focused());
+    assert_eq!(harness.state().state.camera, camera);
+}
+
+#[test]
+fn tabs_rows_and_menus_are_pressed_by_enter() {
+    let mut harness = opened();
+    tab_to(&mut harness, Role::Button, "Events");
+    press(&mut harness, NONE, Key::Enter);
+    assert!(harness.state().state.shows(Panel::Events));
+    act(&mut harness, "first stage");
+    tab_to(&mut harness, Role::Button, "Event 0: begin: blocks");
+    press(&mut harness, NONE, Key::Enter);
+    assert!(cursor(&harness) > 0);
+    tab_to(&mut harness, Role::Button, "Eliminate");
+    press(&mut harness, NONE, Key::Enter);
+    let stage = harness.state().state.current_stage();
+    assert_eq!(stage, Some(tilescope_core::Stage::Eliminate));
+    // A menu opens by Enter, and Tab goes on in it.
+    tab_to(&mut harness, Role::Button, "File");
+    press(&mut harness, NONE, Key::Enter);
+    tab_to(&mut harness, Role::Button, "Save session\u{2026} Ctrl+S");
+    press(&mut harness, NONE, Key::Enter);
+    assert!(harness.state().state.file.is_some());
+}
+
+#[test]
+fn a_panel_scrolls_to_what_has_the_focus() {
+    let mut harness = support::opened_at([390.0, 844.0]);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::OpenPanel(Panel::Parameters));
+    settle(&mut harness);
+    let window = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(390.0, 844.0));
+    assert!(!window.contains_rect(harness.get_by_label("Run").rect()));
+    tab_to(&mut harness, Role::Button, "Run");
+    harness.run();
+    assert!(window.contains_rect(harness.get_by_label("Run").rect()));
+}
+
+fn key(key: Key, modifiers: Modifiers) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    }
+}
+
+#[test]
+fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
+    let mut harness = opened();
+    let before = cursor(&harness);
+    let letters = |text: &str| -> Vec<Event> {
+        let pressed = text
+            .chars()
+            .filter_map(|c| Key::from_name(&c.to_uppercase().to_string()));
+        let texts = text.chars().map(|c| Event::Text(c.to_string()));
+        pressed
+            .map(|one| key(one, NONE))
+            .zip(texts)
+            .flat_map(|(a, b)| [a, b])
+            .collect()
+    };
+    // All in one frame: the list opens, and what follows is no shortcut.
+    let events = &mut harness.input_mut().events;
+    events.push(key(Key::K, Modifiers::COMMAND));
+    events.extend(letters("projector"));
+    events.push(key(Key::Enter, NONE));
+    harness.step();
+    settle(&mut harness);
+    assert_eq!(
+        harness.state().state.look,
+        tilescope_app::theme::Look::Projector
+    );
+    assert!(harness.state().state.palette.is_none());
+    assert_eq!(cursor(&harness), before);
+    // The list is open, and its field has not the focus yet.
+    let events = &mut harness.input_mut().events;
+    events.push(key(Key::K, Modifiers::COMMAND));
+    events.extend(letters("lig"));
+    harness.step();
+    assert_eq!(harness.state().state.palette.as_ref().unwrap().text, "lig");
+    settle(&mut harness);
+    harness.event(Event::Text("ht".to_owned()));
+    harness.run();
+    press(&mut harness, NONE, Key::Enter);
+    assert_eq!(
+        harness.state().state.look,
+        tilescope_app::theme::Look::Light
+    );
+    // Enter before anything was typed does nothing.
+    let events = &mut harness.input_mut().events;
+    events.push(key(Key::K, Modifiers::COMMAND));
+    events.push(key(Key::Enter, NONE));
+    harness.step();
+    press(&mut harness, NONE, Key::Enter);
+    assert!(harness.state().state.palette.is_some());
+    assert!(harness.state().state.sampling.is_none());
 }

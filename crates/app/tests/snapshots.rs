@@ -1,10 +1,13 @@
 //! Every panel in both themes as a small picture, compared with the one that was judged good. `UPDATE_SNAPSHOTS=1 cargo
 //! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
 
+use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use egui_tiles::Tree;
+use tilescope_app::arrangement::DrawerCommand;
 use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::embedding::Embedding;
 use tilescope_app::layout::{Layout, Panel};
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
@@ -98,6 +101,81 @@ fn the_projector_shows_what_it_did() {
     settle(&mut harness);
     let image = harness.render().expect("a picture of the window");
     try_image_snapshot_options(&image, "projector/window", &options()).unwrap();
+}
+
+/// Small windows, each with one of the panels or none.
+fn small(windows: &[(&str, [f32; 2], Option<Panel>)]) -> SnapshotResults {
+    let mut results = SnapshotResults::new();
+    for &(name, size, panel) in windows {
+        let mut harness = prepared(size);
+        let state = &mut harness.state_mut().state;
+        state.apply(Command::Compare(CompareCommand::Close));
+        state.apply(Command::Drawer(DrawerCommand::Show(panel)));
+        settle(&mut harness);
+        let image = harness.render().expect("a picture of the window");
+        let name = format!("small/{name}");
+        results.add(try_image_snapshot_options(&image, name, &options()));
+    }
+    results
+}
+
+#[test]
+fn a_phone_shows_the_canvas_and_one_panel() {
+    let upright = [390.0, 844.0];
+    small(&[
+        ("phone", upright, None),
+        ("phone-parameters", upright, Some(Panel::Parameters)),
+        ("phone-inspector", upright, Some(Panel::Inspector)),
+    ])
+    .unwrap();
+}
+
+#[test]
+fn a_lying_a_small_phone_and_a_tablet_have_the_same() {
+    small(&[
+        ("lying", [844.0, 390.0], Some(Panel::Statistics)),
+        ("small-phone", [360.0, 640.0], Some(Panel::Canvas)),
+        ("tablet", [768.0, 1024.0], Some(Panel::Events)),
+    ])
+    .unwrap();
+}
+
+#[test]
+fn a_projector_has_room_for_all() {
+    let mut harness = prepared([1920.0, 1080.0]);
+    let state = &mut harness.state_mut().state;
+    state.apply(Command::Look(Look::Projector));
+    state.apply(Command::Compare(CompareCommand::Close));
+    settle(&mut harness);
+    let image = harness.render().expect("a picture of the window");
+    try_image_snapshot_options(&image, "projector/full-hd", &options()).unwrap();
+}
+
+#[test]
+fn what_is_embedded_is_the_canvas_or_the_player_alone() {
+    let mut harness = prepared([640.0, 420.0]);
+    let state = &mut harness.state_mut().state;
+    state.apply(Command::Compare(CompareCommand::Close));
+    let mut results = SnapshotResults::new();
+    for embedding in Embedding::ALL {
+        harness.state_mut().state.embedding = Some(embedding);
+        settle(&mut harness);
+        let labels = ["Export\u{2026}", "File", "Disks", "Run", "Parameters"];
+        for label in labels {
+            let there = harness.query_by_label(label).is_some();
+            assert!(!there, "{embedding:?} shows {label}");
+        }
+        let plays = harness.query_by_label("Play (Space)").is_some();
+        assert_eq!(plays, embedding == Embedding::Player);
+        let image = harness.render().expect("a picture of the window");
+        let name = format!("embedded/{}", embedding.name());
+        results.add(try_image_snapshot_options(&image, name, &options()));
+    }
+    // Without it there are panels again.
+    harness.state_mut().state.embedding = None;
+    settle(&mut harness);
+    assert!(harness.query_by_label("Parameters").is_some());
+    results.unwrap();
 }
 
 #[test]

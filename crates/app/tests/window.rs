@@ -4,6 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::layers::Layer;
+use tilescope_app::combination::CombineCommand;
 use tilescope_app::command::{Choice, Field};
 use tilescope_app::device::Engine;
 use tilescope_app::export::ExportCommand;
@@ -145,16 +146,27 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
 }
 
 #[test]
-fn every_layer_has_a_chip_that_toggles_it() {
+fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
     let mut harness = opened();
-    for layer in Layer::ALL {
-        let before = harness.state().state.layers.has(layer);
-        harness
-            .get_by_role_and_label(Role::CheckBox, layer.name())
-            .click();
-        harness.run();
-        assert_ne!(harness.state().state.layers.has(layer), before, "{layer:?}");
+    for combination in [false, true] {
+        if combination {
+            let command = Command::Combine(CombineCommand::Nine);
+            harness.state_mut().state.apply(command);
+            settle(&mut harness);
+        }
+        for layer in Layer::ALL {
+            let chip = harness.query_by_role_and_label(Role::CheckBox, layer.name_in(combination));
+            assert_eq!(chip.is_some(), layer.is_of(combination), "{layer:?}");
+            let before = harness.state().state.layers.has(layer);
+            if let Some(chip) = chip {
+                chip.click();
+                harness.run();
+                assert_ne!(harness.state().state.layers.has(layer), before, "{layer:?}");
+            }
+        }
     }
+    let of_none = |layer: &Layer| !layer.is_of(false) && !layer.is_of(true);
+    assert_eq!(Layer::ALL.iter().find(|layer| of_none(layer)), None);
 }
 
 #[test]

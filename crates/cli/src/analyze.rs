@@ -3,9 +3,14 @@
 
 mod curves;
 mod differences;
+mod gather;
 mod measured;
+mod names;
+mod page;
+mod pictures;
 mod report;
 mod scalars;
+mod subject;
 mod table;
 
 use std::fmt::Write;
@@ -13,14 +18,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use serde_json::{Value, json};
+use tilescope_analysis::measures::Spectrum;
 use tilescope_figures::Palette;
-use tilescope_figures::chart::figure_scene;
+use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
-use crate::options::SetArguments;
-use crate::{EXIT_BAD_INPUT, EXIT_FINE, describe, interrupt, output};
-use measured::Measured;
+use crate::options::{SetArguments, UNIT_SQUARE};
+use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
+use gather::Analysis;
 
 /// Arguments of `tilescope analyze`.
 #[derive(Debug, Args)]
@@ -29,9 +34,17 @@ pub struct AnalyzeArguments {
     /// The point sets, in any formats
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Hold the sets against this one: it is drawn dashed, and differences from it are printed
+    /// Take all FILEs for sets of one kind: mean curves with bands, numbers with standard errors
+    #[arg(long)]
+    average: bool,
+    /// Hold the sets against this one: it is drawn dashed, and differences from it are drawn and
+    /// printed; given several times, against the average of these
     #[arg(long, value_name = "FILE")]
-    against: Option<PathBuf>,
+    against: Vec<PathBuf>,
+    /// The largest frequency that is looked at, as nu = |k| / sqrt(N) [default: 2.5, and 1023
+    /// cycles along a side at most]
+    #[arg(long, value_name = "NU")]
+    frequencies: Option<f64>,
     #[command(flatten)]
     set: SetArguments,
     /// Save a report: .html (table and curves), .png or .svg (curves), .csv (all numbers)
@@ -47,10 +60,14 @@ Sides and boundary that neither a certificate nor an argument tells are those of
 square. Where no radius is known, the smallest distance between two samples stands for it.
 
 Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in the
-hexagonal lattice of as many samples. Shaded bands hold the true mean power with probability 0.95.
+hexagonal lattice of as many samples. Shaded bands hold the true mean with probability 0.95.
+
+With --average all sets must have the domain of the first and its number of samples to within 10 %;
+frequencies are the first one's, and nu is taken with the mean number of samples.
 
 Examples:
   tilescope analyze set.csv
+  tilescope analyze --average kdrt-*.npy --against reference.npy --out report.html
   tilescope analyze kdrt.npy darts.npy --against reference.npy --out report.html
   tilescope analyze theirs.txt --radius 0.01 --boundary bounded --json
   tilescope analyze *.npy --out numbers.csv
@@ -66,39 +83,24 @@ enum Kind {
     Csv,
 }
 
-/// A file that was not analysed, and why.
-struct Failure {
-    name: String,
-    reason: String,
-}
-
-/// Everything that was found out.
-struct Analysis {
-    /// The sets, that of `--against` first.
-    sets: Vec<Measured>,
-    /// Whether the first is what others are held against.
-    against: bool,
-    failures: Vec<Failure>,
-}
-
-impl Analysis {
-    fn reference(&self) -> Option<&Measured> {
-        self.sets.first().filter(|_| self.against)
-    }
-}
-
 pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let kind = arguments.out.as_deref().map(kind_of).transpose()?;
     check_no_input_is_replaced(arguments)?;
-    let analysis = analyse(arguments)?;
-    let nothing = analysis.sets.len() == usize::from(analysis.against);
+    if let Some(nu) = arguments.frequencies {
+        // What is too much for one sample is too much for any set.
+        Spectrum::window_to(nu, 1.0, UNIT_SQUARE).context("--frequencies")?;
+    }
+    let mut analysis = Analysis::of(arguments)?;
+    let nothing = analysis.held().is_empty();
     if let (Some(kind), Some(path), false) = (kind, &arguments.out, nothing) {
-        write_whole(path, &bytes(&analysis, kind)?)?;
+        write_whole(path, &bytes(&mut analysis, kind)?)?;
     }
     if arguments.json {
         let saved = arguments.out.as_deref().filter(|_| !nothing);
-        output::emit(&format!("{}\n", to_json(&analysis, saved)))?;
+        let saved = saved.map(|path| path.display().to_string());
+        let object = report::json(&analysis, saved.as_deref());
+        output::emit(&format!("{object}\n"))?;
     } else if !nothing {
         output::emit(&to_text(&analysis, arguments.out.as_deref()))?;
     }
@@ -142,98 +144,42 @@ fn kind_of(path: &Path) -> Result<Kind> {
     }
 }
 
-/// Analyses the files one after another; only Ctrl-C and a useless `--against` end it early.
-fn analyse(arguments: &AnalyzeArguments) -> Result<Analysis> {
-    let mut analysis = Analysis {
-        sets: Vec::new(),
-        against: arguments.against.is_some(),
-        failures: Vec::new(),
-    };
-    if let Some(path) = &arguments.against {
-        let reference = Measured::of_file(path, &arguments.set);
-        analysis.sets.push(reference.context("--against")?);
-    }
-    for path in &arguments.files {
-        let found = Measured::of_file(path, &arguments.set)
-            .and_then(|found| same_domain(found, analysis.reference()));
-        match found {
-            Ok(found) => analysis.sets.push(found),
-            Err(error) if interrupt::requested() => return Err(error),
-            Err(error) => {
-                let reason = describe(&error);
-                eprintln!("error: {reason}");
-                let name = path.display().to_string();
-                analysis.failures.push(Failure { name, reason });
-            }
-        }
-    }
-    Ok(analysis)
-}
-
-fn same_domain(found: Measured, reference: Option<&Measured>) -> Result<Measured> {
-    if let Some(reference) = reference {
-        ensure!(
-            found.region == reference.region,
-            "{}: its domain, {}, is not that of {}, {}",
-            found.name,
-            output::region_text(&found.region),
-            reference.name,
-            output::region_text(&reference.region)
-        );
-    }
-    Ok(found)
-}
-
-fn bytes(analysis: &Analysis, kind: Kind) -> Result<Vec<u8>> {
+fn bytes(analysis: &mut Analysis, kind: Kind) -> Result<Vec<u8>> {
     if kind == Kind::Csv {
         return Ok(report::csv(analysis).into_bytes());
     }
-    let figure = curves::figure(&analysis.sets, analysis.against);
-    let scene = figure_scene(&figure, &Palette::LIGHT)?;
-    if kind == Kind::Png {
-        return Ok(tilescope_figures::to_png(&scene, 2.0)?);
+    let scene = |figure: &Figure| figure_scene(figure, &Palette::LIGHT);
+    if kind == Kind::Html {
+        let svg = |figure| anyhow::Ok(tilescope_figures::to_svg(&scene(figure)?)?);
+        let figures: Result<Vec<String>> = curves::figures(analysis).iter().map(svg).collect();
+        return Ok(page::html(analysis, &figures?).into_bytes());
     }
-    let svg = tilescope_figures::to_svg(&scene)?;
-    Ok(match kind {
-        Kind::Html => report::html(analysis, &svg).into_bytes(),
-        _ => svg.into_bytes(),
-    })
+    let (figure, left_out) = curves::figure(analysis);
+    if left_out > 0 {
+        analysis.note(format!(
+            "{left_out} of {} periodograms are left out of the picture; a report that ends in .html has all",
+            analysis.subjects.len()
+        ));
+    }
+    if kind == Kind::Png {
+        return Ok(tilescope_figures::to_png(&scene(&figure)?, 2.0)?);
+    }
+    Ok(tilescope_figures::to_svg_with_fonts(&scene(&figure)?)?.into_bytes())
 }
 
 fn to_text(analysis: &Analysis, saved: Option<&Path>) -> String {
-    let mut out = table::text(&table::measures(&analysis.sets, analysis.against));
+    let mut out = table::text(&table::measures(&analysis.subjects, analysis.against));
     if let Some(reference) = analysis.reference() {
         out.push('\n');
+        let (held, comparisons) = (analysis.held(), &analysis.comparisons);
         out.push_str(&table::text(&differences::table(
             reference,
-            &analysis.sets[1..],
+            held,
+            comparisons,
         )));
     }
     if let Some(path) = saved {
         let _ = writeln!(out, "\nreport         {}", path.display());
     }
     out
-}
-
-fn to_json(analysis: &Analysis, saved: Option<&Path>) -> Value {
-    let files: Vec<Value> = analysis.sets[usize::from(analysis.against)..]
-        .iter()
-        .map(|set| {
-            let mut object = report::json(set);
-            if let (Some(reference), Some(map)) = (analysis.reference(), object.as_object_mut()) {
-                let differences = differences::json(reference, set);
-                map.insert("differences".to_owned(), differences);
-            }
-            object
-        })
-        .collect();
-    let failures: Vec<Value> = (analysis.failures.iter())
-        .map(|failure| json!({ "file": failure.name, "reason": failure.reason }))
-        .collect();
-    json!({
-        "files": files,
-        "against": analysis.reference().map(report::json),
-        "failures": failures,
-        "report": saved.map(|path| path.display().to_string()),
-    })
 }

@@ -19,10 +19,12 @@ mod output;
 mod parameters;
 mod pattern_cache;
 mod progress;
+mod reproduce;
 mod sample;
 mod soak;
 mod stream;
 mod verify;
+mod web;
 mod window;
 
 use std::process::ExitCode;
@@ -42,11 +44,14 @@ pub const EXIT_INTERRUPTED: u8 = 130;
 
 /// Tilescope: a visual debugger for maximal Poisson-disk sampling by randomized tiling.
 #[derive(Debug, Parser)]
-#[command(name = "tilescope", version, about, long_about = None, after_help = EXAMPLES)]
+#[command(name = "tilescope", version, about, long_about = None, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
     /// What to do; without one the window opens.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Open the window on what a link describes: the address of a page, or what stands behind its #
+    #[arg(long, value_name = "LINK")]
+    pub link: Option<String>,
 }
 
 /// The commands.
@@ -72,6 +77,10 @@ pub enum Command {
     Headless(headless::HeadlessArguments),
     /// List the GPU adapters and test each: small sets, compared with the CPU's
     Gpu(gpu::GpuArguments),
+    /// Carry out the paper's experiments and write a report of verdicts, figures and numbers
+    Reproduce(reproduce::ReproduceArguments),
+    /// Serve the page that runs the same program in a browser
+    Web(web::WebArguments),
     /// Print a shell's completion script
     Completions(completions::CompletionsArguments),
 }
@@ -87,7 +96,9 @@ Examples:
   tilescope combine nine.json --out nine.csv           nine sets, glued along their seams
   tilescope draw set.csv set.svg
   tilescope bench --samples 1000000 --leaf 20 40 80
+  tilescope reproduce all --quick --out reproduction   the paper's experiments, with a report
   tilescope gpu                                        which adapters there are, tested
+  tilescope web --open                                 the same program in a browser
 
 Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
 
@@ -105,6 +116,8 @@ pub fn run(command: &Command) -> ExitCode {
         Command::Soak(arguments) => soak::run(arguments),
         Command::Headless(arguments) => headless::run(arguments),
         Command::Gpu(arguments) => gpu::run(arguments),
+        Command::Reproduce(arguments) => reproduce::run(arguments),
+        Command::Web(arguments) => web::run(arguments),
         Command::Completions(arguments) => {
             completions::run(arguments, &mut Arguments::command());
             Ok(EXIT_FINE)
@@ -119,15 +132,12 @@ fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(error) if is_broken_pipe(&error) => ExitCode::from(EXIT_FINE),
         Err(error) if interrupt::requested() && describe(&error).contains("cancelled") => {
-            let unfinished = describe(&error).contains("--resume");
-            eprintln!(
-                "interrupted; no file was left half written{}",
-                if unfinished {
-                    "; the same command with --resume goes on"
-                } else {
-                    ""
-                }
-            );
+            let goes_on = match describe(&error) {
+                said if said.contains("--resume") => "; the same command with --resume goes on",
+                said if said.contains("goes on") => "; the same command goes on where it stopped",
+                _ => "",
+            };
+            eprintln!("interrupted; no file was left half written{goes_on}");
             ExitCode::from(EXIT_INTERRUPTED)
         }
         Err(error) => {

@@ -32,6 +32,16 @@ impl Bar {
         self.0.set_position(done);
     }
 
+    /// Says what is going on.
+    pub fn name(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+    }
+
+    /// Prints something beside the bar.
+    pub fn suspend(&self, print: impl FnOnce()) {
+        self.0.suspend(print);
+    }
+
     pub fn clear(&self) {
         self.0.finish_and_clear();
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::Report;
-use tilescope_core::{MAXIMAL_DENSITY, radius_estimate};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, radius_estimate};
 use tilescope_formats::{ExportContext, Exported, Format, Precision};
 
 use crate::engine::{Chosen, EngineArgument, EngineArguments};
@@ -132,9 +132,25 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
         count: made.set.len() as u64,
         report: Some(&report),
         saved: certificate.as_deref(),
-        warnings: warnings.iter().map(ToString::to_string).collect(),
+        warnings: (repeats(arguments, facts.radius).into_iter())
+            .chain(warnings.iter().map(ToString::to_string))
+            .collect(),
     };
     tell(arguments, &outcome)
+}
+
+/// Returns a remark on a pattern that repeats itself within blocks.
+fn repeats(arguments: &SampleArguments, radius: f64) -> Option<String> {
+    let parameters = Parameters {
+        radius,
+        ..arguments.run.parameters()
+    };
+    let tiled = arguments.method == Method::Kdrt && arguments.run.pattern.is_none();
+    let side = parameters.side_without_repeats().filter(|_| tiled)?;
+    Some(format!(
+        "the pattern of {} r repeats itself within the largest blocks, which spectra show; --pattern-side {side} holds them",
+        parameters.pattern.side
+    ))
 }
 
 /// Makes and saves a set without ever holding it.
@@ -156,11 +172,8 @@ fn stream(arguments: &SampleArguments, chosen: &Chosen) -> Result<u8> {
         count: passed.facts.summary.as_ref().map_or(0, |s| s.count as u64),
         report: passed.end.report(),
         saved: passed.end.certificate(),
-        warnings: passed
-            .end
-            .warnings()
-            .iter()
-            .map(ToString::to_string)
+        warnings: (repeats(arguments, passed.facts.radius).into_iter())
+            .chain(passed.end.warnings().iter().map(ToString::to_string))
             .collect(),
     };
     tell(arguments, &outcome)

@@ -18,7 +18,7 @@ pub struct Near {
     pub offset: (i32, i32),
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, serde::Serialize, serde::Deserialize)]
 struct Entry {
     point: Point,
     id: u32,
@@ -26,6 +26,7 @@ struct Entry {
 }
 
 /// Samples by cell, as linked lists, so that samples can be added at any time.
+#[derive(serde::Serialize, serde::Deserialize)]
 pub struct SampleGrid {
     domain: Domain,
     columns: usize,

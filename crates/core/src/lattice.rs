@@ -31,7 +31,9 @@ pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
 const EXACT_UNITS: f64 = 1.0 / 1024.0;
 
 /// A position in lattice units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 pub struct Point {
     /// Units from the domain's left border.
     pub x: i32,
@@ -63,7 +65,7 @@ impl Point {
 }
 
 /// A rectangle of lattice points, half open: `min <= p < max` on both axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Rect {
     /// The lowest point inside.
     pub min: Point,
@@ -126,7 +128,7 @@ impl From<Rect> for Window {
 /// A periodic domain holds the points `0 <= x < width`; a bounded one is closed and also holds
 /// `x == width`. A lattice unit is never shorter than `radius / R` on either axis, so two samples
 /// more than `R` units apart are farther apart than the user's radius.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Domain {
     width: i32,
     height: i32,

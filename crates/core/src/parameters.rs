@@ -1,10 +1,13 @@
 //! What a run is made from, and the typed errors that refuse what cannot be made.
 //! Everything here is plain data that serialises; a run is a function of it and of its pattern.
 
+mod error;
+
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::lattice::{Domain, R, check_side};
+
+pub use error::ParameterError;
 
 /// The shortest edge of a building block, in radii (paper, section 3.1.2).
 pub const MIN_LEAF_RADII: f64 = 6.0;
@@ -204,6 +207,27 @@ impl Parameters {
     }
 }
 
+impl Parameters {
+    /// Returns the side in radii of a pattern that would hold the largest block, where a periodic pattern is smaller: it then
+    /// repeats itself within blocks, which spectra show. None where the pattern is large enough, or bounded, since no block is
+    /// larger than a bounded pattern.
+    ///
+    /// ```
+    /// use tilescope_core::Parameters;
+    /// assert_eq!(Parameters::default().side_without_repeats(), None);
+    /// let large = Parameters { leaf: 80.0, radius: 0.001, ..Parameters::default() };
+    /// assert_eq!(large.side_without_repeats(), Some(162.0));
+    /// ```
+    #[must_use]
+    pub fn side_without_repeats(&self) -> Option<f64> {
+        // A block is at most as long as two leaves or the domain, and clips r on either side.
+        let domain = self.width.max(self.height) / self.radius;
+        let needed = (2.0 * self.leaf).min(domain).ceil() + 2.0;
+        let repeats = self.pattern.boundary == Boundary::Periodic && self.pattern.side < needed;
+        repeats.then_some(needed)
+    }
+}
+
 impl PatternSpec {
     /// Returns the pattern's side in lattice units.
     pub fn side_units(&self) -> Result<i32, ParameterError> {
@@ -216,128 +240,6 @@ impl PatternSpec {
         }
         Ok((self.side * f64::from(R)).round() as i32)
     }
-}
-
-/// Why parameters are refused. Lengths "in r" are multiples of the Poisson-disk radius.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ParameterError {
-    /// The radius is not a positive finite number.
-    #[error("the radius is {radius}; it must be a finite number above 0")]
-    Radius {
-        /// What was given.
-        radius: f64,
-    },
-    /// A side of the domain is not a number within [`crate::SIDE_LIMITS`].
-    #[error("the {name} is {side}; it must be a number between {shortest:.1e} and {longest:.1e}")]
-    Side {
-        /// Which side.
-        name: &'static str,
-        /// What was given.
-        side: f64,
-        /// The lower limit.
-        shortest: f64,
-        /// The upper limit.
-        longest: f64,
-    },
-    /// A side is too short for its radius.
-    #[error(
-        "the {name} is {radii:.4} r long; it must be at least {minimum} r: choose a smaller radius"
-    )]
-    SideTooShort {
-        /// Which side.
-        name: &'static str,
-        /// Its length in radii.
-        radii: f64,
-        /// The limit in radii.
-        minimum: f64,
-    },
-    /// A side is too long for its radius.
-    #[error(
-        "the {name} is {radii:.1} r long; it must be at most {maximum} r: choose a larger radius"
-    )]
-    SideTooLong {
-        /// Which side.
-        name: &'static str,
-        /// Its length in radii.
-        radii: f64,
-        /// The limit in radii.
-        maximum: f64,
-    },
-    /// The leaf is not a finite number of at least 6.
-    #[error("the leaf is {leaf} r; it must be a finite number of at least {minimum} r")]
-    Leaf {
-        /// What was given, in radii.
-        leaf: f64,
-        /// The limit in radii.
-        minimum: f64,
-    },
-    /// The pattern's side is out of range.
-    #[error("the pattern's side is {side} r; it must be between {minimum} r and {maximum} r")]
-    PatternSide {
-        /// What was given, in radii.
-        side: f64,
-        /// The lower limit in radii.
-        minimum: f64,
-        /// The upper limit in radii.
-        maximum: f64,
-    },
-    /// Algorithm 4 as printed inserts circumcentres only.
-    #[error(
-        "uniform insertion needs the staged variant; Algorithm 4 as printed inserts circumcentres"
-    )]
-    UniformAsPrinted,
-    /// Algorithm 4 as printed is one loop over all samples.
-    #[error(
-        "the parallel engine runs the staged variant; Algorithm 4 as printed needs the sequential engine"
-    )]
-    AsPrintedParallel,
-    /// A window has no inside, or is larger than the domain.
-    #[error(
-        "the window's {name} runs from {low} to {high}; it must be finite, above 0 and at most {maximum} long"
-    )]
-    Window {
-        /// Which side.
-        name: &'static str,
-        /// Where it begins.
-        low: f64,
-        /// Where it ends.
-        high: f64,
-        /// The domain's side.
-        maximum: f64,
-    },
-    /// More samples than the engine can hold.
-    #[error(
-        "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"
-    )]
-    TooManySamples {
-        /// The expected count.
-        samples: f64,
-        /// The limit.
-        maximum: f64,
-    },
-    /// A wanted number of samples is out of range.
-    #[error(
-        "{count} samples were asked for; with these sides it must be between {minimum} and {maximum}"
-    )]
-    Count {
-        /// What was asked for.
-        count: u64,
-        /// The fewest possible.
-        minimum: u64,
-        /// The most possible.
-        maximum: u64,
-    },
-    /// No radius that was tried gave the wanted number of samples.
-    #[error(
-        "no radius gave {count} samples to within 1% or one sample; the nearest gave {nearest}"
-    )]
-    CountMissed {
-        /// What was asked for.
-        count: u64,
-        /// The nearest count found.
-        nearest: u64,
-    },
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ pub enum Stream {
 }
 
 /// A 64-bit key from which draws and further keys are derived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Key([u32; 2]);
 
 impl Key {

@@ -7,7 +7,7 @@ use crate::progress::Stage;
 use crate::stages::detect::Sites;
 
 /// What became of a place that was examined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Verdict {
     /// It lies in a gap.
     Accepted,

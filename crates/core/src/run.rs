@@ -18,7 +18,7 @@ use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
 
 /// Where a sample comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Origin {
     /// Clipped from the pattern.
     Tiled {
@@ -39,7 +39,7 @@ pub enum Origin {
 }
 
 /// What became of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Fate {
     /// Elimination has not run yet.
     Undecided,
@@ -56,7 +56,7 @@ pub enum Fate {
 
 /// All samples that ever were, by id: tiled ones block by block and row by row, then inserted ones
 /// in the sequence of their insertion.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Samples {
     /// Positions.
     pub points: Vec<Point>,
@@ -88,7 +88,7 @@ impl Samples {
 }
 
 /// What one iteration of detection and insertion saw and did.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Iteration {
     /// Ids of the gap detectors; none with uniform insertion.
     pub detectors: Vec<u32>,
@@ -120,7 +120,7 @@ pub enum Standing {
 }
 
 /// A run in progress or finished.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Run {
     /// What it is made from.
     pub parameters: Parameters,
@@ -143,7 +143,7 @@ pub struct Run {
 }
 
 /// The counts of a run.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Building blocks.
     pub blocks: usize,

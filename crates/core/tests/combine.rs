@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use combining::{Made, check, domain, glued, judge, mixed, own_points, piece};
 use proptest::prelude::*;
-use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
+use tilescope_core::combine::{CombineOptions, Piece, combine, combine_in_stages, grid};
 use tilescope_core::stages::blocks::split;
 use tilescope_core::{
     Boundary, Domain, Insertion, Key, Order, Parameters, Pattern, PatternSpec, Point, Progress, R,
-    Run, SampleError, Source, Stage, Unobserved, sample,
+    Run, SampleError, Source, Stage, Standing, Unobserved, sample,
 };
 
 const BOUNDARIES: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
@@ -299,4 +299,50 @@ fn positions_are_pieces() {
         })
         .collect();
     check(&pieces, &glued(domain, &pieces, &CombineOptions::default()));
+}
+
+/// Looked at as a run, a combination is the same set, and its stages say how it came about.
+#[test]
+fn a_combination_in_stages_is_the_combination() {
+    for boundary in BOUNDARIES {
+        for (order, insertion) in [
+            (Order::OwnBlockFirst, Insertion::Circumcentre),
+            (Order::Random, Insertion::Uniform),
+        ] {
+            let options = CombineOptions {
+                order,
+                insertion,
+                ..CombineOptions::default()
+            };
+            let domain = domain([62.0, 51.0], boundary);
+            let pieces = mixed(&domain, 2, 2);
+            let combined = glued(domain, &pieces, &options);
+            let staged = combine_in_stages(domain, &pieces, &options, &mut Unobserved).unwrap();
+            let run = &staged.run;
+            assert_eq!(run.points(), combined.points);
+            assert_eq!(run.summary(), *combined.summary());
+            assert_eq!(staged.seams, combined.seams);
+            let lost = |id: &u32| run.standing(*id, Stage::Finish);
+            let lost = |id: &u32| matches!(lost(id), Standing::Eliminated { .. });
+            let lost: Vec<Point> = (0..run.samples.len() as u32)
+                .filter(lost)
+                .map(|id| run.samples.points[id as usize])
+                .collect();
+            let other: Vec<Point> = combined.eliminated.iter().map(|lost| lost.point).collect();
+            assert_eq!(lost, other);
+            let stages = run.stages();
+            assert_eq!(stages[1..4], [Stage::Blocks, Stage::Tile, Stage::Eliminate]);
+            assert_eq!(stages.len(), 5 + run.iterations.len());
+            let last = run.tiles.last().unwrap().samples.end as usize;
+            assert!(last < run.samples.len(), "samples were inserted");
+            let result = combined.clone().into_run(&pieces, &options);
+            assert_eq!(result.points(), combined.points);
+            assert_eq!(result.summary(), *combined.summary());
+            assert!(result.counted.is_some() && !result.stages().contains(&Stage::Tile));
+            // Another seed draws other places in both, so that agreement is no accident.
+            let other = CombineOptions { seed: 2, ..options };
+            let other = combine_in_stages(domain, &pieces, &other, &mut Unobserved).unwrap();
+            assert_ne!(other.run.points(), combined.points);
+        }
+    }
 }

@@ -7,7 +7,7 @@ use tilescope_core::{Moment, Point, Stage, Verdict};
 use crate::event::Event;
 
 /// A search for the samples around one of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Search {
     /// The sample in the middle.
     pub centre: u32,
@@ -20,7 +20,7 @@ pub struct Search {
 }
 
 /// A place under test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Examined {
     /// The detector that looks at it.
     pub detector: u32,
@@ -33,7 +33,7 @@ pub struct Examined {
 }
 
 /// What is current.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Context {
     /// The phase.
     pub phase: Option<Stage>,

@@ -139,6 +139,12 @@ impl Debugger {
         &mut self.watches
     }
 
+    /// Returns the watched expressions as they are.
+    #[must_use]
+    pub fn watches(&self) -> &[String] {
+        &self.watches
+    }
+
     /// Returns every watched expression with its value here, or why it has none.
     #[must_use]
     pub fn watch_values(&self) -> Vec<(&str, Result<String, ExpressionError>)> {
@@ -226,9 +232,9 @@ impl Debugger {
         None
     }
 
-    /// Returns what is saved of this session.
+    /// Returns the breakpoints as they are saved.
     #[must_use]
-    pub fn session(&self) -> Session {
+    pub fn saved_breakpoints(&self) -> Vec<SavedBreakpoint> {
         let lines = Listings::shipped();
         let saved = |b: &Breakpoint| SavedBreakpoint {
             line: lines
@@ -237,13 +243,19 @@ impl Debugger {
             condition: (!b.condition.is_empty()).then(|| b.condition.clone()),
             enabled: b.enabled,
         };
+        self.breakpoints.iter().map(saved).collect()
+    }
+
+    /// Returns what is saved of this session.
+    #[must_use]
+    pub fn session(&self) -> Session {
         Session {
             version: VERSION,
             parameters: self.recording.run().parameters,
             budget: self.budget,
             digest: digest(self.recording.run()),
             cursor: self.state.cursor(),
-            breakpoints: self.breakpoints.iter().map(saved).collect(),
+            breakpoints: self.saved_breakpoints(),
             watches: self.watches.clone(),
             bookmarks: self.bookmarks.clone(),
             view: self.view.clone(),

@@ -11,7 +11,7 @@ use crate::recording::{Recording, STRIDE};
 use crate::sentence::grouped;
 
 /// How many events of each sort there are in a bucket.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Density {
     /// Comparisons, examined places and darts that came to nothing.
     pub tests: u32,

@@ -13,7 +13,7 @@ use crate::recording::Recording;
 use crate::sentence::sentence;
 
 /// The first difference of two runs, a and b.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Divergence {
     /// There is none.
     Same,

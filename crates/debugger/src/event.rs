@@ -24,6 +24,32 @@ pub struct Event {
 }
 
 impl Event {
+    /// Bytes of an event.
+    pub(crate) const BYTES: usize = 24;
+
+    /// Returns the event as bytes.
+    pub(crate) fn to_bytes(self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        bytes[..4].copy_from_slice(&[self.kind as u8, self.line, self.tags, self.extra]);
+        for (part, word) in bytes[4..].chunks_exact_mut(4).zip(self.words) {
+            part.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// Returns the event of bytes, or `None` where they name no kind.
+    pub(crate) fn from_bytes(bytes: &[u8; Self::BYTES]) -> Option<Self> {
+        let [kind, line, tags, extra, ..] = *bytes;
+        let word = |k: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[4 + 4 * k + i]));
+        Some(Self {
+            kind: *Kind::ALL.get(usize::from(kind))?,
+            line,
+            tags,
+            extra,
+            words: std::array::from_fn(word),
+        })
+    }
+
     /// Returns the event of a moment in a run of `variant`.
     #[must_use]
     pub fn new(moment: &Moment, lines: &Lines) -> Self {

@@ -8,14 +8,15 @@ use crate::moves::Direction;
 use crate::tape::Tape;
 
 /// Events that are alike: of one kind and line, and all or none of them details.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Class {
+    #[serde(with = "crate::tape::portable::event")]
     example: Event,
     events: Range<usize>,
 }
 
 /// The events of each class, in sequence: 4 bytes an event.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Classes {
     classes: Vec<Class>,
     events: Vec<u32>,
@@ -88,7 +89,7 @@ pub(crate) fn nearest(events: &[u32], cursor: usize, direction: Direction) -> Op
 }
 
 /// The events that name each sample, in sequence: 4 bytes for each sample that an event names.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct BySample {
     starts: Vec<u32>,
     events: Vec<u32>,

@@ -28,7 +28,7 @@ impl Status {
 }
 
 /// The events that changed a sample, [`NONE`] where none did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Life {
     /// It was tiled or inserted.
     pub born: u32,

@@ -7,8 +7,8 @@ use tilescope_core::{Insertion, Moment, Parameters, Stage, Variant, Verdict};
 
 use crate::listing::{LineId, Listings};
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Program {
+#[derive(Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Program {
     Staged,
     Darts,
     Printed,
@@ -42,6 +42,16 @@ impl Lines {
             (Variant::Staged, Insertion::Circumcentre) => Program::Staged,
             (Variant::Staged, Insertion::Uniform) => Program::Darts,
         };
+        Self::of_program(program)
+    }
+
+    /// Returns which of the programs they are of.
+    pub(crate) const fn program(&self) -> Program {
+        self.program
+    }
+
+    /// Returns the lines of a program.
+    pub(crate) fn of_program(program: Program) -> Self {
         let start = |name: &'static str| {
             let listings = &Listings::shipped().listings;
             let found = listings.iter().find(|listing| listing.name == name);

@@ -5,7 +5,9 @@
 use std::sync::LazyLock;
 
 /// The number of a line among all listings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
 pub struct LineId(pub u8);
 
 /// A line of pseudocode.

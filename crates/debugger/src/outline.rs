@@ -18,7 +18,7 @@ const NONE: u32 = u32::MAX;
 
 /// The tree of events. The parent of an event is the nearest one before it that is less deep; an event without one
 /// is a root.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Outline {
     /// The first event after each one's descendants.
     ends: Vec<u32>,

@@ -22,8 +22,13 @@ use crate::tape::Tape;
 pub(crate) const STRIDE: usize = 1024;
 
 /// A recorded run.
+///
+/// It can be sent to another thread's memory as bytes, indices and all, where threads share none: that is no file
+/// format, and nothing is checked but that every event has a kind.
+#[derive(serde::Serialize, serde::Deserialize)]
 pub struct Recording {
     run: Run,
+    #[serde(with = "crate::tape::portable")]
     tape: Tape,
     lives: Vec<Life>,
     contexts: Vec<Context>,
@@ -38,7 +43,9 @@ pub struct Recording {
     begins: Vec<u32>,
     /// The counts of all events before every 1024th.
     tallies: Vec<Density>,
+    #[serde(with = "crate::tape::portable::once")]
     classes: OnceLock<Classes>,
+    #[serde(with = "crate::tape::portable::once")]
     by_sample: OnceLock<BySample>,
 }
 

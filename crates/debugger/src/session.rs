@@ -13,11 +13,20 @@ use crate::recording::Recording;
 /// The version of sessions that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
 
-/// The most events that a saved session may ask a tape to hold: 480 MB.
-pub const MAX_BUDGET: usize = 20_000_000;
+/// The most events that a saved session may ask a tape to hold: 480 MB. A tab has less room: 120 MB.
+pub const MAX_BUDGET: usize = if cfg!(target_arch = "wasm32") {
+    crate::DEFAULT_BUDGET
+} else {
+    20_000_000
+};
 
-/// The most samples that a saved session's run may have. Of each up to 20 events are kept whatever the budget: 1 GB.
-pub const MAX_SAMPLES: usize = 2_000_000;
+/// The most samples that a saved session's run may have. Of each up to 20 events are kept whatever the budget: 1 GB, and
+/// in a tab 100 MB.
+pub const MAX_SAMPLES: usize = if cfg!(target_arch = "wasm32") {
+    200_000
+} else {
+    2_000_000
+};
 
 /// The most breakpoints, and the most watches, of a saved session.
 pub const MAX_STOPS: usize = 1_000;

@@ -2,6 +2,8 @@
 //! to nothing are left out, oldest first, and a notice stands in their place; changes never are.
 //! It understands no event.
 
+pub(crate) mod portable;
+
 use tilescope_core::{Moment, Parameters, Recorder};
 
 use crate::event::Event;

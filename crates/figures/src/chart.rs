@@ -49,6 +49,8 @@ pub struct Axis {
     pub label: String,
     /// The ends; none takes those of the data.
     pub range: Option<[f64; 2]>,
+    /// Values that have a tick, and what is written there; none takes round values.
+    pub ticks: Option<Vec<(f64, String)>>,
 }
 
 impl Axis {
@@ -58,6 +60,7 @@ impl Axis {
         Self {
             label: label.into(),
             range: None,
+            ticks: None,
         }
     }
 
@@ -66,6 +69,16 @@ impl Axis {
     pub fn with_range(self, low: f64, high: f64) -> Self {
         Self {
             range: Some([low, high]),
+            ..self
+        }
+    }
+
+    /// The same axis with ticks at these values, each with what is written there; those beyond its range are left out. So an axis
+    /// of logarithms has the numbers themselves.
+    #[must_use]
+    pub fn with_ticks(self, ticks: Vec<(f64, String)>) -> Self {
+        Self {
+            ticks: Some(ticks),
             ..self
         }
     }
@@ -86,7 +99,7 @@ pub struct LineChart {
     pub levels: Vec<Level>,
 }
 
-/// Values on a grid, as shades of grey: white at the lower end, black at the upper.
+/// Values on a grid, as shades of grey: white at the lower end, black at the upper. A unit is as long along both axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageChart {
     /// Its heading.
@@ -195,6 +208,7 @@ impl LineChart {
             if axis.range.is_some() {
                 axis.checked_range()?;
             }
+            axis.check_ticks(&self.title)?;
         }
         Ok(())
     }
@@ -249,8 +263,10 @@ impl ImageChart {
         let read = self.values.iter().copied().enumerate();
         let read = read.filter(|(index, _)| Some(*index) != self.absent);
         finite(&self.title, "the grid", read)?;
-        self.x.checked_range()?;
-        self.y.checked_range()?;
+        for axis in [&self.x, &self.y] {
+            axis.checked_range()?;
+            axis.check_ticks(&self.title)?;
+        }
         if !rises(self.clamp) {
             return Err(ChartError::Range(self.title.clone()));
         }
@@ -262,6 +278,15 @@ impl Axis {
     fn checked_range(&self) -> Result<[f64; 2], ChartError> {
         let range = self.range.filter(|range| rises(*range));
         range.ok_or_else(|| ChartError::Range(self.label.clone()))
+    }
+
+    fn check_ticks(&self, chart: &str) -> Result<(), ChartError> {
+        let ticks = self.ticks.iter().flatten().map(|(value, _)| *value);
+        finite(
+            chart,
+            &format!("ticks of {}", self.label),
+            ticks.enumerate(),
+        )
     }
 }
 

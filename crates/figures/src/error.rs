@@ -3,6 +3,8 @@
 //! Both exporters check the same things, so a scene that one refuses the other refuses too. Never
 //! about shapes outside the picture: those are just not seen.
 
+use crate::bitmap::MAX_BITMAP_SIDE;
+
 /// The largest side of a picture in pixels: viewers and the rasteriser's 16.16 fixed-point edges end there.
 pub const MAX_SIDE: f64 = 32_768.0;
 
@@ -55,6 +57,17 @@ pub enum FigureError {
         index: usize,
         /// The length in pixels, the scale applied.
         length: f64,
+    },
+    /// The pixels of a bitmap do not fill its rows, or are too many.
+    #[error(
+        "a bitmap of {bytes} bytes in rows of {row} cannot be made; they must fill 1 to {MAX_BITMAP_SIDE} rows of as many pixels \
+         at most"
+    )]
+    Bitmap {
+        /// Bytes of all pixels.
+        bytes: usize,
+        /// Bytes of a row.
+        row: usize,
     },
     /// A group's view or clip rectangle is NaN or infinite, or its scale not above 0.
     #[error(

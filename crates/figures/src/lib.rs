@@ -18,6 +18,7 @@
 //! ```
 
 pub mod animation;
+mod bitmap;
 mod canvas;
 pub mod chart;
 mod error;
@@ -33,6 +34,7 @@ mod stages;
 mod svg;
 
 pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
+pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
 pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
@@ -44,4 +46,4 @@ pub use scene::{
     Anchor, Baseline, Fill, Group, Hatch, Marker, Rect, Scene, Shape, Stroke, Style, Text, View,
 };
 pub use stages::{SetPicture, caption, seam_window, set_scene, stage_scene};
-pub use svg::to_svg;
+pub use svg::{escape, font_faces, to_svg, to_svg_with_fonts};

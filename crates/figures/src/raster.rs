@@ -195,6 +195,11 @@ impl Painter {
                     self.polygon(&marker_outline(*marker, center, size), *style);
                 }
             }
+            Shape::Image { rect, bitmap } => {
+                let ends = [at.pixel(rect.min), at.pixel(rect.max)];
+                let width = self.pixmap.width() as usize;
+                bitmap.paint(self.pixmap.data_mut(), width, ends, self.frame);
+            }
             Shape::Text(text) => self.text(text, at.pixel(text.at)),
         }
     }

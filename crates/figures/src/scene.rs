@@ -3,6 +3,7 @@
 //! Plain data in painting order. Never draws; exporters read it. y points down, as on screens; a group's view
 //! turns its own units into the scene's pixels, so stroke widths and markers keep their size.
 
+use crate::bitmap::Bitmap;
 use crate::error::{FigureError, MAX_SIDE};
 use crate::fonts::Font;
 use crate::palette::Color;
@@ -389,6 +390,13 @@ pub enum Shape {
         /// Fill and stroke.
         style: Style,
     },
+    /// Pixels that fill a rectangle, the first row at its upper edge; never smoothed.
+    Image {
+        /// The rectangle.
+        rect: Rect,
+        /// The pixels.
+        bitmap: Bitmap,
+    },
     /// Text.
     Text(Text),
 }
@@ -432,6 +440,7 @@ impl Shape {
             Self::Rect { style, .. } | Self::Polygon { style, .. } => stroked(style),
             Self::Polyline { stroke, .. } | Self::Segments { stroke, .. } => stroke.width,
             Self::Marker { size, style, .. } => size.max(stroked(style)),
+            Self::Image { .. } => 0.0,
             Self::Text(text) => text.size,
         }
     }
@@ -451,6 +460,7 @@ impl Shape {
                 ..
             } => all(&[*center]) && length.is_finite() && style.is_finite(),
             Self::Rect { rect, style } => all(&[rect.min, rect.max]) && style.is_finite(),
+            Self::Image { rect, .. } => all(&[rect.min, rect.max]),
             Self::Polygon { points, style } => all(points) && style.is_finite(),
             Self::Polyline { points, stroke } => all(points) && stroke.is_finite(),
             Self::Segments { segments, stroke } => {

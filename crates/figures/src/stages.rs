@@ -124,7 +124,13 @@ pub fn seam_window(run: &Run, radii: f64) -> Rect {
 pub fn caption(run: &Run, stage: Stage) -> String {
     let s = run.summary();
     let side = f64::from(run.pattern.domain().width()) / f64::from(tilescope_core::R);
+    let glued = is_combination(run);
     match stage {
+        Stage::Blocks if glued => format!("{} pieces, each a maximal set of its own", s.blocks),
+        Stage::Tile if glued => format!(
+            "Each piece brings its set, up to r beyond its rectangle: {} samples",
+            s.tiled
+        ),
         Stage::Pattern => format!(
             "The pattern: {} samples on {side:.1} r, maximal, made once",
             run.pattern.samples().len()
@@ -159,6 +165,11 @@ pub fn caption(run: &Run, stage: Stage) -> String {
             format!("The result: {} samples{proved}", s.count)
         }
     }
+}
+
+/// Returns whether a run's blocks are the pieces of a combination, which no tree split.
+fn is_combination(run: &Run) -> bool {
+    run.blocks.splits.len() + 1 < run.blocks.leaves.len()
 }
 
 /// Samples by how they stand after a stage.

@@ -41,7 +41,10 @@ pub enum FormatError {
         source: std::io::Error,
     },
     /// Neither the name nor the content says what the file is.
-    #[error("the format of \"{name}\" is known neither from its extension nor from its content")]
+    #[error(
+        "the format of \"{name}\" is known neither from its extension nor from its content{}",
+        of_archive(name)
+    )]
     UnknownFormat {
         /// The name that was given, possibly empty.
         name: String,
@@ -231,6 +234,16 @@ pub(crate) fn quote(bytes: &[u8]) -> String {
         quoted.push_str("...");
     }
     quoted
+}
+
+/// Returns what else there is to say of a file of unknown format.
+fn of_archive(name: &str) -> &'static str {
+    let extension = std::path::Path::new(name).extension();
+    if extension.is_some_and(|extension| extension.eq_ignore_ascii_case("zip")) {
+        "; an archive has to be unpacked first"
+    } else {
+        ""
+    }
 }
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ impl ExportContext {
 }
 
 /// What the caller of a successful export should tell the user.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Warning {
     /// The stored set has conflicts.
     Conflicts {

@@ -12,30 +12,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use tilescope_analysis::{Progress, Report};
 
-use crate::certificate::{CERTIFICATE_SUFFIX, Certificate};
+use crate::certificate::Certificate;
 use crate::check::{Check, CheckError, Overrides, check_bytes};
-use crate::codecs::{Hint, decode};
-use crate::detect::Detection;
+use crate::codecs::Hint;
 use crate::error::FormatError;
 use crate::export::{ExportContext, ExportError, Warning, export_through};
-use crate::format::Precision;
-use crate::mapping::Mapping;
 use crate::point_set::PointSet;
-
-/// A point set read from a file.
-#[derive(Clone, Debug)]
-pub struct ReadSet {
-    /// The points: in domain units with a certificate, otherwise as the file has them.
-    pub set: PointSet,
-    /// The format and how it was recognised.
-    pub detection: Detection,
-    /// Number type of the file's coordinates.
-    pub precision: Precision,
-    /// How many sets the file holds.
-    pub sets: usize,
-    /// The certificate beside or inside the file. [`check`] says whether it is true.
-    pub certificate: Option<Certificate>,
-}
+use crate::read::{ReadSet, certificate_path, read_bytes};
 
 /// A finished export.
 #[derive(Clone, Debug)]
@@ -52,20 +35,6 @@ pub struct Exported {
     pub warnings: Vec<Warning>,
 }
 
-/// The name of the certificate of the data file `path`.
-///
-/// ```
-/// use tilescope_formats::certificate_path;
-/// let path = certificate_path("out/set.csv".as_ref());
-/// assert_eq!(path, std::path::Path::new("out/set.csv.certificate.json"));
-/// ```
-#[must_use]
-pub fn certificate_path(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(CERTIFICATE_SUFFIX);
-    name.into()
-}
-
 /// The point set in the file `path`; `hint.name` is replaced by the file's.
 ///
 /// # Errors
@@ -74,33 +43,19 @@ pub fn certificate_path(path: &Path) -> PathBuf {
 pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
     let bytes = read_file(path)?;
     let name = file_name(path)?;
-    let decoded = decode(
+    let certificate_name = certificate_path(path).to_string_lossy().into_owned();
+    let certificate = read_certificate(path)?;
+    let certificate = certificate
+        .as_deref()
+        .map(|bytes| (&*certificate_name, bytes));
+    read_bytes(
         &bytes,
         &Hint {
             name: &name,
             ..*hint
         },
-    )?;
-    let certificate = match read_certificate(path)? {
-        Some(bytes) => {
-            let name = certificate_path(path).to_string_lossy().into_owned();
-            Some(Certificate::from_bytes(&bytes, &name)?)
-        }
-        None => decoded.certificate,
-    };
-    let mut set = decoded.set;
-    let region = certificate.as_ref().map(|c| c.region);
-    let mapping = Mapping::new(decoded.detection.format, region, decoded.precision);
-    for point in &mut set.points {
-        *point = mapping.domain_from_file(*point);
-    }
-    Ok(ReadSet {
-        set,
-        detection: decoded.detection,
-        precision: decoded.precision,
-        sets: decoded.sets,
         certificate,
-    })
+    )
 }
 
 /// Re-verifies the file `path` against the certificate beside or inside it.

@@ -27,6 +27,7 @@ mod files;
 mod format;
 mod mapping;
 mod point_set;
+mod read;
 #[cfg(not(target_arch = "wasm32"))]
 mod stream;
 mod text;
@@ -41,12 +42,11 @@ pub use digest::{bytes_digest, positions_digest};
 pub use error::{FormatError, Place};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
-pub use files::{
-    Exported, ReadSet, certificate_path, check, export, read, write_through, write_whole,
-};
+pub use files::{Exported, check, export, read, write_through, write_whole};
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};
+pub use read::{ReadSet, certificate_path, read_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
     MOST_IN_MEMORY, StreamCheck, StreamExport, StreamOptions, StreamReader, Streamed,

@@ -15,8 +15,17 @@ fn main() -> ExitCode {
     if !tilescope_app::display_available() {
         return tilescope_cli::run_headless(&HeadlessReason::NoDisplay);
     }
-    match tilescope_app::run_native(&WindowOptions::default()) {
+    let options = WindowOptions {
+        link: arguments.link,
+        ..WindowOptions::default()
+    };
+    match tilescope_app::run_native(&options) {
         Ok(()) => ExitCode::SUCCESS,
+        // Nothing that was not asked for is written because a window is lost.
+        Err(error) if error.was_open() => {
+            eprintln!("tilescope: {error}");
+            ExitCode::FAILURE
+        }
         Err(error) => tilescope_cli::run_headless(&HeadlessReason::Failed(error.to_string())),
     }
 }

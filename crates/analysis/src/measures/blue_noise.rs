@@ -26,7 +26,7 @@ const NEARLY_ONE: f64 = 0.98;
 const OSCILLATION_RANGE: f64 = 5.0;
 
 /// Power over frequency, without the zero frequency.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct PowerCurve {
     /// `nu`, rising.
     frequencies: Vec<f64>,

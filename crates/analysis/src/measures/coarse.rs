@@ -1,4 +1,4 @@
-//! A periodogram on a coarser grid, to be looked at: means over squares of frequencies.
+//! A periodogram on a coarser grid, to be looked at: means over rectangles of frequencies.
 //! It never leaves a frequency of the window out of sight but zero and an incomplete rim.
 
 use serde::Serialize;
@@ -7,23 +7,27 @@ use super::check_count;
 use super::error::MeasureError;
 use super::periodogram::Periodogram;
 
-/// Mean powers of squares of frequencies about zero.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Mean powers of rectangles of frequencies about zero; of squares where the window is one.
+#[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct CoarsePower {
-    /// Squares along each axis, an odd number; the zero frequency is in the middle one.
+    /// Rectangles along x, an odd number; the zero frequency is in the middle one.
     pub size: usize,
-    /// Frequencies along a square's side, an odd number.
+    /// Rectangles along y, an odd number.
+    pub rows: usize,
+    /// Frequencies along a rectangle's side in x, an odd number.
     pub side: usize,
-    /// Mean powers, rows of equal ky, along kx. The zero frequency counts for nothing; where it is alone in its square,
+    /// Frequencies along a rectangle's side in y, an odd number.
+    pub row_side: usize,
+    /// Mean powers, rows of equal ky, along kx. The zero frequency counts for nothing; where it is alone in its rectangle,
     /// that is NaN.
     pub power: Vec<f64>,
 }
 
 impl CoarsePower {
-    /// Squares along an axis at most.
+    /// Rectangles along an axis at most.
     pub const MAX_SIZE: usize = 1024;
 
-    /// Returns the means over the smallest odd squares of which at most `most` lie along an axis.
+    /// Returns the means over the smallest rectangles of odd sides of which at most `most` lie along an axis.
     ///
     /// # Errors
     ///
@@ -32,33 +36,40 @@ impl CoarsePower {
     pub fn of(periodogram: &Periodogram, most: usize) -> Result<Self, MeasureError> {
         check_count("squares along an axis", most, Self::MAX_SIZE)?;
         let [x0, x1, y0, y1] = periodogram.window.bounds();
-        let reach = (-x0).min(x1 - 1).min(-y0).min(y1 - 1);
-        if reach < 0 {
+        let reach = [(-x0).min(x1 - 1), (-y0).min(y1 - 1)];
+        if reach.iter().any(|reach| *reach < 0) {
             let window = [x0, x1, y0, y1];
             return Err(MeasureError::EmptyWindow { window });
         }
-        let squares = |side: i64| 2 * ((reach - (side - 1) / 2) / side) + 1;
-        let side = (1..=2 * reach + 1)
-            .step_by(2)
-            .find(|side| squares(*side) <= most as i64)
-            .unwrap_or(2 * reach + 1);
-        let half = squares(side) / 2;
-        let centers = move || -half..=half;
-        let power = centers()
-            .flat_map(|y| centers().map(move |x| [x * side, y * side]))
-            .map(|center| mean(periodogram, center, (side - 1) / 2));
+        let [(half_x, side), (half_y, row_side)] = reach.map(|reach| division(reach, most));
+        let power = (-half_y..=half_y)
+            .flat_map(|y| (-half_x..=half_x).map(move |x| [x * side, y * row_side]))
+            .map(|center| mean(periodogram, center, [side, row_side]));
         Ok(Self {
-            size: squares(side) as usize,
+            size: 2 * half_x as usize + 1,
+            rows: 2 * half_y as usize + 1,
             side: side as usize,
+            row_side: row_side as usize,
             power: power.collect(),
         })
     }
 }
 
-/// The mean over a square of frequencies but zero.
-fn mean(periodogram: &Periodogram, [x, y]: [i64; 2], reach: i64) -> f64 {
-    let around = move |middle: i64| middle - reach..=middle + reach;
-    let frequencies = around(y).flat_map(|ky| around(x).map(move |kx| [kx, ky]));
+/// Returns the parts on either side of the middle one and their length, for frequencies up to `reach`.
+fn division(reach: i64, most: usize) -> (i64, i64) {
+    let parts = |side: i64| (reach - (side - 1) / 2) / side;
+    let side = (1..=2 * reach + 1)
+        .step_by(2)
+        .find(|side| 2 * parts(*side) < most as i64)
+        .unwrap_or(2 * reach + 1);
+    (parts(side), side)
+}
+
+/// The mean over a rectangle of frequencies but zero.
+fn mean(periodogram: &Periodogram, [x, y]: [i64; 2], [side, row_side]: [i64; 2]) -> f64 {
+    let around = |middle: i64, side: i64| middle - (side - 1) / 2..=middle + (side - 1) / 2;
+    let along_x = around(x, side);
+    let frequencies = around(y, row_side).flat_map(|ky| along_x.clone().map(move |kx| [kx, ky]));
     let powers = frequencies
         .filter(|k| *k != [0, 0])
         .filter_map(|k| periodogram.at(k));
@@ -104,6 +115,24 @@ mod tests {
         for (index, power) in found.power.iter().enumerate() {
             let [x, y] = [index % 5, index / 5].map(|i| 3.0 * (i as f64 - 2.0));
             assert!((power - (x + 100.0 * y)).abs() < 1e-9, "{index}: {power}");
+        }
+    }
+
+    /// Each axis has its own side: a power of a rectangle is still the mean of its frequencies.
+    #[test]
+    fn an_oblong_window_is_divided_along_each_axis() {
+        let mut oblong = periodogram(7);
+        oblong.window.y = -2..3;
+        oblong.power = (oblong.window.frequencies())
+            .map(|[x, y]| (x + 100 * y) as f64)
+            .collect();
+        let found = CoarsePower::of(&oblong, 8).unwrap();
+        assert_eq!((found.size, found.rows), (5, 5));
+        assert_eq!((found.side, found.row_side), (3, 1));
+        for (index, power) in found.power.iter().enumerate() {
+            let [x, y] = [index % 5, index / 5].map(|i| i as f64 - 2.0);
+            let expected = 3.0 * x + 100.0 * y;
+            assert!((power - expected).abs() < 1e-9, "{index}: {power}");
         }
     }
 

@@ -42,6 +42,20 @@ pub fn student_quantile(tail: f64, freedom: f64) -> f64 {
     falling_root(|t| both_tails(t) - tail)
 }
 
+/// Returns the value in 0..1 that a beta variable of parameters `a` and `b` stays below with probability `part`.
+pub(super) fn beta_quantile(part: f64, a: f64, b: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if beta_part(a, b, middle) < part {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
 /// Where a falling function of positive numbers changes sign, to the last bits.
 fn falling_root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
@@ -171,6 +185,22 @@ mod tests {
             for tail in [0.999, 0.5, 0.05, 1e-6] {
                 let value = chi_square_quantile(tail, freedom);
                 assert!((chi_square_tail(value, freedom) / tail - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    /// With b = 1 the distribution is x^a; the complement changes both parameters.
+    #[test]
+    fn beta_quantiles_have_their_closed_forms() {
+        for a in [0.5, 1.0, 7.0, 5000.0] {
+            for part in [0.025, 0.5, 0.975_f64] {
+                let found = beta_quantile(part, a, 1.0);
+                assert!(
+                    (found - part.powf(1.0 / a)).abs() < 1e-12,
+                    "{a} {part}: {found}"
+                );
+                let other = beta_quantile(1.0 - part, 1.0, a);
+                assert!((found + other - 1.0).abs() < 1e-12, "{a} {part}: {other}");
             }
         }
     }

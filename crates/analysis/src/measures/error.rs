@@ -12,7 +12,7 @@ pub enum MeasureError {
     #[error(transparent)]
     Set(VerifyError),
     /// The measure needs more samples.
-    #[error("{count} samples are too few: this measure needs at least {limit}")]
+    #[error("the number of samples, {count}, is too small: this measure needs at least {limit}")]
     TooFew {
         /// Samples given.
         count: usize,

@@ -20,10 +20,13 @@
 //! # Ok::<(), tilescope_analysis::measures::MeasureError>(())
 //! ```
 
+mod adjoint;
 mod blue_noise;
 mod coarse;
+mod comparison;
 mod discrepancy;
 mod distances;
+mod distant_pairs;
 mod distributions;
 mod error;
 mod kernel;
@@ -33,6 +36,8 @@ mod order;
 mod pair_correlation;
 mod periodogram;
 mod radial;
+mod shares;
+mod spectrum;
 mod spread;
 mod statistics;
 mod tiles;
@@ -41,8 +46,10 @@ mod window;
 
 pub use blue_noise::PowerCurve;
 pub use coarse::CoarsePower;
+pub use comparison::{DifferenceCurve, MeanCurve, power_difference_band};
 pub use discrepancy::Discrepancy;
 pub use distances::{NearestDistances, density, largest_min_distance};
+pub use distant_pairs::{DistantPair, DistantPairs, MAX_PAIRS, pairs_between};
 pub use distributions::{chi_square_quantile, chi_square_tail, student_quantile};
 pub use error::MeasureError;
 pub use nufft::{MAX_FREQUENCY, MAX_WINDOW_BYTES, NUFFT_ERROR};
@@ -50,6 +57,8 @@ pub use order::{CellOrder, Order};
 pub use pair_correlation::PairCorrelation;
 pub use periodogram::{Periodogram, Taper};
 pub use radial::{Annulus, RadialProfile, anisotropy_reference_db};
+pub use shares::{FrequencyShares, frequency_shares};
+pub use spectrum::Spectrum;
 pub use statistics::{Average, MeanPeriodogram, Summary, power_band};
 pub use uniformity::{
     ChiSquare, ClassCounts, Deviation, DistanceClasses, PositionClasses, Uniformity,

@@ -28,18 +28,18 @@ pub const MAX_WINDOW_BYTES: u64 = 1 << 30;
 pub const MAX_FREQUENCY: i64 = 1 << 24;
 
 /// Frequencies along the slow axis that are transformed together, so that reads use whole cache lines.
-const TOGETHER: usize = 8;
+pub(super) const TOGETHER: usize = 8;
 
 /// An axis of the grid.
 #[derive(Clone, Copy, Debug)]
-struct Axis {
+pub(super) struct Axis {
     /// The frequency in the middle, removed from the samples by a phase.
-    middle: i64,
+    pub middle: i64,
     /// Offsets from the middle go from `-below` to `above`.
-    below: i64,
-    above: i64,
+    pub below: i64,
+    pub above: i64,
     /// Grid points.
-    size: usize,
+    pub size: usize,
 }
 
 impl Axis {
@@ -64,26 +64,26 @@ impl Axis {
         }
     }
 
-    fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         (self.below + self.above + 1) as usize
     }
 
     /// What to multiply a grid's transform by at an offset: divides the kernel out and undoes the shift
     /// by half a kernel that makes grid indices positive.
-    fn factor(&self, offset: i64) -> Complex<f64> {
+    pub fn factor(&self, offset: i64) -> Complex<f64> {
         let frequency = offset as f64 / self.size as f64;
         let (sin, cos) = (TAU * frequency * 0.5 * WIDTH as f64).sin_cos();
         Complex::new(cos, sin) / transform(frequency)
     }
 
-    fn factors(&self) -> Vec<Complex<f64>> {
+    pub fn factors(&self) -> Vec<Complex<f64>> {
         (-self.below..=self.above)
             .map(|offset| self.factor(offset))
             .collect()
     }
 
     /// Where an offset lies in a discrete transform.
-    fn index(&self, offset: i64) -> usize {
+    pub fn index(&self, offset: i64) -> usize {
         offset.rem_euclid(self.size as i64) as usize
     }
 }
@@ -108,8 +108,8 @@ fn smooth_size(least: usize) -> usize {
 /// and half the transforms; a window far off zero is cheaper when moved there.
 pub(super) struct Plan {
     /// Along x, the slow axis of the grid, and along y.
-    axes: [Axis; 2],
-    real: bool,
+    pub axes: [Axis; 2],
+    pub real: bool,
 }
 
 /// The transform at the frequencies of a plan.
@@ -117,7 +117,7 @@ pub(super) struct Transform {
     axes: [Axis; 2],
     real: bool,
     /// Rows of equal ky, each along kx; a real plan holds rows from ky = 0 up.
-    values: Vec<Complex<f64>>,
+    pub values: Vec<Complex<f64>>,
 }
 
 impl Plan {
@@ -158,7 +158,7 @@ impl Plan {
     }
 
     /// Rows of the half or whole spectrum.
-    fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         if self.real {
             self.axes[1].above as usize + 1
         } else {
@@ -166,12 +166,17 @@ impl Plan {
         }
     }
 
-    fn components(&self) -> usize {
+    /// The offset along y of the first row of values.
+    pub fn first_row(&self) -> i64 {
+        if self.real { 0 } else { -self.axes[1].below }
+    }
+
+    pub fn components(&self) -> usize {
         if self.real { 1 } else { 2 }
     }
 
     /// Grid, grid transformed along one axis, and result.
-    fn bytes(&self) -> u64 {
+    pub fn bytes(&self) -> u64 {
         let [x, y] = self.axes.map(|axis| (axis.size + 2 * WIDTH) as u64);
         let (rows, columns) = (self.rows() as u64, self.axes[0].count() as u64);
         8 * self.components() as u64 * x * y + 16 * x * rows + 16 * columns * rows
@@ -210,7 +215,7 @@ impl Plan {
         })
     }
 
-    fn sizes(&self) -> [usize; 2] {
+    pub fn sizes(&self) -> [usize; 2] {
         self.axes.map(|axis| axis.size)
     }
 
@@ -281,7 +286,7 @@ impl Plan {
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let ([axis, other], rows) = (self.axes, self.rows());
-        let (columns, first) = (axis.count(), if self.real { 0 } else { -other.below });
+        let (columns, first) = (axis.count(), self.first_row());
         let factors = axis.factors();
         let fft = FftPlanner::new().plan_fft_forward(axis.size);
         let mut values = vec![Complex::default(); rows * columns];
@@ -329,20 +334,25 @@ impl Transform {
 }
 
 /// Buffers of a thread.
-struct Scratch {
-    line: Vec<Complex<f64>>,
+pub(super) struct Scratch {
+    pub line: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,
 }
 
 impl Scratch {
-    fn new(fft: &Arc<dyn Fft<f64>>, length: usize) -> Self {
+    pub fn new(fft: &Arc<dyn Fft<f64>>, length: usize) -> Self {
         Self {
             line: vec![Complex::default(); length],
             scratch: vec![Complex::default(); fft.get_inplace_scratch_len()],
         }
     }
 
-    fn run(&mut self, fft: &Arc<dyn Fft<f64>>) {
+    pub fn run(&mut self, fft: &Arc<dyn Fft<f64>>) {
         fft.process_with_scratch(&mut self.line, &mut self.scratch);
+    }
+
+    /// Transforms a line of the caller's.
+    pub fn run_on(&mut self, fft: &Arc<dyn Fft<f64>>, line: &mut [Complex<f64>]) {
+        fft.process_with_scratch(line, &mut self.scratch);
     }
 }

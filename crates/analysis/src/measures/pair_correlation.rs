@@ -27,7 +27,7 @@ const PARTS: usize = 64;
 const CELLS_ALONG: f64 = 5.0;
 
 /// The pair correlation of a set.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct PairCorrelation {
     /// Number of samples.
     pub samples: usize,
@@ -42,6 +42,9 @@ pub struct PairCorrelation {
 }
 
 impl PairCorrelation {
+    /// Bins in a unit of one's own reach at most so many `r_max`.
+    pub const FARTHEST: f64 = 8.0;
+
     /// Returns `g(r)` for `r` up to `most`, in units of `r_max`, in bins of equal width.
     ///
     /// `g` is the number of pairs over that expected of as many independent uniform samples. In a bounded region each
@@ -93,6 +96,50 @@ impl PairCorrelation {
             counts: found.counts,
             g,
         })
+    }
+
+    /// Returns [`Self::of`] for distances up to 5 `r_max`, or half the shorter side, in 40 bins each.
+    pub fn to_look_at(
+        points: &[[f64; 2]],
+        region: Region,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, MeasureError> {
+        let r_max = largest_min_distance(points.len(), region.area());
+        let half = 0.499 * region.width.min(region.height) / r_max;
+        let most = half.min(5.0);
+        let bins = (40.0 * most).ceil().max(1.0) as usize;
+        Self::of(points, region, most, bins, control)
+    }
+
+    /// Returns [`Self::of`] in bins of a fortieth of `unit`, a length of the region: one of them begins at `unit` but for rounding,
+    /// so that sets whose distances begin there are cut alike whatever their numbers. They reach as far as 5 `unit`,
+    /// [`Self::FARTHEST`] `r_max` and half the shorter side allow, in whole bins.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::of`]; a `unit` of which less than a bin is within reach, or that is no positive number, is
+    /// out of range.
+    pub fn in_units_of(
+        points: &[[f64; 2]],
+        region: Region,
+        unit: f64,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, MeasureError> {
+        check_set(points, region, 3)?;
+        let r_max = largest_min_distance(points.len(), region.area());
+        let half = 0.499 * region.width.min(region.height);
+        let reach = half.min(Self::FARTHEST * r_max);
+        check_range("the unit of g(r)", unit, [1e-6 * r_max, 40.0 * reach])?;
+        let bins = (40.0 * (reach / unit).min(5.0)).floor().max(1.0);
+        let most = bins / 40.0 * unit / r_max;
+        Self::of(points, region, most, bins as usize, control)
+    }
+
+    /// Returns the middles of the bins in units of `r_max`, and `g` there.
+    #[must_use]
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let each = self.g.iter().enumerate();
+        each.map(|(bin, g)| [self.distance(bin), *g]).collect()
     }
 
     /// Returns the middle of a bin in units of `r_max`.
@@ -188,5 +235,45 @@ impl Search<'_> {
         };
         self.neighbors
             .partners([column, row], self.distance, partners);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::region::Boundary;
+
+    /// Square lattices of distance `unit`: the first pairs are in the bin that begins there, whatever the number of samples.
+    #[test]
+    fn bins_in_a_unit_begin_at_it_for_sets_of_any_number() {
+        let go_on = |_: Progress| ControlFlow::Continue(());
+        for side in [12_u32, 17, 23, 40] {
+            let region = Region {
+                width: f64::from(side) * 0.3,
+                height: f64::from(side) * 0.3,
+                boundary: Boundary::Periodic,
+            };
+            let points: Vec<[f64; 2]> = (0..side * side)
+                .map(|i| [i % side, i / side].map(|k| (f64::from(k) + 0.5) * 0.3))
+                .collect();
+            // Slightly below the distance, so that rounding does not decide.
+            let unit = 0.3 * (1.0 - 1e-9);
+            let found = PairCorrelation::in_units_of(&points, region, unit, &go_on).unwrap();
+            let first = found.counts.iter().position(|count| *count > 0);
+            assert_eq!(first, Some(40), "{side}");
+            let width = found.bin_width * found.r_max / unit;
+            assert!((width - 0.025).abs() < 1e-12, "{side}: {width}");
+            // The bins by number are cut at another phase.
+            let by_number = PairCorrelation::to_look_at(&points, region, &go_on).unwrap();
+            let edge = unit / by_number.r_max / by_number.bin_width;
+            assert!((edge - edge.round()).abs() > 0.01);
+            for unit in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e9] {
+                let refused = PairCorrelation::in_units_of(&points, region, unit, &go_on);
+                assert!(
+                    matches!(refused, Err(MeasureError::OutOfRange { .. })),
+                    "{unit}"
+                );
+            }
+        }
     }
 }

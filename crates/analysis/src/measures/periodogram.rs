@@ -4,6 +4,7 @@
 
 use std::ops::ControlFlow;
 
+use rustfft::num_complex::Complex;
 use serde::Serialize;
 
 use super::check_set;
@@ -59,6 +60,48 @@ impl Taper {
     }
 }
 
+/// Samples of the unit square with their weights.
+pub(super) struct Weighed {
+    pub samples: Vec<Sample>,
+    /// One over the sum of the squared weights. Samples on the border alone weigh nothing and have no power: zero.
+    pub scale: f64,
+    taper: Taper,
+    /// The sum of the weights.
+    total: f64,
+}
+
+impl Weighed {
+    pub fn new(points: &[[f64; 2]], region: Region, taper: Taper) -> Self {
+        let sample = |point: &[f64; 2]| {
+            let at = [point[0] / region.width, point[1] / region.height];
+            let weight = taper.weight(at);
+            Sample { at, weight }
+        };
+        let samples: Vec<Sample> = points.iter().map(sample).collect();
+        let squares: f64 = samples.iter().map(|sample| sample.weight.powi(2)).sum();
+        Self {
+            scale: if squares > 0.0 { 1.0 / squares } else { 0.0 },
+            taper,
+            total: samples.iter().map(|sample| sample.weight).sum(),
+            samples,
+        }
+    }
+
+    /// What is taken off the phase factor of every sample for the mean density.
+    pub fn mean_factor(&self, frequency: [i64; 2]) -> f64 {
+        match self.taper {
+            // Only the mean density of a tapered set reaches beyond the zero frequency.
+            Taper::Flat => 0.0,
+            Taper::Hann => self.taper.transform(frequency) / self.taper.transform([0, 0]),
+        }
+    }
+
+    /// The sum whose square is the power, from the transform of the weights.
+    pub fn sum(&self, frequency: [i64; 2], transform: Complex<f64>) -> Complex<f64> {
+        transform - self.total * self.mean_factor(frequency)
+    }
+}
+
 /// The power of one set, or the mean power of several, on a window of frequencies.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Periodogram {
@@ -105,23 +148,9 @@ impl Periodogram {
         let plan = Plan::new(window)?;
         let monitor = Monitor::new(control, plan.work(points.len()));
         monitor.advance(0)?;
-        let sample = |point: &[f64; 2]| {
-            let at = [point[0] / region.width, point[1] / region.height];
-            let weight = taper.weight(at);
-            Sample { at, weight }
-        };
-        let samples: Vec<Sample> = points.iter().map(sample).collect();
-        let total: f64 = samples.iter().map(|sample| sample.weight).sum();
-        let squares: f64 = samples.iter().map(|sample| sample.weight.powi(2)).sum();
-        let transform = plan.run(&samples, &monitor)?;
-        // Only the mean density of a tapered set reaches beyond the zero frequency.
-        let density = match taper {
-            Taper::Flat => 0.0,
-            Taper::Hann => total / taper.transform([0, 0]),
-        };
-        // Samples on the border alone weigh nothing and have no power.
-        let scale = if squares > 0.0 { 1.0 / squares } else { 0.0 };
-        let power = |k| (transform.at(k) - density * taper.transform(k)).norm_sqr() * scale;
+        let set = Weighed::new(points, region, taper);
+        let transform = plan.run(&set.samples, &monitor)?;
+        let power = |k| set.sum(k, transform.at(k)).norm_sqr() * set.scale;
         Ok(Self {
             window: window.clone(),
             region,
@@ -142,13 +171,18 @@ impl Periodogram {
     /// a square. Divided by `sqrt(N)` it is the frequency `nu` of the field's diagrams.
     #[must_use]
     pub fn length(&self, [kx, ky]: [i64; 2]) -> f64 {
-        let [x, y] = self.scale();
+        let [x, y] = unit_lengths(self.region);
         (kx as f64 * x).hypot(ky as f64 * y)
     }
 
     /// Length of a unit step along each axis.
     pub(super) fn scale(&self) -> [f64; 2] {
-        let aspect = (self.region.height / self.region.width).sqrt();
-        [aspect, 1.0 / aspect]
+        unit_lengths(self.region)
     }
+}
+
+/// Length of the frequency of one cycle along each axis.
+pub(super) fn unit_lengths(region: Region) -> [f64; 2] {
+    let aspect = (region.height / region.width).sqrt();
+    [aspect, 1.0 / aspect]
 }

@@ -9,7 +9,7 @@ use super::error::MeasureError;
 use super::periodogram::Periodogram;
 
 /// The frequencies whose length lies in a half-open interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct Annulus {
     /// Mean length of its frequencies: where its value belongs on the axis. See [`Periodogram::length`].
     pub frequency: f64,
@@ -24,7 +24,7 @@ pub struct Annulus {
 }
 
 /// Radial means of a periodogram.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct RadialProfile {
     /// Annuli from the lowest on; ones without a frequency are left out.
     pub annuli: Vec<Annulus>,

@@ -51,6 +51,51 @@ pub(super) struct Spread<const C: usize> {
     starts: Vec<usize>,
 }
 
+/// Which samples lie in which tile.
+pub(super) struct Tiles {
+    /// The tile of each sample.
+    keys: Vec<u32>,
+    /// Where the samples of each tile begin, sorted by tile.
+    starts: Vec<usize>,
+    /// Where those of each band begin.
+    bands: Vec<usize>,
+}
+
+impl Tiles {
+    pub fn of(samples: &[Sample], sizes: [usize; 2]) -> Self {
+        let tiles = sizes[1] / TILE + 1;
+        let bands = sizes[0] / BAND + 1;
+        let key = |first: [u32; 2]| first[0] as usize / BAND * tiles + first[1] as usize / TILE;
+        let keys: Vec<u32> = (samples.par_iter())
+            .map(|sample| key(place(sample.at, sizes).0) as u32)
+            .collect();
+        let mut starts = vec![0_usize; tiles * bands + 1];
+        for &key in &keys {
+            starts[key as usize + 1] += 1;
+        }
+        for tile in 1..starts.len() {
+            starts[tile] += starts[tile - 1];
+        }
+        let bands = starts.iter().copied().step_by(tiles).collect();
+        Self {
+            keys,
+            starts,
+            bands,
+        }
+    }
+
+    /// The indices of the samples, sorted by tile.
+    pub fn order(self) -> Vec<u32> {
+        let (mut order, mut cursors) = (vec![0; self.keys.len()], self.starts);
+        for (index, key) in self.keys.into_iter().enumerate() {
+            let cursor = &mut cursors[key as usize];
+            order[*cursor] = index as u32;
+            *cursor += 1;
+        }
+        order
+    }
+}
+
 /// A grid with margins, of `C` components that follow each other line by line.
 pub(super) struct Grid<const C: usize> {
     stride: usize,
@@ -73,21 +118,13 @@ impl<const C: usize> Spread<C> {
         sizes: [usize; 2],
         value: impl Fn(&Sample) -> [f64; C] + Sync,
     ) -> Self {
-        let tiles = sizes[1] / TILE + 1;
-        let bands = sizes[0] / BAND + 1;
-        let key = |first: [u32; 2]| first[0] as usize / BAND * tiles + first[1] as usize / TILE;
-        let keys: Vec<u32> = (samples.par_iter())
-            .map(|sample| key(place(sample.at, sizes).0) as u32)
-            .collect();
-        let mut starts = vec![0_usize; tiles * bands + 1];
-        for &key in &keys {
-            starts[key as usize + 1] += 1;
-        }
-        for tile in 1..starts.len() {
-            starts[tile] += starts[tile - 1];
-        }
+        let Tiles {
+            keys,
+            starts,
+            bands,
+        } = Tiles::of(samples, sizes);
         let empty = Placed::default();
-        let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts.clone());
+        let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts);
         for (sample, key) in samples.iter().zip(keys) {
             let (first, ahead) = place(sample.at, sizes);
             let cursor = &mut cursors[key as usize];
@@ -102,7 +139,7 @@ impl<const C: usize> Spread<C> {
             kernel: Kernel::new(),
             sizes,
             samples: sorted,
-            starts: starts.into_iter().step_by(tiles).collect(),
+            starts: bands,
         }
     }
 
@@ -157,7 +194,7 @@ impl<const C: usize> Spread<C> {
 
 /// The first grid point that a sample's kernel reaches, moved up by half a kernel, and how far it lies behind the
 /// kernel's lower end. It is at most the grid's size.
-fn place(at: [f64; 2], sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
+pub(super) fn place(at: [f64; 2], sizes: [usize; 2]) -> ([u32; 2], [f64; 2]) {
     let position = [0, 1].map(|axis| at[axis] * sizes[axis] as f64);
     let first = position.map(f64::ceil);
     let ahead = [0, 1].map(|axis| first[axis] - position[axis]);

@@ -10,7 +10,7 @@ use super::error::MeasureError;
 use super::periodogram::Periodogram;
 
 /// Confidence levels that are accepted.
-const LEVELS: [f64; 2] = [0.01, 0.999_999];
+pub(super) const LEVELS: [f64; 2] = [0.01, 0.999_999];
 
 /// What a number of values is like.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -6,6 +6,9 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::error::MeasureError;
+use super::nufft::Plan;
+
 /// A rectangle of integer frequencies, in cycles per extent of the region.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrequencyWindow {
@@ -68,6 +71,16 @@ impl FrequencyWindow {
     pub fn frequencies(&self) -> impl Iterator<Item = [i64; 2]> + use<> {
         let x = self.x.clone();
         (self.y.clone()).flat_map(move |ky| x.clone().map(move |kx| [kx, ky]))
+    }
+
+    /// Returns the working memory in bytes that the transform of this window takes, before it takes any.
+    ///
+    /// # Errors
+    ///
+    /// [`MeasureError::EmptyWindow`], [`MeasureError::FrequencyTooHigh`] and [`MeasureError::WindowTooLarge`], which name the
+    /// value and its limit.
+    pub fn bytes(&self) -> Result<u64, MeasureError> {
+        Ok(Plan::new(self)?.bytes())
     }
 
     pub(super) fn bounds(&self) -> [i64; 4] {

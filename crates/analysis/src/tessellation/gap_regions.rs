@@ -13,7 +13,7 @@ const CHORD: f64 = 0.126;
 const SEAM: f64 = 1e-12;
 
 /// A part of a gap's border, with the gap on its left.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Edge {
     /// Part of a disk's border, clockwise about the sample; a whole circle spans a full turn.
     Arc {
@@ -39,7 +39,7 @@ pub enum Edge {
 ///
 /// In a periodic domain its places are unwrapped, so that a gap across a seam is in one piece. A gap that
 /// goes around the domain meets itself a period further on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct GapRegion {
     /// Its area.
     pub area: f64,
@@ -57,7 +57,7 @@ pub struct GapRegion {
 }
 
 /// What lies between a disk and a part of a side.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Strip {
     center: [f64; 2],
     from: [f64; 2],

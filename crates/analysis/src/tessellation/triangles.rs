@@ -6,7 +6,7 @@ use super::{cross, minus};
 use crate::cover::circle::circumcircle;
 
 /// A Delaunay triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Triangle {
     /// Its samples, by index.
     pub sites: [usize; 3],

@@ -8,7 +8,11 @@
     reason = "each test binary and the example use a part of it"
 )]
 
-use tilescope_analysis::{Boundary, Region};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use tilescope_analysis::measures::MeasureError;
+use tilescope_analysis::{Boundary, Progress, Region};
 
 /// A small generator (xorshift64*), so that sets are the same everywhere and forever.
 pub struct Random(u64);
@@ -316,4 +320,37 @@ fn circumcentre(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<([f64; 2], f64)
     let x = (bb * cy - by * cc) / determinant;
     let y = (bx * cc - bb * cx) / determinant;
     Some(([a[0] + x, a[1] + y], x.hypot(y)))
+}
+
+/// Runs a measure to its end and stopped at several of its reports.
+pub fn check_reports(
+    measure: impl Fn(&(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Option<MeasureError>,
+) {
+    let (calls, furthest, total) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+    let count = |progress: Progress| {
+        calls.fetch_add(1, Ordering::Relaxed);
+        furthest.fetch_max(progress.done, Ordering::Relaxed);
+        total.store(progress.total, Ordering::Relaxed);
+        assert!(progress.done <= progress.total, "{progress:?}");
+        ControlFlow::Continue(())
+    };
+    assert_eq!(measure(&count), None);
+    let load = |value: &AtomicU64| value.load(Ordering::Relaxed);
+    assert_eq!(load(&furthest), load(&total), "all work is reported");
+    let all = load(&calls);
+    for stop in [1, 2, all / 4, all / 2, 3 * all / 4, all - 1, all] {
+        let seen = AtomicU64::new(0);
+        let control = |_: Progress| {
+            if seen.fetch_add(1, Ordering::Relaxed) + 1 >= stop {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        assert_eq!(
+            measure(&control),
+            Some(MeasureError::Cancelled),
+            "{stop} of {all}"
+        );
+    }
 }

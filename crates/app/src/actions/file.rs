@@ -3,6 +3,7 @@
 use egui::Key;
 
 use super::{COMMAND, List, Menu, SHIFT};
+use crate::combination::CombineCommand;
 use crate::command::Command;
 use crate::export::{ExportCommand, Kind};
 use crate::files::{FileCommand, Purpose};
@@ -45,6 +46,8 @@ pub(super) fn add(list: &mut List, state: &State) {
         let command = Command::Export(ExportCommand::Open(kind));
         add(list, name, keys, command, refusal.as_deref());
     }
+    let keys = Some((COMMAND | SHIFT, Key::L));
+    add(list, "Copy link", keys, Command::CopyLink, None);
     let idle = state
         .export_fraction()
         .is_none()
@@ -65,7 +68,7 @@ fn sessions(list: &mut List, state: &State) {
             "Open session\u{2026}",
             Some(Key::O),
             sheet(Purpose::Open),
-            state.open_refusal(),
+            None,
         ),
         (
             "Save session\u{2026}",
@@ -74,10 +77,22 @@ fn sessions(list: &mut List, state: &State) {
             state.save_refusal(),
         ),
         (
+            "Open a combination\u{2026}",
+            None,
+            sheet(Purpose::Combination),
+            None,
+        ),
+        (
+            "Combine nine sets (figure 12)",
+            None,
+            Command::Combine(CombineCommand::Nine),
+            None,
+        ),
+        (
             "Use a pattern from a file\u{2026}",
             None,
             sheet(Purpose::Pattern),
-            state.open_refusal(),
+            None,
         ),
         (
             "Use a generated pattern",

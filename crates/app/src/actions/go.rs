@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
 
-use super::{List, Menu, NO_EVENTS, NO_SESSION, NONE, SHIFT, time_refusals};
+use super::{List, Menu, NO_SESSION, NONE, SHIFT, no_events, time_refusals};
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::state::State;
@@ -12,7 +12,7 @@ use crate::state::State;
 pub(super) fn add(list: &mut List, state: &State) {
     let [at_end, at_start] = time_refusals(state);
     let no_session = state.session.is_none().then_some(NO_SESSION);
-    let no_events = state.debugger.is_none().then_some(NO_EVENTS);
+    let no_events = state.debugger.is_none().then_some(no_events(state));
     let play = Command::TogglePlay;
     let space = Some((NONE, Key::Space));
     list.add(Menu::Go, "Play or pause", space, play, no_session);

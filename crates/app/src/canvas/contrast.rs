@@ -5,7 +5,7 @@ use egui::{Color32, FontId, Mesh, Pos2, Rect, Stroke, Ui, vec2};
 
 use super::paint::Scene;
 use super::subject::Subject;
-use crate::compare::{Comparison, contrast};
+use crate::compare::{Comparison, contrast_of};
 use crate::sentence::stage_sentence;
 use crate::session::Session;
 use crate::state::{Side, State, Verification};
@@ -22,9 +22,17 @@ const MOST_INK: f32 = 0.25;
 /// How wide the lines of a mark are, in screen points.
 const WIDTH: f32 = 1.5;
 
-/// Returns where the two pictures go.
+/// Narrower pictures, in screen points, stand below each other where there is room.
+const NARROW: f32 = 300.0;
+
+/// Returns where the two pictures go: beside each other, or else below.
 pub fn halves(rect: Rect) -> [Rect; 2] {
     let (mut left, mut right) = (rect, rect);
+    if rect.width() < 2.0 * NARROW && rect.height() > rect.width() {
+        left.max.y = (rect.center().y - GUTTER / 2.0).round();
+        right.min.y = left.max.y + GUTTER;
+        return [left, right];
+    }
     left.max.x = (rect.center().x - GUTTER / 2.0).round();
     right.min.x = left.max.x + GUTTER;
     [left, right]
@@ -64,13 +72,19 @@ fn title(
 ) -> Title {
     let mut parts = Vec::new();
     if let (Some(own), Some(other)) = (own, other) {
-        let differing = contrast(&own.run().parameters, &other.run().parameters);
+        let differing = contrast_of(own, other).unwrap_or_default();
         parts.extend(
             differing
                 .into_iter()
                 .map(|(name, value, _)| format!("{name} {value}")),
         );
-        if parts.is_empty() {
+        if own.combination.is_some() {
+            parts.push(crate::sentence::counted(
+                own.summary.blocks,
+                "piece",
+                "pieces",
+            ));
+        } else if parts.is_empty() {
             parts.push(format!("seed {}", own.run().parameters.seed));
         }
         if own.engine != other.engine {

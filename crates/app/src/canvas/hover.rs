@@ -107,12 +107,16 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
         Standing::Dropped => "dropped outside the domain".to_owned(),
         Standing::Eliminated { by } => format!("eliminated by sample {}", grouped(by as usize)),
     };
+    let block_name = block_name(shown.session);
     let from = match shown.session.run().samples.origins[id as usize] {
         Origin::Tiled {
             block, own: true, ..
-        } => format!("of block {}", grouped(block as usize)),
+        } => format!("of {block_name} {}", grouped(block as usize)),
         Origin::Tiled { block, .. } => {
-            format!("from the margin of block {}", grouped(block as usize))
+            format!(
+                "from the margin of {block_name} {}",
+                grouped(block as usize)
+            )
         }
         Origin::Inserted { iteration, .. } => format!("inserted in iteration {iteration}"),
     };
@@ -144,6 +148,14 @@ fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, f32)> {
     Some((text, reach.fold(0.0, f64::max) as f32))
 }
 
+/// Returns what the blocks of a session are called.
+const fn block_name(session: &crate::Session) -> &'static str {
+    match session.combination {
+        Some(_) => "piece",
+        None => "block",
+    }
+}
+
 fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
     let blocks = &subject.shown.session.run().blocks;
@@ -154,7 +166,10 @@ fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
     let leaves = &blocks.leaves[..made.leaves];
     let number = leaves.iter().position(|leaf| holds(&leaf.rect))?;
     let leaf = &leaves[number];
-    let brief = format!("Block {}", grouped(number));
+    let brief = match subject.shown.session.combination {
+        Some(_) => format!("Piece {}", grouped(number)),
+        None => format!("Block {}", grouped(number)),
+    };
     let sides = [leaf.rect.width(), leaf.rect.height()].map(radii);
     let size = format!("{:.1} \u{d7} {:.1} r", sides[0], sides[1]);
     // Deeper splits come later in the list than those above them.

@@ -9,6 +9,7 @@ use crate::session::radii;
 const MAX_CELLS: f64 = 8e6;
 
 /// A grid of sample ids, sorted by cell.
+#[derive(serde::Serialize, serde::Deserialize)]
 pub struct SampleIndex {
     size: [f64; 2],
     periodic: bool,

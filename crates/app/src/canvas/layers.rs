@@ -31,14 +31,17 @@ pub enum Layer {
     Circumcircles,
     /// The splits of the KD-tree.
     Tree,
+    /// The seams of a combination, and what gluing can have touched.
+    Seams,
 }
 
 impl Layer {
     /// Every layer, in the order of the chips.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Pattern,
         Self::Blocks,
         Self::Tree,
+        Self::Seams,
         Self::Samples,
         Self::Disks,
         Self::Conflicts,
@@ -59,6 +62,7 @@ impl Layer {
             Self::Pattern => "Pattern",
             Self::Blocks => "Blocks",
             Self::Tree => "KD-tree",
+            Self::Seams => "Seams",
             Self::Samples => "Samples",
             Self::Disks => "Disks",
             Self::Conflicts => "Conflicts",
@@ -73,6 +77,26 @@ impl Layer {
         }
     }
 
+    /// Returns whether a session has something that the layer shows: seams are those of combinations, and their pieces
+    /// are cut by no tree.
+    #[must_use]
+    pub const fn is_of(self, combination: bool) -> bool {
+        match self {
+            Self::Seams => combination,
+            Self::Tree => !combination,
+            _ => true,
+        }
+    }
+
+    /// Returns its name in a session: what a combination is made of are pieces.
+    #[must_use]
+    pub const fn name_in(self, combination: bool) -> &'static str {
+        match self {
+            Self::Blocks if combination => "Pieces",
+            _ => self.name(),
+        }
+    }
+
     /// Returns what it shows, as a sentence.
     #[must_use]
     pub const fn explanation(self) -> &'static str {
@@ -81,6 +105,9 @@ impl Layer {
             Self::Blocks => "The building blocks: leaves of a random KD-tree.",
             Self::Tree => {
                 "The splits of the KD-tree, numbered as they were made; the thicker, the fewer lie above."
+            }
+            Self::Seams => {
+                "The lines along which the sets of a combination meet, and the band around them that gluing may touch."
             }
             Self::Samples => "The samples that are valid at this stage.",
             Self::Disks => "A disk of radius r around each sample: no other sample may lie in it.",
@@ -100,7 +127,7 @@ impl Layer {
 }
 
 /// A set of layers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Layers(u32);
 
 impl Default for Layers {

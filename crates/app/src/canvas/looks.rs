@@ -7,6 +7,7 @@ use egui::Color32;
 use tilescope_core::{Origin, Stage, Standing};
 
 use super::age::Ages;
+use super::brushed;
 use super::instanced::{Look, Symbol};
 use super::layers::{Colouring, Layer, Layers};
 use super::subject::Subject;
@@ -21,6 +22,8 @@ pub struct Key {
     layers: Layers,
     colouring: Colouring,
     dark: bool,
+    /// Which causes of what is brushed are shown.
+    causes: Option<u64>,
 }
 
 impl Key {
@@ -32,6 +35,7 @@ impl Key {
             layers: subject.layers,
             colouring: subject.colouring,
             dark: palette.dark,
+            causes: subject.causes.map(|found| found.serial),
         }
     }
 
@@ -131,9 +135,15 @@ impl<'a> Looks<'a> {
                 Look::new(symbol, self.color(id))
                     .with_disk(true)
                     .with_outline(symbol == Symbol::Diamond)
+                    .with_size(self.tint(id).map_or(1.0, |(_, size)| size))
             }
             _ => Look::HIDDEN,
         }
+    }
+
+    /// Returns the colour of a sample's share in what is brushed, and its size.
+    fn tint(&self, id: u32) -> Option<(Color32, f32)> {
+        brushed::tint(self.subject.causes, id, self.palette)
     }
 
     fn origin(&self, id: u32) -> &'a Origin {
@@ -142,6 +152,9 @@ impl<'a> Looks<'a> {
 
     /// Returns the colour of a sample that is there.
     pub fn color(&self, id: u32) -> Color32 {
+        if let Some((color, _)) = self.tint(id) {
+            return color;
+        }
         let origin = self.origin(id);
         match (origin, self.subject.colouring) {
             (_, Colouring::Age) => self.swatches.age(self.ages.of_sample(id, origin)),

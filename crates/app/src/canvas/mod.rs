@@ -3,6 +3,7 @@
 
 pub(crate) mod age;
 mod blocks;
+mod brushed;
 mod buffers;
 mod contrast;
 mod geometry;
@@ -18,11 +19,13 @@ mod paint;
 mod pane;
 mod raster;
 mod resident;
+pub(crate) mod seams;
 mod sprites;
 mod stack;
 mod strokes;
 pub mod subject;
 mod symbols;
+pub mod touch;
 mod tree;
 
 use eframe::egui_wgpu::RenderState;
@@ -33,7 +36,9 @@ use crate::compare::CompareCommand;
 use crate::state::State;
 use crate::theme::{Look, Palette};
 pub(crate) use contrast::mark as contrast_mark;
+pub(crate) use input::has_focus;
 use pane::Pane;
+pub(crate) use seams::symbol as seam_symbol;
 use sprites::Sprites;
 use subject::Subject;
 
@@ -151,13 +156,15 @@ impl Side<'_> {
             overlay::waiting(&painter, rect, self.waiting, palette);
             return;
         };
-        input::handle(ui, &response, subject, commands);
+        let pointer = input::handle(ui, &response, subject, commands);
         let note = pane.paint(ui, rect, subject, palette);
         let note = buffers::show(ui, rect, subject, palette, marks, note);
         overlay::scale_bar(&painter, rect, subject, palette);
-        overlay::cursor(&painter, rect, subject, response.hover_pos(), palette);
+        overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, note.as_deref(), palette);
         let brief = state.look == Look::Projector;
-        hover::show(ui, &painter, &response, subject, palette, brief);
+        if pointer.is_some() {
+            hover::show(ui, &painter, &response, subject, palette, brief);
+        }
     }
 }

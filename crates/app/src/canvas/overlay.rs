@@ -7,6 +7,9 @@ use super::subject::Subject;
 use crate::theme::Palette;
 use crate::verification::Sight;
 
+/// On a canvas that is lower than this, remarks would hide what they are about.
+const LEAST_HEIGHT: f32 = 200.0;
+
 const INSET: f32 = 18.0;
 
 /// Says that a session is on its way, or why there is none.
@@ -28,6 +31,9 @@ pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) 
 
 /// Draws a bar of a round number of r, about 80 screen points long.
 pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
+    if rect.height() < LEAST_HEIGHT {
+        return;
+    }
     let radii = round_length(110.0 / subject.camera.scale);
     let length = (radii * subject.camera.scale) as f32;
     let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
@@ -63,6 +69,9 @@ pub fn cursor(
     pointer: Option<Pos2>,
     palette: &Palette,
 ) {
+    if rect.height() < LEAST_HEIGHT {
+        return;
+    }
     let zoom = format!("{:>7.2} px/r", subject.camera.scale);
     let text = match pointer {
         Some(pos) => {
@@ -82,10 +91,11 @@ pub fn cursor(
 
 /// Draws a remark at the top of the canvas.
 pub fn note(painter: &Painter, rect: Rect, text: Option<&str>, palette: &Palette) {
-    if let Some(text) = text {
+    if let Some(text) = text.filter(|_| rect.height() >= LEAST_HEIGHT) {
         let pos = rect.center_top() + vec2(0.0, INSET - 4.0);
         let font = FontId::proportional(12.5);
-        let galley = painter.layout_no_wrap(text.to_owned(), font, palette.text);
+        let width = rect.width() - 2.0 * INSET;
+        let galley = painter.layout(text.to_owned(), font, palette.text, width);
         let place = Align2::CENTER_TOP.anchor_size(pos, galley.size());
         painter.rect_filled(place.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
         painter.galley(place.min, galley, palette.text);

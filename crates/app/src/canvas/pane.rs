@@ -5,6 +5,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2};
 use tilescope_core::Stage;
 
+use super::brushed::Edges;
 use super::layers::Layer;
 use super::looks::{Key, Looks, Swatches};
 use super::paint::Scene;
@@ -28,10 +29,11 @@ pub struct Pane {
     kept: Kept<(MadeFrom, bool)>,
     gaps: Picture,
     points: Picture,
+    edges: Edges,
 }
 
 /// What pictures and meshes follow from.
-type MadeFrom = (Frame, Key);
+pub type MadeFrom = (Frame, Key);
 
 impl Pane {
     /// Draws samples by instancing on the device of `render_state` from now on.
@@ -70,12 +72,14 @@ impl Pane {
         self.sprites.take_back(old);
         self.swatches.follow(subject, palette);
         let looks = Looks::new(subject, palette, &self.swatches);
+        self.edges.follow(scene, made_from);
         let resident = self.resident.as_mut();
         let mut stack = Stack {
             scene,
             looks: &looks,
             sprites: &mut self.sprites,
             kept: &mut self.kept,
+            edges: &self.edges,
             resident: resident.and_then(|resident| resident.follow(scene, &looks)),
         };
         stack.tints();
@@ -96,7 +100,8 @@ impl Pane {
         }
         let unmarked = super::contrast::paint(scene, crowded);
         let as_points = crowded && stack.draws_points();
-        unmarked.or_else(|| note(scene, crowded, as_points))
+        let cut = self.edges.note(crowded);
+        unmarked.or(cut).or_else(|| note(scene, crowded, as_points))
     }
 }
 

@@ -3,13 +3,14 @@
 use egui::{Painter, Rect, Shape};
 use tilescope_core::Stage;
 
+use super::brushed::Edges;
 use super::layers::Layer;
 use super::looks::Looks;
 use super::paint::Scene;
 use super::resident::Resident;
 use super::sprites::Sprites;
 use super::strokes::Kept;
-use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, symbols, tree};
+use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, seams, symbols, tree};
 
 /// What is kept as meshes from frame to frame.
 #[derive(Clone, Copy)]
@@ -21,8 +22,11 @@ enum Part {
     Tree,
     Clips,
     Conflicts,
+    Brushed,
     Samples,
     Search,
+    Band,
+    Seams,
 }
 
 /// The layers of one frame.
@@ -31,6 +35,8 @@ pub struct Stack<'a, K> {
     pub looks: &'a Looks<'a>,
     pub sprites: &'a mut Sprites,
     pub kept: &'a mut Kept<K>,
+    /// The edges of brushed pairs.
+    pub edges: &'a Edges,
     /// The samples on the GPU, if it has them.
     pub resident: Option<&'a Resident>,
 }
@@ -62,6 +68,9 @@ impl<K: PartialEq> Stack<'_, K> {
         if self.scene.has(Layer::Blocks) {
             self.keep(Part::Tints, self.scene.painter, |s| blocks::tints(s.scene));
         }
+        if self.scene.session.combination.is_some() {
+            self.keep(Part::Band, self.scene.painter, |s| seams::band(s.scene));
+        }
     }
 
     /// Draws all symbols and lines.
@@ -80,6 +89,10 @@ impl<K: PartialEq> Stack<'_, K> {
                 symbols::conflicts(s.scene, s.sprites)
             });
         }
+        let edges = self.edges;
+        self.keep(Part::Brushed, scene.painter, |s| {
+            edges.shapes(s.scene, s.sprites)
+        });
         match self.resident {
             Some(resident) => resident.symbols(scene),
             None => self.keep(Part::Samples, scene.painter, |s| {
@@ -146,6 +159,11 @@ impl<K: PartialEq> Stack<'_, K> {
                 blocks::borders(s.scene)
             });
             blocks::numbers(self.scene);
+        }
+        if self.scene.session.combination.is_some() {
+            self.keep(Part::Seams, self.scene.painter, |s| {
+                seams::lines(s.scene, s.sprites)
+            });
         }
         if self.scene.has(Layer::Tree) {
             self.keep(Part::Tree, self.scene.painter, |s| {

@@ -1,6 +1,7 @@
 //! What a canvas shows and how: a moment of a run, seen through a camera. Two canvases side by side have one each;
 //! neither knows which of two runs it shows.
 
+use crate::analysis::brush::Found;
 use crate::camera::Camera;
 use crate::canvas::layers::{Colouring, Layers};
 use crate::geometry::Geometry;
@@ -32,6 +33,8 @@ pub struct Subject<'a> {
     pub geometry: &'a Geometry,
     /// What only one of two compared runs has.
     pub contrast: Option<Contrast<'a>>,
+    /// The causes of what is brushed.
+    pub causes: Option<&'a Found>,
     /// The rows of a buffer of the GPU, where they are to be seen.
     pub buffers: Option<OnCanvas<'a>>,
 }

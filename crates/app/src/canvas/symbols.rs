@@ -62,17 +62,19 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec
 pub fn samples(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec<Shape> {
     let (scale, ctx) = (scene.scale(), scene.painter.ctx());
     let mut stamps = |sprite, radius| Stamps::of(sprites, ctx, sprite, radius);
-    let mut dots = stamps(Sprite::Dot, (0.2 * scale).clamp(1.0, 5.5));
+    let radius = (0.2 * scale).clamp(1.0, 5.5);
+    let mut dots = stamps(Sprite::Dot, radius);
     let mut crosses = stamps(Sprite::Cross, (0.26 * scale).clamp(2.2, 8.0));
     let mut diamonds = stamps(Sprite::Diamond, (0.27 * scale).clamp(2.6, 8.5));
     visit(scene, |id, pos| {
         let look = looks.of(id);
+        let by = radius * (look.size - 1.0);
         match look.symbol {
-            Symbol::Dot => dots.add(pos, look.color),
+            Symbol::Dot => dots.add_larger(pos, by, look.color),
             Symbol::Cross => crosses.add(pos, look.color),
             Symbol::Diamond => {
-                diamonds.add_larger(pos, 1.6, scene.palette.domain);
-                diamonds.add(pos, look.color);
+                diamonds.add_larger(pos, by + 1.6, scene.palette.domain);
+                diamonds.add_larger(pos, by, look.color);
             }
             Symbol::Ring | Symbol::None => {}
         }

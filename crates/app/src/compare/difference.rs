@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Point, Stage};
+use tilescope_core::Point;
 
-use crate::jobs::{Job, Wake};
-use crate::moment::Shown;
+use crate::errand::Errand;
+use crate::jobs::{Job, Monitor, Wake};
+use crate::moment::{Shown, Still};
 use crate::session::Session;
 
 /// Sets of more samples are compared in the background: it would take longer than a frame.
@@ -15,7 +16,7 @@ const MOST_AT_ONCE: usize = 50_000;
 type Key = [(u64, usize); 2];
 
 /// The samples that only one of two runs has: their ids in that run.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Difference {
     /// Those of the first run alone.
     pub first: Vec<u32>,
@@ -32,40 +33,6 @@ pub struct Differences {
     ready: Option<(Key, Difference)>,
     /// The last pair of which it could not be made.
     failed: Option<Key>,
-}
-
-/// A moment that can be taken to another thread.
-struct Moment {
-    session: Arc<Session>,
-    stage: Stage,
-    /// Which samples cover their disks; for sessions without events the stage says it.
-    covers: Option<Vec<bool>>,
-}
-
-impl Moment {
-    fn of(session: &Arc<Session>, shown: &Shown<'_>) -> Self {
-        let all = 0..session.run().samples.len() as u32;
-        Self {
-            session: Arc::clone(session),
-            stage: shown.stage,
-            covers: shown
-                .debugger
-                .map(|_| all.map(|id| shown.covers(id)).collect()),
-        }
-    }
-
-    fn covering(&self) -> Vec<(Point, u32)> {
-        let shown = Shown {
-            session: &self.session,
-            debugger: None,
-            stage: self.stage,
-        };
-        let Some(covers) = &self.covers else {
-            return covering(&shown);
-        };
-        let points = self.session.run().samples.points.iter().copied().zip(0..);
-        points.filter(|&(_, id)| covers[id as usize]).collect()
-    }
 }
 
 /// Returns whether samples of two moments can be compared by place: both runs have the same domain.
@@ -101,12 +68,11 @@ impl Differences {
         }
         let few = a.session.run().samples.len() + b.session.run().samples.len() <= MOST_AT_ONCE;
         if few {
-            self.ready = Some((key, between(covering(a), covering(b))));
+            self.ready = Some((key, between(a.covering(), b.covering())));
             return;
         }
-        let [first, second] = [Moment::of(first, a), Moment::of(second, b)];
-        let job = Job::start(wake, move |_| between(first.covering(), second.covering()));
-        self.work = Some((key, job));
+        let differing = Differing([Still::of(first, a), Still::of(second, b)]);
+        self.work = Some((key, Job::run(wake, differing)));
     }
 
     fn take(&mut self) {
@@ -132,11 +98,18 @@ impl Differences {
     }
 }
 
-/// Returns the samples that cover their disks at a moment, with their places.
-fn covering(shown: &Shown<'_>) -> Vec<(Point, u32)> {
-    let points = &shown.session.run().samples.points;
-    let all = points.iter().copied().zip(0..);
-    all.filter(|&(_, id)| shown.covers(id)).collect()
+/// Has found what only one of two moments holds.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Differing([Still; 2]);
+
+impl Errand for Differing {
+    type Outcome = Difference;
+    const NAME: &'static str = "difference";
+
+    fn carry_out(self, _: &Monitor) -> Difference {
+        let [first, second] = &self.0;
+        between(first.covering(), second.covering())
+    }
 }
 
 /// Returns what only one of two lists of places holds.

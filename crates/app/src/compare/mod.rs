@@ -10,7 +10,8 @@ use tilescope_core::{Insertion, Order, Parameters, Search, Variant};
 use tilescope_debugger::{Divergence, first_divergence, first_divergence_of_runs};
 
 use crate::command::Command;
-use crate::jobs::{Job, Wake};
+use crate::errand::{Errand, Lent};
+use crate::jobs::{Job, Monitor, Wake};
 use crate::session::Session;
 use difference::Differences;
 
@@ -192,8 +193,8 @@ impl Comparison {
             }
         };
         if !known {
-            let (a, b) = (Arc::clone(a), Arc::clone(b));
-            let job = Job::start(wake, move |_| divergence_of(&a, &b));
+            let pair = [a, b].map(|session| Lent(Arc::clone(session)));
+            let job = Job::run(wake, Dividing(pair));
             self.parting = Parting::Pending(wanted, job);
         }
     }
@@ -224,11 +225,32 @@ fn known(pair: Pair, outcome: Result<Divergence, String>) -> Parting {
     }
 }
 
+/// Has found out where two runs part.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Dividing([Lent; 2]);
+
+impl Errand for Dividing {
+    type Outcome = Divergence;
+    const NAME: &'static str = "divergence";
+
+    fn carry_out(self, _: &Monitor) -> Divergence {
+        let [a, b] = &self.0;
+        divergence_of(a, b)
+    }
+}
+
 fn divergence_of(a: &Session, b: &Session) -> Divergence {
     match (a.recording(), b.recording()) {
         (Some(a), Some(b)) => first_divergence(a, b),
         _ => first_divergence_of_runs(a.run(), b.run()),
     }
+}
+
+/// Returns the parameters by which two sessions differ, as [`contrast`] does; `None` where one is a combination.
+#[must_use]
+pub fn contrast_of(a: &Session, b: &Session) -> Option<Vec<(String, String, String)>> {
+    let glued = a.combination.is_some() || b.combination.is_some();
+    (!glued).then(|| contrast(&a.run().parameters, &b.run().parameters))
 }
 
 /// Returns the parameters by which two runs differ: the name, the first one's value and the second one's.

@@ -1,22 +1,22 @@
 //! What leaves the window as a file: samples with a certificate, pictures and animations. Formats and figures write;
 //! here it is said what of the session they are given.
 
+#[cfg(not(target_arch = "wasm32"))]
+pub mod browse;
 pub mod form;
 pub mod frames;
 mod overlays;
 pub mod picture;
 pub mod refusal;
 pub mod still;
-#[cfg(not(target_arch = "wasm32"))]
 pub mod write;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
-use crate::session::Session;
+use crate::errand::Lent;
 pub use form::{Entry, ExportForm};
 pub use frames::MOST_FRAMES;
 pub use picture::View;
@@ -136,18 +136,18 @@ pub enum ExportCommand {
 }
 
 /// All that an export needs to know, so that the window may go on meanwhile.
-#[derive(Clone)]
+#[derive(Clone, serde::Serialize, serde::Deserialize)]
 pub struct Order {
     /// The file.
     pub path: PathBuf,
     /// The session.
-    pub session: Arc<Session>,
+    pub session: Lent,
     /// What to write.
     pub content: Content,
 }
 
 /// What is written.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Content {
     /// Samples: the result, or those of a moment.
     Samples {

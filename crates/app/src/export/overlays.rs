@@ -4,12 +4,13 @@
 use tilescope_analysis::Tessellation;
 use tilescope_core::{Point, Stage};
 use tilescope_figures::{
-    Group, Marker, MomentOptions, Palette, Rect, Scene, Shape, Stroke, Style, with_alpha,
+    Fill, Group, Marker, MomentOptions, Palette, Rect, Scene, Shape, Stroke, Style, with_alpha,
 };
 
 use super::picture::View;
 use super::still::Still;
 use crate::canvas::layers::Layer;
+use crate::canvas::seams;
 use crate::geometry::{MOST_SAMPLES, region_of};
 use crate::session::{Session, radii};
 
@@ -36,16 +37,7 @@ pub fn add(
     view: &View,
     options: &MomentOptions,
 ) {
-    let frame = options.frame();
-    let overlays = Overlays {
-        session,
-        moment,
-        view,
-        palette: options.palette,
-        frame,
-        half: [0, 1].map(|k| (frame.max[k] - frame.min[k]) / view.camera.scale / 2.0),
-        center: view.camera.center,
-    };
+    let overlays = Overlays::new(session, moment, view, options);
     let has = |layer| view.layers.has(layer);
     let mut groups = Vec::new();
     if has(Layer::Delaunay) || has(Layer::Voronoi) || has(Layer::Circumcircles) {
@@ -69,6 +61,30 @@ pub fn add(
     scene.groups.splice(place..place, groups);
 }
 
+/// Adds the seams of a combination and their band to the picture of a stage, if they are shown.
+pub fn add_seams(
+    scene: &mut Scene,
+    session: &Session,
+    stage: Stage,
+    view: &View,
+    options: &MomentOptions,
+) {
+    if !view.layers.has(Layer::Seams) || session.combination.is_none() {
+        return;
+    }
+    let moment = Still {
+        cursor: None,
+        stage,
+    };
+    let overlays = Overlays::new(session, &moment, view, options);
+    let groups = overlays.seams();
+    let below =
+        |group: &Group| ["eliminated", "samples", "inserted"].contains(&group.name.as_str());
+    let place = scene.groups.iter().position(below);
+    let place = place.unwrap_or(scene.groups.len());
+    scene.groups.splice(place..place, groups);
+}
+
 struct Overlays<'a> {
     session: &'a Session,
     moment: &'a Still,
@@ -81,7 +97,66 @@ struct Overlays<'a> {
     center: [f64; 2],
 }
 
-impl Overlays<'_> {
+impl<'a> Overlays<'a> {
+    fn new(
+        session: &'a Session,
+        moment: &'a Still,
+        view: &'a View,
+        options: &MomentOptions,
+    ) -> Self {
+        let frame = options.frame();
+        Self {
+            session,
+            moment,
+            view,
+            palette: options.palette,
+            frame,
+            half: [0, 1].map(|k| (frame.max[k] - frame.min[k]) / view.camera.scale / 2.0),
+            center: view.camera.center,
+        }
+    }
+
+    /// The seams of a combination, and below them what gluing can have touched.
+    fn seams(&self) -> Vec<Group> {
+        let Some(combination) = &self.session.combination else {
+            return Vec::new();
+        };
+        let palette = if self.view.dark {
+            &crate::theme::DARK
+        } else {
+            &crate::theme::LIGHT
+        };
+        let accent = palette.accent.to_array();
+        let mut band = self.group("band");
+        for rect in &combination.band {
+            let corner = |point: Point| [radii(point.x), radii(point.y)];
+            let (low, high) = (corner(rect.min), corner(rect.max));
+            if self.sees(low, high) {
+                let [left, bottom] = self.pixel(low);
+                let [right, top] = self.pixel(high);
+                band.shapes.push(Shape::Rect {
+                    rect: Rect::new([left, top], [right, bottom]),
+                    style: Style {
+                        fill: Some(Fill::Solid(with_alpha(accent, 26))),
+                        stroke: None,
+                    },
+                });
+            }
+        }
+        let mut lines = self.group("seams");
+        let segments: Vec<_> = seams::ends(self.session)
+            .into_iter()
+            .map(|ends| ends.map(|end| self.pixel(end)))
+            .collect();
+        if !segments.is_empty() {
+            let stroke = Stroke::new(accent, 1.6);
+            lines.shapes.push(Shape::Segments { segments, stroke });
+        }
+        let mut groups = vec![band, lines];
+        groups.retain(|group| !group.shapes.is_empty());
+        groups
+    }
+
     fn group(&self, name: &str) -> Group {
         Group {
             clip: Some(self.frame),

@@ -20,7 +20,7 @@ use crate::session::Session;
 pub const MOST_DRAWN: usize = 1_000_000;
 
 /// What of the plane is seen, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct View {
     /// The camera of the canvas.
     pub camera: Camera,
@@ -177,6 +177,7 @@ fn staged(session: &Session, stage: Stage, view: &View) -> Scene {
         "inserted" => has(Layer::Inserted),
         _ => true,
     });
+    overlays::add_seams(&mut scene, session, stage, view, &options);
     scene
 }
 

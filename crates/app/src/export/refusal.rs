@@ -14,15 +14,16 @@ pub enum Refusal {
     NoSession,
     /// Animations need events.
     #[error(
-        "This session was made without events, so that there is no time to animate: runs of more than 500,000 samples keep their result alone."
+        "This session was made without events, so that there is no time to animate: runs of more than {} samples keep their result alone.",
+        grouped(crate::session::MOST_STAGED as usize)
     )]
     NoEvents,
+    /// Animations need events, and a combination has none.
+    #[error("A combination has stages but no events, so that there is no time to animate.")]
+    Combination,
     /// No sample is there.
     #[error("No sample covers its disk at this moment.")]
     NoSamples,
-    /// On the web.
-    #[error("Files are written by the native program only.")]
-    Web,
     /// No file was named.
     #[error("Name a file.")]
     NoName,

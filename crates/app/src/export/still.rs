@@ -11,7 +11,7 @@ use tilescope_formats::{PointSet, Provenance};
 use crate::session::Session;
 
 /// A moment of a session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Still {
     /// How many events have happened, where there are events.
     pub cursor: Option<usize>,
@@ -121,10 +121,22 @@ pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
     }
 }
 
-/// Returns the parameters of a session by name, for its certificate. A pattern from a file stands there by the file's
+/// Returns how a session's set was made, as certificates name it.
+#[must_use]
+pub const fn method(session: &Session) -> &'static str {
+    match session.combination {
+        Some(_) => "combined",
+        None => "kdrt",
+    }
+}
+
+/// Returns the parameters of a session by name, for its certificate: a combination's are its layout. A pattern from a file stands there by the file's
 /// name and its digest.
 #[must_use]
 pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
+    if let Some(combination) = &session.combination {
+        return BTreeMap::from([("layout".to_owned(), combination.stated.clone())]);
+    }
     let mut map: BTreeMap<String, Value> = match serde_json::to_value(session.run().parameters) {
         Ok(Value::Object(map)) => map.into_iter().collect(),
         _ => BTreeMap::new(),
@@ -143,9 +155,11 @@ pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
 #[must_use]
 pub fn provenance(session: &Session) -> Vec<(String, String)> {
     let run = session.run();
+    // A combination clips from no pattern.
+    let pattern = session.combination.is_none();
     let recording = json!({
         "digest": digest(run),
-        "pattern_digest": pattern_digest(&run.pattern),
+        "pattern_digest": pattern.then(|| pattern_digest(&run.pattern)),
         "samples": run.result.len(),
         "events": session.recording().map(|recording| recording.len()),
         "engine": session.engine,

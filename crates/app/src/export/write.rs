@@ -1,59 +1,72 @@
-//! Writing files in the background, and asking the system for their names. A file appears whole or not at all: what
-//! fails or is cancelled leaves none, and another file of that name as it was.
+//! Making the files of an order in the background: in memory, or natively on the disk, where a file appears whole or not
+//! at all. Both ways give the same bytes.
 
+use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
+use tilescope_analysis::Report;
 use tilescope_figures::{
     AnimationError, FigureError, to_pixels, to_png, to_svg, write_apng, write_gif,
 };
 use tilescope_formats::{
-    ExportContext, ExportError, Exported, FormatError, Precision, export, write_through,
-    write_whole,
+    ExportContext, ExportError, FormatError, PointSet, Warning, certificate_path, export_bytes,
 };
+#[cfg(not(target_arch = "wasm32"))]
+use tilescope_formats::{export, write_through, write_whole};
 
-use super::form::ExportForm;
-use super::picture::{View, described, recorded, scene};
-use super::still::{Still, parameter_map, point_set, provenance};
-use super::{Content, Kind, Order, extension};
+use super::picture::{described, recorded, scene};
+use super::still::{method, parameter_map, point_set, provenance};
+use super::{Content, Order, extension};
 use crate::clock::Clock;
-use crate::jobs::{Job, Monitor, Wake};
+use crate::files::NamedBytes;
+use crate::jobs::Monitor;
 use crate::verification::region_of;
 
-/// A file that was written.
-#[derive(Clone, Debug)]
-pub enum Written {
-    /// Samples and their certificate.
+/// The longest animation that is made in memory.
+pub const MOST_ANIMATION_BYTES: usize = 512 << 20;
+
+/// A file that was made.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Written {
+    /// The file.
+    pub path: PathBuf,
+    /// What it is.
+    pub what: What,
+}
+
+/// What a file is that was made.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub enum What {
+    /// Samples, beside their certificate.
     Samples {
-        /// The files and the verdict.
-        exported: Box<Exported>,
+        /// The certificate's file.
+        certificate: PathBuf,
+        /// The verdict on the samples as they were read back.
+        report: Box<Report>,
+        /// What to tell the user.
+        warnings: Vec<Warning>,
         /// Whether they are the result, which should be valid.
         result: bool,
     },
     /// A picture.
-    Picture {
-        /// The file.
-        path: PathBuf,
-    },
+    Picture,
     /// An animation.
     Animation {
-        /// The file.
-        path: PathBuf,
         /// How many frames it has.
         frames: usize,
     },
 }
 
-impl Written {
-    /// Returns the file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        match self {
-            Self::Samples { exported, .. } => &exported.path,
-            Self::Picture { path } | Self::Animation { path, .. } => path,
-        }
-    }
+/// Files that were made in memory.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Outgoing {
+    /// The files, by names without folders: what was ordered first.
+    pub files: Vec<NamedBytes>,
+    /// What they are.
+    pub written: Written,
 }
 
 /// Why no file was written.
@@ -75,30 +88,111 @@ pub enum WriteError {
     /// A file could not be written.
     #[error(transparent)]
     File(#[from] FormatError),
+    /// The files could not be put together for a download.
+    #[error(transparent)]
+    Pack(#[from] crate::files::PackError),
+    /// It was not made where its error could not come from as it was.
+    #[error("{said}")]
+    Elsewhere {
+        /// The error in words.
+        said: String,
+    },
+    /// The path ends with no name.
+    #[error("{path} names no file")]
+    NoName {
+        /// The path.
+        path: String,
+    },
 }
 
-/// Writes what was ordered.
+/// An error as it can be sent: whether somebody asked to stop, and its words.
+#[derive(Serialize, Deserialize)]
+struct Said(bool, String);
+
+impl Serialize for WriteError {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Said(matches!(self, Self::Cancelled), self.to_string()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for WriteError {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Said(cancelled, said) = Said::deserialize(deserializer)?;
+        Ok(if cancelled {
+            Self::Cancelled
+        } else {
+            Self::Elsewhere { said }
+        })
+    }
+}
+
+/// Writes what was ordered to the disk.
 ///
 /// # Errors
 ///
 /// [`WriteError`]; no file is left then, and one that was there is as it was.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn write(order: &Order, monitor: &Monitor) -> Result<Written, WriteError> {
     let written = match &order.content {
-        Content::Samples { moment, precision } => {
-            write_samples(order, moment.as_ref(), *precision, monitor)
+        Content::Samples { .. } => write_samples(order, monitor),
+        Content::Picture { .. } => picture(order, monitor).and_then(|bytes| {
+            write_whole(&order.path, &bytes)?;
+            Ok(What::Picture)
+        }),
+        Content::Animation { .. } => {
+            let written = write_through(&order.path, |file| animate(order, file, monitor));
+            written.map(|()| animation(order))
         }
-        Content::Picture {
-            moment,
-            view,
-            scale,
-        } => write_picture(order, moment, view, *scale, monitor),
-        Content::Animation { .. } => write_animation(order, monitor),
     };
+    finish(order, written, monitor)
+}
+
+/// Makes what was ordered in memory: the bytes that [`write`] puts on a disk. Samples are read back from them, verified
+/// and certified.
+///
+/// # Errors
+///
+/// [`WriteError`].
+pub fn render(order: &Order, monitor: &Monitor) -> Result<Outgoing, WriteError> {
+    let name = name_of(&order.path)?;
+    let mut files = Vec::new();
+    let made = match &order.content {
+        Content::Samples { .. } => render_samples(order, &name, &mut files, monitor),
+        Content::Picture { .. } => picture(order, monitor).map(|bytes| {
+            files.push(NamedBytes::new(name, bytes));
+            What::Picture
+        }),
+        Content::Animation { .. } => {
+            let mut bytes = Limited(Vec::new());
+            animate(order, &mut bytes, monitor).map(|()| {
+                files.push(NamedBytes::new(name, bytes.0));
+                animation(order)
+            })
+        }
+    };
+    let written = finish(order, made, monitor)?;
+    Ok(Outgoing { files, written })
+}
+
+fn name_of(path: &Path) -> Result<String, WriteError> {
+    let name = path.file_name().ok_or_else(|| WriteError::NoName {
+        path: path.display().to_string(),
+    })?;
+    Ok(name.to_string_lossy().into_owned())
+}
+
+fn finish(
+    order: &Order,
+    made: Result<What, WriteError>,
+    monitor: &Monitor,
+) -> Result<Written, WriteError> {
     // What stops because it was asked to has not failed.
-    written.map_err(|error| match error {
+    let what = made.map_err(|error| match error {
         _ if monitor.is_cancelled() => WriteError::Cancelled,
         error => error,
-    })
+    })?;
+    let path = order.path.clone();
+    Ok(Written { path, what })
 }
 
 fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
@@ -108,19 +202,21 @@ fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
     Ok(())
 }
 
-fn write_samples(
-    order: &Order,
-    moment: Option<&Still>,
-    precision: Precision,
-    monitor: &Monitor,
-) -> Result<Written, WriteError> {
-    monitor.set_activity("verifying what was written");
-    go_on(monitor)?;
+/// Returns the samples of an order, what is stated of them, and whether they are the result.
+fn samples(order: &Order) -> (PointSet, ExportContext, bool) {
     let (session, run) = (&*order.session, order.session.run());
     let mut context = ExportContext::new(region_of(session), run.domain.radius());
-    context.precision = precision;
-    "kdrt".clone_into(&mut context.method);
+    method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
+    let mut moment = None;
+    if let Content::Samples {
+        moment: wanted,
+        precision,
+    } = &order.content
+    {
+        context.precision = *precision;
+        moment = wanted.as_ref();
+    }
     let set = match moment {
         Some(moment) => {
             let description = moment.description(session);
@@ -129,37 +225,80 @@ fn write_samples(
         }
         None => point_set(run, &run.result),
     };
+    (set, context, moment.is_none())
+}
+
+const VERIFYING: &str = "verifying what was written";
+
+#[cfg(not(target_arch = "wasm32"))]
+fn write_samples(order: &Order, monitor: &Monitor) -> Result<What, WriteError> {
+    monitor.set_activity(VERIFYING);
+    go_on(monitor)?;
+    let (set, context, result) = samples(order);
     let control = |progress| monitor.follow(progress);
     let exported = export(&order.path, &set, &context, &control)?;
-    Ok(Written::Samples {
-        exported: Box::new(exported),
-        result: moment.is_none(),
+    Ok(What::Samples {
+        certificate: exported.certificate_path,
+        report: Box::new(exported.report),
+        warnings: exported.warnings,
+        result,
     })
 }
 
-fn write_picture(
+fn render_samples(
     order: &Order,
-    moment: &Still,
-    view: &View,
-    scale: f64,
+    name: &str,
+    files: &mut Vec<NamedBytes>,
     monitor: &Monitor,
-) -> Result<Written, WriteError> {
+) -> Result<What, WriteError> {
+    monitor.set_activity(VERIFYING);
+    go_on(monitor)?;
+    let (set, context, result) = samples(order);
+    let control = |progress| monitor.follow(progress);
+    let exported = export_bytes(name, &set, &context, &control)?;
+    let certificate = certificate_path(Path::new(name));
+    let beside = certificate.to_string_lossy().into_owned();
+    files.push(NamedBytes::new(name, exported.data));
+    files.push(NamedBytes::new(beside, exported.certificate_bytes));
+    Ok(What::Samples {
+        certificate,
+        report: Box::new(exported.report),
+        warnings: exported.warnings,
+        result,
+    })
+}
+
+fn picture(order: &Order, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
+    let Content::Picture {
+        moment,
+        view,
+        scale,
+    } = &order.content
+    else {
+        return Ok(Vec::new());
+    };
     monitor.set_activity("drawing");
     let scene = scene(&order.session, moment, view);
     monitor.set_fraction(0.3);
     go_on(monitor)?;
     let bytes = match extension(&order.path).as_deref() {
         Some("svg") => to_svg(&scene)?.into_bytes(),
-        _ => to_png(&scene, scale)?,
+        _ => to_png(&scene, *scale)?,
     };
     monitor.set_fraction(0.9);
     go_on(monitor)?;
-    write_whole(&order.path, &bytes)?;
-    let path = order.path.clone();
-    Ok(Written::Picture { path })
+    Ok(bytes)
 }
 
-fn write_animation(order: &Order, monitor: &Monitor) -> Result<Written, WriteError> {
+fn animation(order: &Order) -> What {
+    let frames = match &order.content {
+        Content::Animation { cursors, .. } => cursors.len(),
+        _ => 0,
+    };
+    What::Animation { frames }
+}
+
+fn animate(order: &Order, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
     let Content::Animation {
         cursors,
         view,
@@ -186,18 +325,32 @@ fn write_animation(order: &Order, monitor: &Monitor) -> Result<Written, WriteErr
             ControlFlow::Continue(())
         }
     };
-    write_through(&order.path, |file| -> Result<(), WriteError> {
-        let frames = cursors.iter().map(draw);
-        match extension(&order.path).as_deref() {
-            Some("gif") => write_gif(frames, *delay, &metadata, file, &mut tell)?,
-            _ => write_apng(frames, *delay, &metadata, file, &mut tell)?,
+    let frames = cursors.iter().map(draw);
+    match extension(&order.path).as_deref() {
+        Some("gif") => write_gif(frames, *delay, &metadata, out, &mut tell)?,
+        _ => write_apng(frames, *delay, &metadata, out, &mut tell)?,
+    }
+    Ok(())
+}
+
+/// Bytes of which there may not be too many: a browser's tab ends where its memory does.
+struct Limited(Vec<u8>);
+
+impl Write for Limited {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.0.len() + bytes.len() > MOST_ANIMATION_BYTES {
+            let most = crate::sentence::grouped(MOST_ANIMATION_BYTES);
+            return Err(io::Error::other(format!(
+                "it is longer than {most} bytes; fewer frames or a smaller scale would do"
+            )));
         }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
         Ok(())
-    })?;
-    Ok(Written::Animation {
-        path: order.path.clone(),
-        frames: cursors.len(),
-    })
+    }
 }
 
 fn described_range(cursors: &[usize], clock: Clock, every: usize, delay: u16) -> String {
@@ -210,37 +363,4 @@ fn described_range(cursors: &[usize], clock: Clock, every: usize, delay: u16) ->
         "delay_ms": 10 * u32::from(delay),
     })
     .to_string()
-}
-
-/// Opens the system's dialog; the job ends with the chosen file, or `None`.
-#[must_use]
-pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
-    let path = form.file();
-    let extensions = form.kind.extensions();
-    let name = path.file_name().map_or_else(
-        || format!("tilescope.{}", extensions[0]),
-        |name| name.to_string_lossy().into_owned(),
-    );
-    let (title, all) = match form.kind {
-        Kind::Result | Kind::Samples => {
-            ("Export the samples and their certificate", "All point sets")
-        }
-        Kind::Picture => ("Export a picture of this moment", "All pictures"),
-        Kind::Animation => ("Export an animation", "All animations"),
-    };
-    let mut dialog = rfd::AsyncFileDialog::new()
-        .set_title(title)
-        .set_file_name(name)
-        .add_filter(all, &extensions);
-    for (name, extensions) in form.kind.formats() {
-        dialog = dialog.add_filter(name, &extensions);
-    }
-    if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
-        dialog = dialog.set_directory(folder);
-    }
-    // The dialog must be made on the window's thread; waiting for it must not.
-    let answer = dialog.save_file();
-    Job::start(wake, move |_| {
-        pollster::block_on(answer).map(|file| file.path().to_owned())
-    })
 }

@@ -44,6 +44,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let mut note = mark.note.clone();
             let response = ui.add(
                 TextEdit::singleline(&mut note)
+                    .align(egui::Align2::LEFT_CENTER)
                     .hint_text("note")
                     .desired_width(f32::INFINITY),
             );
@@ -94,6 +95,7 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
         });
         let mut condition = breakpoint.condition.clone();
         let field = TextEdit::singleline(&mut condition)
+            .align(egui::Align2::LEFT_CENTER)
             .hint_text("condition, such as block == 7 && distance < 0.9")
             .code_editor()
             .desired_width(ui.available_width() - 8.0);

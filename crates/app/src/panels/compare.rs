@@ -4,7 +4,7 @@ use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
 
 use crate::command::Command;
-use crate::compare::{CompareCommand, Comparison, Rival, contrast, difference};
+use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
 use crate::sentence::{counted, grouped, stage_name};
 use crate::state::{Side, State};
 use crate::theme::Palette;
@@ -18,13 +18,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         second(ui, side, palette, &mut own);
         if let (Some(a), Some(b)) = (&state.session, &side.session) {
             heading(ui, "What differs in the parameters");
-            let differing = contrast(&a.run().parameters, &b.run().parameters);
-            if differing.is_empty() {
-                ui.label(
-                    RichText::new("Nothing: the parameters are the same.").color(palette.muted),
-                );
+            let differing = contrast_of(a, b);
+            let remark = match &differing {
+                None => "A combination is made from a layout: it has no parameters to compare.",
+                Some(none) if none.is_empty() => "Nothing: the parameters are the same.",
+                Some(_) => "",
+            };
+            if !remark.is_empty() {
+                ui.label(RichText::new(remark).color(palette.muted));
             }
-            for (name, first, second) in differing {
+            for (name, first, second) in differing.unwrap_or_default() {
                 row(ui, &name, &format!("A {first}   B {second}"), palette);
             }
             row(

@@ -2,7 +2,7 @@
 
 use egui::{Button, ComboBox, RichText, Ui};
 
-use super::parameters::{FIELD_WIDTH, labelled};
+use super::parameters::{field_width, labelled};
 use crate::command::Command;
 use crate::device::Engine;
 use crate::state::State;
@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     labelled(ui, "Engine", palette, |ui, label| {
         let combo = ComboBox::from_id_salt("Engine")
             .selected_text(text(state, state.engine))
-            .width(FIELD_WIDTH)
+            .width(field_width(ui))
             .truncate()
             .show_ui(ui, |ui| {
                 for engine in [Engine::Auto, Engine::Cpu, Engine::Gpu] {
@@ -26,6 +26,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             });
         combo.response.labelled_by(label).on_hover_text(EXPLANATION);
     });
+    if let Some(chosen) = state.chosen() {
+        ui.label(RichText::new(chosen).small().color(palette.muted));
+    }
     if let Some(said) = state.device.said() {
         let color = match state.device.refusal() {
             Some(_) => palette.conflict,
@@ -52,6 +55,9 @@ fn entry(ui: &mut Ui, state: &State, engine: Engine, commands: &mut Vec<Command>
 
 fn text(state: &State, engine: Engine) -> String {
     match (engine, state.device.name()) {
+        (Engine::Auto, Some(name)) if state.device_takes(Engine::Auto) => {
+            format!("auto (GPU {name})")
+        }
         (Engine::Auto, _) => "auto (CPU)".to_owned(),
         (Engine::Cpu, _) => "CPU".to_owned(),
         (Engine::Gpu, None) => "GPU".to_owned(),

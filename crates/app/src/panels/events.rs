@@ -8,10 +8,12 @@ use tilescope_debugger::{Debugger, OutlineRows};
 
 use super::no_events;
 use crate::command::{Command, DebugCommand};
+use crate::focus;
 use crate::sentence::{counted, grouped};
 use crate::state::{Found, MOST_FOUND, State};
-use crate::theme::Palette;
+use crate::theme::{Palette, is_for_fingers, row_height};
 
+/// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;
 
 /// Shows the panel.
@@ -23,6 +25,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let mut text = state.query.text.clone();
     let field = TextEdit::singleline(&mut text)
+        .align(egui::Align2::LEFT_CENTER)
         .hint_text("insert iteration>1 block=7")
         .desired_width(ui.available_width() - 16.0);
     let response = ui.add(field);
@@ -91,21 +94,23 @@ fn list(
         (_, None) => None,
     };
     ui.spacing_mut().item_spacing.y = 0.0;
+    let height = row_height(ui.ctx(), ROW);
     let mut area = ScrollArea::vertical()
         .auto_shrink([false, false])
         .id_salt(found.is_some());
     let seen = ui.scope_id().with(("seen", found.is_some()));
     if ui.data(|data| data.get_temp::<Option<usize>>(seen)) != Some(here) {
         ui.data_mut(|data| data.insert_temp(seen, here));
-        let offset = here.unwrap_or(0) as f32 * ROW - 0.4 * ui.available_height();
+        let offset = here.unwrap_or(0) as f32 * height - 0.4 * ui.available_height();
         area = area.vertical_scroll_offset(offset.max(0.0));
     }
-    area.show_rows(ui, ROW, count, |ui, rows| {
+    area.show_rows(ui, height, count, |ui, rows| {
         for row in rows {
             if let Some(line) = line(row) {
                 show_row(ui, state, debugger, &line, here == Some(row), commands);
             }
         }
+        focus::follow(ui);
     });
 }
 
@@ -127,8 +132,10 @@ fn show_row(
 ) {
     let palette = Palette::of(state.look);
     let index = line.event;
-    let (rect, response) =
-        ui.allocate_exact_size(vec2(ui.available_width() - 10.0, ROW), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(
+        vec2(ui.available_width() - 10.0, row_height(ui.ctx(), ROW)),
+        Sense::click(),
+    );
     let text = tilescope_debugger::short(debugger.recording(), index);
     let label = format!("Event {}: {text}", grouped(index));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
@@ -185,7 +192,13 @@ fn arrow(
     commands: &mut Vec<Command>,
 ) {
     let at = rect.left_center() + vec2(9.0 + indent, 0.0);
-    let area = egui::Rect::from_center_size(at, vec2(16.0, ROW));
+    let area = egui::Rect::from_center_size(
+        at,
+        vec2(
+            if is_for_fingers(ui.ctx()) { 36.0 } else { 16.0 },
+            rect.height(),
+        ),
+    );
     let response = ui.interact(area, ui.scope_id().with(("arrow", event)), Sense::click());
     let name = format!(
         "{} event {}",

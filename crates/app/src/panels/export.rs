@@ -4,7 +4,7 @@
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_formats::{Format, Precision};
 
-use super::sheet::{entered, escaped, just_opened, select_all};
+use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::draft::sentence;
@@ -35,10 +35,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+        .anchor(Align2::CENTER_CENTER, above_middle(ui))
         .show(ui.ctx(), |ui| {
-            ui.set_width(480.0);
-            sheet.contents(ui);
+            scrolled(ui, 480.0, |ui| sheet.contents(ui));
         });
     if !open || escaped(ui, state) {
         sheet.commands.push(ExportCommand::Close);
@@ -96,6 +95,10 @@ impl Sheet<'_> {
 
     fn explanation(&self) -> String {
         match self.form.kind {
+            Kind::Result if self.state.in_browser() => {
+                "The result is written, read back and verified; it is downloaded with its certificate, in one archive."
+                    .to_owned()
+            }
             Kind::Result => {
                 "The result is written, read back and verified; its certificate is put beside it."
                     .to_owned()
@@ -130,7 +133,7 @@ impl Sheet<'_> {
         let missing = missing.map(|(view, session)| view.missing(session));
         let names: Vec<&str> = missing.iter().flatten().map(|layer| layer.name()).collect();
         let session = self.state.session.as_ref();
-        let mut text = " What is selected, compared or on the GPU is left out.".to_owned();
+        let mut text = " What is selected, brushed, compared or on the GPU is left out.".to_owned();
         if session.is_some_and(|session| session.run().domain.is_periodic()) {
             text.push_str(" Around a periodic domain its copies are drawn, too.");
         }
@@ -142,13 +145,22 @@ impl Sheet<'_> {
     }
 
     fn file(&mut self, ui: &mut Ui) {
-        let label = ui.label("File");
+        let web = self.state.in_browser();
+        let label = ui.label(if web { "File name" } else { "File" });
         ui.horizontal(|ui| {
             let mut path = self.form.path.clone();
             let edit = TextEdit::singleline(&mut path)
+                .align(egui::Align2::LEFT_CENTER)
                 .font(egui::TextStyle::Monospace)
                 .margin(egui::Margin::symmetric(8, 6))
-                .desired_width(395.0);
+                .desired_width(
+                    ui.available_width()
+                        - if web {
+                            16.0
+                        } else {
+                            67.0 + 2.0 * ui.spacing().button_padding.x
+                        },
+                );
             let response = ui.add(edit).labelled_by(label.id);
             if just_opened(ui, "export") {
                 select_all(ui, &response, path.chars().count());
@@ -157,7 +169,7 @@ impl Sheet<'_> {
                 self.commands.push(ExportCommand::Path(path));
             }
             self.write_on_enter(ui, &response);
-            if ui.button("Browse\u{2026}").clicked() {
+            if !web && ui.button("Browse\u{2026}").clicked() {
                 self.commands.push(ExportCommand::Browse);
             }
         });
@@ -235,8 +247,8 @@ impl Sheet<'_> {
 
     /// A name and what stands beside it.
     fn named(&mut self, ui: &mut Ui, name: &str, add: impl FnOnce(&mut Self, &mut Ui, egui::Id)) {
-        ui.horizontal(|ui| {
-            ui.set_height(28.0);
+        ui.horizontal_wrapped(|ui| {
+            ui.set_min_height(28.0);
             let size = vec2(NAME_WIDTH, 20.0);
             let place = egui::Layout::left_to_right(egui::Align::Center);
             let label = ui.allocate_ui_with_layout(size, place, |ui| {
@@ -255,6 +267,7 @@ impl Sheet<'_> {
         };
         let mut text = text.clone();
         let edit = TextEdit::singleline(&mut text)
+            .align(egui::Align2::LEFT_CENTER)
             .id_salt(entry)
             .font(egui::TextStyle::Monospace)
             .text_color_opt((is_wrong && enabled).then_some(self.palette.conflict))
@@ -292,7 +305,6 @@ impl Sheet<'_> {
     /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so that a double click
     /// on the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
-        #[cfg(not(target_arch = "wasm32"))]
         if let Some(job) = &self.state.exporting {
             let activity = sentence(&job.activity());
             let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
@@ -328,9 +340,19 @@ impl Sheet<'_> {
                 let name = taken.file_name().unwrap_or_default().to_string_lossy();
                 format!("Replace {name}?")
             }
-            (_, Kind::Result | Kind::Samples) => "Write file and certificate".to_owned(),
-            (_, Kind::Picture) => "Write picture".to_owned(),
-            (_, Kind::Animation) => "Write animation".to_owned(),
+            (_, kind) => {
+                let verb = if self.state.in_browser() {
+                    "Download"
+                } else {
+                    "Write"
+                };
+                let what = match kind {
+                    Kind::Result | Kind::Samples => "file and certificate",
+                    Kind::Picture => "picture",
+                    Kind::Animation => "animation",
+                };
+                format!("{verb} {what}")
+            }
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The sheet of saved sessions and pattern files.
 
-use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
 
 use super::read_out;
-use super::sheet::{entered, escaped, just_opened, select_all};
+use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all, width};
 use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::state::State;
@@ -26,10 +26,9 @@ fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+        .anchor(Align2::CENTER_CENTER, above_middle(ui))
         .show(ui.ctx(), |ui| {
-            ui.set_width(480.0);
-            contents(ui, state, form, own);
+            scrolled(ui, 480.0, |ui| contents(ui, state, form, own));
         });
     if !open || escaped(ui, state) {
         own.push(FileCommand::Close);
@@ -39,28 +38,11 @@ fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
 fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     let palette = Palette::of(state.look);
     ui.label(RichText::new(form.purpose.explanation()).color(palette.muted));
+    if let Some(more) = state.in_browser().then(|| together(form.purpose)).flatten() {
+        ui.label(RichText::new(more).color(palette.muted));
+    }
     ui.add_space(8.0);
-    let label = ui.label("File");
-    ui.horizontal(|ui| {
-        let mut path = form.path.clone();
-        let edit = TextEdit::singleline(&mut path)
-            .font(egui::TextStyle::Monospace)
-            .margin(egui::Margin::symmetric(8, 6))
-            .desired_width(370.0);
-        let response = ui.add(edit).labelled_by(label.id);
-        if just_opened(ui, form.purpose.title()) {
-            select_all(ui, &response, path.chars().count());
-        }
-        if response.changed() {
-            own.push(FileCommand::Path(path));
-        }
-        if entered(ui, &response) && refusal(state, form).is_none() {
-            own.push(FileCommand::Go);
-        }
-        if ui.button("Browse\u{2026}").clicked() {
-            own.push(FileCommand::Browse);
-        }
-    });
+    file(ui, state, form, own);
     // The line has its room whether or not there is a question.
     let question = if form.asked {
         "There is such a file already."
@@ -86,26 +68,67 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     });
 }
 
+/// Returns what is chosen at once where no file is looked up by another.
+const fn together(purpose: Purpose) -> Option<&'static str> {
+    match purpose {
+        Purpose::Save => None,
+        Purpose::Pattern | Purpose::Against => Some("Choose the set and its certificate at once."),
+        Purpose::Open => {
+            Some("If its pattern comes from a file, choose that and its certificate at once.")
+        }
+        Purpose::Combination => {
+            Some("Choose the sets that it names and their certificates at once.")
+        }
+    }
+}
+
+/// The file's name. In a browser names are typed only where something is saved, and its dialog is only for what is opened.
+fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
+    let (web, saves) = (state.in_browser(), form.purpose == Purpose::Save);
+    let label = ui.label(if web && saves { "File name" } else { "File" });
+    ui.horizontal(|ui| {
+        let mut path = form.path.clone();
+        let edit = TextEdit::singleline(&mut path)
+            .font(egui::TextStyle::Monospace)
+            .margin(egui::Margin::symmetric(8, 6))
+            .interactive(saves || !web)
+            .desired_width(ui.available_width() - 110.0);
+        let response = ui.add(edit).labelled_by(label.id);
+        if just_opened(ui, form.purpose.title()) && (saves || !web) {
+            select_all(ui, &response, path.chars().count());
+        }
+        if response.changed() {
+            own.push(FileCommand::Path(path));
+        }
+        if entered(ui, &response) && refusal(state, form).is_none() {
+            own.push(FileCommand::Go);
+        }
+        if !(web && saves) && ui.button("Browse\u{2026}").clicked() {
+            own.push(FileCommand::Browse);
+        }
+    });
+}
+
 fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
     if busy(state).is_some() {
         Some("A file is being read or written.")
     } else if form.path.trim().is_empty() {
-        Some("Name a file.")
+        Some(if state.in_browser() && form.purpose != Purpose::Save {
+            "Choose a file."
+        } else {
+            "Name a file."
+        })
     } else if form.purpose == Purpose::Save {
         state.save_refusal()
+    } else if form.purpose == Purpose::Against && state.session.is_none() {
+        Some("There is no session yet.")
     } else {
         None
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 fn busy(state: &State) -> Option<f32> {
     state.filing.as_ref().map(|filing| filing.job.fraction())
-}
-
-#[cfg(target_arch = "wasm32")]
-fn busy(_: &State) -> Option<f32> {
-    None
 }
 
 /// Shows how far a file is read or written, and the way out.
@@ -128,9 +151,9 @@ fn dropped(ui: &Ui, state: &State, own: &mut Vec<FileCommand>) {
     Window::new("Opening the dropped file")
         .collapsible(false)
         .resizable(false)
-        .anchor(Align2::CENTER_CENTER, vec2(0.0, -40.0))
+        .anchor(Align2::CENTER_CENTER, above_middle(ui))
         .show(ui.ctx(), |ui| {
-            ui.set_width(320.0);
+            ui.set_width(width(ui, 320.0));
             ui.horizontal(|ui| progress(ui, state, palette, own));
         });
 }

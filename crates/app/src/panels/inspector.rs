@@ -185,13 +185,15 @@ fn sample(ui: &mut Ui, shown: &Shown<'_>, id: u32, palette: &Palette, commands: 
             pattern,
             own,
         } => {
-            row(ui, "Tiled into block", &block.to_string(), palette);
-            row(ui, "Pattern sample", &grouped(pattern as usize), palette);
-            let lies = if own {
-                "inside its block"
+            let glued = session.combination.is_some();
+            let (of, index, inside) = if glued {
+                ("Of piece", "Sample of its set", "inside its rectangle")
             } else {
-                "in the margin"
+                ("Tiled into block", "Pattern sample", "inside its block")
             };
+            row(ui, of, &block.to_string(), palette);
+            row(ui, index, &grouped(pattern as usize), palette);
+            let lies = if own { inside } else { "in the margin" };
             row(ui, "Lies", lies, palette);
         }
         Origin::Inserted { iteration, sites } => {

@@ -13,8 +13,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
-        for layer in Layer::ALL {
-            if chip(ui, layer, state.layers.has(layer), palette).clicked() {
+        let combination = state.shows_combination();
+        let offered = |layer: &Layer| layer.is_of(combination);
+        for layer in Layer::ALL.into_iter().filter(offered) {
+            let named = (layer, layer.name_in(combination));
+            if chip(ui, named, state.layers.has(layer), palette).clicked() {
                 commands.push(Command::ToggleLayer(layer));
             }
         }

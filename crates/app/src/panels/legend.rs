@@ -2,6 +2,7 @@
 
 use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
+use crate::analysis::brush::Cause;
 use crate::canvas::age::{Ages, LAST_TILED};
 use crate::canvas::layers::{Colouring, Layer};
 use crate::command::Command;
@@ -19,11 +20,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
+    let combination = state.shows_combination();
     for (layer, meaning) in [
         (Layer::Samples, "sample"),
         (Layer::Disks, "disk of radius r"),
         (Layer::Blocks, "building block"),
         (Layer::Tree, "split of the KD-tree"),
+        (Layer::Seams, "seam, and how far gluing may reach"),
         (Layer::Pattern, "clip: block enlarged by r"),
         (Layer::Conflicts, "conflict: closer than r"),
         (Layer::Eliminated, "eliminated sample"),
@@ -32,6 +35,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Layer::Candidates, "candidate place"),
         (Layer::Inserted, "inserted sample"),
     ] {
+        let meaning = match layer {
+            Layer::Blocks if combination => "rectangle of a piece",
+            Layer::Pattern if combination => "rectangle enlarged by r",
+            layer if !layer.is_of(combination) => continue,
+            _ => meaning,
+        };
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
             symbol(ui.painter(), layer, rect.center(), palette);
@@ -40,6 +49,38 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     if state.comparison.is_some() {
         marks(ui, palette);
+    }
+    if let Some(found) = state.causes() {
+        brushed(ui, &found.cause, palette);
+    }
+}
+
+/// Shows what is drawn for what is brushed.
+fn brushed(ui: &mut Ui, cause: &Cause, palette: &Palette) {
+    let entries: &[_] = match cause {
+        Cause::Pairs { .. } => &[(palette.margin, 0.0, "brushed pair of samples")],
+        Cause::Shares { .. } => &[
+            (
+                palette.conflict,
+                6.0,
+                "adds more to the brushed power than the mean sample",
+            ),
+            (palette.eliminated, 4.0, "adds as much as the mean sample"),
+            (palette.detector, 2.0, "adds less, or takes from it"),
+        ],
+    };
+    for (color, radius, meaning) in entries {
+        ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
+            let painter = ui.painter();
+            if *radius > 0.0 {
+                painter.circle_filled(rect.center(), *radius, *color);
+            } else {
+                let ends = [rect.left_center(), rect.right_center()];
+                painter.line_segment(ends, egui::Stroke::new(1.5, *color));
+            }
+            ui.label(RichText::new(*meaning).size(12.5).color(palette.muted));
+        });
     }
 }
 
@@ -59,13 +100,14 @@ fn marks(ui: &mut Ui, palette: &Palette) {
 
 fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    ui.horizontal(|ui| {
+    let combination = state.shows_combination();
+    ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
         for (colouring, name, explanation) in [
             (
                 Colouring::Block,
-                "by block",
-                "Samples have the colour of the block they were tiled into.",
+                if combination { "by piece" } else { "by block" },
+                "Samples have the colour of the block, or the piece, that they come from.",
             ),
             (
                 Colouring::Provenance,

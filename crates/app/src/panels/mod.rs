@@ -1,7 +1,10 @@
 //! The panels of the window. Each reads the state and pushes commands; none changes anything.
 
+mod analysis;
 mod bookmarks;
+pub mod compact;
 mod compare;
+mod embedded;
 mod engine;
 mod events;
 mod export;
@@ -23,8 +26,12 @@ mod watches;
 
 use egui::{CentralPanel, Frame, Margin, ScrollArea, Ui};
 
+pub use embedded::show as show_embedded;
+pub(crate) use timeline::happened;
+
 use crate::canvas::Canvas;
 use crate::command::Command;
+use crate::focus;
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::Palette;
@@ -41,7 +48,13 @@ pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .show(ui, |ui| toolbar::show(ui, state, commands));
 }
 
-/// Shows what a projector should show: the canvas, what happened, the controls and the line.
+/// How wide the analysis is on a projector, in its larger screen points.
+const PROJECTED: f32 = 290.0;
+/// The part of the window that it takes at most.
+const PROJECTED_PART: f32 = 0.33;
+
+/// Shows what a projector should show: the canvas, what happened, the controls and the line; the analysis, too, where its
+/// panel is open.
 pub fn show_projector(
     ui: &mut Ui,
     state: &State,
@@ -57,6 +70,17 @@ pub fn show_projector(
             pseudocode::next_line(ui, state);
             timeline::show(ui, state, commands);
         });
+    if state.analyses() {
+        let side = Frame::new().fill(palette.panel);
+        egui::Panel::left("projected analysis")
+            .exact_size(PROJECTED.min(PROJECTED_PART * ui.available_width()))
+            .frame(side.inner_margin(Margin::symmetric(10, 4)))
+            .show(ui, |ui| {
+                scrolled(ui, Panel::Analysis, |ui| {
+                    analysis::show(ui, state, commands);
+                });
+            });
+    }
     CentralPanel::no_frame()
         .frame(Frame::new())
         .show(ui, |ui| canvas.show(ui, state, commands));
@@ -104,6 +128,7 @@ pub fn show_panel(
                 Panel::Verification => verification::show(ui, state, commands),
                 Panel::Legend => legend::show(ui, state, commands),
                 Panel::Compare => compare::show(ui, state, commands),
+                Panel::Analysis => analysis::show(ui, state, commands),
                 Panel::Canvas
                 | Panel::Timeline
                 | Panel::Pseudocode
@@ -137,6 +162,7 @@ fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {
         .show(ui, |ui| {
             ui.set_max_width(ui.available_width() - 12.0);
             add(ui);
+            focus::follow(ui);
         });
 }
 
@@ -153,13 +179,17 @@ fn divide(ui: &mut Ui, palette: &Palette) {
 fn no_events(ui: &mut Ui, state: &State) {
     let palette = Palette::of(state.look);
     let text = match &state.session {
-        None => "There is no session yet.",
+        None => "There is no session yet.".to_owned(),
+        Some(session) if session.combination.is_some() => {
+            "A combination has stages but no events: its sets were there before.".to_owned()
+        }
         Some(session) if session.has_stages() => {
-            "The GPU's run differs from the CPU's, so that it has no events."
+            "The GPU's run differs from the CPU's, so that it has no events.".to_owned()
         }
-        Some(_) => {
-            "A run of more than 500,000 samples keeps its result alone: there are no events to step through."
-        }
+        Some(_) => format!(
+            "A run of more than {} samples keeps its result alone: there are no events to step through.",
+            crate::sentence::grouped(crate::session::MOST_STAGED as usize)
+        ),
     };
     ui.label(egui::RichText::new(text).color(palette.muted));
 }

@@ -7,7 +7,7 @@ use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, icon_button, verdict_mark};
 
-/// Shows the notice, if there is one, over the lower part of the canvas.
+/// Shows the notice, if there is one, over the canvas.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(notice) = &state.notice else {
         return;
@@ -18,9 +18,15 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         palette.accent
     };
+    // On a small window the controls of time are below the canvas.
+    let (corner, offset) = if state.drawer.arrangement.is_compact() {
+        (Align2::CENTER_TOP, vec2(0.0, 56.0))
+    } else {
+        (Align2::CENTER_BOTTOM, vec2(0.0, -128.0))
+    };
     Area::new(Id::unique("notice"))
         .order(Order::Foreground)
-        .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -128.0))
+        .anchor(corner, offset)
         .show(ui.ctx(), |ui| {
             Frame::new()
                 .fill(palette.raised)
@@ -29,13 +35,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 .shadow(ui.visuals().window_shadow)
                 .inner_margin(Margin::symmetric(14, 8))
                 .show(ui, |ui| {
-                    ui.set_max_width(640.0);
+                    let width = super::sheet::width(ui, 640.0);
+                    ui.set_max_width(width);
                     ui.horizontal(|ui| {
                         let size = vec2(16.0, 22.0);
                         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
                         verdict_mark(ui.painter(), rect.center(), !notice.is_error, color);
                         ui.scope(|ui| {
-                            ui.set_max_width(560.0);
+                            ui.set_max_width(width - 80.0);
                             let text = RichText::new(&notice.text);
                             let response = ui.add(egui::Label::new(text).wrap());
                             super::read_out(ui, &response);

@@ -4,11 +4,13 @@ use egui::{
     Align2, FontId, Key, Modal, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
 };
 
+use super::sheet;
 use crate::actions::{Action, Palette as Actions};
 use crate::command::Command;
 use crate::state::State;
-use crate::theme::Palette;
+use crate::theme::{Palette, row_height};
 
+/// Height of a row, unless it is made for fingers.
 const ROW: f32 = 30.0;
 
 /// Shows the list, if it is open.
@@ -16,18 +18,24 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(open) = &state.palette else {
         return;
     };
-    let found = open.found(state);
-    let choice = open.choice.min(found.len().saturating_sub(1));
+    let mut found = Vec::new();
     let modal = Modal::new(egui::Id::unique("actions")).show(ui.ctx(), |ui| {
-        ui.set_width(480.0);
-        field(ui, open, commands);
+        ui.set_width(sheet::width(ui, 480.0));
+        // What is typed counts for an Enter of the same frame.
+        let open = field(ui, open, commands);
+        found = open.found(state);
+        let choice = open.choice.min(found.len().saturating_sub(1));
         ui.add_space(6.0);
         let seen = ui.scope_id().with("seen");
         let moved = ui.data(|data| data.get_temp(seen)) != Some(choice);
         ui.data_mut(|data| data.insert_temp(seen, choice));
-        let mut done = keys(ui, choice, found.len(), commands).then_some(choice);
+        let room = ui.ctx().content_rect().height() - 110.0;
+        let enters = keys(ui, choice, found.len(), commands);
+        // What nobody has named or gone to is not done because Enter came before it could be typed.
+        let is_meant = choice > 0 || !open.text.trim().is_empty();
+        let mut done = (enters && is_meant).then_some(choice);
         ScrollArea::vertical()
-            .max_height(12.0 * ROW)
+            .max_height(room.min(12.0 * ROW))
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
@@ -56,10 +64,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) {
+/// Returns the list as it is narrowed by what is typed now.
+fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> Actions {
     let mut text = open.text.clone();
     let response = ui.add(
         TextEdit::singleline(&mut text)
+            .align(egui::Align2::LEFT_CENTER)
             .hint_text("What do you want to do?")
             .desired_width(f32::INFINITY),
     );
@@ -67,9 +77,11 @@ fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) {
     if !response.has_focus() {
         response.request_focus();
     }
-    if response.changed() {
-        commands.push(Command::PaletteText(text));
+    if !response.changed() {
+        return open.clone();
     }
+    commands.push(Command::PaletteText(text.clone()));
+    Actions { text, choice: 0 }
 }
 
 /// Moves the choice; returns whether it was confirmed.
@@ -93,7 +105,8 @@ fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool, moved:
     } else {
         Sense::hover()
     };
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), sense);
+    let (rect, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), row_height(ui.ctx(), ROW)), sense);
     response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
     if chosen {
         ui.painter()

@@ -14,8 +14,16 @@ use crate::widgets::{heading, primary_button};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 100.0;
-/// How wide a field is with its frame.
-pub(super) const FIELD_WIDTH: f32 = 132.0;
+/// How wide a field is with its frame, at least and at most.
+const FIELD_WIDTHS: [f32; 2] = [72.0, 132.0];
+/// What is left beside a field for its unit.
+const UNIT_WIDTH: f32 = 14.0;
+
+/// How wide a field is where there is room from `ui`'s cursor to the panel's right edge.
+pub(super) fn field_width(ui: &Ui) -> f32 {
+    let [least, most] = FIELD_WIDTHS;
+    (ui.available_width() - UNIT_WIDTH).clamp(least, most)
+}
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -82,6 +90,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     let Some(own) = &state.own_pattern else {
+        repeats(ui, state, palette);
         return;
     };
     let text = format!(
@@ -92,6 +101,15 @@ fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.label(RichText::new(text).color(palette.muted));
     if ui.link("Use a generated pattern").clicked() {
         commands.push(Command::File(FileCommand::GeneratedPattern));
+    }
+}
+
+/// Says that the pattern repeats itself within blocks, if it does.
+fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
+    if let Some(side) = state.draft.parameters.side_without_repeats() {
+        let text =
+            format!("It repeats itself within the largest blocks; a side of {side} r holds them.");
+        ui.label(RichText::new(text).color(palette.muted));
     }
 }
 
@@ -179,15 +197,8 @@ fn number(
     let palette = Palette::of(state.look);
     let refusal = refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
-        edit(
-            ui,
-            state,
-            field,
-            name,
-            FIELD_WIDTH,
-            refusal.is_some(),
-            commands,
-        );
+        let width = field_width(ui);
+        edit(ui, state, field, name, width, refusal.is_some(), commands);
         if !unit.is_empty() {
             ui.label(RichText::new(unit).color(palette.muted));
         }
@@ -210,7 +221,7 @@ fn pair(
     let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        let width = (FIELD_WIDTH - 6.0) / 2.0;
+        let width = (field_width(ui) - 6.0) / 2.0;
         for (field, name) in fields {
             edit(
                 ui,
@@ -240,6 +251,7 @@ fn edit(
     let palette = Palette::of(state.look);
     let mut text = state.draft.text(field).to_owned();
     let edit = TextEdit::singleline(&mut text)
+        .align(egui::Align2::LEFT_CENTER)
         .id_salt(name)
         .font(egui::TextStyle::Monospace)
         .text_color_opt(is_wrong.then_some(palette.conflict))
@@ -272,7 +284,8 @@ fn choice<T: Copy + PartialEq>(
     labelled(ui, name, palette, |ui, label| {
         let combo = ComboBox::from_id_salt(name)
             .selected_text(text.map_or("", |(_, text)| text))
-            .width(FIELD_WIDTH)
+            .width(field_width(ui))
+            .truncate()
             .show_ui(ui, |ui| {
                 for (value, text) in options {
                     ui.selectable_value(&mut chosen, *value, *text);

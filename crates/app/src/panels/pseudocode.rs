@@ -10,8 +10,9 @@ use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, List
 
 use super::no_events;
 use crate::command::{Command, DebugCommand, TimeCommand};
+use crate::focus;
 use crate::state::State;
-use crate::theme::{Palette, semibold};
+use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
 const GUTTER: f32 = 22.0;
 
@@ -63,6 +64,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     }
                 }
             }
+            focus::follow(ui);
         });
 }
 
@@ -76,7 +78,12 @@ fn show_line(
 ) {
     let palette = Palette::of(state.look);
     let current = next == Some(id);
-    let indent = GUTTER + 10.0 * line.indentation as f32;
+    let wide = if is_for_fingers(ui.ctx()) {
+        FINGER - 4.0
+    } else {
+        GUTTER
+    };
+    let indent = wide + 10.0 * line.indentation as f32;
     let width = (ui.available_width() - indent - 8.0).max(40.0);
     let color = if current {
         palette.text
@@ -86,9 +93,11 @@ fn show_line(
     let galley = ui
         .painter()
         .layout(line.text.clone(), FontId::monospace(11.5), color, width);
-    let size = vec2(ui.available_width() - 4.0, galley.size().y + 6.0);
+    let height = row_height(ui.ctx(), galley.size().y + 6.0);
+    let size = vec2(ui.available_width() - 4.0, height);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-    let gutter = egui::Rect::from_min_size(rect.min, vec2(GUTTER, rect.height()));
+    let top = rect.center().y - galley.size().y / 2.0;
+    let gutter = egui::Rect::from_min_size(rect.min, vec2(wide, rect.height()));
     let body = egui::Rect::from_min_max(pos2(gutter.right(), rect.top()), rect.max);
     let scope = ui.scope_id();
     let text = ui.interact(body, scope.with(("line", id.0)), Sense::click());
@@ -117,7 +126,7 @@ fn show_line(
             .rect_filled(body, 4.0, palette.text.gamma_multiply(0.06));
     }
     ui.painter()
-        .galley(pos2(rect.left() + indent, rect.top() + 3.0), galley, color);
+        .galley(pos2(rect.left() + indent, top), galley, color);
     breakpoint(ui, debugger, (id, line), gutter, palette, commands);
     if text
         .on_hover_cursor(CursorIcon::PointingHand)
@@ -198,10 +207,14 @@ pub fn next_line(ui: &mut Ui, state: &State) {
         .debugger
         .as_ref()
         .and_then(|d| lines.line(d.event()?.line()));
+    let otherwise = if state.shows_combination() {
+        ("combine", "Maximal sets become one along their seams.")
+    } else {
+        ("end", "The run is over.")
+    };
     ui.horizontal(|ui| {
         ui.set_height(18.0);
-        let (number, text) =
-            line.map_or(("end", "The run is over."), |line| (&line.id, &line.text));
+        let (number, text) = line.map_or(otherwise, |line| (&line.id, &line.text));
         ui.label(RichText::new(number).monospace().color(palette.accent));
         ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
             ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());

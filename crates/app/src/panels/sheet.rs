@@ -2,7 +2,42 @@
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
-use egui::{Event, Key, Response, Ui};
+use egui::{Event, Key, Response, ScrollArea, Ui, Vec2, vec2};
+
+use crate::focus;
+
+/// Returns how wide a sheet is: `width`, in screen points, or what the window has room for.
+pub fn width(ui: &Ui, width: f32) -> f32 {
+    let margin = ui.spacing().window_margin;
+    let room = ui.ctx().content_rect().width() - f32::from(margin.left) - f32::from(margin.right);
+    width.min(room - 2.0 * BESIDE)
+}
+
+/// Shows what a sheet holds, scrolled where the window is too low for it.
+pub fn scrolled(ui: &mut Ui, wide: f32, add: impl FnOnce(&mut Ui)) {
+    ui.set_width(width(ui, wide));
+    let room = (ui.ctx().content_rect().height() - AROUND).max(120.0);
+    ScrollArea::vertical()
+        .max_height(room)
+        .min_scrolled_height(room)
+        .show(ui, |ui| {
+            add(ui);
+            focus::follow(ui);
+        });
+}
+
+/// Returns where a sheet is from the middle of the window: a little above it, if the window is high.
+pub fn above_middle(ui: &Ui) -> Vec2 {
+    let is_high = ui.ctx().content_rect().height() > LOW;
+    vec2(0.0, if is_high { -40.0 } else { 0.0 })
+}
+
+/// Lower windows, in screen points, have sheets in the middle.
+const LOW: f32 = 600.0;
+/// What a sheet has above and below what it holds.
+const AROUND: f32 = 96.0;
+/// Beside a sheet the window can be seen, in screen points.
+const BESIDE: f32 = 6.0;
 
 /// Returns whether the sheet of this name was not there in the frame before.
 pub fn just_opened(ui: &Ui, name: &str) -> bool {

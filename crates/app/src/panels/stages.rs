@@ -1,14 +1,15 @@
 //! The table of stages: what each left behind. A row is a way to go there.
 
-use egui::{Align2, CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 
+use crate::combination::Combination;
 use crate::command::Command;
-use crate::sentence::{grouped, stage_name};
+use crate::sentence::{grouped, name_in, share};
 use crate::session::{MOST_STAGED, Session};
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::heading;
+use crate::theme::{Palette, row_height};
+use crate::widgets::{heading, row as pair};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -21,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     row(ui, ["", "change", "samples"], false, palette, false);
     for (place, &stage) in session.stages.iter().enumerate() {
         let texts = [
-            stage_name(stage),
+            name_in(session, stage),
             change(session, stage),
             if stage == Stage::Blocks {
                 "\u{2013}".to_owned()
@@ -41,11 +42,40 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.add_space(4.0);
         ui.label(egui::RichText::new(text).color(palette.muted).small());
     }
+    if let Some(combination) = &session.combination {
+        seams(ui, session, combination, palette);
+    }
+}
+
+/// Shows what gluing did.
+fn seams(ui: &mut Ui, session: &Session, combination: &Combination, palette: &Palette) {
+    ui.add_space(6.0);
+    heading(ui, "At the seams");
+    let summary = &session.summary;
+    let inserted: usize = summary.inserted.iter().sum();
+    let of = |part: usize, whole: usize| format!("{}  {}", grouped(part), share(part, whole));
+    let length = combination.length;
+    let seams = grouped(combination.seams.len());
+    for (name, value) in [
+        ("Eliminated", of(summary.eliminated, summary.tiled)),
+        ("Inserted", of(inserted, summary.count)),
+        ("Seams", format!("{seams}  {length:.1} r")),
+        (
+            "Area in reach",
+            format!("{:.1}%", 100.0 * combination.in_reach),
+        ),
+        ("Sets from files", grouped(combination.files)),
+    ] {
+        pair(ui, name, &value, palette);
+    }
 }
 
 fn change(session: &Session, stage: Stage) -> String {
     let summary = &session.summary;
     match stage {
+        Stage::Blocks if session.combination.is_some() => {
+            format!("{} pieces", grouped(summary.blocks))
+        }
         Stage::Blocks => format!("{} blocks", grouped(summary.blocks)),
         Stage::Tile => format!("+{}", grouped(summary.tiled)),
         Stage::Eliminate if session.inserted_at_once() > 0 => format!(
@@ -68,7 +98,17 @@ fn row(ui: &mut Ui, texts: [&str; 3], current: bool, palette: &Palette, click: b
     } else {
         Sense::hover()
     };
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), sense);
+    let (rect, response) = ui.allocate_exact_size(
+        vec2(
+            ui.available_width(),
+            if click {
+                row_height(ui.ctx(), 24.0)
+            } else {
+                24.0
+            },
+        ),
+        sense,
+    );
     if click {
         let label = format!("Row {}", texts[0]);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
@@ -88,27 +128,62 @@ fn row(ui: &mut Ui, texts: [&str; 3], current: bool, palette: &Palette, click: b
             FontId::proportional(11.5)
         }
     };
-    let left = rect.left_center() + vec2(8.0, 0.0);
-    painter.text(
-        left,
-        Align2::LEFT_CENTER,
-        texts[0],
-        FontId::proportional(name),
-        color,
-    );
-    let middle = rect.left_center() + vec2(rect.width() - 82.0, 0.0);
-    painter.text(
-        middle,
-        Align2::RIGHT_CENTER,
-        texts[1],
-        number(12.0),
-        palette.muted,
-    );
-    let right = rect.right_center() - vec2(8.0, 0.0);
-    painter.text(right, Align2::RIGHT_CENTER, texts[2], number(12.5), color);
+    let fonts = [FontId::proportional(name), number(12.0), number(12.5)];
+    let colors = [color, palette.muted, color];
+    let galleys = [0, 1, 2].map(|k| {
+        let (text, font) = (texts[k].to_owned(), fonts[k].clone());
+        painter.layout_no_wrap(text, font, colors[k])
+    });
+    let ends = column_ends(rect.width(), galleys.each_ref().map(|it| it.size().x));
+    for (k, galley) in galleys.into_iter().enumerate() {
+        let (width, height) = (galley.size().x, galley.size().y);
+        let at = rect.left_center() + vec2(ends[k] - width, -height / 2.0);
+        painter.galley(at, galley, colors[k]);
+    }
     if click {
         response.on_hover_cursor(CursorIcon::PointingHand).clicked()
     } else {
         false
+    }
+}
+
+/// Returns where the texts of a row end: the name on the left, the number on the right, and the change before it, but
+/// not over the name; where all is narrow, the number gives way to it.
+fn column_ends(width: f32, [name, change, number]: [f32; 3]) -> [f32; 3] {
+    const BESIDE: f32 = 8.0;
+    let name = BESIDE + name;
+    let before = (width - BESIDE - number - BESIDE).min(width - 82.0);
+    let change = if change > 0.0 {
+        before.max(name + BESIDE + change)
+    } else {
+        name
+    };
+    [name, change, (width - BESIDE).max(change + BESIDE + number)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_text_of_a_row_lies_over_another() {
+        for width in [120.0, 170.0, 200.0, 300.0] {
+            for texts in [
+                [40.0, 56.0, 8.0],
+                [35.0, 56.0, 50.0],
+                [60.0, 0.0, 50.0],
+                [64.0, 110.0, 56.0],
+            ] {
+                let ends = column_ends(width, texts);
+                let starts = [0, 1, 2].map(|k| ends[k] - texts[k]);
+                assert!(starts[0] >= 8.0 && ends[0] <= starts[2]);
+                if texts[1] > 0.0 {
+                    assert!(ends[0] + 8.0 <= starts[1] && ends[1] + 8.0 <= starts[2]);
+                }
+            }
+        }
+        // Where there is room, columns stand in line.
+        assert_eq!(column_ends(300.0, [40.0, 56.0, 50.0])[1..], [218.0, 292.0]);
+        assert_eq!(column_ends(300.0, [35.0, 20.0, 40.0])[1..], [218.0, 292.0]);
     }
 }

@@ -1,6 +1,7 @@
 //! The timeline: what happened last, in a sentence, and the ways through time.
 
-use egui::{Align, Button, ComboBox, Layout, RichText, Role, Ui, WidgetInfo};
+use egui::text::LayoutJob;
+use egui::{Align, Button, ComboBox, FontId, Layout, RichText, Role, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 
 use super::track;
@@ -9,7 +10,7 @@ use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
 use crate::sentence::{counted, grouped, stage_sentence};
 use crate::state::State;
-use crate::theme::Palette;
+use crate::theme::{FINGER, Palette};
 use crate::widgets::{Icon, icon_button};
 
 /// From this width on there is room beside the sentence.
@@ -38,17 +39,100 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         controls(ui, state, commands);
         ui.add_space(6.0);
-        clocks(ui, state, commands);
+        clock(ui, state, 72.0, commands);
+        speed(ui, state, commands);
         ui.add_space(14.0);
         track::show(ui, state, commands);
     });
 }
 
+/// Height of the sentence and of the controls between their margins.
+const LINE: f32 = 20.0;
+/// Between the rows of a small window.
+const APART: f32 = 4.0;
+
+/// Returns how high the controls of a small window are; a low one has one line for the sentence instead of two.
+#[must_use]
+pub fn compact_height(is_low: bool) -> f32 {
+    12.0 + sentence_height(is_low) + FINGER + 2.0 + track::COMPACT_HEIGHT + 2.0 * APART
+}
+
+const fn sentence_height(is_low: bool) -> f32 {
+    if is_low { LINE } else { 2.0 * LINE }
+}
+
+/// Shows the sentence, the controls and the track below each other, large enough for fingers.
+pub fn show_compact(ui: &mut Ui, state: &State, is_low: bool, commands: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.y = APART;
+    let size = vec2(ui.available_width(), sentence_height(is_low));
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_size(size);
+        let mut text = LayoutJob::simple(
+            happened(state),
+            FontId::proportional(14.5),
+            Palette::of(state.look).text,
+            size.x,
+        );
+        // What does not fit is in the panel of the clocks.
+        text.wrap.max_rows = if is_low { 1 } else { 2 };
+        let galley = ui.painter().layout_job(text);
+        let response = ui.add(egui::Label::new(galley));
+        super::read_out(ui, &response);
+    });
+    ui.horizontal(|ui| {
+        controls(ui, state, commands);
+        ui.add_space(6.0);
+        clock(ui, state, ui.available_width().min(110.0), commands);
+    });
+    track::show(ui, state, commands);
+}
+
+/// Shows what a small window has no room for beside its controls: the whole sentence, counts, speed, the line and the loop.
+pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    ui.label(RichText::new(happened(state)).size(14.5));
+    for text in told(state) {
+        ui.label(RichText::new(text).monospace().color(palette.muted));
+    }
+    ui.add_space(4.0);
+    ui.horizontal_wrapped(|ui| {
+        clock(ui, state, 110.0, commands);
+        speed(ui, state, commands);
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (name, command) in [
+            ("Loop from here", TimeCommand::LoopStart),
+            ("Loop up to here", TimeCommand::LoopEnd),
+            ("No loop", TimeCommand::Loop(None)),
+        ] {
+            let button = ui.add_enabled(state.debugger.is_some(), Button::new(name));
+            let button = button.on_disabled_hover_text("There are no events to go round.");
+            if button.clicked() {
+                commands.push(Command::Time(command));
+            }
+        }
+    });
+}
+
 fn counts(ui: &mut Ui, state: &State, palette: &Palette) {
-    let Some(session) = &state.session else {
+    let told = told(state);
+    if told.is_empty() {
         return;
+    }
+    let text = told.join("   ");
+    ui.label(RichText::new(text).monospace().color(palette.muted));
+    ui.add_space(24.0);
+}
+
+/// Returns how much of what there is at this moment, and which moment it is.
+fn told(state: &State) -> Vec<String> {
+    let Some(session) = &state.session else {
+        return Vec::new();
     };
     let count = match session.stages[state.stage] {
+        Stage::Blocks if session.combination.is_some() => {
+            counted(session.summary.blocks, "piece", "pieces")
+        }
         Stage::Blocks => counted(session.summary.blocks, "block", "blocks"),
         Stage::Pattern => format!("{} samples", grouped(session.count_after(state.stage))),
         _ => match &state.debugger {
@@ -63,13 +147,11 @@ fn counts(ui: &mut Ui, state: &State, palette: &Palette) {
         Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
         None => format!("stage {} of {}", state.stage + 1, session.stages.len()),
     };
-    let iteration = match session.stages[state.stage] {
-        Stage::Iterate(k) => format!("   iteration {k}"),
-        _ => String::new(),
-    };
-    let text = format!("{count}   {place}{iteration}");
-    ui.label(RichText::new(text).monospace().color(palette.muted));
-    ui.add_space(24.0);
+    let mut told = vec![count, place];
+    if let Stage::Iterate(k) = session.stages[state.stage] {
+        told.push(format!("iteration {k}"));
+    }
+    told
 }
 
 fn controls(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -135,11 +217,11 @@ fn capital(name: &str) -> String {
     })
 }
 
-/// What a tick is, and how fast time runs.
-fn clocks(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+/// What a tick is.
+fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
     let playback = &state.playback;
     let chosen = ComboBox::from_id_salt("clock")
-        .width(72.0)
+        .width(width)
         .selected_text(playback.clock.name());
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
@@ -155,6 +237,11 @@ fn clocks(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let response = response.response;
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
     response.on_hover_text("What one tick of play and the arrow keys is");
+}
+
+/// How fast time runs.
+fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let playback = &state.playback;
     let chosen = ComboBox::from_id_salt("speed")
         .width(58.0)
         .selected_text(format!("{}\u{d7}", playback.speed));

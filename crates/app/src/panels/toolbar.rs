@@ -1,14 +1,14 @@
 //! The bar on top: the name, what is being looked at, the verdict, export and theme.
 
-use egui::{Align, Button, FontId, Layout, RichText, Ui};
+use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, Ui};
 
 use super::verification;
 use crate::actions::{Action, Menu, actions};
 use crate::command::Command;
 use crate::export::{ExportCommand, Kind};
-use crate::sentence::grouped;
+use crate::sentence::{counted, grouped};
 use crate::state::State;
-use crate::theme::{Look, Palette, semibold};
+use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
 use crate::widgets::{Icon, icon_button};
 
 /// From this much room behind the menus on, in screen points, the run is named.
@@ -28,12 +28,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let room = ui.available_width();
         if let Some(session) = state.session.as_ref().filter(|_| room >= ROOM_FOR_RUN) {
             let parameters = &session.run().parameters;
-            let text = format!(
-                "{} samples   r {}   seed {}",
-                grouped(session.summary.count),
-                parameters.radius,
-                parameters.seed
-            );
+            let made = match &session.combination {
+                Some(_) => counted(session.summary.blocks, "piece", "pieces"),
+                None => format!("seed {}", parameters.seed),
+            };
+            let count = grouped(session.summary.count);
+            let text = format!("{count} samples   r {}   {made}", parameters.radius);
             ui.label(RichText::new(text).monospace().color(palette.muted));
             if room >= ROOM_FOR_ENGINE {
                 let engine = format!("engine: {}", session.engine);
@@ -54,6 +54,83 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             verification::chip(ui, state, commands);
         });
     });
+}
+
+/// Shows what fits on a small window; one menu has the rest.
+pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        let button = icon_button(ui, Icon::Menu, "Menu", None, palette);
+        let room = ui.ctx().content_rect().size();
+        Popup::menu(&button)
+            .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
+            .show(|ui| {
+                ui.set_width(WIDEST_MENU.min(room.x - 40.0));
+                let height = (room.y - 96.0).max(160.0);
+                egui::ScrollArea::vertical()
+                    .max_height(height)
+                    .min_scrolled_height(height)
+                    .show(ui, |ui| one_menu(ui, state, commands));
+            });
+        if room.x >= ROOM_FOR_TITLE {
+            ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette).clicked() {
+                commands.push(Command::Fit);
+            }
+            verification::chip(ui, state, commands);
+        });
+    });
+}
+
+/// The widest menu of a small window, in screen points.
+const WIDEST_MENU: f32 = 340.0;
+/// From this width of a small window on, it has its name on top.
+const ROOM_FOR_TITLE: f32 = 350.0;
+
+/// Every menu in one: what is chosen opens below its name.
+fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    ui.spacing_mut().item_spacing.y = 2.0;
+    // Beside the bar by which it is scrolled.
+    ui.set_max_width(ui.available_width() - 14.0);
+    if let Some(session) = &state.session {
+        let count = grouped(session.summary.count);
+        let engine = &session.engine;
+        let radius = session.run().parameters.radius;
+        let text = format!("{count} samples, r {radius}, engine: {engine}");
+        ui.label(RichText::new(text).color(palette.muted));
+    }
+    let chosen_id = ui.scope_id().with("chosen menu");
+    let chosen: Option<Menu> = ui.data(|data| data.get_temp(chosen_id)).flatten();
+    let all = actions(state);
+    for menu in Menu::ALL {
+        let is_open = chosen == Some(menu);
+        let mark = if is_open { "\u{2212}" } else { "+" };
+        let name = RichText::new(menu.name()).font(FontId::new(14.0, semibold()));
+        let button = Button::new(name)
+            .right_text(RichText::new(mark).color(palette.muted))
+            .min_size(egui::vec2(ui.available_width(), FINGER))
+            .frame_when_inactive(false);
+        let response = ui.add(button);
+        response.widget_info(|| {
+            let name = format!("{} menu", menu.name());
+            egui::WidgetInfo::selected(egui::Role::Button, true, is_open, name)
+        });
+        if response.clicked() {
+            let chosen = (!is_open).then_some(menu);
+            ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
+        }
+        if is_open {
+            ui.indent(menu.name(), |ui| {
+                for action in all.iter().filter(|action| action.menu == menu) {
+                    entry(ui, action, commands);
+                }
+            });
+        }
+    }
 }
 
 fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -87,10 +164,12 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn entry(ui: &mut Ui, action: &Action, commands: &mut Vec<Command>) {
-    let keys = action
-        .shortcut
-        .map_or_else(String::new, |keys| ui.ctx().format_shortcut(&keys));
-    let button = Button::new(action.name.as_str()).shortcut_text(keys);
+    // Beside a finger there are no keys, and no room for them.
+    let shortcut = action.shortcut.filter(|_| !is_for_fingers(ui.ctx()));
+    let mut button = Button::new(action.name.as_str());
+    if let Some(keys) = shortcut {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+    }
     let response = ui.add_enabled(action.refusal.is_none(), button);
     let response = response.on_disabled_hover_text(action.refusal.as_deref().unwrap_or_default());
     if response.clicked() {

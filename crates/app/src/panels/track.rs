@@ -10,14 +10,16 @@ use tilescope_core::Stage;
 use tilescope_debugger::Recording;
 
 use crate::command::{Command, TimeCommand};
-use crate::sentence::stage_name;
+use crate::sentence::{name_in, stage_name};
 use crate::session::Session;
 use crate::state::State;
-use crate::theme::Palette;
+use crate::theme::{Palette, is_for_fingers};
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;
 const HEIGHT: f32 = 54.0;
+/// Height on a small window: room for a finger.
+pub(super) const COMPACT_HEIGHT: f32 = 44.0;
 const BAR: f32 = 24.0;
 
 /// A stage on the track.
@@ -80,7 +82,12 @@ fn cursor_at(segments: &[Segment], x: f32) -> usize {
 /// Shows the track.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    let size = vec2((ui.available_width() - 8.0).max(80.0), HEIGHT);
+    let height = if is_for_fingers(ui.ctx()) {
+        COMPACT_HEIGHT
+    } else {
+        HEIGHT
+    };
+    let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
     let Some(session) = &state.session else {
         return;
@@ -124,7 +131,10 @@ fn show_segment(
     commands: &mut Vec<Command>,
 ) {
     let palette = Palette::of(state.look);
-    let name = stage_name(segment.stage);
+    let name = match &state.session {
+        Some(session) => name_in(session, segment.stage),
+        None => stage_name(segment.stage),
+    };
     let current = segment.place == state.stage;
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
@@ -149,11 +159,14 @@ fn show_segment(
     } else {
         palette.muted
     };
-    let galley = ui
-        .painter()
-        .layout_no_wrap(name.clone(), FontId::proportional(11.5), ink);
-    // Half a name would say nothing; the tip has it whole.
-    if galley.size().x <= label.width() {
+    let laid = |text: &str| {
+        let font = FontId::proportional(11.5);
+        ui.painter().layout_no_wrap(text.to_owned(), font, ink)
+    };
+    // A name that is cut off anywhere would say nothing; the tip has it whole.
+    let galleys = [laid(&name), laid(&short(&name))];
+    let fits = |galley: &std::sync::Arc<egui::Galley>| galley.size().x <= label.width() + 2.0;
+    if let Some(galley) = galleys.into_iter().find(fits) {
         let at = label.center_top() + vec2(-galley.size().x / 2.0, 4.0);
         ui.painter().galley(at, galley, ink);
     }
@@ -243,4 +256,17 @@ fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pal
             Stroke::NONE,
         ));
     }
+}
+/// Returns the name of a stage where there is little room.
+fn short(name: &str) -> String {
+    let shorter = [
+        ("Eliminate", "Elim."),
+        ("Iterate", "It."),
+        ("Pattern", "Patt."),
+    ];
+    shorter
+        .into_iter()
+        .fold(name.to_owned(), |name, (long, short)| {
+            name.replace(long, short)
+        })
 }

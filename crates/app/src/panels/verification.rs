@@ -49,7 +49,9 @@ fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) 
         Verification::Done(verdict) => {
             let report = &verdict.report;
             let text = match (report.conflict_free(), report.maximal()) {
-                (true, true) => "verified".to_owned(),
+                (true, true) if state.is_at_end() => "verified".to_owned(),
+                // What is on the canvas is not the result yet.
+                (true, true) => "result verified".to_owned(),
                 (true, false) => "not maximal".to_owned(),
                 (false, true) => "not conflict-free".to_owned(),
                 (false, false) => "conflicts and gaps".to_owned(),

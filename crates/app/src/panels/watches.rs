@@ -33,6 +33,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let mut typed = text.to_owned();
             let response = ui.add(
                 TextEdit::singleline(&mut typed)
+                    .align(egui::Align2::LEFT_CENTER)
                     .code_editor()
                     .desired_width(f32::INFINITY),
             );

@@ -298,6 +298,7 @@ fn tools(
         let label = ui.label(RichText::new("Filter").color(palette.muted));
         let mut text = shown.filter().to_owned();
         let edit = TextEdit::singleline(&mut text)
+            .align(egui::Align2::LEFT_CENTER)
             .font(egui::TextStyle::Monospace)
             .hint_text("x>5, changed")
             .desired_width(170.0);
@@ -341,6 +342,7 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
         let label = ui.label(RichText::new("File").color(palette.muted));
         let mut path = passes.path();
         let edit = TextEdit::singleline(&mut path)
+            .align(egui::Align2::LEFT_CENTER)
             .font(egui::TextStyle::Monospace)
             .desired_width(260.0);
         if ui.add(edit).labelled_by(label.id).changed() {

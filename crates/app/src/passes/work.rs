@@ -151,7 +151,12 @@ impl Passes {
 
     #[cfg(target_arch = "wasm32")]
     pub(super) fn export(&mut self) {
-        let name = self.path();
-        self.download = self.csv().map(|text| (name, text.into_bytes()));
+        let Some(text) = self.csv() else {
+            return;
+        };
+        let name = crate::files::last_part(self.path().trim()).to_owned();
+        let rows = counted(self.shown.rows().len(), "row", "rows");
+        self.export_told = Some(Ok(format!("{rows} downloaded as {name}.")));
+        self.download = Some((name, text.into_bytes()));
     }
 }

@@ -170,6 +170,16 @@ impl State {
         self.fly_to(center, 9.0);
     }
 
+    /// Has the camera jump from now on, or fly again; a flight at work ends where it leads.
+    pub(super) fn toggle_reduced_motion(&mut self) {
+        self.reduced_motion = !self.reduced_motion;
+        if self.reduced_motion
+            && let Some(flight) = self.flight.take()
+        {
+            self.camera = flight.destination();
+        }
+    }
+
     /// Flies, or jumps where motion is reduced.
     fn fly(&mut self, to: Camera) {
         if self.reduced_motion {

@@ -45,6 +45,9 @@ impl State {
         if rival == Rival::Typed {
             return self.run_refusal();
         }
+        if session.combination.is_some() {
+            return Some(super::combine::NO_PARAMETERS.to_owned());
+        }
         if rival == Rival::Engine && self.other_engine() == Engine::Gpu {
             return match &self.device {
                 Device::Ready(_) => None,
@@ -105,12 +108,13 @@ impl State {
             Rival::Engine => self.other_engine(),
             _ => self.engine,
         };
-        self.layout.open(Panel::Compare);
+        self.open_panel(Panel::Compare);
         self.compare_with(recipe, engine);
     }
 
     pub(super) fn compare_with(&mut self, recipe: Recipe, engine: Engine) {
-        self.comparison.get_or_insert_default();
+        let (side, _) = self.comparison.get_or_insert_default();
+        side.asked = recipe.own.is_none().then_some(recipe.parameters);
         self.with_second(|state| state.start_sampling(recipe, engine));
     }
 
@@ -120,7 +124,7 @@ impl State {
             return;
         };
         let cursor = self.cursor();
-        self.layout.open(Panel::Compare);
+        self.open_panel(Panel::Compare);
         let (side, _) = self.comparison.get_or_insert_default();
         let viewport = side.viewport;
         *side = Side::default();
@@ -150,7 +154,11 @@ impl State {
             }
             self.comparison = Some((side, comparison));
         }
-        if let Some(session) = &self.session {
+        let runs = self
+            .session
+            .as_ref()
+            .filter(|session| session.combination.is_none());
+        if let Some(session) = runs {
             self.draft = crate::draft::Draft::from_parameters(session.run().parameters);
             self.own_pattern.clone_from(&session.own);
             self.forget_changes();
@@ -162,6 +170,8 @@ impl State {
         let (mut side, comparison) = self.comparison.take()?;
         let playback = self.playback.clone();
         let notice = self.notice.take();
+        // A link is for the run at hand.
+        let arriving = self.arriving.take();
         self.exchange(&mut side);
         let result = act(self);
         self.exchange(&mut side);
@@ -172,7 +182,7 @@ impl State {
             }),
             None => notice,
         };
-        self.playback = playback;
+        (self.playback, self.arriving) = (playback, arriving);
         self.comparison = Some((side, comparison));
         Some(result)
     }
@@ -359,6 +369,7 @@ impl State {
             sight: side.sight,
             geometry: &side.geometry,
             contrast: self.contrast(true),
+            causes: None,
             buffers: None,
         })
     }

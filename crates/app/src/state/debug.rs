@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use tilescope_core::{Point, R};
-use tilescope_debugger::{
-    Bookmark, DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Recording, why,
-};
+use tilescope_debugger::{Bookmark, DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, why};
 
 use super::State;
 use crate::command::{DebugCommand, Selection};
-use crate::jobs::Job;
+use serde::{Deserialize, Serialize};
+
+use crate::errand::{Errand, Lent};
+use crate::jobs::{Job, Monitor};
 use crate::session::Session;
 
 /// Most events that a query or a history shows.
@@ -79,7 +80,7 @@ pub struct EventQuery {
 impl State {
     pub(super) fn apply_to_debugger(&mut self, command: DebugCommand) {
         match command {
-            DebugCommand::Query(text) => self.ask(text),
+            DebugCommand::Query(text) => self.look_for(text),
             DebugCommand::Pick(selection) => self.pick(selection),
             DebugCommand::SelectEvent(event) => self.select_event(event),
             DebugCommand::ToggleEvent(event) => {
@@ -102,6 +103,11 @@ impl State {
         self.debugger = session.recording().map(|recording| {
             let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
             if let Some(mut old) = old {
+                // The same run again has the same events.
+                let [before, now] = [old.recording(), debugger.recording()];
+                if before.len() == now.len() && before.run().parameters == now.run().parameters {
+                    debugger.bookmarks = std::mem::take(&mut old.bookmarks);
+                }
                 move_stops(&mut old, &mut debugger);
             }
             debugger
@@ -111,7 +117,7 @@ impl State {
         self.history_found = Found::Nothing;
         self.playback.range = None;
         let text = std::mem::take(&mut self.query.text);
-        self.ask(text);
+        self.look_for(text);
     }
 
     /// Goes behind an event and everything that it holds; the tree stays as it is.
@@ -129,7 +135,7 @@ impl State {
         let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
             return;
         };
-        if !self.layout.shows(crate::layout::Panel::Events) {
+        if !self.shows(crate::layout::Panel::Events) {
             return;
         }
         self.revealed = cursor;
@@ -141,21 +147,21 @@ impl State {
         }
     }
 
-    fn look(&self, look: impl FnOnce(&Recording) -> Vec<usize> + Send + 'static) -> Found {
-        let Some(debugger) = &self.debugger else {
-            return Found::Nothing;
-        };
-        let recording = Arc::clone(debugger.recording());
-        Found::Pending(Job::start(&self.wake, move |_| look(&recording)))
+    fn look(&self, aim: Aim) -> Found {
+        match &self.session {
+            Some(session) if self.debugger.is_some() => {
+                let session = Lent(Arc::clone(session));
+                Found::Pending(Job::run(&self.wake, Looking { session, aim }))
+            }
+            _ => Found::Nothing,
+        }
     }
 
-    fn ask(&mut self, text: String) {
+    fn look_for(&mut self, text: String) {
         let parsed = Query::parse(&text);
         self.query.error = parsed.as_ref().err().map(ToString::to_string);
         self.query.found = match parsed {
-            Ok(query) if query != Query::default() => {
-                self.look(move |recording| query.find_all(recording, MOST_FOUND))
-            }
+            Ok(query) if query != Query::default() => self.look(Aim::Query(text.clone())),
             _ => Found::Nothing,
         };
         self.query.text = text;
@@ -173,15 +179,49 @@ impl State {
         };
         self.history_found = match selection {
             Selection::Nothing => Found::Nothing,
-            Selection::Sample(id) => {
-                self.look(move |recording| why::history_of_sample(recording, id))
-            }
+            Selection::Sample(id) => self.look(Aim::Sample(id)),
             Selection::Place(place) => {
                 let units = place.map(|x| (x * f64::from(R)).round() as i32);
-                let point = Point::new(units[0], units[1]);
-                self.look(move |recording| why::history_of_place(recording, point))
+                self.look(Aim::Place(Point::new(units[0], units[1])))
             }
         };
+    }
+}
+
+/// What events are looked for.
+#[derive(Serialize, Deserialize)]
+enum Aim {
+    /// Those that a query finds.
+    Query(String),
+    /// Those that touched a sample.
+    Sample(u32),
+    /// Those that concern a place.
+    Place(Point),
+}
+
+/// Has events of a session looked for.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Looking {
+    session: Lent,
+    aim: Aim,
+}
+
+impl Errand for Looking {
+    type Outcome = Vec<usize>;
+    const NAME: &'static str = "look";
+
+    fn carry_out(self, _: &Monitor) -> Self::Outcome {
+        let Some(recording) = self.session.recording() else {
+            return Vec::new();
+        };
+        match self.aim {
+            Aim::Query(text) => Query::parse(&text).map_or_else(
+                |_| Vec::new(),
+                |query| query.find_all(recording, MOST_FOUND),
+            ),
+            Aim::Sample(id) => why::history_of_sample(recording, id),
+            Aim::Place(point) => why::history_of_place(recording, point),
+        }
     }
 }
 

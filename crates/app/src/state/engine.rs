@@ -10,12 +10,16 @@ use crate::clock::Clock;
 use crate::command::Command;
 use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::draft::sentence;
+use crate::files::NamedBytes;
 use crate::jobs::Job;
 use crate::layout::Panel;
 use crate::passes::{OnCanvas, PassCommand, Passes};
 use crate::recipe::Recipe;
-use crate::session::{Failure, Session};
+use crate::session::{Failure, Sampling, Session};
 use crate::theme::Look;
+
+/// The most samples of a run whose passes are shown on a page: the CPU's twin computes between its frames.
+const MOST_ON_A_PAGE: usize = 50_000;
 
 impl State {
     /// Chooses who samples. The GPU is opened and tested first, unless it was already.
@@ -39,7 +43,7 @@ impl State {
         }
     }
 
-    fn test_device(&mut self) {
+    pub(super) fn test_device(&mut self) {
         let name = self.adapter.clone();
         self.device = Device::Testing(Job::start_future(&self.wake, |_| open_and_test(name)));
     }
@@ -47,7 +51,9 @@ impl State {
     /// Takes the verdict of a device's test. One that failed is left for the CPU.
     pub(super) fn finish_test(&mut self, outcome: Result<Result<Tried, GpuError>, String>) {
         self.device = Device::from_test(outcome);
-        if let Some(reason) = self.device.refusal() {
+        if self.engine == Engine::Gpu
+            && let Some(reason) = self.device.refusal()
+        {
             let text = format!("The GPU cannot serve. {reason} The CPU engine samples instead.");
             self.engine = Engine::Auto;
             self.tell(text, true);
@@ -62,25 +68,38 @@ impl State {
             Some(gpu) => Job::start_future(&self.wake, move |monitor| async move {
                 Session::sample_on(gpu, &recipe, generation, &monitor).await
             }),
-            None => Job::start(&self.wake, move |monitor| {
-                Session::sample(&recipe, generation, monitor)
-            }),
+            None => Job::run(&self.wake, Sampling { recipe, generation }),
         };
         self.sampling = Some(job);
     }
 
+    /// Returns whether a device that is ready samples where `engine` is chosen.
+    pub(crate) fn device_takes(&self, engine: Engine) -> bool {
+        let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
+        match engine {
+            Engine::Gpu => self.device.ready().is_some(),
+            Engine::Auto => self.display.is_some() && self.device.ready().is_some_and(is_gpu),
+            Engine::Cpu => false,
+        }
+    }
+
     /// Algorithm 4 as printed is for the CPU, whoever is chosen.
     fn device_for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
-        let is_chosen = engine == Engine::Gpu && parameters.variant == Variant::Staged;
-        self.device.ready().filter(|_| is_chosen).map(Arc::clone)
+        let serves = self.device_takes(engine) && parameters.variant == Variant::Staged;
+        self.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
     /// Shows a session and says if the CPU had to stand in for the GPU.
     pub(super) fn show_made(&mut self, mut session: Session) {
         let failure = session.failure.take();
-        let differs = session.has_stages() && session.recording().is_none();
+        let is_run = session.combination.is_none();
+        let differs = is_run && session.has_stages() && session.recording().is_none();
         let engine = session.engine.clone();
-        self.show(session);
+        if is_run {
+            self.show(session);
+        } else {
+            self.show_combination(session);
+        }
         if differs {
             let text = format!(
                 "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
@@ -94,6 +113,7 @@ impl State {
                 self.engine = Engine::Auto;
             }
             let why = sentence(&error.to_string());
+            self.gpu_failure = Some(format!("{name} failed. {why}"));
             let text = format!(
                 "{name} failed. {why} The CPU engine made this session instead; the points are the same."
             );
@@ -116,11 +136,23 @@ impl State {
         let Some(session) = &self.session else {
             return Some("There is no session yet.".to_owned());
         };
+        if session.combination.is_some() {
+            return Some(
+                "This is a combination of sets, made on the CPU; the passes are those of a run."
+                    .to_owned(),
+            );
+        }
         if session.own.is_some() {
             return Some(
                 "This session's pattern comes from a file; the passes can be looked at with a generated pattern."
                     .to_owned(),
             );
+        }
+        if cfg!(target_arch = "wasm32") && session.summary.count > MOST_ON_A_PAGE {
+            return Some(format!(
+                "A page shows the passes of runs of up to {} samples; the native program has no such limit.",
+                crate::sentence::grouped(MOST_ON_A_PAGE)
+            ));
         }
         match &self.device {
             Device::Ready(_) => None,
@@ -161,7 +193,7 @@ impl State {
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.passes.as_ref()?;
-        let is_seen = self.layout.shows(Panel::Passes) && self.look != Look::Projector;
+        let is_seen = self.shows(Panel::Passes) && self.look != Look::Projector;
         let is_then = passes.moment() == Some(self.moment());
         let is_meant = is_seen || is_then || self.playback.clock == Clock::Pass;
         passes.on_canvas().filter(|_| is_meant)
@@ -190,6 +222,9 @@ impl State {
         let shows_canvas = command == PassCommand::ShowCanvas;
         let before = passes.selected();
         passes.apply(command);
+        if let Some((name, bytes)) = passes.take_download() {
+            self.downloads.push(NamedBytes { name, bytes });
+        }
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {

@@ -30,12 +30,10 @@ impl State {
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
                 if let Some(form) = &self.export {
-                    self.browsing = Some(crate::export::write::browse(form, &self.wake));
+                    self.browsing = Some(crate::export::browse::browse(form, &self.wake));
                 }
             }
-            #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Write => self.start_export(),
-            #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Cancel => {
                 if let Some(job) = &self.exporting {
                     job.cancel();
@@ -87,7 +85,7 @@ impl State {
             return Some(Refusal::NoSession);
         };
         match kind {
-            _ if cfg!(target_arch = "wasm32") => Some(Refusal::Web),
+            Kind::Animation if session.combination.is_some() => Some(Refusal::Combination),
             Kind::Animation if session.recording().is_none() => Some(Refusal::NoEvents),
             Kind::Samples if !still.has_samples(session) => Some(Refusal::NoSamples),
             _ => None,
@@ -248,7 +246,7 @@ impl State {
         };
         Ok(Order {
             path: form.file().to_owned(),
-            session: Arc::clone(session),
+            session: crate::errand::Lent(Arc::clone(session)),
             content,
         })
     }
@@ -256,10 +254,7 @@ impl State {
     /// Returns how far the export at work has come.
     #[must_use]
     pub fn export_fraction(&self) -> Option<f32> {
-        #[cfg(not(target_arch = "wasm32"))]
-        return self.exporting.as_ref().map(crate::jobs::Job::fraction);
-        #[cfg(target_arch = "wasm32")]
-        None
+        self.exporting.as_ref().map(crate::jobs::Job::fraction)
     }
 }
 
@@ -278,7 +273,6 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
     }
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 mod outcome;
-#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use outcome::Delivering;
 pub use outcome::Outcome;

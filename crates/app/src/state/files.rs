@@ -1,45 +1,81 @@
-//! The commands of saved sessions and pattern files, and what becomes of the files.
+//! The commands of saved sessions and pattern files: what is read or written by them, in the background.
+
+#[cfg(not(target_arch = "wasm32"))]
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::State;
-use crate::files::{FileCommand, FileForm, Purpose, SESSION_NAME};
+use crate::combination::SavedCombination;
+use crate::files::{
+    self, Delivery, Done, FileCommand, FileForm, Filing, NamedBytes, Outcome, Purpose, ReadTask,
+    SESSION_NAME, SaveTask, Source, last_part,
+};
+use crate::jobs::{Job, Monitor};
+use crate::verification::region_of;
 
-const WEB: &str = "Files are opened and saved by the native program only.";
+mod outcome;
 
 impl State {
     pub(super) fn apply_to_files(&mut self, command: FileCommand) {
         match command {
-            FileCommand::Sheet(purpose) => {
-                let path = match purpose {
-                    Purpose::Pattern => String::new(),
-                    Purpose::Save | Purpose::Open => self
-                        .session_path
-                        .clone()
-                        .unwrap_or_else(|| SESSION_NAME.to_owned()),
-                };
-                self.export = None;
-                self.file = Some(FileForm {
-                    purpose,
-                    path,
-                    asked: false,
-                });
-            }
+            FileCommand::Sheet(purpose) => self.open_sheet(purpose),
             FileCommand::Close => {
                 self.file = None;
                 // Nobody waits any more for what is read; what is written is written.
-                #[cfg(not(target_arch = "wasm32"))]
                 self.stop_reading();
             }
             FileCommand::Path(path) => {
                 if let Some(form) = &mut self.file {
                     (form.path, form.asked) = (path, false);
+                    form.chosen = Arc::default();
                 }
             }
-            FileCommand::GeneratedPattern => self.own_pattern = None,
+            FileCommand::Chosen(files) => self.choose(files),
+            FileCommand::Browse => self.browse(),
+            FileCommand::Go => self.file_away(),
+            FileCommand::Cancel => {
+                if let Some(filing) = &self.filing {
+                    filing.job.cancel();
+                }
+            }
             #[cfg(not(target_arch = "wasm32"))]
-            command => self.apply_to_disk(command),
+            FileCommand::Dropped(paths) => {
+                let names = paths.iter().map(PathBuf::from).collect();
+                self.take_dropped(&paths, Source::Paths(names), &[]);
+            }
             #[cfg(target_arch = "wasm32")]
-            _ => {}
+            FileCommand::Dropped(_) => {}
+            FileCommand::DroppedBytes(files, refused) => {
+                let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
+                self.take_dropped(&names, Source::Bytes(files), &refused);
+            }
+            FileCommand::GeneratedPattern => self.own_pattern = None,
         }
+    }
+
+    fn open_sheet(&mut self, purpose: Purpose) {
+        let path = match purpose {
+            Purpose::Pattern | Purpose::Combination | Purpose::Against => String::new(),
+            // What is opened in a browser is chosen there, by no name.
+            Purpose::Open if self.in_browser() => String::new(),
+            Purpose::Save | Purpose::Open => self
+                .session_path
+                .clone()
+                .unwrap_or_else(|| SESSION_NAME.to_owned()),
+        };
+        self.export = None;
+        self.file = Some(FileForm {
+            purpose,
+            path,
+            asked: false,
+            chosen: Arc::default(),
+        });
+    }
+
+    /// Returns whether files are chosen in a browser and downloaded, instead of having paths.
+    #[must_use]
+    pub fn in_browser(&self) -> bool {
+        self.delivery == Delivery::Download
     }
 
     /// Returns whether a sheet lies over the window.
@@ -53,6 +89,10 @@ impl State {
     pub fn save_refusal(&self) -> Option<&'static str> {
         if self.session.is_none() {
             Some("There is no session yet.")
+        } else if let Some(combination) = self.combination() {
+            (combination.files > 0).then_some(
+                "This combination holds sets from files, and a session refers to nothing outside; its layout describes it.",
+            )
         } else if self.debugger.is_none() {
             Some(
                 "Only a session with events can be saved; larger runs are made by their parameters alone.",
@@ -62,14 +102,15 @@ impl State {
         }
     }
 
-    /// Returns why no file can be opened, or `None` if one can.
+    fn combination(&self) -> Option<&crate::combination::Combination> {
+        self.session.as_ref()?.combination.as_ref()
+    }
+
+    /// Returns the combination at hand as it is saved, with how it is looked at.
     #[must_use]
-    pub const fn open_refusal(&self) -> Option<&'static str> {
-        if cfg!(target_arch = "wasm32") {
-            Some(WEB)
-        } else {
-            None
-        }
+    pub fn saved_combination(&self) -> Option<SavedCombination> {
+        let session = self.session.as_ref()?;
+        SavedCombination::of(session, self.stage, self.view().to_json())
     }
 
     /// Returns the session at hand as it is saved, with how it is looked at.
@@ -81,220 +122,153 @@ impl State {
         saved.pattern = session.own.as_ref().map(|own| own.file.clone());
         Some(saved)
     }
-}
 
-#[cfg(not(target_arch = "wasm32"))]
-mod native {
-    use std::path::{Path, PathBuf};
-    use std::sync::Arc;
-
-    use tilescope_debugger::Debugger;
-
-    use super::{FileCommand, Purpose, State};
-    use crate::draft::{Draft, sentence};
-    use crate::files::{self, Done, Filing, Opened, Outcome};
-    use crate::jobs::{Job, Monitor};
-    use crate::view::View;
-
-    impl State {
-        pub(super) fn apply_to_disk(&mut self, command: FileCommand) {
-            match command {
-                FileCommand::Browse => {
-                    if let Some(form) = &self.file {
-                        self.finding = Some((form.purpose, files::browse(form, &self.wake)));
-                    }
-                }
-                FileCommand::Go => self.file_away(),
-                FileCommand::Cancel => {
-                    if let Some(filing) = &self.filing {
-                        filing.job.cancel();
-                    }
-                }
-                FileCommand::Dropped(paths) => self.take_dropped(paths),
-                _ => {}
-            }
+    fn browse(&mut self) {
+        let Some(form) = &self.file else {
+            return;
+        };
+        #[cfg(not(target_arch = "wasm32"))]
+        if !self.in_browser() {
+            self.finding = Some((form.purpose, files::browse(form, &self.wake)));
         }
-
-        fn take_dropped(&mut self, mut paths: Vec<String>) {
-            // A set's certificate comes with it and is no file by itself.
-            let all = paths.clone();
-            paths.retain(|path| {
-                let of = |other: &String| files::certificate_of(other) == Path::new(path);
-                !all.iter().any(of)
-            });
-            let Some(path) = paths.first().cloned() else {
-                return;
-            };
-            if self.filing.is_some() {
-                let text = format!("{path} was not opened: another file is being read or written.");
-                self.tell(text, true);
-                return;
-            }
-            if paths.len() > 1 {
-                let text = format!(
-                    "{} files were dropped; one is opened at a time: {path}.",
-                    paths.len()
-                );
-                self.tell(text, false);
-            }
-            self.begin(None, path, move |path, generation, monitor| {
-                files::open_dropped(path, generation, monitor)
-            });
+        #[cfg(target_arch = "wasm32")]
+        if form.purpose != Purpose::Save {
+            self.finding = Some((form.purpose, files::web::choose(&self.wake)));
         }
+    }
 
-        fn begin(
-            &mut self,
-            purpose: Option<Purpose>,
-            path: String,
-            work: impl FnOnce(&Path, u64, &Monitor) -> Outcome + Send + 'static,
-        ) {
-            self.generation += 1;
-            let (generation, name) = (self.generation, PathBuf::from(&path));
-            let job = Job::start(&self.wake, move |monitor| work(&name, generation, monitor));
-            self.filing = Some(Filing { purpose, path, job });
-        }
+    /// Takes files that were chosen, under the name of the one that would be opened.
+    fn choose(&mut self, files: Vec<NamedBytes>) {
+        let Some(form) = self.file.as_mut() else {
+            return;
+        };
+        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+        (form.path, form.asked) = (names.join(", "), false);
+        form.chosen = files.into();
+    }
 
-        pub(in crate::state) fn stop_reading(&mut self) {
-            let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
-            self.filing = self.filing.take().filter(saves);
-        }
-
-        fn file_away(&mut self) {
-            let Some(form) = &mut self.file else {
-                return;
-            };
-            let path = form.path.trim().to_owned();
-            if path.is_empty() || self.filing.is_some() {
-                return;
+    fn take_dropped(&mut self, names: &[String], source: Source, refused: &[String]) {
+        let Some(first) = names.first() else {
+            if let Some(why) = refused.first() {
+                self.tell(crate::draft::ended(why), true);
             }
-            let known = self.session_path.as_deref() == Some(path.as_str());
-            let taken = Path::new(&path).exists() && !known;
-            if form.purpose == Purpose::Save && taken && !form.asked {
-                form.asked = true;
-                return;
-            }
-            let (purpose, saved) = (form.purpose, self.saved());
-            self.begin(
+            return;
+        };
+        if self.filing.is_some() {
+            let text = format!("{first} was not opened: another file is being read or written.");
+            self.tell(text, true);
+            return;
+        }
+        self.begin_reading(None, first.clone(), source);
+        if let Some(filing) = &mut self.filing {
+            filing.refused = refused.to_vec();
+        }
+    }
+
+    fn begin_reading(&mut self, purpose: Option<Purpose>, path: String, source: Source) {
+        self.generation += 1;
+        let run = self.session.as_ref();
+        let run = run.map(|session| (region_of(session), session.run().domain.radius()));
+        let task = ReadTask {
+            purpose,
+            source,
+            generation: self.generation,
+            run,
+        };
+        let job = Job::run(&self.wake, task);
+        self.wait_for(purpose, path, job);
+    }
+
+    fn start_filing(
+        &mut self,
+        purpose: Option<Purpose>,
+        path: String,
+        work: impl FnOnce(&Monitor) -> Outcome + Send + 'static,
+    ) {
+        let job = Job::start(&self.wake, work);
+        self.wait_for(purpose, path, job);
+    }
+
+    fn wait_for(&mut self, purpose: Option<Purpose>, path: String, job: Job<Outcome>) {
+        let refused = Vec::new();
+        self.filing = Some(Filing {
+            purpose,
+            path,
+            refused,
+            job,
+        });
+    }
+
+    /// Stops what is read: nobody waits for it any more.
+    pub(super) fn stop_reading(&mut self) {
+        let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
+        self.filing = self.filing.take().filter(saves);
+    }
+
+    fn file_away(&mut self) {
+        let Some(form) = &mut self.file else {
+            return;
+        };
+        let path = form.path.trim().to_owned();
+        if path.is_empty() || self.filing.is_some() {
+            return;
+        }
+        let purpose = form.purpose;
+        if purpose == Purpose::Save {
+            self.start_saving(path);
+        } else if !form.chosen.is_empty() {
+            let source = Source::Bytes(form.chosen.to_vec());
+            self.begin_reading(Some(purpose), path, source);
+        } else if self.in_browser() {
+            let text = "Choose the file with Browse, or drop it on the window.";
+            self.tell(text.to_owned(), true);
+        } else {
+            #[cfg(not(target_arch = "wasm32"))]
+            self.begin_reading(
                 Some(purpose),
-                path,
-                move |path, generation, monitor| match purpose {
-                    Purpose::Save => match saved {
-                        Some(saved) => files::save(&saved, path),
-                        None => Err("there is no session to save".to_owned()),
-                    },
-                    Purpose::Open => files::open(path, generation, monitor),
-                    Purpose::Pattern => files::pattern(path),
-                },
+                path.clone(),
+                Source::Paths(vec![PathBuf::from(path)]),
             );
         }
+    }
 
-        pub(in crate::state) fn poll_files(&mut self) {
-            let found = self
-                .finding
-                .as_ref()
-                .and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
-            if let Some((purpose, outcome)) = found {
-                self.finding = None;
-                // Meanwhile the sheet may have been opened for something else.
-                let same = self
-                    .file
-                    .as_ref()
-                    .is_some_and(|form| form.purpose == purpose);
-                match outcome {
-                    Ok(Some(path)) if same => {
-                        self.apply_to_files(FileCommand::Path(path.to_string_lossy().into_owned()));
-                    }
-                    Ok(_) => {}
-                    Err(failure) => self.tell(sentence(&failure), true),
+    fn start_saving(&mut self, path: String) {
+        let task = SaveTask {
+            name: path.clone(),
+            run: self.saved(),
+            combination: self.saved_combination(),
+        };
+        match self.delivery {
+            #[cfg(not(target_arch = "wasm32"))]
+            Delivery::Disk => {
+                let known = self.session_path.as_deref() == Some(path.as_str());
+                let taken = Path::new(&path).exists() && !known;
+                if let Some(form) = &mut self.file
+                    && taken
+                    && !form.asked
+                {
+                    form.asked = true;
+                    return;
                 }
+                self.start_filing(Some(Purpose::Save), path, move |_| {
+                    Outcome::of(files::save(&task).map(|()| Done::Saved(task.name)))
+                });
             }
-            if let Some(outcome) = self.filing.as_ref().and_then(|filing| filing.job.poll()) {
-                self.filed(outcome);
+            Delivery::Download => {
+                let task = SaveTask {
+                    name: last_part(&path).to_owned(),
+                    ..task
+                };
+                self.start_filing(Some(Purpose::Save), path, move |_| {
+                    Outcome::of(files::render(&task).map(Done::Download))
+                });
             }
         }
+    }
 
-        pub(in crate::state) fn settle_files(&mut self) {
-            if let Some(filing) = &self.filing {
-                let outcome = filing.job.wait();
-                self.filed(outcome);
-            }
-        }
-
-        /// Closes the sheet if it is the one that this file was named in.
-        fn close_sheet(&mut self, filing: &Filing) {
-            let this = self.file.as_ref().is_some_and(|form| {
-                Some(form.purpose) == filing.purpose && form.path.trim() == filing.path
-            });
-            if this {
-                self.file = None;
-            }
-        }
-
-        fn filed(&mut self, outcome: Result<Outcome, String>) {
-            let Some(filing) = self.filing.take() else {
-                return;
-            };
-            match outcome {
-                Ok(Ok(done)) => {
-                    self.close_sheet(&filing);
-                    self.take_done(done);
-                }
-                Ok(Err(why)) | Err(why) => self.tell(sentence(&why), true),
-            }
-        }
-
-        fn take_done(&mut self, done: Done) {
-            match done {
-                Done::Saved(path) => {
-                    let path = path.to_string_lossy().into_owned();
-                    let mut text = format!("The session is in {path}.");
-                    if self.comparison.is_some() && self.view().second.is_none() {
-                        text.push_str(" The run beside it is not: it is not finished, or its pattern comes from a file.");
-                    }
-                    self.tell(text, false);
-                    self.session_path = Some(path);
-                }
-                Done::Opened(opened) => self.take_up(*opened),
-                Done::Pattern(own) => {
-                    let samples = own.pattern.samples().len();
-                    let samples = crate::sentence::counted(samples, "sample", "samples");
-                    let text = format!(
-                        "The next run clips from the {samples} of {}.",
-                        own.file.path
-                    );
-                    self.own_pattern = Some(own);
-                    self.tell(text, false);
-                }
-            }
-        }
-
-        /// Shows a session that was read where it was left. A run at work is not waited for any more.
-        fn take_up(&mut self, opened: Opened) {
-            let recording = opened.session.recording().map(Arc::clone);
-            let resumed = recording.map(|recording| Debugger::resume(&opened.saved, recording));
-            let debugger = match resumed {
-                Some(Ok(debugger)) => debugger,
-                Some(Err(error)) => return self.tell(sentence(&error.to_string()), true),
-                None => return,
-            };
-            (self.sampling, self.notice) = (None, None);
-            self.draft = Draft::from_parameters(opened.saved.parameters);
-            self.own_pattern.clone_from(&opened.session.own);
-            self.show(opened.session);
-            self.debugger = Some(debugger);
-            self.follow_cursor();
-            let (view, mut dropped) = View::from_json(&opened.saved.view);
-            dropped.extend(self.look_as(&view));
-            self.forget_changes();
-            let path = opened.path.to_string_lossy().into_owned();
-            if !dropped.is_empty() {
-                let text = format!(
-                    "{path} is open. These parts of its view make no sense and were left out: {}.",
-                    dropped.join(", ")
-                );
-                self.tell(text, false);
-            }
-            self.session_path = Some(path);
-        }
+    /// Returns the files that are to be downloaded since they were asked for last.
+    #[must_use]
+    pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
+        std::mem::take(&mut self.downloads)
     }
 }

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
 
 use super::{Found, State};
+use crate::errand::{Errand, Lent};
 use crate::jobs::{Job, Monitor};
 
 /// Most places that are marked.
@@ -79,10 +81,26 @@ impl State {
         self.hits.found = if stops.is_empty() {
             Found::Nothing
         } else {
-            let recording = Arc::clone(debugger.recording());
-            let work = move |monitor: &Monitor| hits(&recording, &stops, monitor);
-            Found::Pending(Job::start(&self.wake, work))
+            let session = Lent(Arc::clone(session));
+            Found::Pending(Job::run(&self.wake, Counting { session, stops }))
         };
+    }
+}
+
+/// Has the stops of a session's run found.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Counting {
+    session: Lent,
+    stops: Vec<(LineId, String)>,
+}
+
+impl Errand for Counting {
+    type Outcome = Vec<usize>;
+    const NAME: &'static str = "hits";
+
+    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+        let recording = self.session.recording();
+        recording.map_or_else(Vec::new, |recording| hits(recording, &self.stops, monitor))
     }
 }
 

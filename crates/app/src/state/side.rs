@@ -5,7 +5,7 @@ use std::mem::swap;
 use std::sync::Arc;
 
 use egui::Rect;
-use tilescope_core::SampleError;
+use tilescope_core::Parameters;
 use tilescope_debugger::{Debugger, OutlineRows};
 
 use super::{EventQuery, Found, Hits, State, Verification};
@@ -14,7 +14,7 @@ use crate::geometry::Geometry;
 use crate::jobs::Job;
 use crate::moment::Shown;
 use crate::passes::Passes;
-use crate::session::Session;
+use crate::session::{MakeError, Session};
 use crate::verification::Sight;
 
 /// The run that is beside the one at hand.
@@ -22,7 +22,7 @@ pub struct Side {
     /// What is being looked at.
     pub session: Option<Arc<Session>>,
     /// The run at work.
-    pub sampling: Option<Job<Result<Session, SampleError>>>,
+    pub sampling: Option<Job<Result<Session, MakeError>>>,
     /// What the verifier says about the session.
     pub verification: Verification,
     /// The stage shown, as its place in the session's list.
@@ -43,6 +43,8 @@ pub struct Side {
     pub sight: Option<Sight>,
     /// The triangulation of the moment.
     pub geometry: Geometry,
+    /// What the run at work is made from, where no file takes part.
+    pub(super) asked: Option<Parameters>,
     pub(super) rows: Option<OutlineRows>,
     session_path: Option<String>,
     revealed: usize,
@@ -70,6 +72,7 @@ impl Default for Side {
             place: None,
             sight: None,
             geometry: Geometry::default(),
+            asked: None,
             rows: None,
             session_path: None,
             revealed: 0,

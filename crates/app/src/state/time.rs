@@ -1,6 +1,8 @@
 //! The commands that move in time. Where events were kept the cursor of the debugger is the only time
 //! there is, and the stage follows from it.
 
+use std::cell::Cell;
+
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
 
 use super::State;
@@ -9,6 +11,9 @@ use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
 use crate::passes::PassCommand;
+
+/// So many conditions of breakpoints are looked at in a frame: some tens of milliseconds.
+const MOST_CONDITIONS: u32 = 10_000;
 
 impl State {
     /// Returns the moment that is shown.
@@ -36,6 +41,7 @@ impl State {
             sight: self.sight,
             geometry: &self.geometry,
             contrast: self.contrast(false),
+            causes: self.causes(),
             buffers: self.buffers_on_canvas(),
         })
     }
@@ -47,11 +53,22 @@ impl State {
         Some((debugger.state().cursor(), debugger.recording().len()))
     }
 
+    /// Returns whether the result is what is shown.
+    #[must_use]
+    pub fn is_at_end(&self) -> bool {
+        match (self.cursor(), &self.session) {
+            (Some((cursor, len)), _) => cursor == len,
+            (None, Some(session)) => self.stage + 1 >= session.stages.len(),
+            (None, None) => true,
+        }
+    }
+
     pub(super) fn apply_to_clock(&mut self, command: &Command) {
         if self.session.is_none() {
             return;
         }
         let before = self.stage;
+        self.continuing = None;
         match *command {
             Command::ShowStage(place) => self.show_stage(place),
             Command::StepBack => self.tick(Direction::Backwards),
@@ -165,11 +182,27 @@ impl State {
     }
 
     fn run_on(&mut self, direction: Direction) {
-        let Some(debugger) = &mut self.debugger else {
+        self.continuing = Some(direction);
+        self.continue_on();
+    }
+
+    /// Runs on to a breakpoint, over so many at most whose conditions do not hold; the rest is left to the next frame.
+    pub(super) fn continue_on(&mut self) {
+        let (Some(direction), Some(debugger)) = (self.continuing, &mut self.debugger) else {
+            self.continuing = None;
             return;
         };
-        let stop = debugger.run(direction);
+        let left = Cell::new(MOST_CONDITIONS);
+        let stop = debugger.run_while(direction, &|| {
+            let before = left.get();
+            left.set(before.saturating_sub(1));
+            before > 0
+        });
         self.follow_cursor();
+        if stop == Stop::End && left.get() == 0 {
+            return;
+        }
+        self.continuing = None;
         if let Stop::BadCondition(index, error) = stop {
             let text = format!(
                 "The condition of breakpoint {} cannot be computed: {error}",

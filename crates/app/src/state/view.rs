@@ -12,7 +12,8 @@ impl State {
     pub fn view(&self) -> View {
         let second = self.comparison.as_ref().and_then(|(side, _)| {
             let session = side.session.as_ref()?;
-            session.own.is_none().then_some(session.run().parameters)
+            let made = session.own.is_none() && session.combination.is_none();
+            made.then_some(session.run().parameters)
         });
         View {
             // The pattern has a domain of its own, and its camera ends with it.

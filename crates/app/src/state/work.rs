@@ -3,24 +3,21 @@
 
 use std::sync::Arc;
 
-use tilescope_analysis::VerifyError;
-use tilescope_core::SampleError;
-
 use super::{State, Verification};
 use crate::device::Device;
 use crate::draft::sentence;
+use crate::errand::Lent;
 use crate::jobs::Job;
 use crate::recipe::Recipe;
-use crate::session::Session;
-use crate::verification::{Verdict, region_of};
+use crate::session::{MakeError, Session};
+use crate::verification::{Judging, Verdict};
 
 impl State {
     pub(super) fn run(&mut self) {
         if self.run_refusal().is_some() {
             return;
         }
-        self.notice = None;
-        #[cfg(not(target_arch = "wasm32"))]
+        (self.notice, self.arriving) = (None, None);
         self.stop_reading();
         self.start_sampling(self.typed(), self.engine);
     }
@@ -40,12 +37,18 @@ impl State {
         self.poll();
         self.fly_on(dt_secs);
         let plays = self.playback.is_playing() && self.play(dt_secs);
+        if self.continuing.is_some() {
+            self.continue_on();
+            self.forget_unseen();
+        }
         self.reveal();
         self.want_hits();
         self.want_geometry();
+        self.want_analysis();
         self.count_frames();
         let flies = self.advance_second(dt_secs);
-        self.flight.is_some() || plays || flies
+        self.announce();
+        self.flight.is_some() || plays || flies || self.continuing.is_some()
     }
 
     pub(super) fn fly_on(&mut self, dt_secs: f32) {
@@ -73,11 +76,8 @@ impl State {
             self.finish_test(outcome);
         }
         self.poll_run();
-        #[cfg(not(target_arch = "wasm32"))]
-        {
-            self.poll_export();
-            self.poll_files();
-        }
+        self.poll_export();
+        self.poll_files();
     }
 
     /// Takes what concerns the run at hand.
@@ -97,14 +97,22 @@ impl State {
         self.query.found.poll();
     }
 
-    pub(super) fn finish_sampling(
-        &mut self,
-        outcome: Result<Result<Session, SampleError>, String>,
-    ) {
+    pub(super) fn finish_sampling(&mut self, outcome: Result<Result<Session, MakeError>, String>) {
         self.sampling = None;
         match outcome {
-            Ok(Ok(session)) => self.show_made(session),
-            Ok(Err(SampleError::Cancelled { stage })) => {
+            Ok(Ok(session)) => {
+                self.show_made(session);
+                return self.arrive();
+            }
+            Ok(Err(error)) => self.not_made(&error),
+            Err(failure) => self.tell(sentence(&failure), true),
+        }
+        self.arriving = None;
+    }
+
+    fn not_made(&mut self, error: &MakeError) {
+        match error.cancelled() {
+            Some(stage) => {
                 let kept = if self.session.is_some() {
                     " The session before it is still here."
                 } else {
@@ -112,13 +120,13 @@ impl State {
                 };
                 self.tell(format!("Cancelled during stage \"{stage}\".{kept}"), false);
             }
-            Ok(Err(error)) => self.tell(sentence(&error.to_string()), true),
-            Err(failure) => self.tell(sentence(&failure), true),
+            None => self.tell(sentence(&error.to_string()), true),
         }
     }
 
     /// Shows a session at its last stage and has it verified.
     pub fn show(&mut self, session: Session) {
+        self.continuing = None;
         let same_domain = self.session.as_ref().is_some_and(|old| {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
@@ -150,20 +158,14 @@ impl State {
         let Some(session) = self.session.clone() else {
             return;
         };
-        self.verification = Verification::Pending(Job::start(&self.wake, move |monitor| {
-            let (points, region) = (session.run().positions(), region_of(&session));
-            Verdict::of(&points, region, session.run().domain.radius(), monitor)
-        }));
+        let judging = Judging(Lent(session));
+        self.verification = Verification::Pending(Job::run(&self.wake, judging));
     }
 
-    pub(super) fn finish_verification(
-        &mut self,
-        outcome: Result<Result<Verdict, VerifyError>, String>,
-    ) {
+    pub(super) fn finish_verification(&mut self, outcome: Result<Result<Verdict, String>, String>) {
         self.verification = match outcome {
             Ok(Ok(verdict)) => Verification::Done(Box::new(verdict)),
-            Ok(Err(error)) => Verification::Failed(sentence(&error.to_string())),
-            Err(failure) => Verification::Failed(sentence(&failure)),
+            Ok(Err(failure)) | Err(failure) => Verification::Failed(sentence(&failure)),
         };
     }
 
@@ -174,7 +176,11 @@ impl State {
         self.settle_device();
         self.settle_files();
         self.settle_run();
+        while self.continuing.is_some() {
+            self.continue_on();
+        }
         self.settle_second();
+        self.settle_analysis();
         self.want_hits();
         self.hits.settle();
         if let Some(job) = self.exporting.take() {

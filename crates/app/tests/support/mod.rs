@@ -7,6 +7,10 @@ use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_debugger::Kind;
 
+/// So many frames may pass until the window rests: work in the background asks for one whenever it gets on, however
+/// fast frames are, so that this is no bound on time; one that never rests is found all the same.
+pub const MOST_FRAMES: u64 = 50_000;
+
 /// Returns the window when its session is made and verified.
 pub fn opened() -> Harness<'static, App> {
     opened_at([1440.0, 900.0])
@@ -16,7 +20,7 @@ pub fn opened() -> Harness<'static, App> {
 pub fn opened_at(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
-        .with_max_steps(64)
+        .with_max_steps(MOST_FRAMES)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     settle(&mut harness);
     harness

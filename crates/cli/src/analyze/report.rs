@@ -1,43 +1,102 @@
-//! Reports: HTML that needs nothing from elsewhere, CSV in long form, JSON of one set.
+//! All numbers for programs: CSV in long form, JSON.
 
 use std::fmt::Write;
 
 use serde_json::{Map, Value, json};
+use tilescope_analysis::measures::DifferenceCurve;
 
-use super::measured::{Measured, Place};
-use super::scalars::scalars;
-use super::table::{self, Table};
-use super::{Analysis, differences};
+use super::differences::Comparison;
+use super::gather::Analysis;
+use super::measured::Member;
+use super::subject::{Number, Place, Subject, places};
 
-/// The curves of a set by their names in CSV and JSON.
-fn curves(set: &Measured) -> [(&'static str, Vec<Place>); 3] {
+/// The curves of a subject by their names in CSV and JSON.
+fn curves(subject: &Subject) -> [(&'static str, Vec<Place>); 3] {
     [
-        ("power", set.power()),
-        ("anisotropy_db", set.anisotropy()),
-        ("pair_correlation", set.correlation()),
+        ("power", subject.power()),
+        ("anisotropy_db", subject.anisotropy()),
+        ("pair_correlation", subject.correlation()),
     ]
 }
 
-/// Returns all numbers, one a line: those of the table have no x.
+fn difference_curves(comparison: &Comparison) -> [(&'static str, Vec<Place>); 2] {
+    let of = |curve: &DifferenceCurve| places(&curve.places, curve.bands.as_ref());
+    [
+        ("power_difference", of(&comparison.power)),
+        ("pair_correlation_difference", of(&comparison.pairs)),
+    ]
+}
+
+/// Returns all numbers, one a line: those of the table have no x. A file's come first, then those of its average.
 pub fn csv(analysis: &Analysis) -> String {
     let mut out = "file,measure,x,y,lower,upper\n".to_owned();
-    for set in &analysis.sets {
-        let name = quoted(&set.name);
-        for scalar in scalars(set) {
-            if let Some(value) = scalar.value {
-                let _ = writeln!(out, "{name},{},,{value},,", scalar.key);
+    for (index, subject) in analysis.subjects.iter().enumerate() {
+        if subject.average {
+            for member in &subject.members {
+                csv_member(&mut out, member);
             }
         }
-        for (measure, places) in curves(set) {
-            for Place { x, y, band } in places {
-                let [lower, upper] = band.map_or([const { String::new() }; 2], |band| {
-                    band.map(|end| end.to_string())
-                });
-                let _ = writeln!(out, "{name},{measure},{x},{y},{lower},{upper}");
-            }
+        let name = quoted(&subject.name);
+        for number in &subject.numbers {
+            csv_number(&mut out, &name, number);
+        }
+        for (measure, places) in curves(subject) {
+            csv_curve(&mut out, &name, measure, &places);
+        }
+        let held = index.checked_sub(usize::from(analysis.against));
+        if let Some(comparison) = held.and_then(|held| analysis.comparisons.get(held)) {
+            csv_comparison(&mut out, &name, comparison);
         }
     }
     out
+}
+
+fn csv_member(out: &mut String, member: &Member) {
+    let name = quoted(&member.name);
+    for scalar in &member.scalars {
+        if let Some(value) = scalar.value {
+            let _ = writeln!(out, "{name},{},,{value},,", scalar.key);
+        }
+    }
+}
+
+fn csv_number(out: &mut String, name: &str, number: &Number) {
+    let (key, Some(value)) = (number.scalar.key, number.scalar.value) else {
+        return;
+    };
+    let Some(spread) = number.spread else {
+        let _ = writeln!(out, "{name},{key},,{value},,");
+        return;
+    };
+    let [lower, upper] = spread.band;
+    let _ = writeln!(out, "{name},{key},,{value},{lower},{upper}");
+    for (what, value) in [
+        ("standard_error", spread.standard_error),
+        ("least", spread.least),
+        ("most", spread.most),
+    ] {
+        let _ = writeln!(out, "{name},{key}_{what},,{value},,");
+    }
+}
+
+fn csv_curve(out: &mut String, name: &str, measure: &str, places: &[Place]) {
+    for Place { x, y, band } in places {
+        let [lower, upper] = band.map_or([const { String::new() }; 2], |band| {
+            band.map(|end| end.to_string())
+        });
+        let _ = writeln!(out, "{name},{measure},{x},{y},{lower},{upper}");
+    }
+}
+
+fn csv_comparison(out: &mut String, name: &str, comparison: &Comparison) {
+    for scalar in comparison.of_curves() {
+        if let Some(value) = scalar.value {
+            let _ = writeln!(out, "{name},{},,{value},,", scalar.key);
+        }
+    }
+    for (measure, places) in difference_curves(comparison) {
+        csv_curve(out, name, measure, &places);
+    }
 }
 
 fn quoted(name: &str) -> String {
@@ -47,23 +106,123 @@ fn quoted(name: &str) -> String {
     name.to_owned()
 }
 
-/// Returns the numbers and curves of a set.
-pub fn json(set: &Measured) -> Value {
-    let scalars = scalars(set).into_iter();
-    let mut map: Map<String, Value> = scalars
+/// Returns everything that was found out as one object; `saved` is the report.
+pub fn json(analysis: &Analysis, saved: Option<&str>) -> Value {
+    let mut held = analysis.held().iter().zip(0..).map(|(subject, index)| {
+        let mut object = subject_json(subject);
+        if let (Some(comparison), Some(map)) =
+            (analysis.comparisons.get(index), object.as_object_mut())
+        {
+            add_differences(map, comparison);
+        }
+        object
+    });
+    let (files, average) = if analysis.averaged {
+        let members = analysis.held().iter().flat_map(|subject| &subject.members);
+        let files = members.map(|member| Value::Object(member_json(member)));
+        (files.collect(), held.next())
+    } else {
+        (held.collect::<Vec<Value>>(), None)
+    };
+    let failures: Vec<Value> = (analysis.failures.iter())
+        .map(|failure| json!({ "file": failure.name, "reason": failure.reason }))
+        .collect();
+    json!({
+        "files": files,
+        "average": average,
+        "against": analysis.reference().map(|subject| {
+            let mut object = subject_json(subject);
+            if subject.average {
+                let members = subject.members.iter().map(member_json);
+                object["files"] = members.map(Value::Object).collect();
+            }
+            object
+        }),
+        "failures": failures,
+        "notes": analysis.notes,
+        "report": saved,
+    })
+}
+
+fn member_json(member: &Member) -> Map<String, Value> {
+    let mut map: Map<String, Value> = (member.scalars.iter())
         .map(|scalar| (scalar.key.to_owned(), json!(scalar.value)))
         .collect();
-    map.insert("file".to_owned(), json!(set.name));
-    map.insert("samples".to_owned(), json!(set.report.count));
-    map.insert("region".to_owned(), json!(set.region));
-    map.insert("radius_known".to_owned(), json!(set.certain));
-    let valid = set.certain.then(|| set.report.valid());
-    map.insert("valid".to_owned(), json!(valid));
-    let curves: Map<String, Value> = curves(set)
-        .into_iter()
-        .map(|(name, places)| (name.to_owned(), curve_json(&places)))
+    map.insert("file".to_owned(), json!(member.name));
+    map.insert("samples".to_owned(), json!(member.samples));
+    map.insert("region".to_owned(), json!(member.region));
+    map.insert("radius_known".to_owned(), json!(member.certain));
+    map.insert("valid".to_owned(), json!(member.valid));
+    map
+}
+
+/// Returns the numbers and curves of a set or of an average.
+fn subject_json(subject: &Subject) -> Value {
+    let curves = curves_json(&curves(subject));
+    let mut map = match subject.members.as_slice() {
+        [member] if !subject.average => member_json(member),
+        members => {
+            let numbers = subject.numbers.iter();
+            let numbers: Map<String, Value> = numbers
+                .map(|number| (number.scalar.key.to_owned(), number_json(number)))
+                .collect();
+            let whole = json!({
+                "sets": members.len(),
+                "region": subject.region,
+                "measures": numbers,
+            });
+            whole.as_object().cloned().unwrap_or_default()
+        }
+    };
+    map.insert("label".to_owned(), json!(subject.label));
+    map.insert("curves".to_owned(), curves);
+    Value::Object(map)
+}
+
+fn number_json(number: &Number) -> Value {
+    json!({
+        "mean": number.scalar.value,
+        "standard_error": number.spread.map(|spread| spread.standard_error),
+        "lower": number.spread.map(|spread| spread.band[0]),
+        "upper": number.spread.map(|spread| spread.band[1]),
+        "least": number.spread.map(|spread| spread.least),
+        "most": number.spread.map(|spread| spread.most),
+    })
+}
+
+fn add_differences(map: &mut Map<String, Value>, comparison: &Comparison) {
+    let numbers = comparison.numbers.iter();
+    let mut values: Map<String, Value> = numbers
+        .map(|(scalar, difference)| {
+            let value = difference.map(|difference| difference.value);
+            (scalar.key.to_owned(), json!(value))
+        })
         .collect();
-    map.insert("curves".to_owned(), Value::Object(curves));
+    for scalar in comparison.of_curves() {
+        values.insert(scalar.key.to_owned(), json!(scalar.value));
+    }
+    let errors = comparison
+        .numbers
+        .iter()
+        .filter_map(|(scalar, difference)| {
+            let error = difference.as_ref()?.standard_error?;
+            Some((scalar.key.to_owned(), json!(error)))
+        });
+    let errors: Map<String, Value> = errors.collect();
+    map.insert("differences".to_owned(), Value::Object(values));
+    if !errors.is_empty() {
+        let name = "standard_errors_of_differences".to_owned();
+        map.insert(name, Value::Object(errors));
+    }
+    let curves = curves_json(&difference_curves(comparison));
+    map.insert("curves_of_differences".to_owned(), curves);
+}
+
+fn curves_json(curves: &[(&'static str, Vec<Place>)]) -> Value {
+    let each = curves.iter();
+    let map: Map<String, Value> = each
+        .map(|(name, places)| ((*name).to_owned(), curve_json(places)))
+        .collect();
     Value::Object(map)
 }
 
@@ -82,113 +241,13 @@ fn curve_json(places: &[Place]) -> Value {
     curve
 }
 
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1a1d21;margin:2rem auto;max-width:1240px;padding:0 1rem}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;margin:1rem 0}\
-th,td{padding:.2rem .8rem;border-bottom:1px solid #d5dae0;text-align:right}\
-th:first-child,td:first-child,td:nth-child(2),th:nth-child(2){text-align:left}\
-thead th{border-bottom:2px solid #5b6470}svg{max-width:100%;height:auto}\
-pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wide{overflow-x:auto}";
-
-/// Returns a page with the tables, the figure and the command that made it.
-pub fn html(analysis: &Analysis, svg: &str) -> String {
-    let title = "Analysis of point sets";
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
-    );
-    page_table(&mut out, &table::measures(&analysis.sets, analysis.against));
-    if let Some(reference) = analysis.reference() {
-        out.push_str("<h2>Differences</h2>\n");
-        page_table(
-            &mut out,
-            &differences::table(reference, &analysis.sets[1..]),
-        );
-    }
-    let _ = write!(
-        out,
-        "<h2>Curves</h2>\n<div class=\"wide\">\n{svg}</div>\n{NOTES}"
-    );
-    if !analysis.failures.is_empty() {
-        out.push_str("<h2>Not analysed</h2>\n<ul>\n");
-        for failure in &analysis.failures {
-            let _ = writeln!(out, "<li>{}</li>", escaped(&failure.reason));
-        }
-        out.push_str("</ul>\n");
-    }
-    let _ = write!(
-        out,
-        "<h2>Command</h2>\n<pre>{}</pre>\n<p>tilescope {}</p>\n</body>\n</html>\n",
-        escaped(&command_line(std::env::args().skip(1))),
-        env!("CARGO_PKG_VERSION")
-    );
-    out
-}
-
-const NOTES: &str = "<p>Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in \
-the hexagonal lattice of as many samples. The shaded bands hold the true mean power with probability 0.95 where \
-frequencies are independent; bounded sets are tapered and have none. Periodograms leave the zero \
-frequency out; where it has a cell of its own, a ring marks it.</p>\n";
-
-fn page_table(out: &mut String, table: &Table) {
-    let _ = write!(
-        out,
-        "<div class=\"wide\"><table>\n<thead><tr><th>{}</th><th>unit</th>",
-        escaped(&table.head)
-    );
-    for name in &table.names {
-        let _ = write!(out, "<th>{}</th>", escaped(name));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    for row in &table.rows {
-        let _ = write!(out, "<tr><td>{}</td><td>{}</td>", row.label, row.unit);
-        for cell in &row.cells {
-            let _ = write!(out, "<td>{}</td>", escaped(cell));
-        }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</tbody></table></div>\n");
-}
-
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            _ => out.push(letter),
-        }
-    }
-    out
-}
-
-/// Returns the command as a shell takes it.
-fn command_line(arguments: impl Iterator<Item = String>) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+,:@%".contains(c);
-    let mut line = "tilescope".to_owned();
-    for argument in arguments {
-        line.push(' ');
-        if !argument.is_empty() && argument.chars().all(plain) {
-            line.push_str(&argument);
-        } else {
-            let _ = write!(line, "'{}'", argument.replace('\'', "'\\''"));
-        }
-    }
-    line
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn names_break_neither_csv_nor_markup_nor_shell() {
+    fn names_do_not_break_csv() {
         assert_eq!(quoted("a,\"b\".csv"), "\"a,\"\"b\"\".csv\"");
         assert_eq!(quoted("a b.csv"), "a b.csv");
-        assert_eq!(escaped("<b>&\""), "&lt;b&gt;&amp;&quot;");
-        let words = ["analyze", "it's here.csv", ""].map(str::to_owned);
-        let line = command_line(words.into_iter());
-        assert_eq!(line, "tilescope analyze 'it'\\''s here.csv' ''");
     }
 }

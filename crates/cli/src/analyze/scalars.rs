@@ -1,10 +1,23 @@
 //! The numbers of the table, in its sequence, with their names and units.
 
-use tilescope_analysis::measures::PowerCurve;
+use tilescope_analysis::Report;
+use tilescope_analysis::measures::{Discrepancy, Order, PowerCurve};
 
-use super::measured::Measured;
+/// What the numbers of a set are made from.
+pub struct Found<'a> {
+    pub report: &'a Report,
+    /// The radius is known.
+    pub certain: bool,
+    /// Smallest and mean nearest distance over `r_max`.
+    pub relative: [f64; 2],
+    pub curve: Option<&'a PowerCurve>,
+    pub order: &'a Order,
+    /// None for sets that are too large for it.
+    pub discrepancy: Option<Discrepancy>,
+}
 
 /// A number of the table.
+#[derive(Clone)]
 pub struct Scalar {
     /// Its name in JSON and CSV.
     pub key: &'static str,
@@ -18,6 +31,21 @@ pub struct Scalar {
 /// Name in files, label, unit, decimals.
 type Row = (&'static str, &'static str, &'static str, usize);
 
+/// Of the mean power of several sets, whose scatter is less.
+const MEAN_CURVE: [Row; 2] = [
+    (
+        "mean_power_effective_nyquist",
+        "effective Nyquist frequency of the mean power",
+        "nu",
+        3,
+    ),
+    (
+        "mean_power_oscillation",
+        "oscillation of the mean power",
+        "",
+        3,
+    ),
+];
 const SET: [Row; 7] = [
     ("samples", "samples N", "", 0),
     ("radius", "radius r", "user units", 8),
@@ -45,11 +73,24 @@ const CELLS: [Row; 7] = [
 ];
 
 /// Returns the numbers of a set.
-pub fn scalars(set: &Measured) -> Vec<Scalar> {
+pub fn scalars(set: &Found<'_>) -> Vec<Scalar> {
     let rows = SET.into_iter().chain(CURVES).chain(CELLS);
     let values = verdict(set).into_iter().chain(curves(set));
     let values = values.chain(cells(set));
-    rows.zip(values)
+    named(rows.zip(values))
+}
+
+/// Returns the numbers that a mean power has of its own.
+pub fn of_mean_power(curve: Option<&PowerCurve>) -> Vec<Scalar> {
+    let values = [
+        curve.and_then(PowerCurve::effective_nyquist),
+        curve.and_then(PowerCurve::oscillation),
+    ];
+    named(MEAN_CURVE.into_iter().zip(values))
+}
+
+fn named(values: impl Iterator<Item = (Row, Option<f64>)>) -> Vec<Scalar> {
+    values
         .map(|((key, label, unit, decimals), value)| Scalar {
             key,
             label,
@@ -60,8 +101,8 @@ pub fn scalars(set: &Measured) -> Vec<Scalar> {
         .collect()
 }
 
-fn verdict(set: &Measured) -> [Option<f64>; SET.len()] {
-    let report = &set.report;
+fn verdict(set: &Found<'_>) -> [Option<f64>; SET.len()] {
+    let report = set.report;
     let r = report.radius;
     // Of a radius that is not known, conflicts and gaps say nothing.
     let certain = |count: u64| set.certain.then_some(count as f64);
@@ -76,19 +117,19 @@ fn verdict(set: &Measured) -> [Option<f64>; SET.len()] {
     ]
 }
 
-fn curves(set: &Measured) -> [Option<f64>; CURVES.len()] {
-    let curve = set.curve.as_ref();
+fn curves(set: &Found<'_>) -> [Option<f64>; CURVES.len()] {
+    let curve = set.curve;
     [
-        Some(set.distances.relative_radius()),
-        Some(set.distances.mean_relative_distance()),
+        Some(set.relative[0]),
+        Some(set.relative[1]),
         curve.and_then(PowerCurve::effective_nyquist),
         curve.and_then(PowerCurve::effective_nyquist_psa),
         curve.and_then(PowerCurve::oscillation),
     ]
 }
 
-fn cells(set: &Measured) -> [Option<f64>; CELLS.len()] {
-    let order = &set.order;
+fn cells(set: &Found<'_>) -> [Option<f64>; CELLS.len()] {
+    let order = set.order;
     let all: u64 = order.sides.iter().sum();
     let six = order.sides.get(6).copied().unwrap_or(0);
     [

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use super::measured::Measured;
-use super::scalars::{Scalar, scalars};
+use super::measured::Member;
+use super::scalars::Scalar;
+use super::subject::{Number, Subject};
 use crate::output::region_text;
 
 /// Columns wider than this many letters together are split into several tables.
@@ -25,50 +26,152 @@ pub struct Table {
     pub rows: Vec<Row>,
 }
 
-/// Returns the measures of all sets; the first may be what others are held against.
-pub fn measures(sets: &[Measured], against: bool) -> Table {
-    let scalars: Vec<Vec<Scalar>> = sets.iter().map(scalars).collect();
-    let words = |label: &str, word: &dyn Fn(&Measured) -> String| Row {
+/// Which of a number's values stands in a column.
+type Value = fn(&Number) -> Option<f64>;
+
+/// A column: its heading, whose it is, and which of a number's values stands in it.
+struct Column<'a> {
+    name: String,
+    subject: &'a Subject,
+    value: Value,
+    /// Words stand in the first column of a subject alone.
+    first: bool,
+}
+
+impl<'a> Column<'a> {
+    fn all(subject: &'a Subject, reference: bool) -> Vec<Self> {
+        let after = if reference { " (reference)" } else { "" };
+        let column = |name: String, value, first| Self {
+            name,
+            subject,
+            value,
+            first,
+        };
+        let name = format!("{}{after}", subject.label);
+        let mut columns = vec![column(name, |number| number.scalar.value, true)];
+        if subject.members.len() > 1 {
+            let spread: [(&str, Value); 3] = [
+                ("standard error", |number| {
+                    number.spread.map(|spread| spread.standard_error)
+                }),
+                ("least", |number| number.spread.map(|spread| spread.least)),
+                ("most", |number| number.spread.map(|spread| spread.most)),
+            ];
+            for (name, value) in spread {
+                columns.push(column(name.to_owned(), value, false));
+            }
+        }
+        columns
+    }
+
+    fn words(&self, word: &dyn Fn(&Subject) -> String) -> String {
+        if self.first {
+            word(self.subject)
+        } else {
+            String::new()
+        }
+    }
+
+    /// Errors have a digit more than what they are errors of, and so have means of whole numbers.
+    fn cell(&self, key: &str) -> String {
+        let mut numbers = self.subject.numbers.iter();
+        let Some(number) = numbers.find(|number| number.scalar.key == key) else {
+            return "-".to_owned();
+        };
+        let several = self.subject.members.len() > 1;
+        let more = several && (!self.first || number.scalar.decimals == 0);
+        let decimals = number.scalar.decimals + usize::from(more);
+        let text = |value| format!("{value:.decimals$}");
+        (self.value)(number).map_or_else(|| "-".to_owned(), text)
+    }
+}
+
+/// Returns the measures of all subjects; the first may be what others are held against.
+pub fn measures(subjects: &[Subject], against: bool) -> Table {
+    let columns: Vec<Column<'_>> = (subjects.iter().enumerate())
+        .flat_map(|(index, subject)| Column::all(subject, against && index == 0))
+        .collect();
+    let words = |label: &str, word: &dyn Fn(&Subject) -> String| Row {
         label: label.to_owned(),
         unit: "",
-        cells: sets.iter().map(word).collect(),
+        cells: columns.iter().map(|column| column.words(word)).collect(),
     };
-    let domain = words("domain", &|set| region_text(&set.region));
-    let origin = words("radius is", &|set| {
-        let known = ["smallest distance", "known"];
-        known[usize::from(set.certain)].to_owned()
+    let domain = words("domain", &|subject| region_text(&subject.region));
+    let origin = words("radius is", &|subject| origin(&subject.members));
+    let numbers = keys(subjects).into_iter().map(|scalar| Row {
+        label: scalar.label.to_owned(),
+        unit: scalar.unit,
+        cells: (columns.iter())
+            .map(|column| column.cell(scalar.key))
+            .collect(),
     });
-    let numbers = (0..scalars.first().map_or(0, Vec::len)).map(|index| {
-        let cell = |column: &Vec<Scalar>| {
-            let scalar = &column[index];
-            let text = |value| format!("{value:.*}", scalar.decimals);
-            scalar.value.map_or_else(|| "-".to_owned(), text)
-        };
-        let scalar = &scalars[0][index];
-        Row {
-            label: scalar.label.to_owned(),
-            unit: scalar.unit,
-            cells: scalars.iter().map(cell).collect(),
-        }
-    });
-    let name = |(index, set): (usize, &Measured)| {
-        let reference = if against && index == 0 {
-            " (reference)"
-        } else {
-            ""
-        };
-        format!("{}{reference}", set.name)
-    };
     Table {
         head: "measure".to_owned(),
-        names: sets.iter().enumerate().map(name).collect(),
+        names: columns.iter().map(|column| column.name.clone()).collect(),
         rows: [domain, origin].into_iter().chain(numbers).collect(),
     }
 }
 
+/// Returns the numbers that subjects have: averages have more than sets.
+fn keys(subjects: &[Subject]) -> Vec<&Scalar> {
+    let most = subjects.iter().max_by_key(|subject| subject.numbers.len());
+    most.map_or(Vec::new(), |subject| {
+        let numbers = subject.numbers.iter();
+        numbers.map(|number| &number.scalar).collect()
+    })
+}
+
+fn origin(members: &[Member]) -> String {
+    let known = members.iter().filter(|member| member.certain).count();
+    match known {
+        0 => "smallest distance".to_owned(),
+        all if all == members.len() => "known".to_owned(),
+        some => format!("known of {some}"),
+    }
+}
+
+/// Returns the table of the files behind an average.
+pub fn files(members: &[Member]) -> Table {
+    let Some(first) = members.first() else {
+        return Table::default();
+    };
+    let cell = |scalar: &Scalar| {
+        let text = |value| format!("{value:.*}", scalar.decimals);
+        scalar.value.map_or_else(|| "-".to_owned(), text)
+    };
+    Table {
+        head: "file".to_owned(),
+        names: (first.scalars.iter())
+            .map(|scalar| match scalar.unit {
+                "" => scalar.label.to_owned(),
+                unit => format!("{}, {unit}", scalar.label),
+            })
+            .collect(),
+        rows: (members.iter())
+            .map(|member| Row {
+                label: member.name.clone(),
+                unit: "",
+                cells: member.scalars.iter().map(cell).collect(),
+            })
+            .collect(),
+    }
+}
+
+fn letters(text: &str) -> usize {
+    text.chars().count()
+}
+
+/// Returns the letters of the columns, with room between.
+fn widths(table: &Table) -> Vec<usize> {
+    let width = |(column, name): (usize, &String)| {
+        let cells = table.rows.iter().map(|row| letters(&row.cells[column]));
+        cells.max().unwrap_or(0).max(letters(name)) + 3
+    };
+    table.names.iter().enumerate().map(width).collect()
+}
+
 /// Returns a table as aligned text, in as many parts as its width asks for.
 pub fn text(table: &Table) -> String {
-    let letters = |text: &str| text.chars().count();
     let label = |row: &Row| match row.unit {
         "" => row.label.clone(),
         unit => format!("{}, {unit}", row.label),
@@ -76,12 +179,7 @@ pub fn text(table: &Table) -> String {
     let labels: Vec<String> = table.rows.iter().map(label).collect();
     let first = (labels.iter().chain([&table.head])).map(|text| letters(text));
     let first = first.max().unwrap_or(0);
-    let widths: Vec<usize> = (table.names.iter().enumerate())
-        .map(|(column, name)| {
-            let cells = table.rows.iter().map(|row| letters(&row.cells[column]));
-            cells.max().unwrap_or(0).max(letters(name)) + 3
-        })
-        .collect();
+    let widths = widths(table);
     let mut out = String::new();
     let mut from = 0;
     while from < widths.len() {
@@ -94,6 +192,9 @@ pub fn text(table: &Table) -> String {
         }
         let head = (&table.head, &table.names);
         let rows = labels.iter().zip(table.rows.iter().map(|row| &row.cells));
+        // Words stand in the first column of a subject: a later part may have none of them.
+        let told = |cells: &[String]| cells[from..to].iter().any(|cell| !cell.is_empty());
+        let rows = rows.filter(|(_, cells)| from == 0 || told(cells));
         for (label, cells) in std::iter::once(head).chain(rows) {
             let _ = write!(out, "{label:first$}");
             for column in from..to {
@@ -104,4 +205,28 @@ pub fn text(table: &Table) -> String {
         from = to;
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_later_part_has_no_rows_without_a_word() {
+        let row = |label: &str, cells: [&str; 2]| Row {
+            label: label.to_owned(),
+            unit: "",
+            cells: cells.map(str::to_owned).to_vec(),
+        };
+        let table = Table {
+            head: "measure".to_owned(),
+            names: ["a", "b"].map(|name| name.repeat(WIDE / 2)).to_vec(),
+            rows: vec![row("domain", ["1 x 1", ""]), row("samples", ["9", "8"])],
+        };
+        let found = text(&table);
+        let parts: Vec<&str> = found.split("\n\n").collect();
+        assert_eq!(parts.len(), 2);
+        assert!(parts[0].contains("domain") && !parts[1].contains("domain"));
+        assert!(parts.iter().all(|part| part.contains("samples")));
+    }
 }

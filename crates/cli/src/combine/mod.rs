@@ -1,8 +1,6 @@
 //! `tilescope combine`: sets that are there or are made for it, placed side by side by a layout, become one set
 //! (section 4.2 of the paper), verified and saved.
 
-mod entry;
-mod layout;
 mod pieces;
 #[cfg(test)]
 mod refusals;
@@ -10,12 +8,14 @@ mod refusals;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
 use tilescope_core::Sampled;
+use tilescope_core::combine::file::{Layout, LayoutError, MAX_LAYOUT_BYTES, Placed, Source};
 use tilescope_core::combine::{Combined, combine};
 use tilescope_formats::{Exported, Format, PointSet, Precision};
 
@@ -27,7 +27,6 @@ use crate::progress::{Stopwatch, verifying};
 use crate::sample::{PrecisionArgument, check_target};
 use crate::{interrupt, verdict_code};
 
-use layout::Layout;
 use pieces::Census;
 
 /// Arguments of `tilescope combine`.
@@ -142,15 +141,16 @@ impl Glued {
 
 /// Reads a layout, makes its pieces and glues them.
 fn glue(path: &Path) -> Result<Glued> {
-    let layout = Layout::read(path)?;
-    let placed = layout.placed(path.parent().unwrap_or(Path::new("")))?;
-    let made = pieces::make(&placed)?;
+    let layout = read(path)?;
+    let placed = layout.placed()?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let made = pieces::make(&placed, folder)?;
     let mut watch = Stopwatch::start();
     let combined = combine(placed.domain, &made.pieces, &layout.options(), &mut watch)?;
     let facts = Facts {
         method: "combined",
         engine: None,
-        parameters: BTreeMap::from([("layout".to_owned(), layout.stated(&placed)?)]),
+        parameters: BTreeMap::from([("layout".to_owned(), stated(&layout, &placed, folder)?)]),
         region: region(&combined.domain),
         radius: combined.domain.radius(),
         summary: Some(combined.summary().clone()),
@@ -165,6 +165,30 @@ fn glue(path: &Path) -> Result<Glued> {
         census: made.census,
         seams,
     })
+}
+
+/// Reads a layout. Fails when it is too long or has another form.
+fn read(path: &Path) -> Result<Layout> {
+    let about = fs::metadata(path)?;
+    ensure!(about.is_file(), "this is no file");
+    let bytes = about.len();
+    if bytes > MAX_LAYOUT_BYTES {
+        return Err(LayoutError::TooLong { bytes }.into());
+    }
+    Ok(Layout::from_json(&fs::read(path)?)?)
+}
+
+/// Returns the layout as a certificate states it: files without folders, with their digests.
+fn stated(layout: &Layout, placed: &Placed, folder: &Path) -> Result<Value> {
+    let mut stated = serde_json::to_value(layout)?;
+    for (k, place) in placed.places.iter().enumerate() {
+        if let Source::File { path, .. } = &place.source {
+            let named = make::named_by_content(&folder.join(path))?;
+            stated["pieces"][k]["file"] = named["file"].clone();
+            stated["pieces"][k]["digest"] = named["digest"].clone();
+        }
+    }
+    Ok(stated)
 }
 
 /// Returns the samples with their provenance: pieces in the place of blocks.

@@ -9,16 +9,17 @@ use crate::engine::sequential::{survivors, uniform};
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
 use crate::parameters::Insertion;
+use crate::pattern::Symmetry;
 use crate::progress::{Meter, Observer, Stage};
 use crate::random::Key;
 use crate::record::Unrecorded;
-use crate::run::{Fate, Origin, Samples};
+use crate::run::{Fate, Iteration, Origin, Samples};
 use crate::stages::blocks::{Block, Blocks};
 use crate::stages::detect::{Candidate, Detection, first_detectors};
 use crate::stages::eliminate::{contested, eliminate};
 use crate::stages::insert::{insert, unique};
 use crate::stages::order::Ranking;
-use crate::stages::tile::place;
+use crate::stages::tile::{Tile, place};
 use crate::stages::uniform::gap_process;
 
 /// How far around a detector samples are read, at most: 7r in the box around a detector at a border.
@@ -35,10 +36,12 @@ const TURN: usize = 256;
 /// The samples near the seams with their fates, and all others.
 pub(super) struct Glued {
     pub samples: Samples,
+    /// What each piece contributed of them.
+    pub tiles: Vec<Tile>,
     /// By piece; all of them are in the result.
     pub deep: Vec<Vec<(Point, u32)>>,
-    /// Samples inserted, by iteration.
-    pub inserted: Vec<usize>,
+    /// The iterations, up to the last one that inserted any sample.
+    pub iterations: Vec<Iteration>,
 }
 
 impl Glued {
@@ -84,6 +87,16 @@ pub(super) fn glue(
     glue_from(NEAR, domain, pieces, options, observer)
 }
 
+/// Glues the pieces looking at every sample, so that none is deep. The result is the same.
+pub(super) fn glue_all(
+    domain: Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    observer: &mut dyn Observer,
+) -> Result<Glued, CombineError> {
+    glue_from(i32::MAX, domain, pieces, options, observer)
+}
+
 fn glue_from(
     mut near: i32,
     domain: Domain,
@@ -120,8 +133,9 @@ fn glue_within(
         Insertion::Circumcentre => fill(domain, options, &mut glued, observer)?,
         Insertion::Uniform => throw(domain, options, &mut glued, observer)?,
     }
-    while glued.inserted.last() == Some(&0) {
-        glued.inserted.pop();
+    let last = |glued: &Glued| glued.iterations.last().map(|last| last.inserted.len());
+    while last(&glued) == Some(0) {
+        glued.iterations.pop();
     }
     let inserted = &glued.samples.points[first..];
     let depth = |p: &Point| {
@@ -135,17 +149,43 @@ fn glue_within(
 /// Returns the contributions as samples, piece by piece.
 fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
     let mut samples = Samples::default();
-    let mut deep = Vec::with_capacity(clips.len());
+    let (mut tiles, mut deep) = (
+        Vec::with_capacity(clips.len()),
+        Vec::with_capacity(clips.len()),
+    );
     for ((piece, clip), index) in pieces.iter().zip(clips).zip(0..) {
+        let first = samples.len() as u32;
         for (x, y, pattern) in clip.near {
             place(domain, &piece.rect, (x, y), index, pattern, &mut samples);
         }
+        tiles.push(Tile {
+            start: Point::new(
+                piece.start.x.saturating_sub(R),
+                piece.start.y.saturating_sub(R),
+            ),
+            symmetry: Symmetry(0),
+            samples: first..samples.len() as u32,
+        });
         deep.push(clip.deep);
     }
     Glued {
         samples,
+        tiles,
         deep,
-        inserted: Vec::new(),
+        iterations: Vec::new(),
+    }
+}
+
+/// Returns the pieces' rectangles as blocks that no split made.
+pub(super) fn blocks(pieces: &[Piece], key: Key) -> Blocks {
+    let block = |piece: &Piece| Block {
+        rect: piece.rect,
+        key,
+        depth: 0,
+    };
+    Blocks {
+        splits: Vec::new(),
+        leaves: pieces.iter().map(block).collect(),
     }
 }
 
@@ -158,15 +198,7 @@ fn sieve(
     observer: &mut dyn Observer,
 ) -> Result<(), SampleError> {
     let key = Key::from_seed(options.seed);
-    let block = |piece: &Piece| Block {
-        rect: piece.rect,
-        key,
-        depth: 0,
-    };
-    let blocks = Blocks {
-        splits: Vec::new(),
-        leaves: pieces.iter().map(block).collect(),
-    };
+    let blocks = blocks(pieces, key);
     let ranking = Ranking::new(options.order, domain, key);
     let contested = contested(samples, &blocks, &ranking);
     let meter = Meter::begin(observer, Stage::Eliminate, contested.len() as u64)?;
@@ -192,8 +224,13 @@ fn fill(
         if inserted.is_empty() {
             break;
         }
-        glued.inserted.push(inserted.len());
-        detectors = inserted.collect();
+        let looked = std::mem::replace(&mut detectors, inserted.clone().collect());
+        glued.iterations.push(Iteration {
+            detectors: looked,
+            candidates,
+            cells: Vec::new(),
+            inserted,
+        });
     }
     Ok(())
 }
@@ -212,7 +249,7 @@ fn throw(
             break;
         }
         let made = uniform(&mut process, k, samples, observer, &mut Unrecorded)?;
-        glued.inserted.push(made.inserted.len());
+        glued.iterations.push(made);
     }
     Ok(())
 }

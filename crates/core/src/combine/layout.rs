@@ -7,7 +7,7 @@ use crate::stages::blocks::Axis;
 
 /// A line along which two pieces meet that do not continue each other. In a periodic domain a seam may
 /// lie on the left or lower border, between a piece there and one at the opposite border.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Seam {
     /// Its lowest place.
     pub from: Point,

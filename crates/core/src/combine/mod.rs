@@ -13,8 +13,10 @@
 //! at most 3r inside, and a unit more where a set covers the lattice but not every place between.
 
 mod clip;
+pub mod file;
 mod glue;
 mod layout;
+mod staged;
 
 use std::sync::Arc;
 
@@ -33,6 +35,7 @@ use crate::run::{Fate, Origin, Summary};
 
 use glue::Glued;
 pub use layout::{Seam, check_rects, grid};
+pub use staged::{Staged, combine_in_stages};
 
 /// The most pieces: their rectangles are compared with each other.
 pub const MAX_PIECES: usize = 4096;
@@ -156,12 +159,7 @@ pub fn combine(
     options: &CombineOptions,
     observer: &mut dyn Observer,
 ) -> Result<Combined, CombineError> {
-    let samples = domain.area_radii() * MAXIMAL_DENSITY;
-    if samples > MAX_SEQUENTIAL_SAMPLES {
-        let maximum = MAX_SEQUENTIAL_SAMPLES;
-        return Err(ParameterError::TooManySamples { samples, maximum }.into());
-    }
-    layout::check(&domain, pieces)?;
+    check(&domain, pieces)?;
     let glued = glue::glue(domain, pieces, options, observer)?;
     let meter = Meter::begin(observer, Stage::Finish, 1)?;
     let combined = gather(domain, pieces, &glued);
@@ -169,18 +167,29 @@ pub fn combine(
     Ok(combined)
 }
 
+/// Refuses pieces that cannot be combined.
+fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineError> {
+    let samples = domain.area_radii() * MAXIMAL_DENSITY;
+    if samples > MAX_SEQUENTIAL_SAMPLES {
+        let maximum = MAX_SEQUENTIAL_SAMPLES;
+        return Err(ParameterError::TooManySamples { samples, maximum }.into());
+    }
+    layout::check(domain, pieces)
+}
+
 /// Puts what was glued and what was far from all seams together.
 fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     let (points, sources) = in_order(glued);
     let eliminated = glued.eliminated();
     let fates = &glued.samples.fates;
-    let inserted: usize = glued.inserted.iter().sum();
+    let inserted = glued.iterations.iter().map(|made| made.inserted.len());
+    let inserted: Vec<usize> = inserted.collect();
     let summary = Summary {
         blocks: pieces.len(),
-        tiled: points.len() + eliminated.len() - inserted,
+        tiled: points.len() + eliminated.len() - inserted.iter().sum::<usize>(),
         dropped: fates.iter().filter(|f| **f == Fate::Dropped).count(),
         eliminated: eliminated.len(),
-        inserted: glued.inserted.clone(),
+        inserted,
         count: points.len(),
     };
     Combined {

@@ -34,7 +34,7 @@ const LEAST_DENSITY: f64 = 0.5 * 0.384_9;
 
 /// A maximal set that blocks clip from. Patterns are equal when blocks clip the same from them,
 /// wherever they came from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pattern {
     domain: Domain,
     samples: Vec<Point>,

@@ -6,7 +6,7 @@ use crate::random::{Key, Stream, below};
 use crate::record::{Moment, Recorder, Unrecorded};
 
 /// An axis of the plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Axis {
     /// Left to right.
     X,
@@ -24,7 +24,7 @@ impl Axis {
 }
 
 /// A node that was split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Split {
     /// The node's rectangle.
     pub rect: Rect,
@@ -37,7 +37,7 @@ pub struct Split {
 }
 
 /// A leaf.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Block {
     /// The block's rectangle, half open.
     pub rect: Rect,
@@ -49,7 +49,7 @@ pub struct Block {
 
 /// The KD-tree: its splits in the sequence in which they were made (parents first, lower side
 /// first), and its leaves in the same sequence.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Blocks {
     /// All splits.
     pub splits: Vec<Split>,

@@ -38,7 +38,9 @@ pub const NEARER_SLACK: i64 = 12 * R as i64;
 
 /// The samples that make a candidate. The lowest of several such sets is recorded; ids are of one run,
 /// but the sequence of samples that they stand for is the same in every run over the same plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
 pub enum Sites {
     /// A circumcentre of three samples, by id.
     Three([u32; 3]),
@@ -53,7 +55,7 @@ pub enum Sites {
 }
 
 /// An uncovered place where a sample may be inserted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Candidate {
     /// The place.
     pub point: Point,

@@ -21,7 +21,7 @@ pub struct DiskGrid {
 }
 
 /// A square of lattice points, `side` units wide, that starts at `min`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Cell {
     /// The lowest point inside.
     pub min: Point,

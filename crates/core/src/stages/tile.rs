@@ -11,7 +11,7 @@ use crate::run::{Fate, Origin, Samples};
 use crate::stages::blocks::{Block, Blocks};
 
 /// What a block clipped.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Tile {
     /// The pattern's place that came to lie on the enlarged block's lowest corner.
     pub start: Point,

@@ -1,6 +1,7 @@
 //! A panel's frame: its axes with ticks, grid lines, labels and heading, and the way from values to pixels.
 //! Never knows what is drawn within.
 
+use super::Axis;
 use super::ticks::Ticks;
 use crate::fonts::Font;
 use crate::palette::Palette;
@@ -26,6 +27,8 @@ pub(super) struct Frame<'a> {
     pub(super) x: [f64; 2],
     /// Values at the lower and upper border.
     pub(super) y: [f64; 2],
+    /// The axes along x and y.
+    pub(super) axes: [&'a Axis; 2],
     pub(super) palette: &'a Palette,
 }
 
@@ -40,11 +43,12 @@ impl Frame<'_> {
         ]
     }
 
-    fn ticks(&self) -> [Ticks; 2] {
+    /// Returns values and labels of the ticks along x and y.
+    fn ticks(&self) -> [Vec<(f64, String)>; 2] {
         let size = [0, 1].map(|axis| self.plot.max[axis] - self.plot.min[axis]);
         [
-            Ticks::of(self.x, (size[0] / 62.0) as usize),
-            Ticks::of(self.y, (size[1] / 38.0) as usize),
+            ticks(self.axes[0], self.x, (size[0] / 62.0) as usize),
+            ticks(self.axes[1], self.y, (size[1] / 38.0) as usize),
         ]
     }
 
@@ -53,11 +57,11 @@ impl Frame<'_> {
         let mut group = Group::new("grid");
         let [x, y] = self.ticks();
         let Rect { min, max } = self.plot;
-        let upright = x.values.iter().map(|value| {
+        let upright = x.iter().map(|(value, _)| {
             let at = self.pixel([*value, self.y[0]])[0];
             [[at, min[1]], [at, max[1]]]
         });
-        let level = y.values.iter().map(|value| {
+        let level = y.iter().map(|(value, _)| {
             let at = self.pixel([self.x[0], *value])[1];
             [[min[0], at], [max[0], at]]
         });
@@ -69,38 +73,43 @@ impl Frame<'_> {
     }
 
     /// Returns the border, ticks with numbers, the axes' labels and the heading.
-    pub(super) fn axes(&self, title: &str, labels: [&str; 2]) -> Group {
+    pub(super) fn border(&self, title: &str) -> Group {
         let mut group = Group::new("axes");
-        let Rect { min, max } = self.plot;
         group.shapes.push(Shape::Rect {
             rect: self.plot,
             style: Style::stroked(self.palette.muted, 1.0),
         });
         let [x, y] = self.ticks();
-        for value in &x.values {
+        for (value, label) in &x {
             let at = self.pixel([*value, self.y[0]]);
-            let mut text = self.text([at[0], at[1] + 9.0], &x.label(*value), TICK);
+            let mut text = self.text([at[0], at[1] + 9.0], label, TICK);
             (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
             group.shapes.push(Shape::Text(text));
             group.shapes.push(self.tick(at, [at[0], at[1] + 5.0]));
         }
-        for value in &y.values {
+        for (value, label) in &y {
             let at = self.pixel([self.x[0], *value]);
-            let mut text = self.text([at[0] - 9.0, at[1]], &y.label(*value), TICK);
+            let mut text = self.text([at[0] - 9.0, at[1]], label, TICK);
             (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
             group.shapes.push(Shape::Text(text));
             group.shapes.push(self.tick(at, [at[0] - 5.0, at[1]]));
         }
+        group.shapes.extend(self.words(title).map(Shape::Text));
+        group
+    }
+
+    /// Returns the axes' labels and the heading.
+    fn words(&self, title: &str) -> [Text; 3] {
+        let Rect { min, max } = self.plot;
         let middle = [0, 1].map(|axis| f64::midpoint(min[axis], max[axis]));
-        let mut below = self.text([middle[0], max[1] + 38.0], labels[0], LABEL);
+        let [x, y] = self.axes.map(|axis| axis.label.as_str());
+        let mut below = self.text([middle[0], max[1] + 38.0], x, LABEL);
         below.anchor = Anchor::Middle;
-        let mut beside = self.text([min[0] - LEFT + 18.0, middle[1]], labels[1], LABEL);
+        let mut beside = self.text([min[0] - LEFT + 18.0, middle[1]], y, LABEL);
         (beside.anchor, beside.quarter_turns) = (Anchor::Middle, 3);
         let mut head = self.text([min[0], min[1] - 12.0], title, HEADING);
         (head.font, head.color) = (Font::SemiBold, self.palette.text);
-        let texts = [below, beside, head].map(Shape::Text);
-        group.shapes.extend(texts);
-        group
+        [below, beside, head]
     }
 
     fn text(&self, at: [f64; 2], text: &str, size: f64) -> Text {
@@ -110,4 +119,17 @@ impl Frame<'_> {
     fn tick(&self, from: [f64; 2], to: [f64; 2]) -> Shape {
         Shape::line(from, to, Stroke::new(self.palette.muted, 1.0))
     }
+}
+
+/// Returns an axis's own ticks within its range, or `most` round ones at most.
+fn ticks(axis: &Axis, range: [f64; 2], most: usize) -> Vec<(f64, String)> {
+    let Some(own) = &axis.ticks else {
+        let round = Ticks::of(range, most);
+        let labelled = |value: &f64| (*value, round.label(*value));
+        return round.values.iter().map(labelled).collect();
+    };
+    // Rounding takes no tick from an end.
+    let hair = 1e-9 * (range[1] - range[0]);
+    let inside = |(value, _): &&(f64, String)| (range[0] - hair..=range[1] + hair).contains(value);
+    own.iter().filter(inside).cloned().collect()
 }

@@ -1,5 +1,5 @@
 //! A grid of values as shades of grey.
-//! Never smooths: a cell is a square of one shade.
+//! Never smooths: a cell is of one shade.
 
 use super::ImageChart;
 use super::frame::Frame;
@@ -8,6 +8,9 @@ use crate::scene::{Group, Rect, Shape, Stroke, Style};
 
 /// Shades that are told apart.
 const SHADES: usize = 32;
+
+/// Pixels by which cells reach over each other where their edges are not those of pixels.
+const OVER: f64 = 0.3;
 
 /// Returns the cells of an image, and the ring about the absent one. Cells of one shade are one shape.
 pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
@@ -21,6 +24,9 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
         (max[0] - min[0]) / chart.columns as f64,
         (max[1] - min[1]) / rows as f64,
     ];
+    // Edges between pixels would show the background through: cells lie a little over each other there.
+    let halves = size.iter().all(|side| (2.0 * side).fract() < 1e-6);
+    let over = if halves { 0.0 } else { OVER };
     let shades = runs(chart);
     for (shade, runs) in shades
         .iter()
@@ -29,20 +35,18 @@ pub(super) fn groups(chart: &ImageChart, frame: &Frame<'_>) -> Vec<Group> {
     {
         let line = |&[row, from, to]: &[usize; 3]| {
             let y = max[1] - (row as f64 + 0.5) * size[1];
-            [from, to].map(|column| [min[0] + column as f64 * size[0], y])
+            let [from, to] = [from, to].map(|column| min[0] + column as f64 * size[0]);
+            [[from, y], [to + over, y]]
         };
         cells.shapes.push(Shape::Segments {
             segments: runs.iter().map(line).collect(),
-            stroke: Stroke::new(grey(shade), size[1]),
+            stroke: Stroke::new(grey(shade), size[1] + over),
         });
     }
     let ring = chart.absent.map(|absent| {
-        let column = (absent % chart.columns) as f64;
-        let row = (absent / chart.columns) as f64;
-        let center = [
-            min[0] + (column + 0.5) * size[0],
-            max[1] - (row + 0.5) * size[1],
-        ];
+        let [column, row] = [absent % chart.columns, absent / chart.columns];
+        let across = (column as f64 + 0.5) * size[0];
+        let center = [min[0] + across, max[1] - (row as f64 + 0.5) * size[1]];
         ring(center, size[0].max(size[1]), frame)
     });
     std::iter::once(cells).chain(ring).collect()

@@ -21,6 +21,9 @@ const LEGEND_TEXT: f64 = 13.0;
 const SAMPLE: f64 = 44.0;
 const GAP: f64 = 28.0;
 
+/// Cells of whole pixels may leave a tenth of an image's room unused.
+const LEAST_OF_ROOM: f64 = 0.9;
+
 /// Returns the scene of a figure, 1200 pixels wide; its height follows from the number of rows.
 ///
 /// Above the panels stands a legend with the name of each series, once.
@@ -59,8 +62,15 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
     let mut head = Group::new("title");
     head.shapes.push(Shape::Text(title));
     scene.groups.extend([head, legend]);
+    let mut columns = 1;
     for row in &figure.rows {
-        let width = (WIDTH - 2.0 * MARGIN) / row.len() as f64;
+        // A last row of fewer images has them as large as the rows before.
+        columns = if images(row) {
+            columns.max(row.len())
+        } else {
+            row.len()
+        };
+        let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
         let height = row_height(row, width);
         for (index, panel) in row.iter().enumerate() {
             let left = (MARGIN + index as f64 * width).round();
@@ -68,14 +78,21 @@ pub fn figure_scene(figure: &Figure, palette: &Palette) -> Result<Scene, ChartEr
             scene.groups.extend(panel_groups(panel, cell, palette)?);
         }
         top += height;
+        if !images(row) {
+            columns = 1;
+        }
     }
     scene.height = top + MARGIN;
     Ok(scene)
 }
 
+fn images(row: &[Panel]) -> bool {
+    row.iter().all(|panel| matches!(panel, Panel::Image(_)))
+}
+
 /// Rows of images are as high as makes them square.
 fn row_height(row: &[Panel], width: f64) -> f64 {
-    if row.iter().all(|panel| matches!(panel, Panel::Image(_))) {
+    if images(row) {
         let plot = width - LEFT - RIGHT;
         return (plot.min(480.0) + HEAD + FOOT).round();
     }
@@ -95,49 +112,60 @@ fn panel_groups(panel: &Panel, cell: Rect, palette: &Palette) -> Result<Vec<Grou
                 plot,
                 x,
                 y,
+                axes: [&chart.x, &chart.y],
                 palette,
             };
             let mut groups = vec![frame.grid()];
             groups.extend(lines::groups(chart, &frame));
-            groups.push(frame.axes(&chart.title, [&chart.x.label, &chart.y.label]));
+            groups.push(frame.border(&chart.title));
             Ok(groups)
         }
         Panel::Image(chart) => {
             chart.check()?;
+            let [x, y] = [chart.x.checked_range()?, chart.y.checked_range()?];
             let frame = Frame {
-                plot: whole_cells(chart, plot),
-                x: chart.x.checked_range()?,
-                y: chart.y.checked_range()?,
+                plot: true_to_scale(chart, [x, y], plot),
+                x,
+                y,
+                axes: [&chart.x, &chart.y],
                 palette,
             };
             let mut groups = image::groups(chart, &frame);
-            groups.push(frame.axes(&chart.title, [&chart.x.label, &chart.y.label]));
+            groups.push(frame.border(&chart.title));
             Ok(groups)
         }
     }
 }
 
-/// Returns the largest plot within `plot` whose cells are square, of whole pixels where these suffice.
-fn whole_cells(chart: &ImageChart, plot: Rect) -> Rect {
+/// Returns the largest plot within `plot` in which a unit is as long along both axes, so that circles are round; square cells are of
+/// whole pixels where these suffice.
+fn true_to_scale(chart: &ImageChart, [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect {
     let rows = chart.values.len() / chart.columns;
     let room = [0, 1].map(|axis| plot.max[axis] - plot.min[axis]);
-    let cell = (room[0] / chart.columns as f64).min(room[1] / rows as f64);
+    let span = [x[1] - x[0], y[1] - y[0]];
+    let unit = (room[0] / span[0]).min(room[1] / span[1]);
+    let cells = [chart.columns, rows].map(|count| count as f64);
+    let mut cell = [0, 1].map(|axis| unit * span[axis] / cells[axis]);
     // Below a pixel, halves: pictures are often made at scale 2.
-    let cell = if cell >= 1.0 {
-        (2.0 * cell).floor() / 2.0
-    } else {
-        cell
-    };
+    if (cell[0] / cell[1] - 1.0).abs() < 1e-9 && cell[0] >= 1.0 {
+        let whole = (2.0 * cell[0] + 1e-9).floor() / 2.0;
+        if whole > LEAST_OF_ROOM * cell[0] {
+            cell = [whole; 2];
+        }
+    }
     let min = plot.min.map(f64::round);
-    let size = [cell * chart.columns as f64, cell * rows as f64];
-    Rect::new(min, [min[0] + size[0], min[1] + size[1]])
+    Rect::new(min, [0, 1].map(|axis| min[axis] + cell[axis] * cells[axis]))
 }
 
 /// Returns the legend and its lower end.
 fn legend(figure: &Figure, palette: &Palette, top: f64) -> (Group, f64) {
     let mut group = Group::new("legend");
+    let entries = entries(figure);
+    if entries.is_empty() {
+        return (group, top);
+    }
     let mut at = [MARGIN, top + 0.5 * LEGEND_LINE];
-    for (name, look) in entries(figure) {
+    for (name, look) in entries {
         let width = SAMPLE + text_width(name, Font::Regular, LEGEND_TEXT) + GAP;
         if at[0] > MARGIN && at[0] + width - GAP > WIDTH - MARGIN {
             at = [MARGIN, at[1] + LEGEND_LINE];

@@ -12,6 +12,9 @@ const MARK_EVERY: f64 = 70.0;
 
 /// Size of a level's name in pixels.
 const LEVEL_NAME: f64 = 12.0;
+/// Room for a piece of its line before it, and between two.
+const LEVEL_SAMPLE: f64 = 38.0;
+const LEVEL_GAP: f64 = 14.0;
 
 /// Part of the data's extent that a vertical axis has to spare at either end.
 const SPARE: f64 = 0.05;
@@ -121,47 +124,52 @@ fn band(series: &Series, frame: &Frame<'_>) -> Option<Shape> {
     })
 }
 
-fn level_stroke(frame: &Frame<'_>) -> Stroke {
-    Stroke::new(frame.palette.text, 1.0).dashed(2.0, 3.0)
+/// Dashes and gaps of levels, in turn: names above the plot tell them apart.
+const LEVEL_DASHES: [[f64; 2]; 3] = [[2.0, 3.0], [8.0, 4.0], [18.0, 4.0]];
+
+fn level_stroke(frame: &Frame<'_>, index: usize) -> Stroke {
+    let [dash, gap] = LEVEL_DASHES[index % LEVEL_DASHES.len()];
+    Stroke::new(frame.palette.text, 1.0).dashed(dash, gap)
 }
 
 fn levels(chart: &LineChart, frame: &Frame<'_>, mut group: Group) -> Group {
     let Rect { min, max } = frame.plot;
-    for level in &chart.levels {
+    for (index, level) in chart.levels.iter().enumerate() {
         let at = frame.pixel([frame.x[0], level.y])[1];
-        let line = Shape::line([min[0], at], [max[0], at], level_stroke(frame));
+        let line = Shape::line([min[0], at], [max[0], at], level_stroke(frame, index));
         group.shapes.push(line);
     }
     group
 }
 
-/// Returns the levels' names: a single one beside the heading, where no curve runs, others at their lines.
+/// Returns the levels' names: beside the heading, where no curve runs, each behind a piece of its line; or at their lines where there
+/// is no room for all of them.
 fn level_names(chart: &LineChart, frame: &Frame<'_>) -> Group {
     let mut group = Group::new("level names");
     let Rect { min, max } = frame.plot;
+    let widths =
+        (chart.levels.iter()).map(|level| text_width(&level.name, Font::Regular, LEVEL_NAME));
+    let widths: Vec<f64> = widths.collect();
+    let all: f64 = widths
+        .iter()
+        .map(|width| width + LEVEL_SAMPLE + LEVEL_GAP)
+        .sum();
     let head = text_width(&chart.title, Font::SemiBold, HEADING);
-    for level in &chart.levels {
-        let width = text_width(&level.name, Font::Regular, LEVEL_NAME);
-        let beside = chart.levels.len() == 1 && head + width + 60.0 < max[0] - min[0];
-        let y = if beside {
-            min[1] - 12.0
+    let fits = head + all + LEVEL_GAP < max[0] - min[0] || chart.levels.len() == 1;
+    let beside = fits && chart.levels.len() <= LEVEL_DASHES.len();
+    let mut right = max[0];
+    for (index, (level, width)) in chart.levels.iter().zip(widths).enumerate().rev() {
+        let at = if beside {
+            let at = [right, min[1] - 12.0];
+            let [from, to] = [LEVEL_SAMPLE, 8.0].map(|left| [right - width - left, at[1] - 4.0]);
+            let stroke = level_stroke(frame, index);
+            group.shapes.push(Shape::line(from, to, stroke));
+            right -= width + LEVEL_SAMPLE + LEVEL_GAP;
+            at
         } else {
-            frame.pixel([frame.x[0], level.y])[1] - 6.0
+            [max[0] - 8.0, frame.pixel([frame.x[0], level.y])[1] - 6.0]
         };
-        if beside {
-            let [from, to] = [38.0, 8.0].map(|left| [max[0] - width - left, y - 4.0]);
-            group
-                .shapes
-                .push(Shape::line(from, to, level_stroke(frame)));
-        } else {
-            let behind = [[max[0] - 12.0 - width, y - 13.0], [max[0] - 4.0, y + 4.0]];
-            group.shapes.push(Shape::Rect {
-                rect: Rect::new(behind[0], behind[1]),
-                style: Style::filled(with_alpha(frame.palette.background, 225)),
-            });
-        }
-        let right = if beside { max[0] } else { max[0] - 8.0 };
-        let mut text = Text::new([right, y], &level.name, LEVEL_NAME, frame.palette.text);
+        let mut text = Text::new(at, &level.name, LEVEL_NAME, frame.palette.text);
         text.anchor = Anchor::End;
         group.shapes.push(Shape::Text(text));
     }

@@ -1,3 +1,5 @@
+#![allow(clippy::float_cmp, reason = "equal widths are meant")]
+
 use super::*;
 use crate::palette::Palette;
 use crate::scene::{Group, Scene, Shape};
@@ -118,18 +120,85 @@ fn texts(group: &Group) -> Vec<String> {
     group.shapes.iter().filter_map(text).collect()
 }
 
+fn dashes(shapes: &[Shape]) -> Vec<String> {
+    let dash = |shape: &Shape| match shape {
+        Shape::Segments { stroke, .. } => Some(format!("{:?}", stroke.dash)),
+        _ => None,
+    };
+    shapes.iter().filter_map(dash).collect()
+}
+
 #[test]
-fn levels_have_their_names() {
-    let mut two = chart(vec![series("a.csv", 0, wave(1.0))]);
-    let one = scene(Panel::Lines(two.clone())).unwrap();
-    assert_eq!(texts(group(&one, "level names")), ["noise"]);
-    two.levels.push(Level {
-        name: "lattice".to_owned(),
-        y: 3.0,
-    });
-    let made = scene(Panel::Lines(two)).unwrap();
-    assert_eq!(texts(group(&made, "level names")), ["noise", "lattice"]);
-    assert_eq!(group(&made, "levels").shapes.len(), 2);
+fn levels_have_their_names_where_no_curve_runs() {
+    let mut some = chart(vec![series("a.csv", 0, wave(1.0))]);
+    let names = ["noise", "lattice", "darts"];
+    for (count, y) in [(1, 1.0), (2, 3.0), (3, 2.0)] {
+        if count > 1 {
+            let name = names[count - 1].to_owned();
+            some.levels.push(Level { name, y });
+        }
+        let made = scene(Panel::Lines(some.clone())).unwrap();
+        let plot = group(&made, "curves").clip.unwrap();
+        let named = group(&made, "level names");
+        let mut found = texts(named);
+        found.reverse();
+        assert_eq!(found, names[..count]);
+        let mut samples = dashes(&named.shapes);
+        samples.reverse();
+        assert_eq!(samples, dashes(&group(&made, "levels").shapes));
+        let each: std::collections::BTreeSet<&String> = samples.iter().collect();
+        assert_eq!(each.len(), count, "every level has dashes of its own");
+        for shape in &named.shapes {
+            if let Shape::Text(text) = shape {
+                assert!(text.at[1] < plot.min[1], "{text:?}");
+            }
+        }
+    }
+    // Without room, they stand at their lines.
+    for level in &mut some.levels {
+        level.name.push_str(&" and so on".repeat(9));
+    }
+    let made = scene(Panel::Lines(some)).unwrap();
+    let plot = group(&made, "curves").clip.unwrap();
+    for shape in &group(&made, "level names").shapes {
+        let Shape::Text(text) = shape else {
+            panic!("nothing hides a curve: {shape:?}");
+        };
+        assert!(text.at[1] > plot.min[1]);
+    }
+}
+
+#[test]
+fn an_axis_has_the_ticks_it_is_given() {
+    let named = |values: &[f64]| -> Vec<(f64, String)> {
+        let each = values.iter().map(|value| (*value, format!("at {value}")));
+        each.collect()
+    };
+    let mut one = chart(vec![series("a.csv", 0, vec![[0.0, 0.0], [4.0, 1.0]])]);
+    one.levels.clear();
+    one.x = Axis::new("samples").with_ticks(named(&[-1.0, 0.0, 1.0, 4.0, 4.5]));
+    let made = scene(Panel::Lines(one.clone())).unwrap();
+    let frame = group(&made, "curves").clip.unwrap();
+    let mut found = Vec::new();
+    for shape in &group(&made, "axes").shapes {
+        if let Shape::Text(text) = shape
+            && text.text.starts_with("at ")
+        {
+            found.push((text.text.clone(), text.at[0]));
+        }
+    }
+    let at = |part: f64| frame.min[0] + part * (frame.max[0] - frame.min[0]);
+    let expected = [("at 0", 0.0), ("at 1", 0.25), ("at 4", 1.0)];
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for ((text, x), (name, part)) in found.iter().zip(expected) {
+        assert!(text == name && (x - at(part)).abs() < 1e-9, "{found:?}");
+    }
+    assert!(texts(group(&made, "axes")).contains(&"0.2".to_owned()));
+    one.x = one.x.with_ticks(named(&[0.0, f64::NAN]));
+    assert!(matches!(
+        scene(Panel::Lines(one)),
+        Err(ChartError::NotFinite { index: 1, .. })
+    ));
 }
 
 #[test]
@@ -239,6 +308,54 @@ fn the_absent_cell_is_ringed_and_not_painted() {
         scene(Panel::Image(present)),
         Err(ChartError::NotFinite { index: 4, .. })
     ));
+}
+
+/// Shapes follow from the ranges, not from the numbers of cells.
+#[test]
+fn a_unit_is_as_long_along_both_axes() {
+    let shape = |x: f64, y: f64| {
+        let mut chart = image();
+        chart.x = Axis::new("x").with_range(-x, x);
+        chart.y = Axis::new("y").with_range(-y, y);
+        let made = scene(Panel::Image(chart)).unwrap();
+        let frame = group(&made, "cells").clip.unwrap();
+        let [width, height] = [0, 1].map(|k| frame.max[k] - frame.min[k]);
+        // Cells of a third of the frame, and the ring in its middle.
+        for shape in &group(&made, "cells").shapes {
+            if let Shape::Segments { stroke, .. } = shape {
+                let wide = stroke.width - height / 3.0;
+                assert!((0.0..1.0).contains(&wide), "{wide}");
+            }
+        }
+        assert!(frame.max[0] < made.width && frame.max[1] < made.height);
+        width / height
+    };
+    for (x, y) in [(1.0, 1.0), (3.0, 1.0), (0.2, 1.0), (100.0, 70.0)] {
+        let found = shape(x, y);
+        assert!((found / (x / y) - 1.0).abs() < 1e-9, "{x} {y}: {found}");
+    }
+    assert!(shape(3.0, 1.0) > 2.0 * shape(1.0, 1.0));
+}
+
+#[test]
+fn a_last_row_of_fewer_images_has_them_no_larger() {
+    let rows = [3, 1].map(|count| vec![Panel::Image(image()); count]);
+    let figure = |rows: &[Vec<Panel>]| Figure {
+        title: "Pictures".to_owned(),
+        rows: rows.to_vec(),
+    };
+    let widths = |rows: &[Vec<Panel>]| -> Vec<f64> {
+        let made = figure_scene(&figure(rows), &Palette::LIGHT).unwrap();
+        let cells = made.groups.iter().filter(|group| group.name == "cells");
+        let plots = cells.map(|group| group.clip.unwrap());
+        plots.map(|plot| plot.max[0] - plot.min[0]).collect()
+    };
+    let all = widths(&rows);
+    assert!(
+        all.len() == 4 && all.iter().all(|width| *width == all[0]),
+        "{all:?}"
+    );
+    assert!(widths(&rows[1..])[0] > all[0], "alone it is larger");
 }
 
 #[test]

@@ -10,9 +10,23 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
-    /// Returns at most `most` ticks (at least 2) of a rising range of finite numbers.
-    pub(crate) fn of([low, high]: [f64; 2], most: usize) -> Self {
-        let (step, decimals) = step((high - low) / (most.max(2) - 1) as f64);
+    /// Returns at most `most` ticks (at least 2) of a rising range of finite numbers. Where round values of that distance
+    /// leave fewer than two, the next smaller ones are taken if they are not too many.
+    pub(crate) fn of(range: [f64; 2], most: usize) -> Self {
+        let least = (range[1] - range[0]) / (most.max(2) - 1) as f64;
+        let ticks = Self::apart(range, least);
+        if ticks.values.len() < 2 {
+            let finer = Self::apart(range, 0.4 * step(least).0);
+            if finer.values.len() <= most {
+                return finer;
+            }
+        }
+        ticks
+    }
+
+    /// Returns the ticks of the smallest round distance that is not below `least`.
+    fn apart([low, high]: [f64; 2], least: f64) -> Self {
+        let (step, decimals) = step(least);
         // Multiples of a whole number keep their last digit, which a running sum would lose. A hair beyond
         // the ends belongs to the range: its ends are often round themselves.
         let hair = 1e-9;
@@ -87,6 +101,13 @@ mod tests {
             labels([0.013, 0.021], 5),
             ["0.014", "0.016", "0.018", "0.020"]
         );
+    }
+
+    /// A single tick tells no scale: zero alone would be within 0.32 of it on either side.
+    #[test]
+    fn there_are_two_ticks_where_there_is_room() {
+        assert_eq!(labels([-0.32, 0.32], 4), ["\u{2212}0.2", "0.0", "0.2"]);
+        assert_eq!(labels([-0.6, 0.6], 4), ["\u{2212}0.5", "0.0", "0.5"]);
     }
 
     #[test]

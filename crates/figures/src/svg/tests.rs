@@ -150,3 +150,28 @@ fn what_the_rasteriser_refuses_is_refused_here() {
         Err(FigureError::NotFinite { index: 0, .. })
     ));
 }
+
+#[test]
+fn a_document_holds_the_fonts_of_its_text_and_no_other() {
+    let mut scene = Scene::new(60.0, 40.0, [255; 4]);
+    let plain = to_svg(&scene).unwrap();
+    assert!(!to_svg_with_fonts(&scene).unwrap().contains("@font-face"));
+    let mut group = Group::new("text");
+    let text = Text::new([1.0, 20.0], "Power", 12.0, [0, 0, 0, 255]);
+    group.shapes.push(Shape::Text(text));
+    scene.groups.push(group);
+    let svg = to_svg_with_fonts(&scene).unwrap();
+    let rules: Vec<&str> = svg.matches("@font-face").collect();
+    assert_eq!(rules.len(), 1);
+    assert!(svg.contains("font-family:'Inter';font-weight:400"));
+    assert!(!svg.contains("JetBrains"));
+    let (_, data) = svg.split_once("base64,").unwrap();
+    let (data, _) = data.split_once(')').unwrap();
+    assert_eq!(STANDARD.decode(data).unwrap(), Font::Regular.bytes());
+    // All else is the plain document.
+    assert!(plain.lines().next() == svg.lines().next());
+    assert_eq!(
+        svg.lines().count(),
+        to_svg(&scene).unwrap().lines().count() + 1
+    );
+}

@@ -15,7 +15,8 @@ use super::resume;
 use crate::certificate::Certificate;
 use crate::error::FormatError;
 use crate::export::{Control, ExportError, Warning, certificate, warnings};
-use crate::files::{Exported, Temporary, certificate_path, io_error, publish};
+use crate::files::{Exported, Temporary, io_error, publish};
+use crate::read::certificate_path;
 
 /// A finished stream.
 #[derive(Clone, Debug)]

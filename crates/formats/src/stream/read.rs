@@ -15,9 +15,10 @@ use crate::codecs::rows::{Layout, Rows};
 use crate::detect::Detection;
 use crate::digest::digest_text;
 use crate::error::FormatError;
-use crate::files::{certificate_path, file_name, io_error, read_certificate};
+use crate::files::{file_name, io_error, read_certificate};
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
+use crate::read::certificate_path;
 
 /// Bytes read at a time, and the most that a head may take.
 const BLOCK: usize = 1 << 20;

@@ -66,6 +66,12 @@ impl Look {
         Self { outlined, ..self }
     }
 
+    /// Returns this look at another size.
+    #[must_use]
+    pub const fn with_size(self, size: f32) -> Self {
+        Self { size, ..self }
+    }
+
     /// Returns the two words that the shader reads: the colour's bytes, and symbol, flags and size.
     pub(super) fn packed(self) -> [u32; 2] {
         let size = (self.size * 16.0).round().clamp(0.0, 255.0) as u32;

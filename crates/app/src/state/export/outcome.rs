@@ -1,14 +1,60 @@
 //! An export at work, and what is told of it when it ends.
 
 use crate::draft::sentence;
-use crate::export::write::{WriteError, Written, write};
-use crate::export::{ExportCommand, ExportForm};
+use crate::errand::Errand;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::export::ExportCommand;
+use crate::export::write::{What, WriteError, Written, render};
+use crate::export::{ExportForm, Order};
+use crate::files::{Delivery, NamedBytes, packed};
 use crate::jobs::{Job, Monitor};
 use crate::sentence::counted;
 use crate::state::State;
 
 /// How an export ends.
-pub type Outcome = Result<Written, WriteError>;
+pub type Outcome = Result<Ended, WriteError>;
+
+/// Where the files of an export are.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub enum Ended {
+    /// On the disk.
+    #[cfg(not(target_arch = "wasm32"))]
+    Written(Written),
+    /// In memory, as one file that is to be downloaded.
+    Download(Written, NamedBytes),
+}
+
+/// Has the files of an order made and put where they are to go.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub(crate) struct Delivering {
+    order: Order,
+    delivery: Delivery,
+}
+
+impl Errand for Delivering {
+    type Outcome = Outcome;
+    const NAME: &'static str = "export";
+
+    fn carry_out(self, monitor: &Monitor) -> Outcome {
+        deliver(&self.order, self.delivery, monitor)
+    }
+
+    fn given_up(_: &Monitor) -> Option<Outcome> {
+        Some(Err(WriteError::Cancelled))
+    }
+}
+
+/// Makes the files of an order and puts them where they are to go.
+fn deliver(order: &Order, delivery: Delivery, monitor: &Monitor) -> Outcome {
+    match delivery {
+        #[cfg(not(target_arch = "wasm32"))]
+        Delivery::Disk => crate::export::write::write(order, monitor).map(Ended::Written),
+        Delivery::Download => {
+            let made = render(order, monitor)?;
+            Ok(Ended::Download(made.written, packed(made.files)?))
+        }
+    }
+}
 
 impl State {
     /// Writes what the sheet asks for. Where another file would be replaced, the first time only asks.
@@ -23,18 +69,21 @@ impl State {
                 return;
             }
         };
-        if let Some(form) = &mut self.export {
+        let delivery = self.delivery;
+        let replaces = delivery != Delivery::Download;
+        if let Some(form) = self.export.as_mut().filter(|_| replaces) {
             form.look();
             if form.taken.is_some() && !form.asked {
                 form.asked = true;
                 return;
             }
         }
-        let work = move |monitor: &Monitor| write(&order, monitor);
-        self.exporting = Some(Job::start(&self.wake, work));
+        let delivering = Delivering { order, delivery };
+        self.exporting = Some(Job::run(&self.wake, delivering));
     }
 
     pub(in crate::state) fn poll_export(&mut self) {
+        #[cfg(not(target_arch = "wasm32"))]
         if let Some(outcome) = self.browsing.as_ref().and_then(Job::poll) {
             self.browsing = None;
             match outcome {
@@ -54,14 +103,11 @@ impl State {
 
     pub(in crate::state) fn finish_export(&mut self, outcome: Result<Outcome, String>) {
         match outcome {
-            Ok(Ok(written)) => {
-                // Meanwhile the sheet may have been opened for another file.
-                let this = |form: &ExportForm| form.file() == written.path();
-                if self.export.as_ref().is_some_and(this) {
-                    self.export = None;
-                }
-                let (text, is_error) = told(&written);
-                self.tell(text, is_error);
+            #[cfg(not(target_arch = "wasm32"))]
+            Ok(Ok(Ended::Written(written))) => self.exported(&written, None),
+            Ok(Ok(Ended::Download(written, file))) => {
+                self.exported(&written, Some(&file.name));
+                self.downloads.push(file);
             }
             Ok(Err(WriteError::Cancelled)) => {
                 self.tell(
@@ -80,31 +126,50 @@ impl State {
             form.asked = false;
         }
     }
+
+    fn exported(&mut self, written: &Written, download: Option<&str>) {
+        // Meanwhile the sheet may have been opened for another file.
+        let this = |form: &ExportForm| form.file() == written.path;
+        if self.export.as_ref().is_some_and(this) {
+            self.export = None;
+        }
+        let (text, is_error) = told(written, download);
+        self.tell(text, is_error);
+    }
 }
 
-/// Returns what to say of a file, and whether something is wrong with it.
-fn told(written: &Written) -> (String, bool) {
-    match written {
-        Written::Samples { exported, result } => {
-            let mut text = format!(
-                "Wrote {} to {}. Certificate: {}.",
-                counted(exported.report.count, "sample", "samples"),
-                exported.path.display(),
-                exported.certificate_path.display(),
-            );
-            if exported.report.valid() && !result {
+/// Returns what to say of a file, and whether something is wrong with it; `download` is the name of the one file that is
+/// downloaded in place of it.
+fn told(written: &Written, download: Option<&str>) -> (String, bool) {
+    let place = written.path.display().to_string();
+    let verb = download.map_or("Wrote", |_| "Downloaded");
+    let to = match download {
+        Some(name) => format!("as {name}"),
+        None => format!("to {place}"),
+    };
+    match &written.what {
+        What::Samples {
+            certificate,
+            report,
+            warnings,
+            result,
+        } => {
+            let samples = counted(report.count, "sample", "samples");
+            let certificate = certificate.display();
+            let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
+            if report.valid() && !result {
                 text.push_str(" The set is conflict-free and maximal.");
             }
-            for warning in &exported.warnings {
+            for warning in warnings {
                 text.push(' ');
                 text.push_str(&sentence(&warning.to_string()));
             }
-            (text, *result && !exported.report.valid())
+            (text, *result && !report.valid())
         }
-        Written::Picture { path } => (format!("Wrote the picture to {}.", path.display()), false),
-        Written::Animation { path, frames } => {
+        What::Picture => (format!("{verb} the picture {to}."), false),
+        What::Animation { frames } => {
             let frames = counted(*frames, "frame", "frames");
-            (format!("Wrote {frames} to {}.", path.display()), false)
+            (format!("{verb} {frames} {to}."), false)
         }
     }
 }

@@ -14,9 +14,10 @@ use tilescope_analysis::{Boundary, Progress, Region, StreamBand};
 
 use super::*;
 use crate::export::ExportContext;
-use crate::files::{certificate_path, export};
+use crate::files::export;
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
+use crate::read::certificate_path;
 
 const GO: fn(Progress) -> ControlFlow<()> = |_| ControlFlow::Continue(());
 const STREAMED: [Format; 5] = [

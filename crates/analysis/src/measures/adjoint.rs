@@ -1,0 +1,204 @@
+//! A type-2 non-uniform Fourier transform, the adjoint of [`super::nufft`]: a plan's frequencies to samples.
+//! The kernel is divided out, the grid transformed back, and read with the kernel around each sample.
+//! It knows no region and no power; the result does not depend on the number of threads.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+use super::error::MeasureError;
+use super::kernel::{Kernel, WIDTH};
+use super::nufft::{Plan, Scratch, TOGETHER};
+use super::spread::{Sample, Tiles, place};
+use crate::monitor::Monitor;
+
+/// Samples that a thread reads between two reports.
+const CHUNK: usize = 8192;
+
+/// Work of [`at_samples`], in samples and grid points.
+pub(super) fn work(plan: &Plan, samples: usize) -> u64 {
+    let [x, y] = plan.axes.map(|axis| axis.size as u64);
+    samples as u64 + x * y + x * plan.rows() as u64
+}
+
+/// Returns `sum over k of value(k) exp(2 pi i k.x)` at each sample, over the plan's frequencies and their opposites,
+/// whose values are the conjugates.
+///
+/// `values` are in the sequence of the plan's transform: a real plan holds its frequencies from `ky = 0` up, with both of two
+/// opposite ones where `ky = 0`; another must hold no two opposite ones. Weights are not looked at.
+/// The kernel's error is at most [`super::NUFFT_ERROR`] of the sum of the magnitudes of the values.
+pub(super) fn at_samples(
+    plan: &Plan,
+    values: Vec<Complex<f64>>,
+    samples: &[Sample],
+    monitor: &Monitor<'_>,
+) -> Result<Vec<f64>, MeasureError> {
+    let half = back_along_x(plan, &values, monitor)?;
+    drop(values);
+    if plan.real {
+        let cells = back_along_y_real(plan, &half, monitor)?;
+        drop(half);
+        let value = |_: &Sample, [sum]: [f64; 1]| sum;
+        return read(plan, &cells, samples, value, monitor);
+    }
+    let cells = back_along_y_complex(plan, &half, monitor)?;
+    drop(half);
+    let middle = plan.axes.map(|axis| axis.middle as f64);
+    let value = |sample: &Sample, [re, im]: [f64; 2]| {
+        let turns = middle[0] * sample.at[0] + middle[1] * sample.at[1];
+        let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
+        2.0 * (re * cos - im * sin)
+    };
+    read(plan, &cells, samples, value, monitor)
+}
+
+/// Divides the kernel out and transforms each row of the window along x.
+fn back_along_x(
+    plan: &Plan,
+    values: &[Complex<f64>],
+    monitor: &Monitor<'_>,
+) -> Result<Vec<Complex<f64>>, MeasureError> {
+    let [axis, other] = plan.axes;
+    let factors = axis.factors();
+    let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+    let mut half = vec![Complex::default(); axis.size * plan.rows()];
+    let lines = half.par_chunks_mut(axis.size).enumerate();
+    let rows = lines.zip(values.par_chunks(axis.count()));
+    rows.try_for_each_init(
+        || Scratch::new(&fft, 0),
+        |scratch, ((row, line), values)| {
+            let along_y = other.factor(plan.first_row() + row as i64);
+            for ((value, factor), offset) in values.iter().zip(&factors).zip(-axis.below..) {
+                line[axis.index(offset)] = value * (factor * along_y).conj();
+            }
+            scratch.run_on(&fft, line);
+            monitor.advance(axis.size as u64)
+        },
+    )?;
+    Ok(half)
+}
+
+/// Grid points from one line along y to the next: the first ones follow the last ones once more.
+fn stride(plan: &Plan) -> usize {
+    plan.axes[1].size + WIDTH + 1
+}
+
+/// Transforms along y, two real grid lines as one complex.
+fn back_along_y_real(
+    plan: &Plan,
+    half: &[Complex<f64>],
+    monitor: &Monitor<'_>,
+) -> Result<Vec<f64>, MeasureError> {
+    let ([across, axis], stride) = (plan.axes, stride(plan));
+    let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+    let mut cells = vec![0.0; across.size * stride];
+    let blocks = cells.par_chunks_mut(TOGETHER * stride).enumerate();
+    blocks.try_for_each_init(
+        || Scratch::new(&fft, axis.size * TOGETHER / 2),
+        |scratch, (block, cells)| {
+            let lines = cells.len() / stride;
+            scratch.line.fill(Complex::default());
+            for (k, row) in half.chunks_exact(across.size).enumerate() {
+                let row = &row[block * TOGETHER..][..lines];
+                for (pair, target) in row.chunks_exact(2).zip(scratch.line.chunks_mut(axis.size)) {
+                    let [a, b] = [pair[0], pair[1]];
+                    let turned = |value: Complex<f64>| Complex::new(-value.im, value.re);
+                    if k == 0 {
+                        target[0] = Complex::new(a.re, b.re);
+                    } else {
+                        target[k] = a + turned(b);
+                        target[axis.size - k] = a.conj() + turned(b.conj());
+                    }
+                }
+            }
+            scratch.run(&fft);
+            unpack(&scratch.line, axis.size, cells, stride);
+            monitor.advance((axis.size * lines) as u64)
+        },
+    )?;
+    Ok(cells)
+}
+
+/// Transforms along y; real and imaginary parts of a grid line follow each other.
+fn back_along_y_complex(
+    plan: &Plan,
+    half: &[Complex<f64>],
+    monitor: &Monitor<'_>,
+) -> Result<Vec<f64>, MeasureError> {
+    let ([across, axis], stride) = (plan.axes, stride(plan));
+    let fft = FftPlanner::new().plan_fft_inverse(axis.size);
+    let mut cells = vec![0.0; across.size * 2 * stride];
+    let blocks = cells.par_chunks_mut(TOGETHER * 2 * stride).enumerate();
+    blocks.try_for_each_init(
+        || Scratch::new(&fft, axis.size * TOGETHER),
+        |scratch, (block, cells)| {
+            let lines = cells.len() / (2 * stride);
+            scratch.line.fill(Complex::default());
+            for (row, offset) in half.chunks_exact(across.size).zip(-axis.below..) {
+                let row = &row[block * TOGETHER..][..lines];
+                for (value, target) in row.iter().zip(scratch.line.chunks_mut(axis.size)) {
+                    target[axis.index(offset)] = *value;
+                }
+            }
+            scratch.run(&fft);
+            unpack(&scratch.line, axis.size, cells, stride);
+            monitor.advance((axis.size * lines) as u64)
+        },
+    )?;
+    Ok(cells)
+}
+
+/// Writes real and imaginary parts of lines to lines of their own, with the margin after them.
+fn unpack(from: &[Complex<f64>], size: usize, cells: &mut [f64], stride: usize) {
+    let pairs = cells.chunks_exact_mut(2 * stride);
+    for (pair, line) in pairs.zip(from.chunks(size)) {
+        let (re, im) = pair.split_at_mut(stride);
+        let around = line.iter().chain(line);
+        for ((re, im), value) in re.iter_mut().zip(im).zip(around) {
+            (*re, *im) = (value.re, value.im);
+        }
+    }
+}
+
+/// Reads the grid's components around each sample; `value` says what they make there.
+fn read<const C: usize>(
+    plan: &Plan,
+    cells: &[f64],
+    samples: &[Sample],
+    value: impl Fn(&Sample, [f64; C]) -> f64 + Sync,
+    monitor: &Monitor<'_>,
+) -> Result<Vec<f64>, MeasureError> {
+    let (sizes, stride, kernel) = (plan.sizes(), stride(plan), Kernel::new());
+    let order = Tiles::of(samples, sizes).order();
+    let sums = |sample: &Sample| {
+        let (first, ahead) = place(sample.at, sizes);
+        let [along_x, along_y] = ahead.map(|ahead| kernel.values(ahead));
+        let mut columns = [[0.0; WIDTH]; C];
+        for (factor, line) in along_x.iter().zip(first[0] as usize..) {
+            for (component, columns) in columns.iter_mut().enumerate() {
+                let start = (line % sizes[0] * C + component) * stride + first[1] as usize;
+                let near = cells[start..].first_chunk::<WIDTH>().into_iter().flatten();
+                for (column, cell) in columns.iter_mut().zip(near) {
+                    *column += factor * cell;
+                }
+            }
+        }
+        columns.map(|columns| columns.iter().zip(along_y).map(|(sum, y)| sum * y).sum())
+    };
+    let mut sorted = vec![0.0; samples.len()];
+    let chunks = sorted.par_chunks_mut(CHUNK).zip(order.par_chunks(CHUNK));
+    chunks.try_for_each(|(values, order)| {
+        for (out, index) in values.iter_mut().zip(order) {
+            let sample = &samples[*index as usize];
+            *out = value(sample, sums(sample));
+        }
+        monitor.advance(values.len() as u64)
+    })?;
+    let mut values = vec![0.0; samples.len()];
+    for (value, index) in sorted.into_iter().zip(order) {
+        values[index as usize] = value;
+    }
+    Ok(values)
+}

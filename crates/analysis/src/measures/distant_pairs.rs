@@ -1,0 +1,194 @@
+//! The pairs of samples whose distance lies in a range: what a bin of the pair correlation is made of.
+//! Distances go around the torus when periodic.
+//! It never holds more pairs than were asked for; it counts all of them.
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::error::MeasureError;
+use super::neighbors::Neighbors;
+use super::{check_count, check_range, check_set};
+use crate::domain::Domain;
+use crate::error::VerifyError;
+use crate::grid::{Entry, Grid};
+use crate::monitor::{Monitor, Progress};
+use crate::region::Region;
+
+/// Pairs that are held at most: 400 MB.
+pub const MAX_PAIRS: usize = 1 << 24;
+
+/// Cells along the largest distance.
+const CELLS_ALONG: f64 = 5.0;
+
+/// Two samples at a distance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DistantPair {
+    /// The sample with the smaller index.
+    pub first: u32,
+    /// The other one.
+    pub second: u32,
+    /// From the first sample to the nearest image of the second, in the length unit of the samples. In a periodic
+    /// region it may lead across a seam.
+    pub offset: [f64; 2],
+}
+
+/// The pairs of a range of distances.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DistantPairs {
+    /// The range: from the first distance up to below the second, in the length unit of the samples.
+    pub distances: [f64; 2],
+    /// Number of pairs, held or not.
+    pub total: u64,
+    /// The pairs held, each once, sorted by their indices.
+    pub pairs: Vec<DistantPair>,
+}
+
+/// Returns the unordered pairs of samples with `least <= distance < most`, in the length unit of the samples.
+///
+/// `limit` of them are held: of more, those around the samples of lowest `y`, in rows of grid cells. Time
+/// grows with the number of pairs closer than `most`, and with twice that where all are held. The result does
+/// not depend on the number of threads.
+///
+/// # Errors
+///
+/// No sample or one that is no place of the region; a distance that is negative, not a number or beyond half the
+/// shorter side ([`MeasureError::OutOfRange`]: up to there two samples have one pair of nearest images); a largest
+/// distance that does not exceed the least ([`MeasureError::NotRising`]); a limit of 0 or beyond [`MAX_PAIRS`].
+pub fn pairs_between(
+    points: &[[f64; 2]],
+    region: Region,
+    [least, most]: [f64; 2],
+    limit: usize,
+    control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<DistantPairs, MeasureError> {
+    check_set(points, region, 1)?;
+    check_count("pairs to hold", limit, MAX_PAIRS)?;
+    let half = 0.5 * region.width.min(region.height);
+    check_range("the least distance of a pair", least, [0.0, half])?;
+    check_range("the largest distance of a pair", most, [0.0, half])?;
+    if most <= least {
+        return Err(MeasureError::NotRising {
+            name: "the distances of pairs",
+            index: 1,
+            value: most,
+        });
+    }
+    let monitor = Monitor::new(control, 2 * points.len() as u64);
+    monitor.advance(0)?;
+    let domain = Domain::new(region)?;
+    let distances = [least, most].map(|distance| distance * domain.scale);
+    let grid = Grid::new(points, domain, distances[1] / CELLS_ALONG);
+    let neighbors = Neighbors { grid: &grid };
+    let search = Search {
+        neighbors,
+        distances,
+    };
+    let (total, pairs) = search.run(limit, &monitor)?;
+    monitor.advance(2 * points.len() as u64 - monitor.done())?;
+    Ok(DistantPairs {
+        distances: [least, most],
+        total,
+        pairs,
+    })
+}
+
+struct Search<'a> {
+    neighbors: Neighbors<'a>,
+    distances: [f64; 2],
+}
+
+impl Search<'_> {
+    /// Counts the pairs of each row of cells, then holds those of the first rows.
+    fn run(
+        &self,
+        limit: usize,
+        monitor: &Monitor<'_>,
+    ) -> Result<(u64, Vec<DistantPair>), VerifyError> {
+        let rows = self.neighbors.grid.cells[1];
+        let counts: Vec<u64> = (0..rows)
+            .into_par_iter()
+            .map(|row| {
+                let mut count = 0;
+                self.row(row, monitor, |_, _, found| count += u64::from(found))?;
+                Ok(count)
+            })
+            .collect::<Result<_, VerifyError>>()?;
+        let (mut total, mut wanted) = (0, Vec::new());
+        for (row, count) in counts.into_iter().enumerate() {
+            let room = (limit as u64).saturating_sub(total);
+            if count.min(room) > 0 {
+                wanted.push((row, count.min(room) as usize));
+            }
+            total += count;
+        }
+        let held: Vec<Vec<DistantPair>> = (wanted.into_par_iter())
+            .map(|(row, count)| self.hold(row, count, monitor))
+            .collect::<Result<_, VerifyError>>()?;
+        let mut pairs = held.concat();
+        pairs.par_sort_unstable_by_key(|pair| (pair.first, pair.second));
+        Ok((total, pairs))
+    }
+
+    /// The first pairs of a row of cells.
+    fn hold(
+        &self,
+        row: usize,
+        count: usize,
+        monitor: &Monitor<'_>,
+    ) -> Result<Vec<DistantPair>, VerifyError> {
+        let mut pairs = Vec::with_capacity(count);
+        self.row(row, monitor, |a, b, found| {
+            if found && pairs.len() < count {
+                pairs.push(self.pair(a, b));
+            }
+        })?;
+        Ok(pairs)
+    }
+
+    /// Shows the pairs looked at from a row of cells, and whether each is one of those asked for.
+    fn row(
+        &self,
+        row: usize,
+        monitor: &Monitor<'_>,
+        mut see: impl FnMut(&Entry, &Entry, bool),
+    ) -> Result<(), VerifyError> {
+        let (grid, [least, most]) = (self.neighbors.grid, self.distances);
+        for column in 0..grid.cells[0] {
+            let own = grid.run(row, &(column..column + 1));
+            if own.is_empty() {
+                continue;
+            }
+            let partners = |run: &[Entry], once: bool| {
+                for a in own {
+                    for b in run {
+                        let [dx, dy] = self.neighbors.offset(a, b);
+                        let length = (dx * dx + dy * dy).sqrt();
+                        let new = once || a.id < b.id;
+                        see(a, b, new && least <= length && length < most);
+                    }
+                }
+            };
+            self.neighbors.partners([column, row], most, partners);
+            monitor.advance(own.len() as u64)?;
+        }
+        Ok(())
+    }
+
+    fn pair(&self, a: &Entry, b: &Entry) -> DistantPair {
+        let (one, two) = if a.id < b.id { (a, b) } else { (b, a) };
+        let domain = &self.neighbors.grid.domain;
+        let offset = [0, 1].map(|axis| {
+            let (direct, extent) = (two.position[axis] - one.position[axis], domain.extent[axis]);
+            let around = direct - extent.copysign(direct);
+            let shorter = domain.periodic && around.abs() < direct.abs();
+            (if shorter { around } else { direct }) / domain.scale
+        });
+        DistantPair {
+            first: one.id,
+            second: two.id,
+            offset,
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Renders combinations, without a display: `cargo run --release -p tilescope-app --example combine FOLDER`.
+
+use std::path::Path;
+
+use egui_kittest::Harness;
+use tilescope_app::canvas::layers::{Colouring, Layer};
+use tilescope_app::combination::CombineCommand;
+use tilescope_app::layout::Panel;
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+
+fn main() {
+    let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
+    let mut harness = Harness::builder()
+        .with_size([1600.0, 1000.0])
+        .with_max_steps(64)
+        .build_eframe(|creation| App::new(&creation.egui_ctx));
+    harness.state_mut().state.settle();
+    harness.run();
+    let mut shoot = |name: &str, commands: Vec<Command>| {
+        for command in commands {
+            harness.state_mut().state.apply(command);
+            harness.state_mut().state.settle();
+            harness.run();
+        }
+        while harness.state_mut().state.advance(1.0) {}
+        harness.run();
+        let image = harness.render().expect("a picture of the window");
+        let path = Path::new(&folder).join(format!("{name}.png"));
+        image.save(&path).expect("a writable folder");
+        println!("{}", path.display());
+    };
+    let near = || Command::FlyTo([50.0, 50.0], 30.0);
+    shoot(
+        "nine",
+        vec![
+            Command::Combine(CombineCommand::Nine),
+            Command::OpenPanel(Panel::Statistics),
+            Command::OpenPanel(Panel::Legend),
+        ],
+    );
+    shoot("nine-near", vec![near()]);
+    shoot("nine-placed-near", vec![Command::ShowStage(1)]);
+    shoot("nine-eliminated-near", vec![Command::ShowStage(2)]);
+    shoot("nine-pieces", vec![Command::FirstStage, Command::Fit]);
+    shoot("light", vec![Command::LastStage, Command::ToggleTheme]);
+    shoot(
+        "light-origin-near",
+        vec![near(), Command::Colour(Colouring::Provenance)],
+    );
+    shoot(
+        "projector",
+        vec![
+            Command::Colour(Colouring::Block),
+            Command::Look(Look::Projector),
+        ],
+    );
+    shoot("projector-fit", vec![Command::Fit]);
+    shoot(
+        "bare",
+        vec![
+            Command::Look(Look::Light),
+            Command::ToggleLayer(Layer::Blocks),
+            Command::ToggleLayer(Layer::Gaps),
+        ],
+    );
+}

@@ -1,0 +1,81 @@
+//! The Analyze menu: what is measured of the moment, what it is held against, what is brushed.
+
+use egui::Key;
+
+use super::{List, Menu, NO_SESSION, NONE};
+use crate::analysis::AnalysisCommand;
+use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use crate::command::Command;
+use crate::files::{FileCommand, Purpose};
+use crate::layout::Panel;
+use crate::state::State;
+use crate::theme::Look;
+
+/// Adds the actions of the menu.
+pub(super) fn add(list: &mut List, state: &State) {
+    let mut add = |name: &str, key: Option<Key>, command, refusal: Option<&str>| {
+        let keys = key.map(|key| (NONE, key));
+        list.add(Menu::Analyze, name, keys, command, refusal);
+    };
+    let analysis = &state.analysis;
+    let no_session = state.session.is_none().then_some(NO_SESSION);
+    // On a projector there are no tabs to leave the analysis by.
+    let (name, panel) = if state.look == Look::Projector && state.analyses() {
+        ("Hide analysis", Panel::Parameters)
+    } else {
+        ("Show analysis", Panel::Analysis)
+    };
+    add(name, Some(Key::A), Command::OpenPanel(panel), None);
+    let against = Command::File(FileCommand::Sheet(Purpose::Against));
+    add("Hold against a file\u{2026}", None, against, no_session);
+    let none = "No file is held against this run.";
+    let clear = Command::Analysis(AnalysisCommand::Clear);
+    let refusal = analysis.held.is_none().then_some(none);
+    add("Forget the file held against", None, clear, refusal);
+    let idle = "Nothing is being measured.";
+    let refusal = analysis.progress().is_none().then_some(idle);
+    let stop = Command::Analysis(AnalysisCommand::Stop);
+    add("Cancel measuring", None, stop, refusal);
+    let stopped = state
+        .shown()
+        .is_some_and(|shown| analysis.is_stopped(&shown));
+    let refusal = (!stopped).then_some("Measuring this moment was not cancelled.");
+    let resume = Command::Analysis(AnalysisCommand::Resume);
+    add("Measure this moment", None, resume, refusal);
+    brushes(list, state);
+}
+
+/// Adds what brushes without a pointer.
+fn brushes(list: &mut List, state: &State) {
+    let mut add = |name: &str, key: Option<Key>, command, refusal: Option<&str>| {
+        let keys = key.map(|key| (NONE, key));
+        list.add(Menu::Analyze, name, keys, command, refusal);
+    };
+    let no_session = state.session.is_none().then_some(NO_SESSION);
+    for (name, axis, [from, to]) in [
+        (
+            "Brush frequencies about the first peak",
+            Axis::Frequency,
+            FIRST_PEAK,
+        ),
+        (
+            "Brush frequencies below the first peak",
+            Axis::Frequency,
+            [0.1, 0.6],
+        ),
+        ("Brush distances just above r", Axis::Distance, [1.0, 1.05]),
+    ] {
+        let brush = Command::Analysis(AnalysisCommand::Brush(Brush::between(axis, from, to)));
+        add(name, None, brush, no_session);
+    }
+    let refusal = state
+        .analysis
+        .brush
+        .is_none()
+        .then_some("Nothing is brushed.");
+    let clear = Command::Analysis(AnalysisCommand::Brush(None));
+    // A press of Escape does one thing: what is selected goes first.
+    let selects = state.selected.is_some() || state.place.is_some();
+    let key = (!selects).then_some(Key::Escape);
+    add("Clear the brush", key, clear, refusal);
+}

@@ -1,0 +1,117 @@
+//! A point set from a file that moments are held against. It must be of the domain of the run: curves of other domains
+//! would be measured otherwise.
+
+use std::sync::Arc;
+
+use tilescope_analysis::{Boundary, Region};
+use tilescope_formats::ReadSet;
+
+use super::measured::{self, Measured, Samples};
+use crate::files::last_part;
+use crate::jobs::Monitor;
+
+/// A set from a file, and what is measured of it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Held {
+    /// The file.
+    pub path: String,
+    /// Whether its domain is a guess: a unit square that ends as the run's domain does.
+    pub guessed: bool,
+    /// What is measured of it, in the unit of the file's domain.
+    pub measured: Arc<Measured>,
+}
+
+impl Held {
+    /// Returns the last part of its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        last_part(&self.path)
+    }
+
+    /// Returns why it cannot be held against a run on `run`, or `None` if it can.
+    #[must_use]
+    pub fn refusal(&self, run: Region) -> Option<String> {
+        refusal(self.name(), self.measured.region, self.guessed, run)
+    }
+}
+
+/// Returns a domain in words, in user units.
+#[must_use]
+pub fn said(region: Region) -> String {
+    let border = match region.boundary {
+        Boundary::Periodic => "periodic",
+        Boundary::Bounded => "bounded",
+    };
+    format!("{} \u{d7} {} {border}", region.width, region.height)
+}
+
+fn refusal(name: &str, region: Region, guessed: bool, run: Region) -> Option<String> {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+    let fits = region.boundary == run.boundary
+        && same(region.width, run.width)
+        && same(region.height, run.height);
+    let guess = if guessed {
+        ", taken for one of the unit square because it has no certificate,"
+    } else {
+        ""
+    };
+    (!fits).then(|| {
+        format!(
+            "{name}{guess} is a set on a domain of {}, and this run's domain is {}: only sets of the same domain can be held against each other.",
+            said(region),
+            said(run)
+        )
+    })
+}
+
+/// Measures the point set that a file called `name` holds. `run` is the domain and `radius` the radius of the run, both in
+/// user units: the set is judged with the run's radius even where its file states its own, so that both mean the same r.
+///
+/// Fails with a sentence where the set is of another domain, or cannot be measured.
+pub fn of(
+    read: ReadSet,
+    name: &str,
+    run: Region,
+    radius: f64,
+    monitor: &Monitor,
+) -> Result<Held, String> {
+    let named = |text: &str| format!("{name}: {text}");
+    let certificate = read.certificate.as_ref();
+    let torus = read.detection.format.is_unit_torus();
+    let region = certificate.map_or(
+        Region {
+            width: 1.0,
+            height: 1.0,
+            boundary: if torus {
+                Boundary::Periodic
+            } else {
+                run.boundary
+            },
+        },
+        |certificate| certificate.region,
+    );
+    let guessed = certificate.is_none() && !torus;
+    if let Some(why) = refusal(last_part(name), region, guessed, run) {
+        return Err(why);
+    }
+    let set = Samples {
+        points: read.set.points,
+        region,
+        radius,
+    };
+    if set.points.len() < 3 {
+        return Err(named(
+            "fewer than 3 samples, which are too few to be measured",
+        ));
+    }
+    let measured =
+        Measured::whole(&set, &|progress| monitor.follow(progress)).map_err(|error| {
+            let why = measured::refusal(&error);
+            why.map_or_else(|| named("cancelled"), |why| named(&why))
+        })?;
+    Ok(Held {
+        path: name.to_owned(),
+        guessed,
+        measured: Arc::new(measured),
+    })
+}

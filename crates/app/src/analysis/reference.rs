@@ -1,0 +1,120 @@
+//! What maximal Poisson-disk sets are like: a set of the reference sampler that comes with the program, measured once.
+
+use std::sync::Arc;
+
+use tilescope_analysis::{Boundary, Region};
+use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
+
+use super::measured::{Measured, Samples, refusal};
+use crate::errand::Errand;
+use crate::jobs::{Job, Monitor, Wake};
+use crate::session::radii;
+
+/// The set: a pattern, but no run clips from one as large by default.
+pub const SPEC: PatternSpec = PatternSpec {
+    side: 200.0,
+    boundary: Border::Periodic,
+    seed: 0,
+};
+
+/// The reference, as far as it is known.
+#[derive(Default)]
+pub enum Reference {
+    /// Nobody has asked for it.
+    #[default]
+    Unknown,
+    /// It is being measured.
+    Pending(Job<Result<Measured, String>>),
+    /// It is known.
+    Known(Arc<Measured>),
+    /// It could not be measured, and why.
+    Failed(String),
+}
+
+impl Reference {
+    /// Returns what is measured of it, once that is known.
+    #[must_use]
+    pub const fn measured(&self) -> Option<&Arc<Measured>> {
+        match self {
+            Self::Known(measured) => Some(measured),
+            _ => None,
+        }
+    }
+
+    /// Returns what it is.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let count = self.measured().map_or_else(String::new, |measured| {
+            format!(", {} samples", crate::sentence::grouped(measured.samples))
+        });
+        format!("dart throwing, {} r periodic{count}", SPEC.side)
+    }
+
+    /// Stops measuring it.
+    pub(super) fn rest(&mut self) {
+        if matches!(self, Self::Pending(_)) {
+            *self = Self::Unknown;
+        }
+    }
+
+    pub(super) fn want(&mut self, wake: &Wake) {
+        match self {
+            Self::Unknown => *self = Self::Pending(Job::run(wake, Measuring)),
+            Self::Pending(job) => {
+                if let Some(outcome) = job.poll() {
+                    self.take(outcome);
+                }
+            }
+            Self::Known(_) | Self::Failed(_) => {}
+        }
+    }
+
+    fn take(&mut self, outcome: Result<Result<Measured, String>, String>) {
+        *self = match outcome {
+            Ok(Ok(measured)) => Self::Known(Arc::new(measured)),
+            Ok(Err(why)) | Err(why) => Self::Failed(why),
+        };
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle(&mut self) -> bool {
+        let Self::Pending(job) = self else {
+            return false;
+        };
+        let outcome = job.wait();
+        self.take(outcome);
+        true
+    }
+}
+
+/// Has the reference measured.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Measuring;
+
+impl Errand for Measuring {
+    type Outcome = Result<Measured, String>;
+    const NAME: &'static str = "measure the reference";
+
+    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+        measure(monitor)
+    }
+}
+
+fn measure(monitor: &Monitor) -> Result<Measured, String> {
+    let pattern = Pattern::of_spec(&SPEC, &mut Unobserved).map_err(|error| error.to_string())?;
+    let domain = pattern.domain();
+    let samples = pattern.samples().iter();
+    let set = Samples {
+        points: samples
+            .map(|point| [radii(point.x), radii(point.y)])
+            .collect(),
+        region: Region {
+            width: radii(domain.width()),
+            height: radii(domain.height()),
+            boundary: Boundary::Periodic,
+        },
+        radius: 1.0,
+    };
+    Measured::whole(&set, &|progress| monitor.follow(progress))
+        .map_err(|error| refusal(&error).unwrap_or_default())
+}

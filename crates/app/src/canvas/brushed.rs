@@ -1,0 +1,186 @@
+//! What is brushed, on the canvas: the edges of the pairs at the chosen distances, and the tint of samples by what they add
+//! to the power of the chosen frequencies. What is found is handed to it.
+
+use egui::{Color32, Pos2, Rect, Shape};
+use tilescope_core::Stage;
+
+use super::paint::Scene;
+use super::pane::MadeFrom;
+use super::sprites::Sprites;
+use super::strokes::Strokes;
+use crate::analysis::brush::{Cause, Found};
+use crate::sentence::{counted, grouped};
+use crate::theme::Palette;
+
+/// Edges that are drawn at most: those nearest to the middle of the view.
+pub const MOST_EDGES: usize = 20_000;
+/// The width of an edge, in screen points.
+const WIDTH: f32 = 1.5;
+/// By how much samples of the strongest shares are larger or smaller than others, of their size.
+const SWELL: f32 = 0.5;
+
+/// The edges in view, as long as nothing changes that they follow from.
+#[derive(Default)]
+pub struct Edges {
+    made_from: Option<MadeFrom>,
+    ends: Vec<[Pos2; 2]>,
+    in_view: usize,
+    /// What is brushed, in short, and pairs that are not kept.
+    brushed: Option<String>,
+}
+
+impl Edges {
+    /// Brings the edges up to the moment and the view that are shown.
+    pub fn follow(&mut self, scene: &Scene<'_>, made_from: MadeFrom) {
+        if self.made_from.as_ref() == Some(&made_from) {
+            return;
+        }
+        self.made_from = Some(made_from);
+        (self.ends, self.in_view) = in_view(scene);
+        let cause = scene.subject.causes.map(|found| &found.cause);
+        self.brushed = cause.filter(|_| scene.stage >= Stage::Tile).and_then(short);
+    }
+
+    /// Returns them as shapes.
+    pub fn shapes(&self, scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
+        let mut strokes = Strokes::new(sprites, scene.painter.ctx());
+        strokes.reserve(self.ends.len());
+        for [from, to] in &self.ends {
+            strokes.segment(*from, *to, WIDTH, scene.palette.margin);
+        }
+        vec![strokes.into_shape()]
+    }
+
+    /// Returns what is brushed, and a remark about edges that are left out.
+    pub fn note(&self, crowded: bool) -> Option<String> {
+        if crowded && self.in_view > 0 {
+            return Some(
+                "Too many samples in view to join the brushed pairs by lines: zoom in.".to_owned(),
+            );
+        }
+        let brushed = self.brushed.as_ref()?;
+        if self.in_view > self.ends.len() {
+            return Some(format!(
+                "{brushed} {} in view: the {} nearest to the middle are drawn. Zoom in.",
+                grouped(self.in_view),
+                grouped(self.ends.len())
+            ));
+        }
+        Some(brushed.clone())
+    }
+}
+
+/// Says in short what is brushed, if that draws anything.
+fn short(cause: &Cause) -> Option<String> {
+    let text = match cause {
+        Cause::Pairs { total: 0, .. } | Cause::Shares { frequencies: 0, .. } => return None,
+        Cause::Pairs { total, pairs } if *total > pairs.len() as u64 => format!(
+            "Brushed: {} pairs; the {} lowest in the domain are kept.",
+            grouped(*total as usize),
+            grouped(pairs.len())
+        ),
+        Cause::Pairs { total, .. } => {
+            format!("Brushed: {}.", counted(*total as usize, "pair", "pairs"))
+        }
+        Cause::Shares { .. } => {
+            "Brushed frequencies tint the samples: red adds more than the mean, blue less."
+                .to_owned()
+        }
+    };
+    Some(text)
+}
+
+/// Returns the edges in view, those nearest to its middle if there are too many, and how many there are.
+fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
+    let cause = scene.subject.causes.map(|found| &found.cause);
+    let (Some(Cause::Pairs { pairs, .. }), true) = (cause, scene.stage >= Stage::Tile) else {
+        return (Vec::new(), 0);
+    };
+    let ends = pairs.iter().map(|pair| {
+        let from = scene.session.place(pair.ids[0]);
+        let to = [from[0] + pair.offset[0], from[1] + pair.offset[1]];
+        [scene.at(from), scene.at(to)]
+    });
+    let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));
+    let mut ends: Vec<[Pos2; 2]> = ends.filter(seen).collect();
+    let count = ends.len();
+    if count > MOST_EDGES {
+        let middle = scene.rect.center();
+        let distance = |ends: &[Pos2; 2]| ends[0].lerp(ends[1], 0.5).distance_sq(middle);
+        ends.select_nth_unstable_by(MOST_EDGES, |a, b| distance(a).total_cmp(&distance(b)));
+        ends.truncate(MOST_EDGES);
+    }
+    (ends, count)
+}
+
+/// Returns the colour of a sample by how far its share is from the mean one, and its size, 1 for the mean share: what adds
+/// more to the power is large, what adds less small. None where no shares are known.
+pub fn tint(found: Option<&Found>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
+    let Cause::Shares {
+        shares,
+        strongest,
+        mean_power,
+        ..
+    } = &found?.cause
+    else {
+        return None;
+    };
+    let share = *shares.get(id as usize)?;
+    if !share.is_finite() {
+        return None;
+    }
+    let part = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
+    let strong = if part < 0.0 {
+        palette.detector
+    } else {
+        palette.conflict
+    };
+    let color = palette.eliminated.lerp_to_gamma(strong, part.abs().sqrt());
+    Some((color, 1.0 + SWELL * part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::brush::Pair;
+    use crate::theme::{DARK, LIGHT};
+
+    #[test]
+    fn what_is_brushed_is_said_with_what_is_not_kept() {
+        let pair = Pair {
+            ids: [0, 1],
+            offset: [1.0, 0.0],
+        };
+        let pairs = |total, kept| Cause::Pairs {
+            total,
+            pairs: vec![pair; kept],
+        };
+        assert_eq!(short(&pairs(0, 0)), None);
+        assert_eq!(short(&pairs(2, 2)).unwrap(), "Brushed: 2 pairs.");
+        let cut = short(&pairs(1_000, 2)).unwrap();
+        assert!(cut.contains("the 2 lowest in the domain are kept"), "{cut}");
+    }
+
+    #[test]
+    fn shares_of_either_sign_differ_in_size_and_colour_and_others_have_no_tint() {
+        let found = Found {
+            serial: 1,
+            cause: Cause::Shares {
+                frequencies: 4,
+                mean_power: 1.0,
+                shares: vec![1.0, 3.0, -1.0, 50.0, f32::NAN],
+                strongest: 4.0,
+            },
+        };
+        for palette in [DARK, LIGHT] {
+            let of = |id| tint(Some(&found), id, &palette);
+            let [mean, more, less, most] = [0, 1, 2, 3].map(|id| of(id).unwrap());
+            assert_eq!(mean, (palette.eliminated, 1.0));
+            assert!(less.1 < mean.1 && mean.1 < more.1 && more.1 < most.1);
+            assert_eq!(most, (palette.conflict, 1.0 + SWELL));
+            assert_ne!(less.0, more.0);
+            assert_eq!((of(4), of(5)), (None, None));
+        }
+        assert_eq!(tint(None, 0, &DARK), None);
+    }
+}

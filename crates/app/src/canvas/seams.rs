@@ -1,0 +1,73 @@
+//! The seams of a combination: the lines along which its sets meet, and the band around them that gluing may touch.
+
+use egui::{Rect, Shape, Stroke, pos2};
+
+use super::layers::Layer;
+use super::paint::Scene;
+use super::sprites::Sprites;
+use super::strokes::Strokes;
+use crate::session::Session;
+
+/// The width of a seam, in screen points.
+const WIDTH: f32 = 1.6;
+/// How strong the band's tint is.
+const TINT: f32 = 0.10;
+
+/// Returns the ends of every line of a session's seams, in r. A seam on the border of a periodic domain is a line on
+/// both sides of it.
+#[must_use]
+pub fn ends(session: &Session) -> Vec<[[f64; 2]; 2]> {
+    let combination = session.combination.as_ref();
+    combination.map_or_else(Vec::new, |combination| combination.lines.clone())
+}
+
+/// Returns the band, tinted.
+pub fn band(scene: &Scene<'_>) -> Vec<Shape> {
+    let Some(combination) = shown(scene) else {
+        return Vec::new();
+    };
+    let tint = scene.palette.accent.gamma_multiply(TINT);
+    // Neighbours share an edge: on whole pixels neither a gap nor a darker line shows between them.
+    let pixels = scene.painter.ctx().pixels_per_point();
+    let snap = |value: f32| (value * pixels).round() / pixels;
+    let rects = combination.band.iter().map(|rect| scene.lattice_rect(rect));
+    let seen = rects.filter(|rect| rect.intersects(scene.rect));
+    let snapped = seen.map(|rect| {
+        let (min, max) = (rect.min, rect.max);
+        Rect::from_min_max(
+            pos2(snap(min.x), snap(min.y)),
+            pos2(snap(max.x), snap(max.y)),
+        )
+    });
+    snapped
+        .map(|rect| Shape::rect_filled(rect, 0.0, tint))
+        .collect()
+}
+
+/// Returns the seams as lines.
+pub fn lines(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
+    let mut strokes = Strokes::new(sprites, scene.painter.ctx());
+    if let Some(combination) = shown(scene) {
+        for &[from, to] in &combination.lines {
+            let line = scene.screen_rect(from, to);
+            let seen = line.intersect(scene.rect.expand(WIDTH));
+            if seen.min.x <= seen.max.x && seen.min.y <= seen.max.y {
+                strokes.segment(seen.min, seen.max, WIDTH, scene.palette.accent);
+            }
+        }
+    }
+    vec![strokes.into_shape()]
+}
+
+fn shown<'a>(scene: &Scene<'a>) -> Option<&'a crate::combination::Combination> {
+    let combination = scene.session.combination.as_ref();
+    combination.filter(|_| scene.has(Layer::Seams))
+}
+
+/// Draws the layer's symbol: two sets, and the seam between them in its band.
+pub fn symbol(painter: &egui::Painter, at: egui::Pos2, palette: &crate::theme::Palette) {
+    let band = Rect::from_center_size(at, egui::vec2(9.0, 13.0));
+    painter.rect_filled(band, 0.0, palette.accent.gamma_multiply(0.3));
+    let half = egui::vec2(0.0, 6.5);
+    painter.line_segment([at - half, at + half], Stroke::new(WIDTH, palette.accent));
+}

@@ -1,0 +1,124 @@
+//! Fingers on a canvas: how many there were since the first was put down decides what lifting them means. It reads
+//! events and selects nothing.
+
+use egui::{Event, Id, Pos2, RawInput, Response, TouchPhase, Ui, Vec2, pos2};
+
+/// Two fingers or more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pinch {
+    /// Halfway between them.
+    pub middle: Pos2,
+    /// How far they moved together, in screen points.
+    pub moved: Vec2,
+    /// How much farther apart they are than before.
+    pub factor: f32,
+}
+
+/// Who moves the pointer in this frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hand {
+    /// A mouse, or nobody.
+    #[default]
+    Mouse,
+    /// One finger, which may just have been lifted.
+    Finger,
+    /// There were two fingers since the first was put down: lifting them is no tap.
+    Gesture,
+    /// The system took the touch back.
+    Cancelled,
+}
+
+/// What fingers do in this frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Touch {
+    /// Who moves the pointer.
+    pub hand: Hand,
+    /// Two fingers that began on this canvas.
+    pub pinch: Option<Pinch>,
+}
+
+impl Touch {
+    /// Returns what fingers do to the canvas of `response`; remembers whether they are in a gesture.
+    #[must_use]
+    pub fn follow(ui: &Ui, response: &Response) -> Self {
+        let (is_down, multi, starts, is_lifted, is_cancelled) = ui.input(|input| {
+            let phase = |wanted: TouchPhase| {
+                let of = move |event: &&Event| matches!(event, Event::Touch { phase, .. } if *phase == wanted);
+                input.events.iter().filter(of).count()
+            };
+            (
+                input.any_touches(),
+                input.multi_touch(),
+                phase(TouchPhase::Start),
+                phase(TouchPhase::End) > 0,
+                phase(TouchPhase::Cancel) > 0,
+            )
+        });
+        let id = Id::unique("fingers").with(response.id);
+        let before = ui
+            .data(|data| data.get_temp::<Before>(id))
+            .unwrap_or_default();
+        let is_gesture = before.is_gesture || multi.is_some() || starts > 1;
+        let begins_here = response.is_pointer_button_down_on() || before.is_here;
+        let is_here = multi.is_some() && begins_here;
+        let now = Before {
+            is_gesture: is_gesture && is_down,
+            is_here,
+        };
+        ui.data_mut(|data| data.insert_temp(id, now));
+        let pinch = multi.filter(|_| is_here).map(|touch| Pinch {
+            middle: touch.center_pos,
+            moved: touch.translation_delta,
+            factor: touch.zoom_delta,
+        });
+        let hand = if is_cancelled {
+            Hand::Cancelled
+        } else if is_gesture {
+            Hand::Gesture
+        } else if is_down || is_lifted {
+            Hand::Finger
+        } else {
+            Hand::Mouse
+        };
+        Self {
+            hand,
+            pinch: pinch.filter(|pinch| pinch.factor.is_finite() && pinch.factor > 0.0),
+        }
+    }
+}
+
+/// What is remembered from frame to frame.
+#[derive(Clone, Copy, Debug, Default)]
+struct Before {
+    is_gesture: bool,
+    is_here: bool,
+}
+
+/// Far outside of every window.
+const NOWHERE: Pos2 = pos2(-1e4, -1e4);
+
+/// Has the pointer leave when the system takes a touch back, which itself neither releases nor moves it: it would stay
+/// pressed where it was.
+pub fn release_cancelled(raw: &mut RawInput) {
+    let cancelled = |event: &Event| {
+        matches!(
+            event,
+            Event::Touch {
+                phase: TouchPhase::Cancel,
+                ..
+            }
+        )
+    };
+    if raw.events.iter().any(cancelled) {
+        raw.events.extend([
+            Event::PointerMoved(NOWHERE),
+            Event::PointerButton {
+                pos: NOWHERE,
+                button: egui::PointerButton::Primary,
+                pressed: false,
+                modifiers: egui::Modifiers::NONE,
+            },
+            Event::PointerGone,
+        ]);
+    }
+}

@@ -1,0 +1,334 @@
+//! The band around the seams in which gluing can have touched anything, as rectangles that do not overlap. It looks at
+//! rectangles only, never at samples.
+
+use tilescope_core::combine::{Piece, Seam, TOUCHED};
+use tilescope_core::{Domain, Point, Rect};
+
+/// Returns the band: what is within reach of a seam, or of a border of a bounded domain beyond which a set goes on, piece
+/// by piece. `None` when `stops` says so; it is asked again and again.
+pub fn of(
+    domain: &Domain,
+    pieces: &[Piece],
+    seams: &[Seam],
+    stops: &dyn Fn() -> bool,
+) -> Option<Vec<Rect>> {
+    let whole = domain.rect();
+    let mut lines: Vec<Rect> = seams
+        .iter()
+        .flat_map(|seam| images(domain, seam.from, seam.to))
+        .chain(pieces.iter().flat_map(|piece| cut(domain, piece)))
+        .map(|line| grown(&line))
+        .filter(|line| common(line, &whole).is_some())
+        .collect();
+    lines.sort_unstable_by_key(|line| line.min.y);
+    let mut band = Vec::new();
+    for piece in pieces {
+        if stops() {
+            return None;
+        }
+        // Those that begin above the piece do not reach it.
+        let below = lines.partition_point(|line| line.min.y < piece.rect.max.y);
+        let parts = lines[..below].iter();
+        let parts = parts.filter_map(|line| common(line, &piece.rect));
+        union(parts.collect(), stops, &mut band)?;
+    }
+    Some(band)
+}
+
+/// Returns a line, and where it is seen again through the borders of a periodic domain.
+fn images(domain: &Domain, from: Point, to: Point) -> Vec<Rect> {
+    let shifts = |side: i32| -> Vec<i32> {
+        if domain.is_periodic() {
+            vec![0, -side, side]
+        } else {
+            vec![0]
+        }
+    };
+    let ups = shifts(domain.height());
+    let rights = shifts(domain.width()).into_iter();
+    let images = rights.flat_map(|right| ups.iter().map(move |&up| (right, up)));
+    images
+        .map(|(right, up)| Rect {
+            min: Point::new(from.x.saturating_add(right), from.y.saturating_add(up)),
+            max: Point::new(to.x.saturating_add(right), to.y.saturating_add(up)),
+        })
+        .collect()
+}
+
+/// Returns the sides of a piece on the border of a bounded domain beyond which its set goes on: there samples are lost
+/// that covered places inside.
+fn cut(domain: &Domain, piece: &Piece) -> Vec<Rect> {
+    if domain.is_periodic() {
+        return Vec::new();
+    }
+    let (rect, own) = (&piece.rect, piece.set.domain());
+    let endless = own.is_periodic();
+    let (start, end) = (piece.start, domain.rect().max);
+    let side = |min: Point, max: Point| Rect { min, max };
+    let (low, high) = (rect.min, rect.max);
+    let beyond = |start: i32, length: i32, extent: i32| {
+        i64::from(start) + i64::from(length) < i64::from(extent)
+    };
+    let sides = [
+        (
+            low.x == 0 && start.x > 0,
+            low.x == 0,
+            side(low, Point::new(low.x, high.y)),
+        ),
+        (
+            low.y == 0 && start.y > 0,
+            low.y == 0,
+            side(low, Point::new(high.x, low.y)),
+        ),
+        (
+            high.x == end.x && beyond(start.x, rect.width(), own.width()),
+            high.x == end.x,
+            side(Point::new(high.x, low.y), high),
+        ),
+        (
+            high.y == end.y && beyond(start.y, rect.height(), own.height()),
+            high.y == end.y,
+            side(Point::new(low.x, high.y), high),
+        ),
+    ];
+    let cut = |&(goes_on, on_border, _): &(bool, bool, Rect)| goes_on || endless && on_border;
+    sides
+        .into_iter()
+        .filter(cut)
+        .map(|(_, _, line)| line)
+        .collect()
+}
+
+fn grown(line: &Rect) -> Rect {
+    Rect {
+        min: Point::new(
+            line.min.x.saturating_sub(TOUCHED),
+            line.min.y.saturating_sub(TOUCHED),
+        ),
+        max: Point::new(
+            line.max.x.saturating_add(TOUCHED),
+            line.max.y.saturating_add(TOUCHED),
+        ),
+    }
+}
+
+fn common(a: &Rect, b: &Rect) -> Option<Rect> {
+    let min = Point::new(a.min.x.max(b.min.x), a.min.y.max(b.min.y));
+    let max = Point::new(a.max.x.min(b.max.x), a.max.y.min(b.max.y));
+    (min.x < max.x && min.y < max.y).then_some(Rect { min, max })
+}
+
+/// Adds rectangles that cover what the parts cover, without overlap: between two edges across, what the parts that
+/// reach over them cover there, and one rectangle for rows that are covered alike. `None` when it is to stop.
+fn union(mut parts: Vec<Rect>, stops: &dyn Fn() -> bool, band: &mut Vec<Rect>) -> Option<()> {
+    parts.sort_unstable_by_key(|part| (part.min.y, part.min.x));
+    let mut edges: Vec<i32> = parts
+        .iter()
+        .flat_map(|part| [part.min.y, part.max.y])
+        .collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let mut coming = parts.into_iter().peekable();
+    // Those that reach over the row, from the left to the right.
+    let mut over: Vec<Rect> = Vec::new();
+    let mut open: Vec<Rect> = Vec::new();
+    for row in edges.windows(2) {
+        if stops() {
+            return None;
+        }
+        over.retain(|part| part.max.y > row[0]);
+        while let Some(part) = coming.next_if(|part| part.min.y <= row[0]) {
+            let at = over.partition_point(|other| other.min.x <= part.min.x);
+            over.insert(at, part);
+        }
+        let spans = spans(&over);
+        let alike = spans.len() == open.len()
+            && (open.iter().zip(&spans)).all(|(rect, span)| [rect.min.x, rect.max.x] == *span);
+        if !alike {
+            band.append(&mut open);
+            open = spans.iter().map(|&span| across(span, row[0])).collect();
+        }
+        for rect in &mut open {
+            rect.max.y = row[1];
+        }
+    }
+    band.append(&mut open);
+    Some(())
+}
+
+/// Returns what parts cover across, from the left to the right; they are sorted by where they begin.
+fn spans(parts: &[Rect]) -> Vec<[i32; 2]> {
+    let mut spans: Vec<[i32; 2]> = Vec::new();
+    for part in parts {
+        match spans.last_mut() {
+            Some(last) if part.min.x <= last[1] => last[1] = last[1].max(part.max.x),
+            _ => spans.push([part.min.x, part.max.x]),
+        }
+    }
+    spans
+}
+
+const fn across(span: [i32; 2], y: i32) -> Rect {
+    Rect {
+        min: Point::new(span[0], y),
+        max: Point::new(span[1], y),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use tilescope_core::combine::{CombineOptions, combine, grid};
+    use tilescope_core::{Boundary, Pattern, R, Source, Unobserved};
+
+    fn glued(boundary: Boundary, own: Boundary) -> (Domain, Vec<Piece>) {
+        let domain = Domain::from_size([60.0, 45.0], 1.0, boundary).unwrap();
+        let pieces = (1..).zip(grid(&domain, 2, 2)).map(|(seed, rect)| Piece {
+            set: {
+                let own = Domain::of_rect(&rect, own).unwrap();
+                Arc::new(Pattern::of_reference(own, seed, &mut Unobserved).unwrap())
+            },
+            rect,
+            start: Point::default(),
+        });
+        (domain, pieces.collect())
+    }
+
+    #[test]
+    fn whatever_gluing_touched_lies_in_the_band_and_its_parts_do_not_overlap() {
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            for own in [Boundary::Periodic, Boundary::Bounded] {
+                let (domain, pieces) = glued(boundary, own);
+                let options = CombineOptions::default();
+                let combined = combine(domain, &pieces, &options, &mut Unobserved).unwrap();
+                let band = of(&domain, &pieces, &combined.seams, &|| false).unwrap();
+                let holds = |point: Point| band.iter().filter(|rect| rect.contains(point)).count();
+                let each = combined.points.iter().zip(&combined.sources);
+                let inserted = each.filter(|(_, source)| matches!(source, Source::Inserted { .. }));
+                let touched: Vec<Point> = inserted
+                    .map(|(&point, _)| point)
+                    .chain(combined.eliminated.iter().map(|lost| lost.point))
+                    .collect();
+                assert!(touched.len() > 20);
+                assert!(touched.iter().all(|&point| holds(point) == 1));
+                // The middle of a piece is not in it, and the band does not cover the domain.
+                assert_eq!(holds(Point::new(15 * R, 11 * R)), 0);
+                assert!(combined.points.iter().any(|&point| holds(point) == 0));
+                assert!(combined.points.iter().all(|&point| holds(point) <= 1));
+            }
+        }
+    }
+
+    #[test]
+    fn one_periodic_piece_has_no_band() {
+        let domain = Domain::from_size([30.0, 30.0], 1.0, Boundary::Periodic).unwrap();
+        let set = Pattern::of_reference(domain, 1, &mut Unobserved).unwrap();
+        let piece = Piece {
+            set: Arc::new(set),
+            rect: domain.rect(),
+            start: Point::default(),
+        };
+        assert_eq!(of(&domain, &[piece], &[], &|| false), Some(Vec::new()));
+    }
+
+    /// A square of `across` units of r with a ring of `4 * (across - 1)` squares around one piece.
+    fn ringed(across: i32) -> (Domain, Vec<Piece>, Vec<Seam>) {
+        let side = f64::from(across);
+        let domain = Domain::from_size([side, side], 1.0, Boundary::Bounded).unwrap();
+        let own = Domain::from_size([12.0, 12.0], 1.0, Boundary::Periodic).unwrap();
+        let set = Arc::new(Pattern::of_reference(own, 1, &mut Unobserved).unwrap());
+        let rect = |min: [i32; 2], max: [i32; 2]| Rect {
+            min: Point::new(min[0] * R, min[1] * R),
+            max: Point::new(max[0] * R, max[1] * R),
+        };
+        let last = across - 1;
+        let mut rects = vec![rect([1, 1], [last, last])];
+        for k in 0..last {
+            rects.push(rect([k, 0], [k + 1, 1]));
+            rects.push(rect([last, k], [across, k + 1]));
+            rects.push(rect([k + 1, last], [k + 2, across]));
+            rects.push(rect([0, k + 1], [1, k + 2]));
+        }
+        let line = |from: Point, to: Point| Seam {
+            from,
+            to,
+            pieces: [0, 1],
+        };
+        let seams = rects.iter().flat_map(|rect| {
+            let (low, high) = (rect.min, rect.max);
+            [
+                line(low, Point::new(high.x, low.y)),
+                line(low, Point::new(low.x, high.y)),
+            ]
+        });
+        let seams = seams.collect();
+        let piece = |rect: Rect| Piece {
+            set: Arc::clone(&set),
+            rect,
+            start: Point::default(),
+        };
+        let pieces = rects.into_iter().map(piece).collect();
+        (domain, pieces, seams)
+    }
+
+    #[test]
+    fn a_piece_with_thousands_of_neighbours_has_a_small_band_and_can_be_stopped() {
+        let (domain, pieces, seams) = ringed(1002);
+        assert_eq!(pieces.len(), 4005);
+        let asked = std::cell::Cell::new(0);
+        let stops = |after: usize| {
+            let asked = &asked;
+            move || {
+                asked.set(asked.get() + 1);
+                asked.get() > after
+            }
+        };
+        let band = of(&domain, &pieces, &seams, &stops(usize::MAX)).unwrap();
+        // The ring is all band, and so is what lies within reach of it.
+        let of_piece = |rect: &Rect| common(rect, &pieces[0].rect).is_some();
+        assert!(band.iter().filter(|rect| of_piece(rect)).count() <= 8);
+        assert!(band.len() < 2 * pieces.len(), "{}", band.len());
+        let area = |rect: &Rect| i64::from(rect.width()) * i64::from(rect.height());
+        let square = |side: i32| i64::from(side) * i64::from(side);
+        let free = square(1000 * R - 2 * TOUCHED);
+        let covered: i64 = band.iter().map(area).sum();
+        assert_eq!(covered, square(1002 * R) - free);
+        // It is asked in the middle of the large piece, too.
+        let all = asked.replace(0);
+        assert!(all > pieces.len() + 1000, "{all}");
+        for after in [0, 500, all - 1] {
+            asked.set(0);
+            assert_eq!(of(&domain, &pieces, &seams, &stops(after)), None);
+            assert_eq!(asked.get(), after + 1);
+        }
+    }
+
+    #[test]
+    fn parts_are_covered_once_and_nothing_else_is() {
+        let at = |k: u32, range: u32| (k.wrapping_mul(2_654_435_761) >> 8) as i32 % range as i32;
+        for seed in 0..50 {
+            let parts: Vec<Rect> = (0..12)
+                .map(|k| {
+                    let draw = |n: u32, range| at(seed * 97 + k * 7 + n + 1, range);
+                    let min = Point::new(draw(0, 20), draw(1, 20));
+                    let max = Point::new(min.x + 1 + draw(2, 8), min.y + 1 + draw(3, 8));
+                    Rect { min, max }
+                })
+                .collect();
+            let mut band = Vec::new();
+            union(parts.clone(), &|| false, &mut band).unwrap();
+            let holds = |rect: &Rect, x: i32, y: i32| {
+                rect.min.x <= x && x < rect.max.x && rect.min.y <= y && y < rect.max.y
+            };
+            for x in 0..30 {
+                for y in 0..30 {
+                    let covered = parts.iter().any(|part| holds(part, x, y));
+                    let times = band.iter().filter(|rect| holds(rect, x, y)).count();
+                    assert_eq!(times, usize::from(covered), "{x} {y} of {seed}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Sets of a layout that lie in files: taken from what came with it or natively from its folder, read once, and named by
+//! the content that was read.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use serde_json::{Value, json};
+use tilescope_analysis::{Boundary as Judged, Region};
+use tilescope_core::combine::file::{Layout, Placed, Set, Source};
+use tilescope_core::{Boundary, Domain, Pattern, SampleError, Stage};
+use tilescope_formats::{Certificate, bytes_digest};
+
+use super::{CombinationError, saved};
+use crate::files::{Incoming, Unread, last_part};
+use crate::jobs::Monitor;
+
+/// What a set without a certificate is a set of, where nothing else is said.
+const UNIT_SQUARE: Region = Region {
+    width: 1.0,
+    height: 1.0,
+    boundary: Judged::Periodic,
+};
+
+/// What a file holds.
+struct Held {
+    points: Vec<[f64; 2]>,
+    certificate: Option<Certificate>,
+    digest: String,
+}
+
+type Slot = Arc<OnceLock<Result<Held, Unread>>>;
+
+/// The files of a layout. Each is read once, whatever number of pieces is cut from it.
+pub struct Files<'a> {
+    around: Option<&'a Incoming>,
+    read: Mutex<HashMap<PathBuf, Slot>>,
+}
+
+impl<'a> Files<'a> {
+    /// Returns the files of a layout with what is around it, or of one that may have none.
+    pub fn of(around: Option<&'a Incoming>) -> Self {
+        let read = Mutex::default();
+        Self { around, read }
+    }
+
+    /// Reads a set; `None` if it is in no file, or the layout may have none.
+    pub fn set(&self, source: &Source, monitor: &Monitor) -> Option<Result<Set, CombinationError>> {
+        let Source::File {
+            path,
+            radius,
+            size,
+            boundary,
+        } = source
+        else {
+            return None;
+        };
+        let around = self.around?;
+        // Another machine is asked for nothing because a file says so.
+        if path.starts_with(r"\\") || path.starts_with("//") {
+            let why = "it lies on another machine; put it beside the layout";
+            return Some(Err(failed(Path::new(path), why)));
+        }
+        let path = place_of(around, path);
+        let slot = self.slot(&path);
+        let set = match slot.get_or_init(|| read(around, &path, monitor)) {
+            Ok(held) => set(held, *radius, *size, *boundary).map_err(|why| failed(&path, &why)),
+            Err(Unread::Failed(why)) => Err(failed(&path, why)),
+            Err(Unread::Stopped) => Err(CombinationError::Sample(SampleError::Cancelled {
+                stage: Stage::Pattern,
+            })),
+        };
+        Some(set)
+    }
+
+    fn slot(&self, path: &Path) -> Slot {
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(read.entry(path.to_owned()).or_default())
+    }
+
+    /// Returns a layout whose sets were read as certificates state it: files without folders, with the digests of what
+    /// was read.
+    pub fn stated(&self, layout: &Layout, placed: &Placed) -> Value {
+        let mut stated = saved::json(layout);
+        for (k, place) in placed.places.iter().enumerate() {
+            if let (Source::File { path, .. }, Some(around)) = (&place.source, self.around) {
+                stated["pieces"][k]["file"] = json!(last_part(path));
+                let path = place_of(around, path);
+                if let Some(Ok(held)) = self.slot(&path).get() {
+                    stated["pieces"][k]["digest"] = json!(held.digest);
+                }
+            }
+        }
+        stated
+    }
+}
+
+fn failed(path: &Path, why: &str) -> CombinationError {
+    let path = path.display().to_string();
+    // What names the file already need not do it twice.
+    let rest = why.strip_prefix(&path).unwrap_or(why);
+    let why = rest.trim_start_matches([':', ' ']).to_owned();
+    CombinationError::File { path, why }
+}
+
+/// Returns where a file is that a layout names: in the layout's folder, where it has one.
+fn place_of(around: &Incoming, path: &str) -> PathBuf {
+    let folder = around.folder.as_deref();
+    folder.map_or_else(|| PathBuf::from(path), |folder| folder.join(path))
+}
+
+/// Reads a file and the certificate beside it.
+fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Held, Unread> {
+    let incoming = match around.companion(&path.to_string_lossy()) {
+        Some(found) => found,
+        None => from_disk(around, path, monitor)?,
+    };
+    let read = incoming.point_set().map_err(Unread::Failed)?;
+    Ok(Held {
+        points: read.set.points,
+        certificate: read.certificate,
+        digest: bytes_digest(&incoming.bytes),
+    })
+}
+
+#[cfg_attr(
+    target_arch = "wasm32",
+    allow(unused_variables, reason = "there is no folder to read from")
+)]
+fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incoming, Unread> {
+    #[cfg(not(target_arch = "wasm32"))]
+    if around.folder.is_some() {
+        let limit = crate::files::MOST_PATTERN_BYTES;
+        return Incoming::from_path(path, limit, monitor);
+    }
+    let why = "it did not come with the layout; open both at once, and the set's certificate";
+    Err(Unread::Failed(why.to_owned()))
+}
+
+fn set(
+    held: &Held,
+    radius: Option<f64>,
+    [width, height]: [Option<f64>; 2],
+    boundary: Option<Boundary>,
+) -> Result<Set, String> {
+    let stated = held.certificate.as_ref();
+    let radius = radius.or(stated.map(|stated| stated.radius));
+    let radius = radius.ok_or("the set has no certificate; give its \"radius\"")?;
+    let region = stated.map_or(UNIT_SQUARE, |stated| stated.region);
+    let boundary = boundary.unwrap_or(match region.boundary {
+        Judged::Periodic => Boundary::Periodic,
+        Judged::Bounded => Boundary::Bounded,
+    });
+    let size = [
+        width.unwrap_or(region.width),
+        height.unwrap_or(region.height),
+    ];
+    let pattern = Pattern::from_positions(&held.points, size, radius, boundary);
+    let domain = Domain::from_size(size, radius, boundary);
+    Ok(Set {
+        pattern: pattern.map_err(|error| error.to_string())?.into(),
+        domain: domain.map_err(|error| error.to_string())?,
+    })
+}

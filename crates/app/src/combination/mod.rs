@@ -1,0 +1,277 @@
+//! Combinations: sets that a layout places side by side, glued along their seams and made ready to be looked at as a
+//! session whose blocks are the pieces. The core glues; files are read here and nowhere else of it.
+
+mod band;
+mod files;
+mod progress;
+mod saved;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use tilescope_core::combine::file::{Layout, LayoutError, PieceError, Placed, Set, Source};
+use tilescope_core::combine::{CombineError, Piece, Seam, combine, combine_in_stages};
+use tilescope_core::{Domain, Pattern, Rect, Run, SampleError, Stage};
+
+pub use saved::{SavedCombination, SavedError, holds_combination};
+
+use crate::errand::{Errand, Lent, as_json};
+use crate::files::Incoming;
+use crate::jobs::Monitor;
+use crate::sentence::grouped;
+use crate::session::{MOST_STAGED, MakeError, Session, radii};
+
+use files::Files;
+use progress::{Gluing, OneSet, Sets, stopped};
+
+/// The layout of the paper's figure 12: nine independent sets.
+pub const NINE: &str = include_str!("../../../../assets/layouts/nine.json");
+
+/// The most samples of a combination in the window: a file may ask for it, so that it is no more than what a session's
+/// file may ask for.
+pub const MOST_COMBINED: usize = tilescope_debugger::MAX_SAMPLES;
+
+/// An action that makes a combination.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CombineCommand {
+    /// That of figure 12.
+    Nine,
+    /// That of a layout's text; sets from files have no folder to be in.
+    Text(String),
+}
+
+/// Makes a combination that needs no files.
+#[derive(Serialize, Deserialize)]
+pub struct Combining {
+    /// The layout.
+    #[serde(with = "as_json")]
+    pub layout: Layout,
+    /// What the session is known by.
+    pub generation: u64,
+}
+
+impl Errand for Combining {
+    type Outcome = Result<Session, MakeError>;
+    const NAME: &'static str = "combine";
+
+    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+        Ok(make(self.layout, None, self.generation, monitor)?)
+    }
+
+    fn given_up(monitor: &Monitor) -> Option<Self::Outcome> {
+        Some(Err(MakeError::given_up(monitor)))
+    }
+
+    fn keep(made: Self::Outcome) {
+        Lent::keep(made);
+    }
+}
+
+/// What a session that shows a combination knows beside its run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Combination {
+    /// The layout.
+    #[serde(with = "as_json")]
+    pub layout: Layout,
+    /// The layout as certificates state it: files without folders, with their digests.
+    #[serde(with = "as_json")]
+    pub stated: Value,
+    /// The lines along which different sets meet.
+    pub seams: Vec<Seam>,
+    /// Where gluing can have touched anything: rectangles that do not overlap.
+    pub band: Vec<Rect>,
+    /// Where seams are drawn: the ends of every line, in r. A seam on the border of a periodic domain is a line on both
+    /// sides of it.
+    pub lines: Vec<[[f64; 2]; 2]>,
+    /// How long the seams are together, in r.
+    pub length: f64,
+    /// The part of the domain that the band covers, from 0 to 1.
+    pub in_reach: f64,
+    /// How many pieces come from files.
+    pub files: usize,
+}
+
+impl Combination {
+    fn of(
+        layout: Layout,
+        stated: Value,
+        placed: &Placed,
+        seams: Vec<Seam>,
+        band: Vec<Rect>,
+    ) -> Self {
+        let domain = &placed.domain;
+        let sources = placed.places.iter().map(|place| &place.source);
+        let files = sources.filter(|source| is_file(source)).count();
+        let area = |rect: &Rect| f64::from(rect.width()) * f64::from(rect.height());
+        let length = |seam: &Seam| radii(seam.to.x - seam.from.x + seam.to.y - seam.from.y);
+        Self {
+            lines: lines(domain, &seams),
+            length: seams.iter().map(length).sum(),
+            in_reach: band.iter().map(area).sum::<f64>() / area(&domain.rect()),
+            files,
+            layout,
+            stated,
+            seams,
+            band,
+        }
+    }
+}
+
+fn lines(domain: &Domain, seams: &[Seam]) -> Vec<[[f64; 2]; 2]> {
+    let size = [domain.width(), domain.height()].map(radii);
+    let mut lines = Vec::with_capacity(seams.len());
+    for seam in seams {
+        let line = [seam.from, seam.to].map(|point| [point.x, point.y].map(radii));
+        lines.push(line);
+        for axis in 0..2 {
+            if line.iter().all(|end| end[axis] <= 0.0) {
+                let mut other = line;
+                for end in &mut other {
+                    end[axis] += size[axis];
+                }
+                lines.push(other);
+            }
+        }
+    }
+    lines
+}
+
+/// Why there is no combination.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CombinationError {
+    /// The layout cannot serve.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The pieces cannot be glued.
+    #[error(transparent)]
+    Combine(#[from] CombineError),
+    /// A set cannot be made, or somebody asked to stop.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+    /// It is too large for the window.
+    #[error(
+        "the layout makes about {} samples; the window combines at most {}, and the command line more",
+        about(*expected),
+        grouped(MOST_COMBINED)
+    )]
+    TooManySamples {
+        /// How many.
+        expected: f64,
+    },
+    /// A set lies in a file, and there are none.
+    #[error(
+        "its set is in the file {path}, and files are read only with a layout that is in a file, too; sets by \"seed\" or \"parameters\" serve everywhere"
+    )]
+    NoFiles {
+        /// The file, as the layout has it.
+        path: String,
+    },
+    /// A file cannot serve.
+    #[error("{path}: {why}")]
+    File {
+        /// The file.
+        path: String,
+        /// Why.
+        why: String,
+    },
+    /// Something is wrong with a piece.
+    #[error(transparent)]
+    Piece(Box<PieceError<CombinationError>>),
+}
+
+/// Returns a number with two digits that say something, as "3,100,000".
+fn about(expected: f64) -> String {
+    let unit = 10_f64.powi((expected.max(1.0).log10().floor() as i32 - 1).max(0));
+    grouped(((expected / unit).round() * unit) as usize)
+}
+
+impl CombinationError {
+    /// Returns the stage in which it was cancelled, if it was.
+    #[must_use]
+    pub fn cancelled(&self) -> Option<Stage> {
+        match self {
+            Self::Sample(SampleError::Cancelled { stage })
+            | Self::Combine(CombineError::Sample(SampleError::Cancelled { stage })) => Some(*stage),
+            Self::Piece(piece) => piece.error.cancelled(),
+            _ => None,
+        }
+    }
+}
+
+/// Makes what a layout describes; its files are those that came with the file `around` or lie in its folder, where it was
+/// in a file.
+///
+/// Fails as [`Layout::placed`] and [`combine`], where a set cannot be made or read, and when the monitor's owner cancels.
+pub fn make(
+    layout: Layout,
+    around: Option<&Incoming>,
+    generation: u64,
+    monitor: &Monitor,
+) -> Result<Session, CombinationError> {
+    let placed = layout.placed()?;
+    if placed.expected > MOST_COMBINED as f64 {
+        let expected = placed.expected;
+        return Err(CombinationError::TooManySamples { expected });
+    }
+    let files = Files::of(around);
+    let pieces = pieces(&placed, &files, monitor)?;
+    let options = layout.options();
+    let mut observer = Gluing(monitor);
+    let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
+    let (run, seams): (Run, Vec<Seam>) = if expected <= MOST_STAGED {
+        let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
+        (staged.run, staged.seams)
+    } else {
+        let combined = combine(placed.domain, &pieces, &options, &mut observer)?;
+        let seams = combined.seams.clone();
+        (combined.into_run(&pieces, &options), seams)
+    };
+    observer.end()?;
+    let stops = || monitor.is_cancelled();
+    let band = band::of(&placed.domain, &pieces, &seams, &stops).ok_or_else(stopped)?;
+    let stated = files.stated(&layout, &placed);
+    let combination = Combination::of(layout, stated, &placed, seams, band);
+    let session = Session::from_combination(run, combination, generation);
+    if stops() {
+        return Err(stopped().into());
+    }
+    Ok(session)
+}
+
+fn is_file(source: &Source) -> bool {
+    matches!(source, Source::File { .. })
+}
+
+/// Makes or reads all sets, on all threads at once.
+fn pieces(
+    placed: &Placed,
+    files: &Files<'_>,
+    monitor: &Monitor,
+) -> Result<Vec<Piece>, CombinationError> {
+    let sets = Sets::new(monitor, placed.places.len());
+    let make = |source: &Source| {
+        let mut observer = OneSet::of(source, &sets);
+        set(source, files, monitor, &mut observer)
+    };
+    let pieces = placed.pieces(make, |count| sets.made(count));
+    pieces.map_err(|error| CombinationError::Piece(Box::new(error)))
+}
+
+fn set(
+    source: &Source,
+    files: &Files<'_>,
+    monitor: &Monitor,
+    observer: &mut OneSet<'_>,
+) -> Result<Set, CombinationError> {
+    match source {
+        Source::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
+        Source::Run { parameters, .. } => {
+            let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
+            Ok(Set::of_run(parameters, &pattern, observer)?)
+        }
+        Source::File { path, .. } => files.set(source, monitor).unwrap_or_else(|| {
+            let path = path.clone();
+            Err(CombinationError::NoFiles { path })
+        }),
+    }
+}

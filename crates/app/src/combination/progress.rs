@@ -1,0 +1,236 @@
+//! How far a combination in the making has come, over all its sets and what is done with them. It measures no time: the
+//! shares are of a combination of sets that are made, not read.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+
+use tilescope_core::combine::file::Source;
+use tilescope_core::{Observer, Progress, SampleError, Stage};
+
+use crate::jobs::Monitor;
+
+/// The share of the sets, and that of gluing; what is left is the band's and the session's.
+const SETS: f32 = 0.75;
+const GLUING: f32 = 0.2;
+
+/// The parts of a set that are told apart.
+const PARTS: u64 = 1000;
+
+/// The progress of all sets, which are made at once.
+pub(super) struct Sets<'a> {
+    monitor: &'a Monitor,
+    all: usize,
+    done: AtomicUsize,
+    parts: AtomicU64,
+}
+
+impl<'a> Sets<'a> {
+    pub(super) const fn new(monitor: &'a Monitor, all: usize) -> Self {
+        let (done, parts) = (AtomicUsize::new(0), AtomicU64::new(0));
+        Self {
+            monitor,
+            all,
+            done,
+            parts,
+        }
+    }
+
+    /// As many pieces have their set.
+    pub(super) fn made(&self, count: usize) {
+        let done = self.done.fetch_add(count, Ordering::Relaxed) + count;
+        let all = self.all;
+        self.monitor.set_activity(&format!("set {done} of {all}"));
+        // The first of those that share a set told its own progress.
+        self.add(PARTS * (count as u64).saturating_sub(1));
+    }
+
+    fn add(&self, parts: u64) {
+        let parts = self.parts.fetch_add(parts, Ordering::Relaxed) + parts;
+        let part = parts as f32 / (self.all as u64 * PARTS).max(1) as f32;
+        self.monitor.set_fraction(SETS * part);
+    }
+}
+
+/// The progress of one set. When it is dropped, its set is there or has failed.
+pub(super) struct OneSet<'a> {
+    sets: &'a Sets<'a>,
+    /// Whether it is thrown rather than tiled.
+    thrown: bool,
+    told: u64,
+}
+
+impl<'a> OneSet<'a> {
+    pub(super) const fn of(source: &Source, sets: &'a Sets<'a>) -> Self {
+        let thrown = matches!(source, Source::Reference { .. });
+        Self {
+            sets,
+            thrown,
+            told: 0,
+        }
+    }
+
+    fn tell(&mut self, parts: u64) {
+        if parts > self.told {
+            self.sets.add(parts - self.told);
+            self.told = parts;
+        }
+    }
+}
+
+impl Observer for OneSet<'_> {
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        let (start, share) = if self.thrown {
+            throw(progress.stage)
+        } else {
+            tiling(progress.stage)
+        };
+        self.tell(((start + share * part(progress)) * PARTS as f32) as u64);
+        go_on(self.sets.monitor)
+    }
+}
+
+impl Drop for OneSet<'_> {
+    fn drop(&mut self) {
+        self.tell(PARTS);
+    }
+}
+
+/// Where a stage of tiling begins, and its share, as measured on a million samples.
+const fn tiling(stage: Stage) -> (f32, f32) {
+    match stage {
+        Stage::Pattern => (0.0, 0.08),
+        Stage::Blocks => (0.08, 0.01),
+        Stage::Tile => (0.09, 0.16),
+        Stage::Eliminate => (0.25, 0.3),
+        Stage::Iterate(1) => (0.55, 0.3),
+        Stage::Iterate(_) => (0.85, 0.05),
+        Stage::Regions => (0.05, 0.85),
+        Stage::Finish => (0.9, 0.1),
+    }
+}
+
+/// Each throw of the reference sampler takes about half of what is left.
+fn throw(stage: Stage) -> (f32, f32) {
+    match stage {
+        Stage::Iterate(k) => {
+            let left = 0.5_f32.powi(k.saturating_sub(1).min(60) as i32);
+            (1.0 - left, left / 2.0)
+        }
+        _ => (0.0, 0.0),
+    }
+}
+
+fn part(progress: Progress) -> f32 {
+    progress.done as f32 / progress.total.max(1) as f32
+}
+
+fn go_on(monitor: &Monitor) -> ControlFlow<()> {
+    if monitor.is_cancelled() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
+}
+
+/// The progress of gluing.
+pub(super) struct Gluing<'a>(pub(super) &'a Monitor);
+
+impl Gluing<'_> {
+    /// Says that the pieces are glued and the rest begins.
+    ///
+    /// Fails when it is to stop.
+    pub(super) fn end(&self) -> Result<(), SampleError> {
+        self.0.set_activity("seams");
+        self.0.set_fraction(SETS + GLUING);
+        if self.0.is_cancelled() {
+            return Err(stopped());
+        }
+        Ok(())
+    }
+}
+
+impl Observer for Gluing<'_> {
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        let (start, share) = match progress.stage {
+            Stage::Tile => (0.0, 0.2),
+            Stage::Eliminate => (0.2, 0.3),
+            Stage::Iterate(1) => (0.5, 0.3),
+            Stage::Iterate(_) => (0.8, 0.1),
+            Stage::Pattern | Stage::Blocks | Stage::Regions => (0.0, 0.0),
+            Stage::Finish => (0.9, 0.1),
+        };
+        self.0.set_activity(&progress.stage.to_string());
+        let part = start + share * part(progress);
+        self.0.set_fraction(SETS + GLUING * part);
+        go_on(self.0)
+    }
+}
+
+/// What stopping after the last stage is told as.
+pub(super) const fn stopped() -> SampleError {
+    SampleError::Cancelled {
+        stage: Stage::Finish,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::jobs::Job;
+    use tilescope_core::{Boundary, Domain};
+
+    fn at(stage: Stage, done: u64) -> Progress {
+        let total = 10;
+        Progress { stage, done, total }
+    }
+
+    fn source() -> Source {
+        let own = Domain::from_size([12.0, 12.0], 1.0, Boundary::Periodic).unwrap();
+        Source::Reference { seed: 1, own }
+    }
+
+    /// Returns the fraction after some work.
+    fn fraction(work: impl FnOnce(&Monitor) + Send + 'static) -> f32 {
+        let job = Job::start(&(Arc::new(|| {}) as crate::jobs::Wake), work);
+        job.wait().unwrap();
+        job.fraction()
+    }
+
+    #[test]
+    fn a_set_that_is_half_made_moves_the_bar_and_never_back() {
+        let half = |monitor: &Monitor| {
+            let sets = Sets::new(monitor, 2);
+            let mut one = OneSet::of(&source(), &sets);
+            for (throw, done) in [(1, 0), (1, 5), (1, 10), (2, 0), (2, 10), (1, 3)] {
+                assert!(one.observe(at(Stage::Iterate(throw), done)).is_continue());
+            }
+            // Two throws have made three quarters of one of two sets; this one is not done.
+            std::mem::forget(one);
+        };
+        assert!((fraction(half) - SETS * 0.375).abs() < 1e-3);
+        let shared = |monitor: &Monitor| {
+            let sets = Sets::new(monitor, 4);
+            drop(OneSet::of(&source(), &sets));
+            sets.made(3);
+        };
+        assert!((fraction(shared) - SETS * 0.75).abs() < 1e-6);
+        let none = |monitor: &Monitor| drop(OneSet::of(&source(), &Sets::new(monitor, 0)));
+        assert!(fraction(none) <= 1.0);
+    }
+
+    #[test]
+    fn gluing_goes_on_where_the_sets_end_and_leaves_room() {
+        let begins = |monitor: &Monitor| {
+            assert!(Gluing(monitor).observe(at(Stage::Tile, 0)).is_continue());
+        };
+        assert!((fraction(begins) - SETS).abs() < 1e-6);
+        let ends = |monitor: &Monitor| {
+            assert!(Gluing(monitor).observe(at(Stage::Finish, 10)).is_continue());
+            Gluing(monitor).end().unwrap();
+        };
+        let end = fraction(ends);
+        assert!(end < 0.96 && end > SETS);
+    }
+}

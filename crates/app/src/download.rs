@@ -1,0 +1,44 @@
+//! Downloads: hands bytes to the browser as a file. It asks for no name and knows no folder: that is the browser's affair.
+
+use js_sys::{Array, Uint8Array};
+use wasm_bindgen::closure::Closure;
+use wasm_bindgen::{JsCast, JsValue};
+use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
+
+use crate::files::NamedBytes;
+
+/// How long the browser has to take the bytes, in ms; afterwards they are given up.
+const KEPT_MS: i32 = 60_000;
+
+/// Starts the download of a file; fails with a sentence.
+pub fn start(file: &NamedBytes) -> Result<(), String> {
+    let name = &file.name;
+    begin(file).map_err(|error| format!("{name} cannot be downloaded: {error:?}"))
+}
+
+fn begin(file: &NamedBytes) -> Result<(), JsValue> {
+    let missing = || JsValue::from_str("there is no page");
+    let window = web_sys::window().ok_or_else(missing)?;
+    let document = window.document().ok_or_else(missing)?;
+    let body = document.body().ok_or_else(missing)?;
+    let kind = BlobPropertyBag::new();
+    // Whatever else it said, a browser might show the file instead.
+    kind.set_type("application/octet-stream");
+    let parts = Array::of1(&Uint8Array::from(file.bytes.as_slice()));
+    let blob = Blob::new_with_u8_array_sequence_and_options(&parts, &kind)?;
+    let url = Url::create_object_url_with_blob(&blob)?;
+    let anchor: HtmlAnchorElement = document.create_element("a")?.unchecked_into();
+    anchor.set_href(&url);
+    anchor.set_download(&file.name);
+    anchor.set_hidden(true);
+    body.append_child(&anchor)?;
+    anchor.click();
+    anchor.remove();
+    let give_up = Closure::once_into_js(move || {
+        // The page may be on its way out, and nothing depends on it.
+        let _ = Url::revoke_object_url(&url);
+    });
+    window
+        .set_timeout_with_callback_and_timeout_and_arguments_0(give_up.unchecked_ref(), KEPT_MS)?;
+    Ok(())
+}

@@ -1,0 +1,43 @@
+//! All kinds of errands, by name.
+
+use super::{Errand, Refused, carry_out};
+use crate::jobs::Monitor;
+
+macro_rules! errands {
+    ($($errand:ty,)*) => {
+        /// Carries out the errand called `name` and returns its outcome as bytes.
+        ///
+        /// # Errors
+        ///
+        /// [`Refused`]: sessions that it is about are not here, or it is no errand of this program.
+        pub fn perform(name: &str, input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, Refused> {
+            match name {
+                $(<$errand>::NAME => carry_out::<$errand>(input, monitor),)*
+                other => Err(Refused::Fault(format!("there is no job called {other:?}"))),
+            }
+        }
+
+        /// Their names.
+        #[cfg(test)]
+        pub(super) const NAMES: &[&str] = &[$(<$errand>::NAME,)*];
+    };
+}
+
+errands! {
+    crate::session::Patterning,
+    crate::session::Sampling,
+    crate::session::Twin,
+    crate::combination::Combining,
+    crate::verification::Judging,
+    crate::geometry::Triangulating,
+    crate::state::hits::Counting,
+    crate::state::debug::Looking,
+    crate::analysis::Beginning,
+    crate::analysis::GoingOn,
+    crate::analysis::reference::Measuring,
+    crate::analysis::brush::Causing,
+    crate::compare::Dividing,
+    crate::compare::difference::Differing,
+    crate::files::ReadTask,
+    crate::state::export::Delivering,
+}

@@ -1,0 +1,253 @@
+//! Errands are carried out in another thread's memory, as in a worker: what comes back is what a thread would have made.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use tilescope_debugger::{Debugger, Event, LineId, digest};
+
+use super::*;
+use crate::analysis::AnalysisCommand;
+use crate::analysis::brush::{Axis, Brush};
+use crate::canvas::layers::Layer;
+use crate::combination::CombineCommand;
+use crate::command::{Command, DebugCommand, Selection};
+use crate::compare::{CompareCommand, Rival};
+use crate::export::{ExportCommand, Kind};
+use crate::files::{Delivery, FileCommand};
+use crate::layout::Panel;
+use crate::state::{State, Verification};
+
+type Reply = Result<Vec<u8>, Refused>;
+
+/// What is sent to the other memory.
+enum Letter {
+    Errand(&'static str, Vec<u8>),
+    Session(Vec<u8>),
+}
+
+/// Takes errands to a thread of their own, which knows nothing but what it was sent.
+struct Elsewhere {
+    letters: Sender<Letter>,
+    replies: Receiver<Reply>,
+    /// The names of what was carried, and whether sessions had to follow.
+    log: RefCell<Vec<(&'static str, bool)>>,
+}
+
+impl Elsewhere {
+    fn new() -> Rc<Self> {
+        let (letters, inbox) = channel();
+        let (outbox, replies) = channel();
+        std::thread::spawn(move || {
+            let monitor = Monitor::reporting(|_, _| {});
+            for letter in inbox {
+                match letter {
+                    Letter::Errand(name, input) => {
+                        let _ = outbox.send(perform(name, &input, &monitor));
+                    }
+                    Letter::Session(bytes) => learn(&bytes).expect("a session"),
+                }
+            }
+        });
+        Rc::new(Self {
+            letters,
+            replies,
+            log: RefCell::default(),
+        })
+    }
+
+    fn ask(&self, name: &'static str, input: &[u8]) -> Reply {
+        let letter = Letter::Errand(name, input.to_vec());
+        self.letters.send(letter).expect("a thread");
+        self.replies.recv().expect("a reply")
+    }
+}
+
+impl Carrier for Elsewhere {
+    fn carry(&self, parcel: Parcel) {
+        let mut reply = self.ask(parcel.name, &parcel.input);
+        let follows = matches!(reply, Err(Refused::Unknown(_)));
+        if follows {
+            for session in &parcel.sessions {
+                let bytes = session_bytes(session).expect("bytes");
+                self.letters.send(Letter::Session(bytes)).expect("a thread");
+            }
+            reply = self.ask(parcel.name, &parcel.input);
+        }
+        self.log.borrow_mut().push((parcel.name, follows));
+        (parcel.answer)(match reply {
+            Ok(bytes) => End::Outcome(bytes),
+            Err(refused) => End::Fault(format!("{refused:?}")),
+        });
+    }
+}
+
+/// Does much of what a window does, and returns what came of it.
+fn visit() -> Vec<String> {
+    let mut state = State::new(Arc::new(|| {}));
+    state.settle();
+    state.apply(Command::ToggleLayer(Layer::Gaps));
+    state.apply(Command::Debug(DebugCommand::Query(
+        "insert iteration>1".to_owned(),
+    )));
+    state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(412))));
+    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.advance(0.0);
+    state.settle();
+    let brush = Brush::between(Axis::Frequency, 1.0, 1.3);
+    state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
+    state.advance(0.0);
+    state.settle();
+    state.apply(Command::Compare(CompareCommand::Start(Rival::NextSeed)));
+    state.settle();
+    state.advance(0.0);
+    state.settle();
+    let line = state
+        .debugger
+        .as_ref()
+        .and_then(Debugger::event)
+        .map(Event::line);
+    let line = line.unwrap_or(LineId(0));
+    state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
+    state.settle();
+    let session = state.session.as_ref().expect("a session");
+    let shown = state.shown().expect("a moment");
+    let known = state.analysis.of(&shown).expect("measures");
+    let brushed = brush.expect("a brush");
+    let second = state.comparison.as_ref().expect("a second run");
+    let other = second.0.session.as_ref().expect("a second session");
+    let Verification::Done(verdict) = &state.verification else {
+        panic!("no verdict");
+    };
+    let mut found = vec![
+        format!("{:?}", state.hits.events()),
+        digest(session.run()),
+        digest(other.run()),
+        format!("{:?}", session.summary),
+        format!("{:?}", session.outline),
+        format!("{:?}", session.conflicts),
+        format!("{verdict:?}"),
+        format!("{:?}", state.query.found.events()),
+        format!("{:?}", state.history_found.events()),
+        format!("{:?}", state.geometry.of(&shown).expect("triangles")),
+        format!("{:?}", known.measured),
+        format!("{:?}", state.analysis.reference.measured()),
+        format!(
+            "{:?}",
+            state
+                .analysis
+                .marks
+                .of(&shown, brushed)
+                .expect("causes")
+                .cause
+        ),
+        format!(
+            "{:?}",
+            second.1.divergence(session, other).expect("a parting")
+        ),
+    ];
+    found.extend(hand_over(&mut state));
+    found
+}
+
+/// Takes samples out of a window and into it again, and combines sets; returns what came of it.
+fn hand_over(state: &mut State) -> Vec<String> {
+    state.delivery = Delivery::Download;
+    state.apply(Command::Compare(CompareCommand::Close));
+    state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
+    state.apply(Command::Export(ExportCommand::Write));
+    state.settle();
+    let files = state.take_downloads();
+    let sizes = format!("{files:?}");
+    let dropped = FileCommand::DroppedBytes(files, Vec::new());
+    state.apply(Command::File(dropped));
+    state.settle();
+    let pattern = state
+        .own_pattern
+        .as_ref()
+        .map(|own| own.file.digest.clone());
+    state.apply(Command::Combine(CombineCommand::Nine));
+    state.settle();
+    let session = state.session.as_ref().expect("a combination");
+    let combination = session.combination.as_ref().expect("seams");
+    vec![
+        sizes,
+        pattern.expect("a pattern"),
+        digest(session.run()),
+        format!("{combination:?}"),
+    ]
+}
+
+#[test]
+fn what_is_done_elsewhere_is_what_a_thread_does() {
+    let here = visit();
+    let elsewhere = Elsewhere::new();
+    carry_with(Some(elsewhere.clone()));
+    let there = visit();
+    carry_with(None);
+    for (here, there) in here.iter().zip(&there) {
+        let differ = here.chars().zip(there.chars()).position(|(a, b)| a != b);
+        let around = differ.unwrap_or(0).saturating_sub(100);
+        let part = |text: &str| text.chars().skip(around).take(200).collect::<String>();
+        assert!(here == there, "{} is {}", part(here), part(there));
+    }
+    let log = elsewhere.log.borrow();
+    // Those of a GPU, and one for sets of more samples.
+    let others = ["difference", "pattern", "twin"];
+    for name in list::NAMES.iter().filter(|name| !others.contains(name)) {
+        let is_carried = log.iter().any(|(other, _)| other == name);
+        assert!(is_carried, "{name} of {log:?}");
+    }
+    // What was made there is known there.
+    assert!(log.iter().all(|(_, follows)| !follows), "{log:?}");
+}
+
+#[test]
+fn a_memory_that_has_forgotten_is_told_again() {
+    let made = |elsewhere: &Rc<Elsewhere>| {
+        carry_with(Some(elsewhere.clone()));
+        let mut state = State::new(Arc::new(|| {}));
+        state.settle();
+        state
+    };
+    let first = Elsewhere::new();
+    let mut state = made(&first);
+    let second = Elsewhere::new();
+    carry_with(Some(second.clone()));
+    state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(5))));
+    state.settle();
+    carry_with(None);
+    assert_eq!(*second.log.borrow(), [("look", true)]);
+    assert!(!state.history_found.events().is_empty());
+}
+
+#[test]
+fn names_are_all_different_and_what_is_no_errand_is_refused() {
+    let mut names = list::NAMES.to_vec();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), list::NAMES.len());
+    let monitor = Monitor::reporting(|_, _| {});
+    let unknown = perform("tidy up", &[], &monitor);
+    assert!(matches!(unknown, Err(Refused::Fault(text)) if text.contains("tidy up")));
+    for name in list::NAMES {
+        let cut = perform(name, &[255; 3], &monitor);
+        assert!(cut.is_err() || *name == "measure the reference", "{name}");
+    }
+}
+
+#[test]
+fn bytes_that_are_no_session_are_refused_and_a_cancelled_errand_says_so() {
+    assert!(learn(&[1, 2, 3]).is_err());
+    let monitor = Monitor::reporting(|_, _| {});
+    let sampling = crate::session::Sampling {
+        recipe: tilescope_core::Parameters::default().into(),
+        generation: 1,
+    };
+    let (input, _) = lent::packed(&sampling).unwrap();
+    monitor.cancel();
+    let bytes = perform("sample", &input, &monitor).unwrap();
+    let made: Result<Session, crate::session::MakeError> = postcard::from_bytes(&bytes).unwrap();
+    let Err(error) = made else {
+        panic!("nobody waits for it");
+    };
+    assert!(error.cancelled().is_some(), "{error}");
+}

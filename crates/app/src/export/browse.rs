@@ -1,0 +1,40 @@
+//! Asking the system for the name of a file that is exported. Nothing is written here.
+
+use std::path::PathBuf;
+
+use super::Kind;
+use super::form::ExportForm;
+use crate::jobs::{Job, Wake};
+
+/// Opens the system's dialog; the job ends with the chosen file, or `None`.
+#[must_use]
+pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
+    let path = form.file();
+    let extensions = form.kind.extensions();
+    let name = path.file_name().map_or_else(
+        || format!("tilescope.{}", extensions[0]),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    let (title, all) = match form.kind {
+        Kind::Result | Kind::Samples => {
+            ("Export the samples and their certificate", "All point sets")
+        }
+        Kind::Picture => ("Export a picture of this moment", "All pictures"),
+        Kind::Animation => ("Export an animation", "All animations"),
+    };
+    let mut dialog = rfd::AsyncFileDialog::new()
+        .set_title(title)
+        .set_file_name(name)
+        .add_filter(all, &extensions);
+    for (name, extensions) in form.kind.formats() {
+        dialog = dialog.add_filter(name, &extensions);
+    }
+    if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
+        dialog = dialog.set_directory(folder);
+    }
+    // The dialog must be made on the window's thread; waiting for it must not.
+    let answer = dialog.save_file();
+    Job::start(wake, move |_| {
+        pollster::block_on(answer).map(|file| file.path().to_owned())
+    })
+}

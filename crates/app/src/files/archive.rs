@@ -1,0 +1,96 @@
+//! Files that travel together as one: a browser downloads one file, so that a set and its certificate go out in an archive,
+//! and come back in it. The same files give the same bytes, whenever it is.
+
+use std::io::{Cursor, Read as _, Write as _};
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+use super::incoming::refusals;
+use super::{MOST_FILES, NamedBytes, last_part};
+
+/// Why files were not packed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PackError {
+    /// There is none.
+    #[error("there is no file to pack")]
+    Nothing,
+    /// The archive cannot hold them.
+    #[error("{name} cannot be packed: {source}")]
+    Zip {
+        /// The file.
+        name: String,
+        /// Why.
+        source: zip::result::ZipError,
+    },
+}
+
+/// Returns one file as it is, and several as an archive that is named after the first.
+pub fn packed(mut files: Vec<NamedBytes>) -> Result<NamedBytes, PackError> {
+    if files.len() == 1 {
+        return files.pop().ok_or(PackError::Nothing);
+    }
+    let first = files.first().ok_or(PackError::Nothing)?;
+    let name = format!("{}.zip", first.name);
+    let failed = |name: &str| {
+        let name = name.to_owned();
+        move |source: zip::result::ZipError| PackError::Zip { name, source }
+    };
+    // Sets compress by half at best, and whoever opens them wants no wait; a time of writing would make every
+    // archive another one.
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::DEFAULT)
+        .unix_permissions(0o644);
+    let length: usize = files.iter().map(|file| file.bytes.len() + 512).sum();
+    let mut archive = ZipWriter::new(Cursor::new(Vec::with_capacity(length)));
+    for file in files {
+        let started = archive.start_file(file.name.as_str(), options);
+        started.map_err(failed(&file.name))?;
+        let written = archive.write_all(&file.bytes);
+        written.map_err(|error| failed(&file.name)(error.into()))?;
+    }
+    let bytes = archive.finish().map_err(failed(&name))?.into_inner();
+    Ok(NamedBytes { name, bytes })
+}
+
+/// Returns the files of an archive as [`packed`] makes them. Fails with a sentence where it is none, is compressed or holds
+/// more than is read.
+pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
+    let name = &file.name;
+    let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");
+    let bytes = Cursor::new(file.bytes.as_slice());
+    let mut archive = ZipArchive::new(bytes).map_err(|error| failed(&error))?;
+    if archive.len() > MOST_FILES {
+        let count = archive.len();
+        return Err(failed(&format!(
+            "it holds {count} files; at most {MOST_FILES} are read"
+        )));
+    }
+    let mut about: Vec<(String, u64)> = Vec::new();
+    let mut files = Vec::new();
+    for k in 0..archive.len() {
+        let entry = archive.by_index(k).map_err(|error| failed(&error))?;
+        let (inner, length) = {
+            let inner = entry.name().map_err(|error| failed(&error))?;
+            (last_part(&inner).to_owned(), entry.size())
+        };
+        about.push((inner.clone(), length));
+        let lengths: Vec<(&str, u64)> = about.iter().map(|(name, n)| (&**name, *n)).collect();
+        if let Some(why) = refusals(&lengths).pop().flatten() {
+            return Err(failed(&why));
+        }
+        // What an archive says of a length need not be so.
+        let mut bytes = Vec::new();
+        let read = entry.take(length + 1).read_to_end(&mut bytes);
+        read.map_err(|error| failed(&error))?;
+        if bytes.len() as u64 != length {
+            return Err(failed(&"a length in it is not true"));
+        }
+        if !inner.is_empty() {
+            files.push(NamedBytes::new(inner, bytes));
+        }
+    }
+    Ok(files)
+}

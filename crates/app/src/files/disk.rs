@@ -1,0 +1,166 @@
+//! Files on a disk: read up to a limit into what is opened from bytes, and asked for in the system's dialog. Nothing of
+//! it is in a browser.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+
+use tilescope_debugger::{MAX_BYTES, PatternFile};
+use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
+
+use super::incoming::{holds_document, pick, too_long};
+use super::{FileForm, Incoming, MOST_PATTERN_BYTES, NamedBytes, Purpose, SESSION_NAME, Unread};
+use crate::jobs::{Job, Monitor, Wake};
+use crate::recipe::{OwnPattern, load};
+
+/// How much is read between two questions whether to stop.
+const CHUNK: u64 = 1 << 20;
+
+fn sentence(unread: Unread) -> String {
+    match unread {
+        Unread::Stopped => "cancelled: the file was not read".to_owned(),
+        Unread::Failed(why) => why,
+    }
+}
+
+/// Returns where the certificate of a point set lies.
+#[must_use]
+pub fn certificate_of(path: &str) -> PathBuf {
+    certificate_path(Path::new(path))
+}
+
+/// Fails where there is no file of at most `limit` bytes: a device or a pipe would never end.
+fn plain_file(path: &Path, limit: u64) -> Result<(), String> {
+    let about = std::fs::metadata(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    if !about.is_file() {
+        return Err(format!("{} is no file", path.display()));
+    }
+    let name = path.display().to_string();
+    too_long(&name, about.len(), limit).map_or(Ok(()), Err)
+}
+
+/// Returns the bytes of a file of at most `limit`, even if it grows while it is read.
+fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8>, Unread> {
+    plain_file(path, limit)?;
+    let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));
+    let mut file = File::open(path).map_err(named)?.take(limit + 1);
+    let mut bytes = Vec::new();
+    loop {
+        if monitor.is_cancelled() {
+            return Err(Unread::Stopped);
+        }
+        let read = io::copy(&mut file.by_ref().take(CHUNK), &mut bytes).map_err(named)?;
+        if bytes.len() as u64 > limit {
+            let most = tilescope_debugger::grouped(limit);
+            return Err(
+                format!("it has more than {most} bytes, which are the most that are read").into(),
+            );
+        }
+        if read == 0 {
+            return Ok(bytes);
+        }
+    }
+}
+
+impl Incoming {
+    /// Reads a file of at most `limit` bytes and the certificate beside it. What else it names is looked for in its folder.
+    pub(crate) fn from_path(path: &Path, limit: u64, monitor: &Monitor) -> Result<Self, Unread> {
+        let name = |path: &Path| path.to_string_lossy().into_owned();
+        let bytes = read_limited(path, limit, monitor)?;
+        let mut incoming = Self::new(NamedBytes::new(name(path), bytes));
+        let beside = certificate_path(path);
+        if beside.try_exists().unwrap_or(true) {
+            let bytes = read_limited(&beside, MAX_CERTIFICATE_BYTES as u64, monitor)?;
+            incoming.beside.push(NamedBytes::new(name(&beside), bytes));
+        }
+        incoming.folder = path.parent().map(Path::to_owned);
+        Ok(incoming)
+    }
+}
+
+/// Reads the one of several files that is to be opened; returns the names of those that are not, too.
+pub(super) fn gather_paths(
+    paths: &[PathBuf],
+    purpose: Option<Purpose>,
+    monitor: &Monitor,
+) -> Result<(Incoming, Vec<String>), String> {
+    let names: Vec<String> = paths
+        .iter()
+        .map(|path| path.to_string_lossy().into_owned())
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let holds = |k: usize| {
+        let bytes = read_limited(&paths[k], MAX_BYTES as u64, monitor);
+        bytes.is_ok_and(|bytes| holds_document(&bytes) == Some(true))
+    };
+    let (opened, left) = pick(&names, holds).ok_or("there is no file")?;
+    let limit = match purpose {
+        Some(Purpose::Open | Purpose::Combination) => MAX_BYTES as u64,
+        _ => MOST_PATTERN_BYTES,
+    };
+    let read = Incoming::from_path(&paths[opened], limit, monitor);
+    let incoming = read.map_err(sentence)?;
+    // A session finds its pattern by itself.
+    let left = left.into_iter().map(|k| names[k].to_owned()).collect();
+    let left = incoming.without_named(left);
+    Ok((incoming, left))
+}
+
+/// Reads a session's pattern from beside the session's file, else from where it was.
+pub(super) fn find_pattern(
+    file: &PatternFile,
+    folder: &Path,
+    monitor: &Monitor,
+) -> Result<OwnPattern, String> {
+    let path = Path::new(&file.path);
+    let beside = path.file_name().map(|name| folder.join(name));
+    if let Some(beside) = beside.filter(|beside| beside != path && beside.is_file()) {
+        // One of the same name may be another.
+        let found = read_pattern(&beside, monitor);
+        if found
+            .as_ref()
+            .is_ok_and(|found| found.file.digest == file.digest)
+        {
+            return found;
+        }
+    }
+    // Another machine is asked for nothing because a file says so.
+    if file.path.starts_with(r"\\") || file.path.starts_with("//") {
+        return Err("it lies on another machine; put it beside the session".to_owned());
+    }
+    read_pattern(path, monitor)
+}
+
+fn read_pattern(path: &Path, monitor: &Monitor) -> Result<OwnPattern, String> {
+    let read = Incoming::from_path(path, MOST_PATTERN_BYTES, monitor);
+    load(&read.map_err(sentence)?)
+}
+
+/// Opens the system's dialog; the job ends with the chosen file, or `None`.
+#[must_use]
+pub fn browse(form: &FileForm, wake: &Wake) -> Job<Option<PathBuf>> {
+    let path = Path::new(form.path.trim());
+    let mut dialog = rfd::AsyncFileDialog::new().set_title(form.purpose.title());
+    if let Some(folder) = path.parent().filter(|folder| folder.is_dir()) {
+        dialog = dialog.set_directory(folder);
+    }
+    match form.purpose {
+        Purpose::Save | Purpose::Open => dialog = dialog.add_filter("Sessions", &["json"]),
+        Purpose::Combination => dialog = dialog.add_filter("Layouts", &["json"]),
+        Purpose::Pattern | Purpose::Against => {}
+    }
+    // The dialog must be made on the window's thread; waiting for it must not.
+    if form.purpose == Purpose::Save {
+        let name = path
+            .file_name()
+            .map_or(SESSION_NAME.into(), |name| name.to_string_lossy());
+        let answer = dialog.set_file_name(name).save_file();
+        return Job::start(wake, move |_| {
+            pollster::block_on(answer).map(|file| file.path().to_owned())
+        });
+    }
+    let answer = dialog.pick_file();
+    Job::start(wake, move |_| {
+        pollster::block_on(answer).map(|file| file.path().to_owned())
+    })
+}

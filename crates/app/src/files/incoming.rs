@@ -1,0 +1,267 @@
+//! Files as bytes: one that is to be opened, and what came with it. It opens no file; limits and names are the same
+//! wherever the bytes are from.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use serde_json::Value;
+use tilescope_debugger::MAX_BYTES;
+use tilescope_formats::{CERTIFICATE_SUFFIX, Hint, ReadSet, read_bytes};
+
+use super::MOST_PATTERN_BYTES;
+use crate::combination::holds_combination;
+
+/// The most files that are looked at when several come together.
+pub const MOST_FILES: usize = 64;
+
+/// A file in memory.
+#[derive(Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct NamedBytes {
+    /// Its name, natively with its path.
+    pub name: String,
+    /// What it holds.
+    #[serde(with = "crate::errand::as_bytes")]
+    pub bytes: Vec<u8>,
+}
+
+impl NamedBytes {
+    /// Returns a file in memory.
+    #[must_use]
+    pub fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
+        let (name, bytes) = (name.into(), bytes.into());
+        Self { name, bytes }
+    }
+}
+
+impl fmt::Debug for NamedBytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({} bytes)", self.name, self.bytes.len())
+    }
+}
+
+/// Why a file was not read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Unread {
+    /// Somebody asked to stop.
+    #[cfg_attr(
+        target_arch = "wasm32",
+        allow(dead_code, reason = "what is in memory is not read in parts")
+    )]
+    Stopped,
+    /// A sentence.
+    Failed(String),
+}
+
+impl<E: std::fmt::Display> From<E> for Unread {
+    fn from(error: E) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+/// A file to be opened, with the files that came along.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Incoming {
+    /// Its name, as sentences have it: natively with its path.
+    pub name: String,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+    /// Files that came with it: its certificate, and what it names.
+    pub beside: Vec<NamedBytes>,
+    /// Where else files that it names are looked for; a browser has no such place.
+    pub folder: Option<PathBuf>,
+}
+
+impl Incoming {
+    /// Returns a file that came alone.
+    #[must_use]
+    pub fn new(file: NamedBytes) -> Self {
+        Self {
+            name: file.name,
+            bytes: file.bytes,
+            beside: Vec::new(),
+            folder: None,
+        }
+    }
+
+    /// Fails with a sentence where it is longer than `limit` bytes.
+    pub fn within(&self, limit: u64) -> Result<(), String> {
+        match too_long(&self.name, self.bytes.len() as u64, limit) {
+            Some(why) => Err(why),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns it as text; fails with a sentence where it is none, or longer than a session may be.
+    pub fn text(&self) -> Result<&str, String> {
+        self.within(MAX_BYTES as u64)?;
+        let text = std::str::from_utf8(&self.bytes);
+        text.map_err(|_| {
+            let name = &self.name;
+            format!("{name}: this is no saved session: it is not text")
+        })
+    }
+
+    /// Returns the certificate that came with it.
+    #[must_use]
+    pub fn certificate(&self) -> Option<&NamedBytes> {
+        let of_this = |other: &&NamedBytes| is_certificate_of(&other.name, &self.name);
+        self.beside.iter().find(of_this)
+    }
+
+    /// Returns the point set that it holds, in domain units where it has a certificate. Fails with a sentence that names
+    /// it.
+    pub fn point_set(&self) -> Result<ReadSet, String> {
+        self.within(MOST_PATTERN_BYTES)?;
+        let name = last_part(&self.name);
+        let certificate = self.certificate();
+        let certificate = certificate.map(|file| (file.name.as_str(), file.bytes.as_slice()));
+        let read = read_bytes(&self.bytes, &Hint::from_name(name), certificate);
+        read.map_err(|error| {
+            let text = error.to_string();
+            if text.contains(name) {
+                text
+            } else {
+                format!("{}: {text}", self.name)
+            }
+        })
+    }
+
+    /// Returns a file that it names, and the certificate of that, if they came along. Folders are left out of account:
+    /// what comes along has none.
+    #[must_use]
+    pub fn companion(&self, named: &str) -> Option<Self> {
+        let last = last_part(named);
+        let file = self.beside.iter().find(|file| file.name == last)?;
+        let mut found = Self::new(file.clone());
+        let certificate = |other: &&NamedBytes| is_certificate_of(&other.name, last);
+        found.beside = self.beside.iter().filter(certificate).cloned().collect();
+        Some(found)
+    }
+
+    /// Returns those of other files that it does not name, if it is a session or a layout; else all of them.
+    pub(super) fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
+        if !others.is_empty() && self.is_document() {
+            let text = std::str::from_utf8(&self.bytes).unwrap_or_default();
+            others.retain(|name| !text.contains(last_part(name)));
+        }
+        others
+    }
+
+    /// Returns whether it is an archive of files.
+    #[must_use]
+    pub fn is_archive(&self) -> bool {
+        ends_with(&self.name, "zip")
+    }
+
+    /// Returns whether it is a session, a layout or another file of JSON that cannot be a point set.
+    #[must_use]
+    pub fn is_document(&self) -> bool {
+        is_json(&self.name)
+            && self.bytes.len() <= MAX_BYTES
+            && holds_document(&self.bytes).unwrap_or(true)
+    }
+}
+
+/// Returns why a file of this length is not read, or `None` if it is.
+pub(super) fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
+    let [has, most] = [length, limit].map(tilescope_debugger::grouped);
+    (length > limit).then(|| format!("{name} has {has} bytes; at most {most} are read"))
+}
+
+/// Returns for each of several files, given by name and length, why it is not read, or `None` if it is: one alone may be
+/// as long as a point set, and all together twice as long.
+#[must_use]
+pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
+    let mut left = 2 * MOST_PATTERN_BYTES;
+    let refusal = |(k, &(name, length)): (usize, &(&str, u64))| {
+        let why = too_long(name, length, MOST_PATTERN_BYTES);
+        if why.is_some() {
+            return why;
+        }
+        if k >= MOST_FILES {
+            return Some(format!(
+                "{name} is one of more than {MOST_FILES} files, which are the most that are read at once"
+            ));
+        }
+        if length > left {
+            let most = tilescope_debugger::grouped(2 * MOST_PATTERN_BYTES);
+            return Some(format!(
+                "{name} and the files before it have more than {most} bytes, which are the most that are read at once"
+            ));
+        }
+        left -= length;
+        None
+    };
+    files.iter().enumerate().map(refusal).collect()
+}
+
+/// Returns the last part of a path, whatever system it is of.
+pub(crate) fn last_part(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+fn is_json(name: &str) -> bool {
+    ends_with(name, "json")
+}
+
+fn ends_with(name: &str, ending: &str) -> bool {
+    name.rsplit_once('.')
+        .is_some_and(|(_, last)| last.eq_ignore_ascii_case(ending))
+}
+
+fn is_certificate_of(name: &str, set: &str) -> bool {
+    name.strip_suffix(CERTIFICATE_SUFFIX)
+        .is_some_and(|stem| last_part(stem) == last_part(set))
+}
+
+/// Returns whether JSON is a session or a layout; `None` if it is no JSON.
+pub(super) fn holds_document(bytes: &[u8]) -> Option<bool> {
+    let value: Value = serde_json::from_slice(bytes).ok()?;
+    let is_session = value.get("cursor").is_some() || value.get("version").is_some();
+    Some(is_session || holds_combination(&value))
+}
+
+/// Returns which of several files is to be opened, and which belong neither to it nor to another one. A certificate goes
+/// with its set; a session or a layout, which `holds_document` recognises by its place, goes before the sets that it
+/// may name.
+pub(super) fn pick(
+    names: &[&str],
+    mut holds_document: impl FnMut(usize) -> bool,
+) -> Option<(usize, Vec<usize>)> {
+    let looked_at = names.len().min(MOST_FILES);
+    let is_lone = |&k: &usize| {
+        let others = names.iter().enumerate().filter(|&(other, _)| other != k);
+        !others
+            .into_iter()
+            .any(|(_, set)| is_certificate_of(names[k], set))
+    };
+    let lone: Vec<usize> = (0..looked_at).filter(is_lone).collect();
+    let document = lone.iter().copied().find(|&k| {
+        let has_others = lone.len() > 1;
+        has_others && is_json(names[k]) && holds_document(k)
+    });
+    let opened = document.or_else(|| lone.first().copied())?;
+    let mut left = lone;
+    left.retain(|&k| k != opened);
+    left.extend(looked_at..names.len());
+    Some((opened, left))
+}
+
+/// Puts files that came together in order: the one that is to be opened, with the others beside it, and the names of
+/// those that it can have no use for. `None` without any file.
+#[must_use]
+pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    let holds = |k: usize| {
+        let bytes: &[u8] = &files[k].bytes;
+        bytes.len() <= MAX_BYTES && holds_document(bytes) == Some(true)
+    };
+    let (opened, left) = pick(&names, holds)?;
+    let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();
+    let file = files.remove(opened);
+    files.truncate(MOST_FILES);
+    let mut incoming = Incoming::new(file);
+    let left = incoming.without_named(names);
+    incoming.beside = files;
+    Some((incoming, left))
+}

@@ -1,0 +1,320 @@
+//! What is made of files that come in: sessions are computed again, layouts combined, point sets taken as patterns or
+//! measured. Bytes alone decide what comes out, wherever they are from.
+
+#[cfg(not(target_arch = "wasm32"))]
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde_json::Value;
+use tilescope_analysis::Region;
+use tilescope_core::Pattern;
+use tilescope_core::combine::file::Layout;
+use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
+use tilescope_formats::CERTIFICATE_SUFFIX;
+
+use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
+use crate::analysis::held::{self, Held};
+use crate::combination::{SavedCombination, holds_combination, make};
+use crate::errand::{Errand, Lent, as_json};
+use crate::jobs::Monitor;
+use crate::recipe::{self, OwnPattern, Recipe, load};
+use crate::session::{Reporter, Session};
+
+/// What is to be read.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct ReadTask {
+    /// What for; what was dropped is looked at first.
+    pub purpose: Option<Purpose>,
+    /// The files.
+    pub source: Source,
+    /// The number of the session that may come of it.
+    pub generation: u64,
+    /// The domain and the radius of the run at hand, in user units: for what is held against it.
+    pub run: Option<(Region, f64)>,
+}
+
+/// Where files are.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub enum Source {
+    /// In memory.
+    Bytes(Vec<NamedBytes>),
+    /// On the disk.
+    #[cfg(not(target_arch = "wasm32"))]
+    Paths(Vec<PathBuf>),
+}
+
+/// What became of files.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Outcome {
+    /// What was made of the one that was opened, or why nothing was.
+    pub done: Result<Done, String>,
+    /// The files that were not opened.
+    pub left: Vec<String>,
+}
+
+impl Outcome {
+    /// Returns what became of one file alone.
+    #[must_use]
+    pub const fn of(done: Result<Done, String>) -> Self {
+        let left = Vec::new();
+        Self { done, left }
+    }
+}
+
+/// What became of a file.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub enum Done {
+    /// It was written.
+    Saved(String),
+    /// It is to be downloaded.
+    Download(NamedBytes),
+    /// A session was read.
+    Opened(Box<Opened>),
+    /// A combination was read.
+    Combined(Box<Combined>),
+    /// A pattern was read.
+    Pattern(OwnPattern),
+    /// A point set was read and measured.
+    Against {
+        /// The set.
+        held: Box<Held>,
+        /// Why it is no pattern, where it was tried as one.
+        no_pattern: Option<String>,
+    },
+}
+
+/// A session that was read, and its run.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Opened {
+    /// The file.
+    pub path: String,
+    /// What was saved.
+    #[serde(with = "as_json")]
+    pub saved: Saved,
+    /// The run, computed again.
+    pub session: Session,
+}
+
+/// A combination that was read, and what it makes.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Combined {
+    /// The file.
+    pub path: String,
+    /// What was saved with it, if it is a session's file rather than a layout.
+    #[serde(with = "as_json")]
+    pub saved: Option<SavedCombination>,
+    /// What it makes.
+    pub session: Session,
+}
+
+type Made = Result<Done, String>;
+
+impl Errand for ReadTask {
+    type Outcome = Outcome;
+    const NAME: &'static str = "read";
+
+    fn carry_out(self, monitor: &Monitor) -> Outcome {
+        read(self, monitor)
+    }
+
+    fn given_up(_: &Monitor) -> Option<Outcome> {
+        Some(Outcome::of(Err("cancelled: nothing was opened".to_owned())))
+    }
+
+    fn keep(outcome: Outcome) {
+        match outcome.done {
+            Ok(Done::Opened(opened)) => Lent::keep::<()>(Ok(opened.session)),
+            Ok(Done::Combined(combined)) => Lent::keep::<()>(Ok(combined.session)),
+            _ => {}
+        }
+    }
+}
+
+/// Reads what a task names.
+#[must_use]
+pub fn read(task: ReadTask, monitor: &Monitor) -> Outcome {
+    let ReadTask {
+        purpose,
+        source,
+        generation,
+        run,
+    } = task;
+    let gathered = match source {
+        Source::Bytes(files) => gather(files).ok_or_else(|| "there is no file".to_owned()),
+        #[cfg(not(target_arch = "wasm32"))]
+        Source::Paths(paths) => super::disk::gather_paths(&paths, purpose, monitor),
+    };
+    let (incoming, left) = match gathered.and_then(opened) {
+        Ok(gathered) => gathered,
+        Err(why) => return Outcome::of(Err(why)),
+    };
+    let done = match purpose {
+        None => dropped(&incoming, generation, run, monitor),
+        Some(Purpose::Open) => open(&incoming, generation, monitor),
+        Some(Purpose::Combination) => combination(&incoming, generation, monitor),
+        Some(Purpose::Pattern) => load(&incoming).map(Done::Pattern),
+        Some(Purpose::Against) => against(&incoming, run, monitor),
+        Some(Purpose::Save) => Err("nothing is read where a session is saved".to_owned()),
+    };
+    Outcome { done, left }
+}
+
+/// Opens an archive: the one of its files that is to be opened, with the others beside it. Other files are as they were.
+fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), String> {
+    let (incoming, mut left) = gathered;
+    if !incoming.is_archive() {
+        return Ok((incoming, left));
+    }
+    let archive = NamedBytes::new(incoming.name, incoming.bytes);
+    let (inner, others) =
+        gather(unpacked(&archive)?).ok_or_else(|| format!("{} is empty", archive.name))?;
+    left.extend(others);
+    Ok((inner, left))
+}
+
+/// Reads a session and computes its run again, or reads a combination, be it a session's or a layout, and makes it.
+fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
+    match serde_json::from_str(incoming.text()?) {
+        Ok(value) if holds_combination(&value) => combination(incoming, generation, monitor),
+        _ => session(incoming, generation, monitor),
+    }
+}
+
+/// Makes the combination of a layout, or of a session that shows one.
+fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
+    let text = incoming.text()?;
+    let value = serde_json::from_str::<Value>(text).unwrap_or_default();
+    let saved = match value.get("combination") {
+        Some(_) => Some(SavedCombination::from_json(text).map_err(|error| named(&error))?),
+        None => None,
+    };
+    let layout = match &saved {
+        Some(saved) => saved.layout().map_err(|error| named(&error))?,
+        None => Layout::from_json(text.as_bytes()).map_err(|error| named(&error))?,
+    };
+    // A session refers to nothing outside.
+    let around = saved.is_none().then_some(incoming);
+    let session = match make(layout, around, generation, monitor) {
+        Ok(session) => session,
+        Err(error) if error.cancelled().is_some() => {
+            return Err("cancelled: the combination was not made".to_owned());
+        }
+        Err(error) => return Err(named(&error)),
+    };
+    if let Some(saved) = &saved {
+        saved.prove(&session).map_err(|error| named(&error))?;
+    }
+    Ok(Done::Combined(Box::new(Combined {
+        path: incoming.name.clone(),
+        saved,
+        session,
+    })))
+}
+
+fn session(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
+    let saved = Saved::from_json(incoming.text()?).map_err(|error| named(&error))?;
+    let mut own = None;
+    let mut loader = |file: &PatternFile| {
+        let pattern = find_pattern(file, incoming, monitor)?;
+        own = Some(pattern.clone());
+        Ok(Pattern::clone(&pattern.pattern))
+    };
+    let mut observer = Reporter { monitor };
+    let recording = match saved.record(&mut loader, &mut observer) {
+        Ok(recording) => Arc::new(recording),
+        Err(SessionError::Run(tilescope_core::SampleError::Cancelled { .. })) => {
+            return Err("cancelled: the session was not opened".to_owned());
+        }
+        Err(error) => return Err(named(&error)),
+    };
+    // Proved here, in the background.
+    Debugger::resume(&saved, Arc::clone(&recording)).map_err(|error| named(&error))?;
+    let recipe = Recipe {
+        parameters: saved.parameters,
+        own,
+    };
+    let session = Session::from_recording(recording, generation).with(&recipe);
+    Ok(Done::Opened(Box::new(Opened {
+        path: incoming.name.clone(),
+        saved,
+        session,
+    })))
+}
+
+/// Reads a session's pattern from what came with the session, else from its folder or where it was.
+#[cfg_attr(
+    target_arch = "wasm32",
+    allow(unused_variables, reason = "there is no folder to read from")
+)]
+fn find_pattern(
+    file: &PatternFile,
+    incoming: &Incoming,
+    monitor: &Monitor,
+) -> Result<OwnPattern, String> {
+    if let Some(found) = incoming.companion(&file.path) {
+        return load(&found);
+    }
+    #[cfg(not(target_arch = "wasm32"))]
+    if let Some(folder) = &incoming.folder {
+        return super::disk::find_pattern(file, folder, monitor);
+    }
+    Err(
+        "it did not come with the session; open both at once, and the pattern's certificate"
+            .to_owned(),
+    )
+}
+
+/// Measures a point set on the domain of the run.
+fn against(incoming: &Incoming, run: Option<(Region, f64)>, monitor: &Monitor) -> Made {
+    let (region, radius) = run.ok_or("there is no run to hold a file against")?;
+    let held = held::of(
+        incoming.point_set()?,
+        &incoming.name,
+        region,
+        radius,
+        monitor,
+    )?;
+    Ok(Done::Against {
+        held: Box::new(held),
+        no_pattern: None,
+    })
+}
+
+/// Reads what was dropped: a session or a combination if it is one; of point sets those that can be a pattern as one,
+/// and others to be held against the run.
+fn dropped(
+    incoming: &Incoming,
+    generation: u64,
+    run: Option<(Region, f64)>,
+    monitor: &Monitor,
+) -> Made {
+    let name = &incoming.name;
+    if name.ends_with(CERTIFICATE_SUFFIX) {
+        return Err(format!(
+            "{name} is a certificate; drop it together with its point set"
+        ));
+    }
+    if incoming.is_document() {
+        return open(incoming, generation, monitor);
+    }
+    let set = incoming.point_set()?;
+    let no_pattern = match recipe::pattern_of(&set, name) {
+        Ok(own) => return Ok(Done::Pattern(own)),
+        Err(why) => why,
+    };
+    let Some((region, radius)) = run else {
+        return Err(no_pattern);
+    };
+    match held::of(set, name, region, radius, monitor) {
+        Ok(held) => Ok(Done::Against {
+            held: Box::new(held),
+            no_pattern: Some(no_pattern),
+        }),
+        Err(why) if monitor.is_cancelled() => Err(why),
+        Err(why) => Err(format!(
+            "{no_pattern}. It cannot be held against this run either: {why}"
+        )),
+    }
+}

@@ -1,0 +1,42 @@
+//! A session as the bytes of its file, and natively the file. What would be refused when it is opened is not written.
+
+#[cfg(not(target_arch = "wasm32"))]
+use std::path::Path;
+
+use tilescope_debugger::Session as Saved;
+
+use super::NamedBytes;
+use crate::combination::SavedCombination;
+
+/// What is to be saved: a combination goes before a run.
+#[derive(Clone, Debug)]
+pub struct SaveTask {
+    /// The name of the file, natively with its path.
+    pub name: String,
+    /// The session, where a run is shown.
+    pub run: Option<Saved>,
+    /// The session, where a combination is shown.
+    pub combination: Option<SavedCombination>,
+}
+
+/// Returns the file of a session; fails with a sentence.
+pub fn render(task: &SaveTask) -> Result<NamedBytes, String> {
+    let failed = |error: &dyn std::fmt::Display| format!("the session was not written: {error}");
+    let text = match (&task.run, &task.combination) {
+        (_, Some(saved)) => saved.to_json().map_err(|error| failed(&error))?,
+        (Some(saved), None) => {
+            saved.check().map_err(|error| failed(&error))?;
+            saved.to_json().map_err(|error| failed(&error))?
+        }
+        (None, None) => return Err("there is no session to save".to_owned()),
+    };
+    Ok(NamedBytes::new(task.name.clone(), text))
+}
+
+/// Writes a session to the disk; fails with a sentence.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn save(task: &SaveTask) -> Result<(), String> {
+    let file = render(task)?;
+    let written = tilescope_formats::write_whole(Path::new(&file.name), &file.bytes);
+    written.map_err(|error| format!("the session was not written: {error}"))
+}

@@ -1,0 +1,115 @@
+//! Files in a browser: chosen in its dialog or dropped on the page, and read into memory. What is too long is refused by
+//! its length, before it is read.
+
+use egui::DroppedFileHandle;
+use js_sys::{Promise, Uint8Array};
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{File, HtmlInputElement};
+
+use super::NamedBytes;
+use super::incoming::refusals;
+use crate::jobs::{Job, Wake};
+
+/// What was read, and sentences about what was not.
+#[derive(Default)]
+pub struct Found {
+    /// The files.
+    pub files: Vec<NamedBytes>,
+    /// Why others are not among them.
+    pub refused: Vec<String>,
+}
+
+/// Opens the browser's dialog, as it is allowed to somebody who has just pressed a button or a key; the job ends with what
+/// was chosen.
+#[must_use]
+pub fn choose(wake: &Wake) -> Job<Found> {
+    let opened = open_dialog();
+    Job::start_future(wake, move |_| async move {
+        let chosen = match opened {
+            Ok((input, answered)) => answer(&input, answered).await,
+            Err(error) => Err(error),
+        };
+        match chosen {
+            Ok(files) => read_all(files).await,
+            Err(error) => Found {
+                refused: vec![format!("the browser shows no dialog: {}", said(&error))],
+                ..Found::default()
+            },
+        }
+    })
+}
+
+fn open_dialog() -> Result<(HtmlInputElement, Promise), JsValue> {
+    let missing = || JsValue::from_str("there is no page");
+    let window = web_sys::window().ok_or_else(missing)?;
+    let document = window.document().ok_or_else(missing)?;
+    let input: HtmlInputElement = document.create_element("input")?.unchecked_into();
+    input.set_type("file");
+    // A set comes with its certificate, a session with its pattern.
+    input.set_multiple(true);
+    input.set_hidden(true);
+    document.body().ok_or_else(missing)?.append_child(&input)?;
+    let mut listens = Ok(());
+    let answered = Promise::new(&mut |resolve, _| {
+        let change = input.add_event_listener_with_callback("change", &resolve);
+        let cancel = input.add_event_listener_with_callback("cancel", &resolve);
+        listens = change.and(cancel);
+    });
+    listens?;
+    input.click();
+    Ok((input, answered))
+}
+
+async fn answer(input: &HtmlInputElement, answered: Promise) -> Result<Vec<File>, JsValue> {
+    let answered = JsFuture::from(answered).await;
+    let files = input.files();
+    input.remove();
+    answered?;
+    let files = files.into_iter();
+    Ok(files
+        .flat_map(|list| (0..list.length()).filter_map(move |k| list.get(k)))
+        .collect())
+}
+
+/// Reads what was dropped.
+#[must_use]
+pub fn take(dropped: &[DroppedFileHandle], wake: &Wake) -> Job<Found> {
+    let files: Vec<File> = dropped
+        .iter()
+        .filter_map(|file| file.web_file().cloned())
+        .collect();
+    Job::start_future(wake, move |_| read_all(files))
+}
+
+async fn read_all(files: Vec<File>) -> Found {
+    let names: Vec<String> = files.iter().map(File::name).collect();
+    let lengths = files.iter().map(|file| file.size() as u64);
+    let about: Vec<(&str, u64)> = names.iter().map(String::as_str).zip(lengths).collect();
+    let mut found = Found::default();
+    for ((file, name), refusal) in files.iter().zip(&names).zip(refusals(&about)) {
+        if let Some(why) = refusal {
+            found.refused.push(why);
+            continue;
+        }
+        match JsFuture::from(file.array_buffer()).await {
+            Ok(buffer) => {
+                let bytes = Uint8Array::new(&buffer).to_vec();
+                found.files.push(NamedBytes::new(name.clone(), bytes));
+            }
+            Err(error) => {
+                let why = said(&error);
+                found.refused.push(format!("{name} cannot be read: {why}"));
+            }
+        }
+    }
+    found
+}
+
+fn said(error: &JsValue) -> String {
+    let error: Option<&js_sys::Error> = error.dyn_ref();
+    error.map_or_else(
+        || "it gives no reason".to_owned(),
+        |error| String::from(error.message()),
+    )
+}

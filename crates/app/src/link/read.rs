@@ -1,0 +1,368 @@
+//! Reads a link: each part by itself, whatever the others are. What is unknown, invalid or too much is named.
+
+use std::collections::HashMap;
+
+use tilescope_core::combine::file::{Layout as Combination, Place, Source};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
+use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
+
+use super::content::{Content, Moment};
+use super::parameters::{self, KEYS, VARIANT};
+use super::said::{Said, quoted};
+use super::text::{from_base64, named, numbers, unescaped};
+use super::write::{LINKS, NINE_SETS, layer_name};
+use super::{
+    MOST_BOOKMARKS, MOST_BYTES, MOST_COMBINATION, MOST_SAMPLES, MOST_STOPS, MOST_TEXT, VERSION,
+    tiles,
+};
+use crate::canvas::layers::{Colouring, Layer, Layers};
+use crate::clock::Clock;
+use crate::combination::NINE;
+use crate::command::Selection;
+use crate::sentence::grouped;
+use crate::theme::Look;
+use crate::view::{is_near, sound_camera, speed};
+
+const OTHERS: [&str; 17] = [
+    "v",
+    "combine",
+    "at",
+    "stage",
+    "camera",
+    "layers",
+    "colouring",
+    "look",
+    "select",
+    "clock",
+    "speed",
+    "loop",
+    "b",
+    "break",
+    "watch",
+    "mark",
+    "layout",
+];
+
+const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
+const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
+
+/// Reads a fragment, with its `#` or without, or a whole address: returns the nearest content that may be opened, and
+/// what became of the rest. Whatever the text is, this ends soon and asks for little memory.
+#[must_use]
+pub fn read(text: &str) -> (Content, Said) {
+    let mut reader = Reader {
+        pairs: HashMap::new(),
+        said: Said::default(),
+    };
+    reader.split(text);
+    reader.version();
+    let mut content = Content::default();
+    reader.run(&mut content);
+    reader.look(&mut content);
+    reader.selection(&mut content);
+    reader.second(&mut content);
+    reader.stops(&mut content);
+    (content, reader.said)
+}
+
+struct Reader<'a> {
+    pairs: HashMap<&'a str, &'a str>,
+    said: Said,
+}
+
+/// Returns whether a link of this version may have this key.
+fn is_known(key: &str) -> bool {
+    let of_run = |key: &str| KEYS.contains(&key) || key == VARIANT;
+    OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
+}
+
+impl<'a> Reader<'a> {
+    fn split(&mut self, text: &'a str) {
+        let text = text.trim();
+        let text = text.split_once('#').map_or(text, |(_, fragment)| fragment);
+        let text = self.cut(text);
+        for pair in text.split('&').filter(|pair| !pair.is_empty()) {
+            let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
+            if !is_known(key) {
+                let key = quoted(key);
+                self.said
+                    .say(format!("\"{key}\" is unknown in links and was left out."));
+            } else if self.pairs.contains_key(key) {
+                self.said
+                    .say(format!("\"{key}\" is there twice; the first one counts."));
+            } else {
+                self.pairs.insert(key, value);
+            }
+        }
+    }
+
+    /// Returns what is read of a text, which ends between two parts.
+    fn cut(&mut self, text: &'a str) -> &'a str {
+        if text.len() <= MOST_BYTES {
+            return text;
+        }
+        self.said.say(format!(
+            "The link has {} bytes; what lies behind the first {} was left out.",
+            grouped(text.len()),
+            grouped(MOST_BYTES)
+        ));
+        let mut end = MOST_BYTES;
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        let start = &text[..end];
+        start.rfind('&').map_or("", |end| &start[..end])
+    }
+
+    fn version(&mut self) {
+        let Some(text) = self.pairs.get("v") else {
+            return;
+        };
+        let shown = quoted(text);
+        match text.parse::<u32>() {
+            Ok(VERSION) => {}
+            Ok(newer) if newer > VERSION => self.said.say(format!(
+                "The link is of version {newer}, and this program knows version {VERSION}; what it knows was read."
+            )),
+            _ => self.said.say(format!(
+                "The link says that its version is \"{shown}\"; it was read as version {VERSION}."
+            )),
+        }
+    }
+
+    /// Takes the value of a key as far as it makes sense.
+    fn take<T>(&mut self, key: &str, sense: impl FnOnce(&str) -> Option<T>) -> Option<T> {
+        let text = *self.pairs.get(key)?;
+        let taken = sense(text);
+        if taken.is_none() {
+            let text = quoted(text);
+            self.said.say(format!(
+                "The link's {key} \"{text}\" makes no sense and was left out."
+            ));
+        }
+        taken
+    }
+
+    fn run(&mut self, content: &mut Content) {
+        content.combination = self.combination();
+        if content.combination.is_none() {
+            let texts = |key: &str| self.pairs.get(key).copied();
+            content.parameters =
+                parameters::read(texts, &Parameters::default(), "", &mut self.said);
+        }
+        let at = self.take("at", |text| text.parse().ok());
+        let stage = self.take("stage", |text| {
+            unescaped(text).filter(|stage| !stage.is_empty() && stage.len() <= MOST_TEXT)
+        });
+        content.moment = match (at, stage) {
+            (Some(cursor), _) => Moment::Event(cursor),
+            (None, Some(stage)) => Moment::Stage(stage),
+            (None, None) => Moment::End,
+        };
+    }
+
+    fn combination(&mut self) -> Option<Combination> {
+        let text = *self.pairs.get("combine")?;
+        let layout = combination(text);
+        if let Err(why) = &layout {
+            self.said
+                .say(format!("The link's combination was left out: {why}."));
+        }
+        layout.ok()
+    }
+
+    fn look(&mut self, content: &mut Content) {
+        content.camera = self.take("camera", |text| {
+            let [x, y, scale] = numbers(text)?;
+            sound_camera([x, y], scale)
+        });
+        if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
+            content.layers = self.layers(&layers);
+        }
+        if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
+            content.colouring = colouring;
+        }
+        if let Some(look) = self.take("look", |text| named(&Look::ALL, text)) {
+            content.look = look;
+        }
+        if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
+            content.clock = clock;
+        }
+        if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
+            content.speed = speed;
+        }
+        content.range = self.take("loop", |text| {
+            let (start, end) = text.split_once('-')?;
+            let range = [start.parse().ok()?, end.parse().ok()?];
+            (range[0] < range[1]).then_some(range)
+        });
+        if let Some(layout) = self.take("layout", tiles::read) {
+            content.layout = layout;
+        }
+    }
+
+    fn layers(&mut self, names: &str) -> Layers {
+        let mut layers = Layers::none();
+        for name in names.split(',').filter(|name| !name.is_empty()) {
+            let layer = Layer::ALL.into_iter().find(|&l| layer_name(l) == name);
+            match layer {
+                Some(layer) if !layers.has(layer) => layers.toggle(layer),
+                Some(_) => {}
+                None => {
+                    let name = quoted(name);
+                    self.said
+                        .say(format!("There is no layer \"{name}\"; it was left out."));
+                }
+            }
+        }
+        layers
+    }
+
+    fn selection(&mut self, content: &mut Content) {
+        let selection = self.take("select", |text| match text.split_once(':')? {
+            ("sample", id) => id.parse().ok().map(Selection::Sample),
+            ("place", place) => numbers(place)
+                .filter(|place| is_near(*place))
+                .map(Selection::Place),
+            _ => None,
+        });
+        content.selection = selection.unwrap_or(Selection::Nothing);
+    }
+
+    fn second(&mut self, content: &mut Content) {
+        let Some(names) = self.pairs.get("b").copied() else {
+            if self.pairs.keys().any(|key| key.starts_with("b.")) {
+                self.said.say(
+                    "The link has parameters of a second run but none (\"b\"); they were left out."
+                        .to_owned(),
+                );
+            }
+            return;
+        };
+        if content.combination.is_some() {
+            // Its parameters say how they differ from those of a run.
+            content.parameters = Parameters::default();
+        }
+        let pairs = &self.pairs;
+        let texts = |key: &str| pairs.get(format!("b.{key}").as_str()).copied();
+        let second = parameters::read(texts, &content.parameters, " of run B", &mut self.said);
+        let mut links = [false; 3];
+        for name in names.split(',').filter(|name| !name.is_empty()) {
+            match LINKS.iter().position(|link| *link == name) {
+                Some(place) => links[place] = true,
+                None => self.said.say(format!(
+                    "Two runs cannot be linked by \"{}\"; it was left out.",
+                    quoted(name)
+                )),
+            }
+        }
+        content.second = Some((second, links));
+    }
+
+    fn stops(&mut self, content: &mut Content) {
+        content.breakpoints = self.list("break", "breakpoint", MOST_STOPS, breakpoint);
+        content.watches = self.list("watch", "watch", MOST_STOPS, |text| {
+            short(&unescaped(text)?)
+        });
+        content.bookmarks = self.list("mark", "bookmark", MOST_BOOKMARKS, |text| {
+            let (event, note) = text.split_once(':').unwrap_or((text, ""));
+            Some(Bookmark {
+                event: event.parse().ok()?,
+                note: short(&unescaped(note)?)?,
+            })
+        });
+        content.bookmarks.sort_by_key(|mark| mark.event);
+        content.bookmarks.dedup_by_key(|mark| mark.event);
+    }
+
+    fn list<T>(
+        &mut self,
+        key: &str,
+        what: &str,
+        most: usize,
+        item: impl Fn(&str) -> Option<T>,
+    ) -> Vec<T> {
+        let Some(text) = self.pairs.get(key).copied() else {
+            return Vec::new();
+        };
+        let count = text.split(';').count();
+        if count > most {
+            self.said.say(format!(
+                "The link has {} of the kind \"{key}\"; the first {most} were read.",
+                grouped(count)
+            ));
+        }
+        let mut items = Vec::new();
+        for text in text.split(';').take(most) {
+            match item(text) {
+                Some(item) => items.push(item),
+                None => self.said.say(format!(
+                    "The link's {what} \"{}\" makes no sense and was left out.",
+                    quoted(text)
+                )),
+            }
+        }
+        items
+    }
+}
+
+fn short(text: &str) -> Option<String> {
+    (text.chars().count() <= MOST_TEXT).then(|| text.to_owned())
+}
+
+fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
+    let (enabled, text) = match text.strip_prefix('!') {
+        Some(rest) => (false, rest),
+        None => (true, text),
+    };
+    let (line, condition) = text.split_once(':').unwrap_or((text, ""));
+    let (line, condition) = (unescaped(line)?, short(&unescaped(condition)?)?);
+    Listings::shipped().find(&line)?;
+    Some(SavedBreakpoint {
+        line,
+        condition: (!condition.is_empty()).then_some(condition),
+        enabled,
+    })
+}
+
+fn combination(text: &str) -> Result<Combination, String> {
+    if text.len() > MOST_COMBINATION {
+        return Err(format!(
+            "its layout has {} characters, and a link's has at most {}",
+            grouped(text.len()),
+            grouped(MOST_COMBINATION)
+        ));
+    }
+    let json = match text {
+        NINE_SETS => NINE.as_bytes().to_vec(),
+        text => from_base64(text).ok_or("it is no base64 text")?,
+    };
+    let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
+    let placed = layout.placed().map_err(|error| error.to_string())?;
+    let expected = placed.expected + of_patterns(&placed.places);
+    if expected > MOST_SAMPLES {
+        return Err(format!(
+            "it and its patterns make about {expected:.0} samples, and a link may ask for {}",
+            grouped(MOST_SAMPLES as usize)
+        ));
+    }
+    let of_file = |source: &Source| matches!(source, Source::File { .. });
+    if placed.places.iter().any(|place| of_file(&place.source)) {
+        return Err("it has sets from files, which a link does not open".to_owned());
+    }
+    Ok(layout)
+}
+
+/// Returns about how many samples the different patterns have that pieces clip from.
+fn of_patterns(places: &[Place]) -> f64 {
+    let mut specs: Vec<PatternSpec> = Vec::new();
+    for place in places {
+        if let Source::Run { parameters, .. } = &place.source
+            && !specs.contains(&parameters.pattern)
+        {
+            specs.push(parameters.pattern);
+        }
+    }
+    let samples = specs.iter().map(|spec| spec.side * spec.side);
+    MAXIMAL_DENSITY * samples.sum::<f64>()
+}

@@ -1,0 +1,190 @@
+//! The characters of a link: percent encoding, base64 for addresses, numbers, names. Nothing here knows what they mean.
+
+use serde::Serialize;
+use serde_json::Value;
+
+/// Digits of numbers that need not be exact, behind the point: a thousandth of a screen point at most scales.
+const DECIMALS: i32 = 6;
+
+/// Returns a text with everything escaped but letters, digits and `-._~`, so that no mail or chat cuts the address.
+pub fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for &byte in text.as_bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
+            escaped.push(char::from(byte));
+        } else {
+            escaped.push('%');
+            for digit in [byte >> 4, byte & 15] {
+                escaped.push(char::from(b"0123456789ABCDEF"[usize::from(digit)]));
+            }
+        }
+    }
+    escaped
+}
+
+/// Returns the text that was escaped; none if an escape is broken or the bytes are no text.
+pub fn unescaped(text: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        bytes.push(match byte {
+            b'%' => 16 * digit(rest.next()?)? + digit(rest.next()?)?,
+            byte => byte,
+        });
+    }
+    String::from_utf8(bytes).ok()
+}
+
+fn digit(byte: u8) -> Option<u8> {
+    char::from(byte).to_digit(16).map(|digit| digit as u8)
+}
+
+const SIX_BITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+
+/// Returns bytes as base64 for addresses, without padding.
+pub fn base64(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let byte = |k: usize| u32::from(chunk.get(k).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for k in 0..=chunk.len() {
+            text.push(char::from(SIX_BITS[(bits >> (18 - 6 * k) & 63) as usize]));
+        }
+    }
+    text
+}
+
+/// Returns the bytes of a base64 text; none if it is not one.
+pub fn from_base64(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
+    for chunk in text.as_bytes().chunks(4) {
+        let mut bits = 0;
+        for k in 0..4 {
+            let six = match chunk.get(k) {
+                Some(byte) => SIX_BITS.iter().position(|other| other == byte)?,
+                None => 0,
+            };
+            bits = bits << 6 | six as u32;
+        }
+        if chunk.len() == 1 {
+            return None;
+        }
+        bytes.extend_from_slice(&bits.to_be_bytes()[1..chunk.len()]);
+    }
+    Some(bytes)
+}
+
+/// Returns the shortest text that reads as exactly this number.
+pub fn exact(number: f64) -> String {
+    let plain = number.to_string();
+    if plain.len() > 12 {
+        let short = format!("{number:e}");
+        if short.len() < plain.len() {
+            return short;
+        }
+    }
+    plain
+}
+
+/// Returns a number that is only looked at, to a millionth and at least six digits.
+pub fn rounded(number: f64) -> String {
+    let digits = DECIMALS - 1 - number.abs().max(1e-9).log10().floor() as i32;
+    let decimals = digits.clamp(DECIMALS, 12) as usize;
+    let text = format!("{number:.decimals$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0" } else { text }.to_owned()
+}
+
+/// Returns the finite number that a text is.
+pub fn finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// Returns exactly `N` finite numbers with commas between them.
+pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = text.split(',').take(N + 1).map(finite).collect();
+    numbers?.try_into().ok()
+}
+
+/// Returns the name of a choice as it stands in a link.
+pub fn name<T: Serialize>(choice: &T) -> String {
+    match serde_json::to_value(choice) {
+        Ok(Value::String(name)) => slug(&name),
+        _ => String::new(),
+    }
+}
+
+/// Returns the one of `all` that has this name.
+pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
+    all.iter().find(|one| name(*one) == text).copied()
+}
+
+/// Returns a name of the window as it stands in a link: in small letters, with hyphens.
+pub fn slug(name: &str) -> String {
+    name.to_lowercase().replace(' ', "-")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_escaped_comes_back_and_broken_escapes_are_known() {
+        for text in [
+            "",
+            "a b",
+            "distance < 0.4 && p = 3; 100%",
+            "r\u{e9}seau \u{1f600}\n",
+        ] {
+            let there = escaped(text);
+            assert!(
+                !there.contains(['&', '=', ';', ':', '#', ' ', '+']),
+                "{there}"
+            );
+            assert_eq!(unescaped(&there).as_deref(), Some(text));
+        }
+        for broken in ["%", "%4", "%zz", "a%+1b", "%ff%fe", "%C3"] {
+            assert_eq!(unescaped(broken), None, "{broken}");
+        }
+    }
+
+    #[test]
+    fn bytes_come_back_from_base64() {
+        let bytes: Vec<u8> = (0..=255).collect();
+        for len in [0, 1, 2, 3, 4, 5, 254, 255, 256] {
+            let text = base64(&bytes[..len]);
+            assert_eq!(from_base64(&text).as_deref(), Some(&bytes[..len]));
+        }
+        assert_eq!(base64(b"Many"), "TWFueQ");
+        for broken in ["A", "AAAAA", "AA=", "A A", "\u{e9}\u{e9}"] {
+            assert_eq!(from_base64(broken), None, "{broken}");
+        }
+    }
+
+    #[test]
+    fn exact_numbers_are_exact_and_rounded_ones_stay() {
+        for number in [
+            0.1,
+            0.008_36,
+            1.0 / 3.0,
+            1e300,
+            5e-324,
+            120.0,
+            65_532.0,
+            1e-9,
+        ] {
+            assert_eq!(finite(&exact(number)), Some(number));
+            for number in [number, -number] {
+                let text = rounded(number);
+                assert_eq!(rounded(finite(&text).unwrap()), text);
+            }
+        }
+        assert_eq!(exact(1e300), "1e300");
+        assert_eq!(rounded(12.500_000_000_1), "12.5");
+        assert_eq!(rounded(-0.0), "0");
+        assert_eq!(numbers("1,2.5"), Some([1.0, 2.5]));
+        assert_eq!(numbers::<2>("1,2,3"), None);
+        assert_eq!(numbers::<2>("1,NaN"), None);
+        assert_eq!(numbers::<1>("inf"), None);
+    }
+}

@@ -1,0 +1,246 @@
+//! Writes a link: what differs from a link that says nothing, in a fixed sequence, as much as there is room for.
+
+use tilescope_core::Parameters;
+use tilescope_debugger::{Bookmark, SavedBreakpoint};
+
+use super::content::{Content, Moment};
+use super::parameters::differing;
+use super::text::{base64, escaped, exact, name, rounded, slug};
+use super::tiles;
+use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
+use crate::camera::Camera;
+use crate::canvas::layers::{Layer, Layers};
+use crate::combination::NINE;
+use crate::command::Selection;
+use crate::sentence::counted;
+
+/// A permalink.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Link {
+    /// The fragment of the address, without its `#`: at most [`MOST_CHARACTERS`] letters, digits and marks.
+    pub fragment: String,
+    /// What is at hand and not in the link, as phrases such as "the panel layout".
+    pub left_out: Vec<String>,
+}
+
+/// Returns the name of a layer in a link.
+pub(super) fn layer_name(layer: Layer) -> String {
+    match layer {
+        Layer::Circumcircles => "circumcircles".to_owned(),
+        layer => slug(layer.name()),
+    }
+}
+
+/// Returns what stands for whole combinations in a link: the nine sets of the paper by name, others by their layout.
+pub(super) const NINE_SETS: &str = "nine";
+
+/// Writes a link.
+#[must_use]
+pub fn write(content: &Content) -> Link {
+    let mut writer = Writer::default();
+    writer.put("v", VERSION.to_string());
+    writer.run(content);
+    writer.look(content);
+    writer.second(content);
+    writer.stops(content);
+    writer.panels(content);
+    Link {
+        fragment: writer.text,
+        left_out: writer.left_out,
+    }
+}
+
+#[derive(Default)]
+struct Writer {
+    text: String,
+    left_out: Vec<String>,
+}
+
+impl Writer {
+    fn put(&mut self, key: &str, value: impl AsRef<str>) {
+        if !self.text.is_empty() {
+            self.text.push('&');
+        }
+        self.text.push_str(key);
+        self.text.push('=');
+        self.text.push_str(value.as_ref());
+    }
+
+    /// Returns how many characters the value of a key may have.
+    fn room(&self, key: &str) -> usize {
+        MOST_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
+    }
+
+    fn run(&mut self, content: &Content) {
+        match &content.combination {
+            Some(layout) => self.combination(layout),
+            None => self.parameters("", &content.parameters, &Parameters::default()),
+        }
+        match &content.moment {
+            Moment::End => {}
+            Moment::Event(cursor) => self.put("at", cursor.to_string()),
+            Moment::Stage(stage) => self.put("stage", escaped(stage)),
+        }
+    }
+
+    fn parameters(&mut self, prefix: &str, parameters: &Parameters, base: &Parameters) {
+        for (key, value) in differing(parameters, base) {
+            self.put(&format!("{prefix}{key}"), value);
+        }
+    }
+
+    fn combination(&mut self, layout: &tilescope_core::combine::file::Layout) {
+        let json = serde_json::to_string(layout).unwrap_or_default();
+        let nine = tilescope_core::combine::file::Layout::from_json(NINE.as_bytes());
+        let value = if nine.is_ok_and(|nine| nine == *layout) {
+            NINE_SETS.to_owned()
+        } else {
+            base64(json.as_bytes())
+        };
+        if value.len() <= MOST_COMBINATION {
+            self.put("combine", value);
+        } else {
+            self.left_out
+                .push("the combination, whose layout is too long for a link".to_owned());
+        }
+    }
+
+    fn look(&mut self, content: &Content) {
+        let first = Content::default();
+        if let Some(Camera { center, scale }) = content.camera {
+            let numbers = [center[0], center[1], scale].map(rounded);
+            self.put("camera", numbers.join(","));
+        }
+        if content.layers != first.layers {
+            self.put("layers", names(content.layers));
+        }
+        if content.colouring != first.colouring {
+            self.put("colouring", name(&content.colouring));
+        }
+        if content.look != first.look {
+            self.put("look", name(&content.look));
+        }
+        match content.selection {
+            Selection::Nothing => {}
+            Selection::Sample(id) => self.put("select", format!("sample:{id}")),
+            Selection::Place(place) => {
+                let [x, y] = place.map(exact);
+                self.put("select", format!("place:{x},{y}"));
+            }
+        }
+        if content.clock != first.clock {
+            self.put("clock", name(&content.clock));
+        }
+        if content.speed.to_bits() != first.speed.to_bits() {
+            self.put("speed", content.speed.to_string());
+        }
+        if let Some([start, end]) = content.range {
+            self.put("loop", format!("{start}-{end}"));
+        }
+    }
+
+    fn second(&mut self, content: &Content) {
+        let Some((parameters, links)) = &content.second else {
+            return;
+        };
+        let names: Vec<&str> = LINKS
+            .into_iter()
+            .zip(links)
+            .filter_map(|(name, on)| on.then_some(name))
+            .collect();
+        self.put("b", names.join(","));
+        self.parameters("b.", parameters, &content.parameters);
+    }
+
+    fn stops(&mut self, content: &Content) {
+        let fits = |text: &str| text.chars().count() <= MOST_TEXT;
+        let breakpoint = |b: &SavedBreakpoint| {
+            let condition = b.condition.as_deref().unwrap_or_default();
+            fits(condition).then(|| {
+                let off = if b.enabled { "" } else { "!" };
+                let colon = if condition.is_empty() { "" } else { ":" };
+                format!("{off}{}{colon}{}", escaped(&b.line), escaped(condition))
+            })
+        };
+        let watch = |text: &String| fits(text).then(|| escaped(text));
+        let mark = |mark: &Bookmark| {
+            let note: String = mark.note.chars().take(MOST_TEXT).collect();
+            let colon = if note.is_empty() { "" } else { ":" };
+            Some(format!("{}{colon}{}", mark.event, escaped(&note)))
+        };
+        self.list(
+            "break",
+            "breakpoints",
+            MOST_STOPS,
+            &content.breakpoints,
+            breakpoint,
+        );
+        self.list("watch", "watches", MOST_STOPS, &content.watches, watch);
+        self.list(
+            "mark",
+            "bookmarks",
+            MOST_BOOKMARKS,
+            &content.bookmarks,
+            mark,
+        );
+        let long = content.bookmarks.iter().filter(|mark| !fits(&mark.note));
+        match long.count() {
+            0 => {}
+            count => self.left_out.push(format!(
+                "the ends of {} of more than {MOST_TEXT} characters",
+                counted(count, "note", "notes")
+            )),
+        }
+    }
+
+    /// Writes as many as there may be and is room for.
+    fn list<T>(
+        &mut self,
+        key: &str,
+        what: &str,
+        most: usize,
+        all: &[T],
+        item: impl Fn(&T) -> Option<String>,
+    ) {
+        let (mut text, mut taken, room) = (String::new(), 0, self.room(key));
+        for item in all.iter().filter_map(item).take(most) {
+            if text.len() + item.len() + 1 > room {
+                break;
+            }
+            if taken > 0 {
+                text.push(';');
+            }
+            text.push_str(&item);
+            taken += 1;
+        }
+        if taken > 0 {
+            self.put(key, text);
+        }
+        if taken < all.len() {
+            let missing = all.len() - taken;
+            self.left_out
+                .push(format!("{missing} of {} {what}", all.len()));
+        }
+    }
+
+    /// The layout is the first that gives way.
+    fn panels(&mut self, content: &Content) {
+        let first = tiles::written(&Content::default().layout);
+        let layout = tiles::written(&content.layout);
+        if layout == first {
+            return;
+        }
+        match layout.filter(|layout| layout.len() <= self.room("layout")) {
+            Some(layout) => self.put("layout", layout),
+            None => self.left_out.push("the panel layout".to_owned()),
+        }
+    }
+}
+
+/// What may be linked of two runs.
+pub(super) const LINKS: [&str; 3] = ["cameras", "clocks", "differences"];
+
+fn names(layers: Layers) -> String {
+    let on = Layer::ALL.into_iter().filter(|&layer| layers.has(layer));
+    on.map(layer_name).collect::<Vec<_>>().join(",")
+}

@@ -1,0 +1,201 @@
+//! The charts of the analysis: which curves they show and up to where.
+
+use egui::{Color32, RichText, Ui};
+use tilescope_analysis::measures::{Spectrum, anisotropy_reference_db};
+
+use super::plot::{Axis, Curve, Line, Plot};
+use super::{Sets, drag, picture as periodogram};
+use crate::analysis::AnalysisCommand;
+use crate::analysis::brush::{Axis as Along, Brush};
+use crate::analysis::measured::Measured;
+use crate::widgets::heading;
+
+/// How high charts are, in screen points.
+const HEIGHT: f32 = 168.0;
+/// How much of a colour stays where what is shown is of another moment.
+const FADED: f32 = 0.38;
+/// The ends that an axis of power or of g may have: it moves only when it must.
+const ENDS: [f64; 5] = [2.0, 3.0, 4.0, 6.0, 8.0];
+
+const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
+
+/// Shows the periodogram.
+pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
+    heading(ui, "Periodogram");
+    let ring = Brush::along(brush, Along::Frequency);
+    let (spectrum, faded) = match sets.spectrum() {
+        Some((spectrum, faded)) => (Some(spectrum), faded),
+        None => (None, false),
+    };
+    let dragged = periodogram::show(ui, spectrum, faded, ring, sets.palette);
+    drag(Along::Frequency, dragged, brush, own);
+    let cells = spectrum.map_or_else(String::new, |spectrum| cells_of(spectrum));
+    let text = format!(
+        "\u{3bd} along x and y, to \u{b1}2.5; power 0 white, {} and above black{cells}",
+        periodogram::BLACK
+    );
+    let text = RichText::new(text).size(11.5).color(sets.palette.muted);
+    ui.label(text);
+}
+
+/// Says how many frequencies a cell of the picture is a mean of, and up to where they are measured if that is not all.
+fn cells_of(spectrum: &Spectrum) -> String {
+    let picture = &spectrum.picture;
+    let mut text = match [picture.side, picture.row_side] {
+        [1, 1] => String::new(),
+        [side, row_side] => format!("; means of {side} \u{d7} {row_side}"),
+    };
+    let least = spectrum.picture_reach[0].min(spectrum.picture_reach[1]);
+    // The rim may lack a part of a cell.
+    let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
+    if least < Spectrum::MOST_NU - cell {
+        let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
+        let so_far = if longest as f64 > 0.9 * Spectrum::MOST_CYCLES {
+            let cycles = crate::sentence::grouped(Spectrum::MOST_CYCLES as usize);
+            format!("({cycles} cycles)")
+        } else {
+            "so far".to_owned()
+        };
+        text = format!("{text}; measured to \u{3bd} {least:.2} {so_far}, grey beyond");
+    }
+    text
+}
+
+/// Returns the axis of frequencies.
+const fn frequencies() -> Axis<'static> {
+    Axis {
+        label: FREQUENCY,
+        sign: "\u{3bd}",
+        range: [0.0, Spectrum::MOST_NU],
+    }
+}
+
+/// Shows the curves.
+pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
+    ui.add_space(8.0);
+    let power = curves_of(sets, &|measured, _| {
+        let spectrum = measured.spectrum_so_far()?;
+        Some((spectrum.power(), spectrum.bands.clone()))
+    });
+    let ring = Brush::along(brush, Along::Frequency);
+    let chart = Plot {
+        title: "Radial mean power P(\u{3bd})",
+        x: frequencies(),
+        y: Axis {
+            label: "power",
+            sign: "P",
+            range: [0.0, grown(ui, sets, "P", end_of(&power))],
+        },
+        level: (1.0, "white noise"),
+        curves: power,
+        brush: ring,
+        height: HEIGHT,
+    };
+    drag(Along::Frequency, chart.show(ui, sets.palette), brush, own);
+    ui.add_space(6.0);
+    anisotropy(ui, sets, brush, own);
+    ui.add_space(6.0);
+    correlation(ui, sets, brush, own);
+}
+
+fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
+    let chart = Plot {
+        title: "Anisotropy, dB",
+        x: frequencies(),
+        y: Axis {
+            label: "anisotropy in decibels",
+            sign: "dB",
+            range: [-10.0, 10.0],
+        },
+        level: (
+            anisotropy_reference_db(1),
+            "no preferred direction: \u{2212}10 log\u{2081}\u{2080} K, K = 1 set",
+        ),
+        curves: curves_of(sets, &|measured, _| {
+            Some((measured.spectrum_so_far()?.anisotropy(), None))
+        }),
+        brush: Brush::along(brush, Along::Frequency),
+        height: HEIGHT - 14.0,
+    };
+    drag(Along::Frequency, chart.show(ui, sets.palette), brush, own);
+}
+
+fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
+    let pairs = curves_of(sets, &|measured, unit| {
+        let places = measured.correlation(unit);
+        (!places.is_empty()).then_some((places, None))
+    });
+    let chart = Plot {
+        title: "Pair correlation g",
+        x: Axis {
+            label: "distance, r-units (d / r)",
+            sign: "d/r",
+            range: [0.0, Along::Distance.end()],
+        },
+        y: Axis {
+            label: "pairs, where independent samples have 1",
+            sign: "g",
+            range: [0.0, grown(ui, sets, "g", end_of(&pairs))],
+        },
+        level: (1.0, "white noise"),
+        curves: pairs,
+        brush: Brush::along(brush, Along::Distance),
+        height: HEIGHT,
+    };
+    drag(Along::Distance, chart.show(ui, sets.palette), brush, own);
+}
+
+type Places = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
+
+/// Returns the curves of the moment, of the reference and of the file; `places` is given a set and the length of r in it.
+fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&Measured, f64) -> Option<Places>) -> Vec<Curve> {
+    let palette = sets.palette;
+    let curve = |name: &str, line, color: Color32, places: Places| Curve {
+        name: name.to_owned(),
+        points: places.0,
+        band: places.1,
+        line,
+        color,
+    };
+    let mut curves = Vec::new();
+    if let Some((found, faded)) = sets.part(|measured| places(measured, 1.0)) {
+        let (name, color) = if faded {
+            ("a moment before", palette.accent.gamma_multiply(FADED))
+        } else {
+            ("this moment", palette.accent)
+        };
+        curves.push(curve(name, Line::Solid, color, found));
+    }
+    let others = [
+        sets.reference
+            .map(|measured| (measured, 1.0, "reference", Line::Dotted, palette.text)),
+        sets.held.map(|held| {
+            let (line, color) = (Line::Dashed, palette.conflict);
+            (&held.measured, sets.unit, held.name(), line, color)
+        }),
+    ];
+    for (measured, unit, name, line, color) in others.into_iter().flatten() {
+        if let Some((found, _)) = places(measured, unit) {
+            curves.push(curve(name, line, color, (found, None)));
+        }
+    }
+    curves
+}
+
+/// Returns the largest end that an axis had in the session so far, or `end` if that is larger: charts of one run are held against each
+/// other as it is stepped through.
+fn grown(ui: &Ui, sets: &Sets<'_>, sign: &str, end: f64) -> f64 {
+    let id = egui::Id::unique(("end of an axis of the analysis", sign, sets.generation));
+    let before: Option<f64> = ui.data(|data| data.get_temp(id));
+    let end = before.map_or(end, |before| before.max(end));
+    ui.data_mut(|data| data.insert_temp(id, end));
+    end
+}
+
+/// Returns the end of an axis from zero that holds nearly all of the curves: lone peaks are cut off.
+fn end_of(curves: &[Curve]) -> f64 {
+    let all = curves.iter().flat_map(|curve| &curve.points);
+    let highest = all.map(|place| place[1]).fold(0.0, f64::max);
+    let fits = ENDS.into_iter().find(|end| highest <= *end);
+    fits.unwrap_or(ENDS[ENDS.len() - 1])
+}

@@ -1,0 +1,341 @@
+//! The live analysis: numbers and curves of the samples that stand at the moment, beside those of maximal sets and of a
+//! file. Nothing is measured here; what is old is faded until the new is there.
+
+mod charts;
+mod numbers;
+mod picture;
+mod plot;
+
+use std::sync::Arc;
+
+use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui, vec2};
+use tilescope_analysis::measures::Spectrum;
+
+use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use crate::analysis::held::Held;
+use crate::analysis::measured::Measured;
+use crate::analysis::{AnalysisCommand, name_of};
+use crate::command::Command;
+use crate::files::{FileCommand, Purpose};
+use crate::moment::Shown;
+use crate::state::State;
+use crate::theme::{Palette, semibold};
+use crate::widgets::heading;
+use plot::{Dragged, Line};
+
+/// From this width on there are two columns.
+const TWO_COLUMNS: f32 = 620.0;
+
+/// What is shown: sets and how they are told apart.
+struct Sets<'a> {
+    /// What is known of the moment.
+    now: Option<&'a Measured>,
+    /// What was measured last, of another moment, while the moment at hand is not known.
+    before: Option<&'a Measured>,
+    reference: Option<&'a Arc<Measured>>,
+    held: Option<&'a Arc<Held>>,
+    /// r of the run, in the unit of the file.
+    unit: f64,
+    /// Of the session.
+    generation: u64,
+    palette: &'a Palette,
+}
+
+impl<'a> Sets<'a> {
+    fn of(state: &'a State, shown: &Shown<'a>) -> Self {
+        let now = state.analysis.of(shown).map(|known| &*known.measured);
+        let whole = now.is_some_and(|now| now.missing().is_none());
+        let before = state.analysis.last(shown).map(|known| &*known.measured);
+        Self {
+            now,
+            before: before.filter(|_| !whole && state.analysis.failure(shown).is_none()),
+            reference: state.analysis.reference.measured(),
+            held: state.held().and_then(Result::ok),
+            unit: shown.session.run().domain.radius(),
+            generation: shown.session.generation,
+            palette: Palette::of(state.look),
+        }
+    }
+
+    /// Returns a part of what is measured, and whether it is of another moment.
+    fn part<T>(&self, part: impl Fn(&'a Measured) -> Option<T>) -> Option<(T, bool)> {
+        let now = self.now.and_then(&part).map(|found| (found, false));
+        now.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
+    }
+
+    fn spectrum(&self) -> Option<(&'a Arc<Spectrum>, bool)> {
+        self.part(Measured::spectrum_so_far)
+    }
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let palette = Palette::of(state.look);
+    let Some(shown) = state.shown() else {
+        let text = "There is no session yet.";
+        ui.label(RichText::new(text).color(palette.muted));
+        return;
+    };
+    let mut own = Vec::new();
+    let sets = Sets::of(state, &shown);
+    status(ui, state, &shown, &sets, &mut own);
+    let brush = state.analysis.brush;
+    if ui.available_width() >= TWO_COLUMNS {
+        ui.columns_const(|[left, right]| {
+            charts::picture(left, &sets, brush, &mut own);
+            rest(left, state, &sets, commands, &mut own);
+            legend(right, state, &sets);
+            charts::curves(right, &sets, brush, &mut own);
+        });
+    } else {
+        charts::picture(ui, &sets, brush, &mut own);
+        legend(ui, state, &sets);
+        charts::curves(ui, &sets, brush, &mut own);
+        rest(ui, state, &sets, commands, &mut own);
+    }
+    ui.add_space(8.0);
+    commands.extend(own.into_iter().map(Command::Analysis));
+}
+
+/// Numbers, and what can be done.
+fn rest(
+    ui: &mut Ui,
+    state: &State,
+    sets: &Sets<'_>,
+    commands: &mut Vec<Command>,
+    own: &mut Vec<AnalysisCommand>,
+) {
+    ui.add_space(6.0);
+    heading(ui, "Brush");
+    brushed(ui, state, own);
+    heading(ui, "Numbers");
+    numbers::show(ui, sets);
+    file(ui, state, commands, own);
+}
+
+/// Says what moment is measured and how far that is. The lines have their room whatever they say.
+fn status(
+    ui: &mut Ui,
+    state: &State,
+    shown: &Shown<'_>,
+    sets: &Sets<'_>,
+    own: &mut Vec<AnalysisCommand>,
+) {
+    let (palette, analysis) = (Palette::of(state.look), &state.analysis);
+    ui.label(RichText::new("This moment").font(FontId::new(13.5, semibold())));
+    // A line of its own: beside the heading narrow panels have no room for it.
+    ui.horizontal(|ui| {
+        ui.set_height(26.0);
+        progress(ui, state, shown, own);
+    });
+    let name = capital(&name_of(shown));
+    let (text, color) = if let Some(why) = analysis.failure(shown) {
+        (format!("{name}: {why}"), palette.muted)
+    } else if analysis.is_whole(shown) {
+        let counts = sets.now.map(numbers::counts).unwrap_or_default();
+        (format!("{name}: {counts}"), palette.text)
+    } else {
+        let old = match analysis.last(shown) {
+            Some(known) => format!(" Faded: {}.", known.name),
+            None => String::new(),
+        };
+        let doing = if analysis.is_stopped(shown) {
+            "not measured."
+        } else {
+            "being measured\u{2026}"
+        };
+        (format!("{name}: {doing}{old}"), palette.text)
+    };
+    // What happens is read out below the canvas: a step is not read out twice.
+    lines(ui, RichText::new(text).color(color));
+}
+
+/// Returns a text that begins with a capital letter.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
+}
+
+/// Shows what is being measured, and the way out or back in.
+fn progress(ui: &mut Ui, state: &State, shown: &Shown<'_>, own: &mut Vec<AnalysisCommand>) {
+    let (palette, analysis) = (Palette::of(state.look), &state.analysis);
+    if let Some((part, fraction)) = analysis.progress() {
+        if ui
+            .button("Cancel")
+            .on_hover_text("Stops measuring this moment.")
+            .clicked()
+        {
+            own.push(AnalysisCommand::Stop);
+        }
+        let bar = ProgressBar::new(fraction).desired_height(6.0);
+        ui.add(bar.desired_width(56.0).fill(palette.accent));
+        ui.label(RichText::new(part.doing()).size(11.5).color(palette.muted));
+    } else if analysis.failure(shown).is_some() {
+        if ui.button("Measure again").clicked() {
+            own.push(AnalysisCommand::Resume);
+        }
+    } else if analysis.is_stopped(shown)
+        && !analysis.is_whole(shown)
+        && ui.button("Measure this moment").clicked()
+    {
+        own.push(AnalysisCommand::Resume);
+    }
+}
+
+/// Three lines of text; the room is there whatever it says.
+fn lines(ui: &mut Ui, text: RichText) -> egui::Response {
+    let room = vec2(ui.available_width(), 52.0);
+    let layout = egui::Layout::top_down(egui::Align::Min);
+    let add = |ui: &mut Ui| {
+        ui.set_min_size(room);
+        ui.label(text)
+    };
+    ui.allocate_ui_with_layout(room, layout, add).inner
+}
+
+/// Says what the lines are.
+fn legend(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
+    ui.add_space(4.0);
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        entries(ui, state, sets);
+    });
+}
+
+fn entries(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
+    let palette = sets.palette;
+    let band = sets
+        .spectrum()
+        .is_some_and(|(spectrum, _)| spectrum.bands.is_some());
+    let this = if band {
+        "this moment, with its 95% band"
+    } else {
+        "this moment"
+    };
+    entry(ui, Line::Solid, palette.accent, this);
+    let reference = &state.analysis.reference;
+    let name = match reference {
+        crate::analysis::Reference::Failed(why) => format!("reference: {why}"),
+        _ => format!("reference: {}", reference.name()),
+    };
+    entry(ui, Line::Dotted, palette.text, &name);
+    match state.held() {
+        Some(Ok(held)) => {
+            let guessed = if held.guessed {
+                " (unit square assumed)"
+            } else {
+                ""
+            };
+            let radius = held.measured.radius;
+            let name = format!("file: {}{guessed}, judged at r = {radius}", held.name());
+            entry(ui, Line::Dashed, palette.conflict, &name);
+            if let Some(reason) = numbers::unjudged(&held.measured, sets.unit) {
+                ui.label(RichText::new(reason).size(12.0).color(palette.muted));
+            }
+        }
+        Some(Err(why)) => {
+            ui.label(RichText::new(why).size(12.0).color(palette.conflict));
+        }
+        None => {}
+    }
+}
+
+/// A line and what it is.
+fn entry(ui: &mut Ui, line: Line, color: Color32, text: &str) {
+    let muted = ui.visuals().weak_text_color();
+    ui.horizontal_top(|ui| {
+        let (rect, _) = ui.allocate_exact_size(vec2(26.0, 17.0), Sense::hover());
+        plot::sample(ui.painter(), rect, line, color);
+        let text = RichText::new(text).size(12.0).color(muted);
+        ui.add(egui::Label::new(text).wrap());
+    });
+}
+
+/// What to hold the moment against.
+fn file(ui: &mut Ui, state: &State, commands: &mut Vec<Command>, own: &mut Vec<AnalysisCommand>) {
+    ui.add_space(4.0);
+    ui.horizontal(|ui| {
+        let open = ui.button("Hold against a file\u{2026}");
+        if open.clicked() {
+            commands.push(Command::File(FileCommand::Sheet(Purpose::Against)));
+        }
+        let there = state.analysis.held.is_some();
+        let clear = ui.add_enabled(there, Button::new("Clear"));
+        let clear = clear.on_hover_text("Forgets the file.");
+        let clear = clear.on_disabled_hover_text("No file is held against this run.");
+        if clear.clicked() {
+            own.push(AnalysisCommand::Clear);
+        }
+    });
+}
+
+/// The brush in numbers: the keyboard reaches it here.
+fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
+    let (palette, brush) = (Palette::of(state.look), state.analysis.brush);
+    for (axis, name, sign, start) in [
+        (Axis::Frequency, "Frequencies", "\u{3bd}", FIRST_PEAK),
+        (Axis::Distance, "Distances", " r", [1.0, 1.05]),
+    ] {
+        let range = Brush::along(brush, axis);
+        ui.horizontal(|ui| {
+            let mut on = range.is_some();
+            let [mut low, mut high] = range.unwrap_or(start);
+            let room = ui.max_rect().left() + 108.0;
+            let mut changed = ui.checkbox(&mut on, name).changed();
+            ui.add_space((room - ui.cursor().left()).max(0.0));
+            for (value, which) in [(&mut low, "from"), (&mut high, "to")] {
+                let field = DragValue::new(value)
+                    .range(0.0..=axis.end())
+                    .speed(0.005)
+                    .fixed_decimals(3);
+                let field = match axis {
+                    Axis::Frequency => field.prefix("\u{3bd} "),
+                    Axis::Distance => field.suffix(sign),
+                };
+                let field = ui.add_enabled(on, field);
+                let label = format!("Brush: {name} {which}");
+                field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, on, &label));
+                changed |= field.changed();
+                field.on_disabled_hover_text("Nothing of this kind is brushed.");
+            }
+            if changed {
+                let brush = Brush::between(axis, low, high).filter(|_| on);
+                own.push(AnalysisCommand::Brush(brush));
+            }
+        });
+    }
+    ui.horizontal(|ui| {
+        ui.set_height(24.0);
+        if let Some(fraction) = state.analysis.marks.progress() {
+            let bar = ProgressBar::new(fraction).desired_height(6.0);
+            ui.add(bar.desired_width(56.0).fill(palette.accent));
+            let cancel = ui.button("Cancel the search");
+            if cancel.on_hover_text("Clears the brush.").clicked() {
+                own.push(AnalysisCommand::Brush(None));
+            }
+        }
+    });
+    let said = RichText::new(state.brush_said()).size(12.0);
+    let response = lines(ui, said.color(palette.muted));
+    super::read_out(ui, &response);
+}
+
+/// Issues what was done to a range of `axis`, if that changes the brush.
+fn drag(
+    axis: Axis,
+    dragged: Option<Dragged>,
+    brush: Option<Brush>,
+    own: &mut Vec<AnalysisCommand>,
+) {
+    match dragged {
+        Some(Dragged::Between(a, b)) => {
+            let dragged = Brush::between(axis, a, b);
+            if dragged.is_some() && dragged != brush {
+                own.push(AnalysisCommand::Brush(dragged));
+            }
+        }
+        Some(Dragged::Nothing) => own.push(AnalysisCommand::Brush(None)),
+        None => {}
+    }
+}

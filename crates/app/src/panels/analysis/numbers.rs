@@ -1,0 +1,196 @@
+//! The numbers of the analysis, a column for each set.
+
+use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+use tilescope_analysis::Report;
+use tilescope_analysis::measures::{PowerCurve, Spectrum};
+
+use super::Sets;
+use crate::analysis::measured::Measured;
+use crate::sentence::{counted, grouped};
+
+/// Room for a number, in screen points.
+const COLUMN: f32 = 62.0;
+const ROW: f32 = 19.0;
+
+/// A number: its name, what it is, and how it is read off a set where r has the length given.
+struct Number {
+    name: &'static str,
+    explanation: &'static str,
+    value: fn(&Measured, f64) -> Option<String>,
+}
+
+const NUMBERS: [Number; 8] = [
+    Number {
+        name: "Samples",
+        explanation: "Samples that stand: tiled or inserted, and not eliminated.",
+        value: |set, _| Some(grouped(set.samples)),
+    },
+    Number {
+        name: "Density N r\u{b2}/A",
+        explanation: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.",
+        value: |set, unit| {
+            let density = set.samples as f64 * unit * unit / set.region.area();
+            Some(format!("{density:.4}"))
+        },
+    },
+    Number {
+        name: "Conflicts",
+        explanation: "Pairs closer than r.",
+        value: |set, unit| Some(grouped(judged(set, unit)?.conflicts as usize)),
+    },
+    Number {
+        name: "Open places",
+        explanation: "Centres of empty circles larger than r: a gap has one or more.",
+        value: |set, unit| Some(grouped(judged(set, unit)?.gaps as usize)),
+    },
+    Number {
+        name: "Least distance, r",
+        explanation: "The smallest distance between two samples.",
+        value: |set, unit| Some(finite(set.verdict()?.min_distance / unit)),
+    },
+    Number {
+        name: "Relative radius",
+        explanation: "The smallest distance, divided by that of the densest packing of as many samples.",
+        value: |set, _| Some(finite(set.verdict()?.relative_radius)),
+    },
+    Number {
+        name: "Eff. Nyquist \u{3bd}",
+        explanation: "The largest frequency below which the mean power stays under 0.1; a square lattice has 1.",
+        value: |set, _| of_curve(set, PowerCurve::effective_nyquist),
+    },
+    Number {
+        name: "Oscillation",
+        explanation: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, up to \u{3bd} = 2.5; none where the spectrum ends before. The scatter of one set adds to it.",
+        value: |set, _| of_curve(set, oscillation),
+    },
+];
+
+/// Shows the numbers. The rows are there before the numbers are.
+pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
+    let heads = ["moment", "reference", "file"];
+    let columns = if sets.held.is_some() { 3 } else { 2 };
+    row(
+        ui,
+        sets,
+        "",
+        &heads.map(str::to_owned)[..columns],
+        false,
+        "",
+    );
+    for number in &NUMBERS {
+        let value = |set: Option<&Measured>, unit| {
+            let text = set.and_then(|set| (number.value)(set, unit));
+            text.unwrap_or_else(|| "\u{2013}".to_owned())
+        };
+        let (now, faded) = sets
+            .part(|set| (number.value)(set, 1.0))
+            .unwrap_or_else(|| ("\u{2013}".to_owned(), false));
+        let held = sets.held.map(|held| &*held.measured);
+        let texts = [
+            now,
+            value(sets.reference.map(|set| &**set), 1.0),
+            value(held, sets.unit),
+        ];
+        let reason = sets
+            .held
+            .and_then(|held| unjudged(&held.measured, sets.unit));
+        let explanation = match reason.filter(|_| JUDGED.contains(&number.name)) {
+            Some(reason) => format!("{} {reason}", number.explanation),
+            None => number.explanation.to_owned(),
+        };
+        let texts = &texts[..columns];
+        row(ui, sets, number.name, texts, faded, &explanation);
+    }
+}
+
+/// Numbers that depend on the radius that a set was judged with.
+const JUDGED: [&str; 2] = ["Conflicts", "Open places"];
+
+/// Returns the verdict on a set, if it was judged with r of length `unit`.
+fn judged(set: &Measured, unit: f64) -> Option<&Report> {
+    set.verdict().filter(|_| set.is_judged_with(unit))
+}
+
+/// Returns why a file has no conflicts and no open places to show, if that is for its radius.
+pub fn unjudged(file: &Measured, unit: f64) -> Option<String> {
+    (!file.is_judged_with(unit)).then(|| {
+        format!(
+            "The file was judged at r = {}, and this run's r is {unit}: hold the run against it again.",
+            file.radius
+        )
+    })
+}
+
+/// Returns how many samples, conflicts and open places there are, in words.
+pub fn counts(set: &Measured) -> String {
+    let samples = counted(set.samples, "sample", "samples");
+    match &set.report {
+        Some(Ok(report)) => format!(
+            "{samples}, {}, {}.",
+            counted(report.conflicts as usize, "conflict", "conflicts"),
+            counted(report.gaps as usize, "open place", "open places")
+        ),
+        Some(Err(why)) => format!("{samples}. {why}"),
+        None => format!("{samples}."),
+    }
+}
+
+fn row(ui: &mut Ui, sets: &Sets<'_>, name: &str, texts: &[String], faded: bool, explanation: &str) {
+    let palette = sets.palette;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let is_head = name.is_empty();
+    if !is_head {
+        let names = ["", "reference ", "file "];
+        let each = names
+            .iter()
+            .zip(texts)
+            .map(|(name, text)| format!("{name}{text}"));
+        let old = if faded { " (of a moment before)" } else { "" };
+        let said = format!("{name}: {}{old}", each.collect::<Vec<_>>().join(", "));
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &said));
+        response.on_hover_text(explanation);
+    }
+    let painter = ui.painter();
+    let at = rect.left_center();
+    let font = FontId::proportional(12.8);
+    painter.text(at, Align2::LEFT_CENTER, name, font, palette.muted);
+    for (k, text) in texts.iter().enumerate() {
+        let color: Color32 = match k {
+            _ if is_head => palette.muted,
+            0 if faded => palette.text.gamma_multiply(0.45),
+            0 => palette.text,
+            _ => palette.muted,
+        };
+        let font = if is_head {
+            FontId::proportional(11.5)
+        } else {
+            FontId::monospace(12.3)
+        };
+        let x = rect.right() - COLUMN * (texts.len() - 1 - k) as f32;
+        painter.text(pos2(x, at.y), Align2::RIGHT_CENTER, text, font, color);
+    }
+}
+
+/// Oscillations are compared over one range only.
+fn oscillation(curve: &PowerCurve) -> Option<f64> {
+    let end = curve.frequencies().last()?;
+    (*end >= 0.95 * Spectrum::MOST_NU).then(|| curve.oscillation())?
+}
+
+fn finite(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.4}")
+    } else {
+        "none".to_owned()
+    }
+}
+
+/// Returns a number of the whole curve of powers; that of low frequencies alone would be another.
+fn of_curve(set: &Measured, number: fn(&PowerCurve) -> Option<f64>) -> Option<String> {
+    let curve = set.spectrum.as_ref()?.curve.as_ref();
+    Some(
+        curve
+            .and_then(number)
+            .map_or_else(|| "none".to_owned(), finite),
+    )
+}

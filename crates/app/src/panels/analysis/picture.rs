@@ -1,0 +1,203 @@
+//! The periodogram as a picture: white is no power, black three times that of noise, and a ring to drag.
+
+use std::sync::Arc;
+
+use egui::{
+    Color32, ColorImage, CursorIcon, Id, Painter, Rect, Response, Role, Sense, Stroke,
+    TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+};
+use tilescope_analysis::measures::Spectrum;
+
+use super::plot::Dragged;
+use crate::theme::Palette;
+
+/// Power that is black.
+pub const BLACK: f64 = 3.0;
+
+/// The picture is no wider than this, in screen points.
+const MOST_SIDE: f32 = 250.0;
+
+/// Shows the picture in a square of the whole width, frequencies up to `reach` from its middle to its nearer sides; returns what
+/// was done to the ring.
+pub fn show(
+    ui: &mut Ui,
+    spectrum: Option<&Arc<Spectrum>>,
+    faded: bool,
+    brush: Option<[f64; 2]>,
+    palette: &Palette,
+) -> Option<Dragged> {
+    let side = ui.available_width().min(MOST_SIDE);
+    let room = vec2(ui.available_width(), side);
+    let (place, response) = ui.allocate_exact_size(room, Sense::CLICK | Sense::DRAG);
+    let rect = Rect::from_center_size(place.center(), vec2(side, side));
+    let reach = Spectrum::MOST_NU;
+    let name =
+        "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    let response = response.on_hover_cursor(CursorIcon::Crosshair);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, palette.domain);
+    let per_nu = f64::from(side) / (2.0 * reach);
+    if let Some(spectrum) = spectrum {
+        // Stays grey where nothing is measured.
+        painter.rect_filled(rect, 2.0, palette.line);
+        let size = spectrum
+            .picture_reach
+            .map(|half| (2.0 * half * per_nu) as f32);
+        let cells = Rect::from_center_size(rect.center(), vec2(size[0], size[1]));
+        let tint = Color32::WHITE.gamma_multiply(if faded { 0.35 } else { 1.0 });
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        let texture = texture(ui, spectrum);
+        painter.image(texture.id(), cells, whole, tint);
+    }
+    ring(&painter, rect, brush, per_nu, palette);
+    let border = Stroke::new(1.0, palette.border);
+    painter.rect_stroke(rect, 0.0, border, egui::StrokeKind::Inside);
+    let nu = |at: egui::Pos2| f64::from(at.distance(rect.center())) / per_nu;
+    let over = response.hover_pos().filter(|at| rect.contains(*at));
+    let response = match over.filter(|_| !response.dragged()) {
+        Some(at) => {
+            let offset = at - rect.center();
+            let power = spectrum.and_then(|spectrum| power_at(spectrum, offset, per_nu));
+            let power = power.map_or_else(String::new, |power| format!("   P = {power:.3}"));
+            let text = format!("\u{3bd} = {:.3}{power}", nu(at));
+            response.on_hover_text_at_pointer(egui::RichText::new(text).monospace())
+        }
+        None => response,
+    };
+    dragged(ui, &response, brush, nu)
+}
+
+/// Returns what was done to the ring, where `nu` is the frequency at a place.
+fn dragged(
+    ui: &Ui,
+    response: &Response,
+    brush: Option<[f64; 2]>,
+    nu: impl Fn(egui::Pos2) -> f64,
+) -> Option<Dragged> {
+    if response.clicked() {
+        return brush.map(|_| Dragged::Nothing);
+    }
+    let from = ui.input(|input| input.pointer.press_origin());
+    match (from, response.interact_pointer_pos()) {
+        (Some(from), Some(to)) if response.dragged() => Some(Dragged::Between(nu(from), nu(to))),
+        _ => None,
+    }
+}
+
+fn ring(painter: &Painter, rect: Rect, brush: Option<[f64; 2]>, per_nu: f64, palette: &Palette) {
+    for end in brush.into_iter().flatten() {
+        let radius = (end * per_nu) as f32;
+        // A dark line within a light one is seen on any power.
+        painter.circle_stroke(rect.center(), radius, Stroke::new(3.2, Color32::WHITE));
+        painter.circle_stroke(rect.center(), radius, Stroke::new(1.6, palette.conflict));
+    }
+}
+
+/// Returns the mean power of the rectangle of frequencies at an offset from the middle, on the screen.
+fn power_at(spectrum: &Spectrum, offset: egui::Vec2, per_nu: f64) -> Option<f64> {
+    let picture = &spectrum.picture;
+    let index = |offset: f32, half: f64, cells: usize| {
+        let part = f64::from(offset) / per_nu / half;
+        let cell = (0.5 * (part + 1.0) * cells as f64).floor();
+        (0.0..cells as f64).contains(&cell).then_some(cell as usize)
+    };
+    let [half_x, half_y] = spectrum.picture_reach;
+    let x = index(offset.x, half_x, picture.size)?;
+    let y = index(-offset.y, half_y, picture.rows)?;
+    let power = picture.power.get(y * picture.size + x).copied();
+    power.filter(|power| power.is_finite())
+}
+
+/// Returns the picture on the device, made once for each spectrum.
+fn texture(ui: &Ui, spectrum: &Arc<Spectrum>) -> TextureHandle {
+    let id = Id::unique("periodogram of the moment");
+    let known: Option<(Arc<Spectrum>, TextureHandle)> = ui.data(|data| data.get_temp(id));
+    if let Some((_, texture)) = known.filter(|(of, _)| Arc::ptr_eq(of, spectrum)) {
+        return texture;
+    }
+    let options = TextureOptions::NEAREST;
+    let texture = ui
+        .ctx()
+        .load_texture("periodogram", image(spectrum), options);
+    ui.data_mut(|data| data.insert_temp(id, (Arc::clone(spectrum), texture.clone())));
+    texture
+}
+
+/// Returns the picture, high frequencies along y on top. What has no power of its own, as zero, is left out.
+fn image(spectrum: &Spectrum) -> ColorImage {
+    let (size, rows) = (spectrum.picture.size, spectrum.picture.rows);
+    let shade = |power: f64| {
+        if power.is_finite() {
+            let part = (power / BLACK).clamp(0.0, 1.0);
+            Color32::from_gray((255.0 * (1.0 - part)).round() as u8)
+        } else {
+            Color32::TRANSPARENT
+        }
+    };
+    let lines = spectrum.picture.power.chunks(size).rev();
+    let pixels = lines.flatten().map(|&power| shade(power)).collect();
+    ColorImage::new([size, rows], pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use tilescope_analysis::measures::Periodogram;
+    use tilescope_analysis::{Boundary, Region};
+
+    use super::*;
+
+    fn spectrum(width: f64, height: f64) -> Spectrum {
+        let region = Region {
+            width,
+            height,
+            boundary: Boundary::Periodic,
+        };
+        let places = (1..=600).map(|i| [0.754_877, 0.569_84].map(|step| f64::from(i) * step));
+        let points: Vec<[f64; 2]> = places
+            .map(|[x, y]| [x.fract() * width, y.fract() * height])
+            .collect();
+        let window = Spectrum::window(points.len() as f64, region);
+        let go_on = |_| ControlFlow::Continue(());
+        let periodogram = Periodogram::of(&points, region, &window, &go_on).unwrap();
+        Spectrum::of(&periodogram).unwrap()
+    }
+
+    #[test]
+    fn pictures_of_oblong_domains_have_as_many_pixels_as_their_size_says() {
+        for (width, height) in [(1.0, 1.0), (2.0, 1.0), (1.0, 3.0), (8.0, 1.0)] {
+            let spectrum = spectrum(width, height);
+            let (image, picture) = (image(&spectrum), &spectrum.picture);
+            assert_eq!(image.size, [picture.size, picture.rows]);
+            assert_eq!(image.pixels.len(), image.size[0] * image.size[1]);
+            let is_square = f64::abs(width - height) < 1e-9;
+            assert_eq!(picture.size == picture.rows, is_square);
+        }
+    }
+
+    #[test]
+    fn the_power_under_the_pointer_is_that_of_its_cell_in_oblong_domains_too() {
+        let per_nu = 40.0;
+        for (width, height) in [(1.0, 1.0), (2.0, 1.0), (1.0, 3.0)] {
+            let spectrum = spectrum(width, height);
+            let picture = &spectrum.picture;
+            let [half_x, half_y] = spectrum.picture_reach;
+            for (index, power) in picture.power.iter().enumerate() {
+                let (x, y) = (index % picture.size, index / picture.size);
+                let middle = |cell: usize, cells: usize, half: f64| {
+                    (((2 * cell + 1) as f64 / cells as f64 - 1.0) * half * per_nu) as f32
+                };
+                let at = vec2(
+                    middle(x, picture.size, half_x),
+                    -middle(y, picture.rows, half_y),
+                );
+                let expected = Some(*power).filter(|power| power.is_finite());
+                assert_eq!(power_at(&spectrum, at, per_nu), expected, "{x} {y}");
+            }
+            let beyond = vec2(1.01 * (half_x * per_nu) as f32, 0.0);
+            assert_eq!(power_at(&spectrum, beyond, per_nu), None);
+        }
+    }
+}

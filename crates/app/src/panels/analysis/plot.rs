@@ -1,0 +1,382 @@
+//! A chart of curves: axes with round ticks, levels, bands, what is under the pointer, and a range to drag. It draws what it
+//! is given and knows no measure.
+
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+use crate::theme::{Palette, semibold};
+
+/// Room for the numbers left of a chart, for its title and for the numbers below, in screen points.
+const LEFT: f32 = 30.0;
+const ABOVE: f32 = 23.0;
+const BELOW: f32 = 31.0;
+/// At least so far apart are the numbers along an axis.
+const TICKS_APART: [f32; 2] = [33.0, 26.0];
+
+/// How a line is drawn, so that lines can be told apart without colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// Whole and wide.
+    Solid,
+    /// Dots.
+    Dotted,
+    /// Dashes.
+    Dashed,
+}
+
+/// Places that are joined.
+pub struct Curve {
+    /// What it is of.
+    pub name: String,
+    /// Its places, rising in x.
+    pub points: Vec<[f64; 2]>,
+    /// The ends of the band around each place.
+    pub band: Option<Vec<[f64; 2]>>,
+    /// How it is drawn.
+    pub line: Line,
+    /// Its colour.
+    pub color: Color32,
+}
+
+/// An axis.
+pub struct Axis<'a> {
+    /// What it counts, with the unit.
+    pub label: &'a str,
+    /// Its sign in what is said of a place.
+    pub sign: &'a str,
+    /// Its ends.
+    pub range: [f64; 2],
+}
+
+/// A chart.
+pub struct Plot<'a> {
+    /// What it shows.
+    pub title: &'a str,
+    /// From left to right.
+    pub x: Axis<'a>,
+    /// Upwards; its label is only said.
+    pub y: Axis<'a>,
+    /// A level that means something, and what.
+    pub level: (f64, &'a str),
+    /// The curves, the most important one first.
+    pub curves: Vec<Curve>,
+    /// The range that is chosen.
+    pub brush: Option<[f64; 2]>,
+    /// Height, in screen points.
+    pub height: f32,
+}
+
+/// What was done to a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Dragged {
+    /// Chosen.
+    Between(f64, f64),
+    /// No longer chosen.
+    Nothing,
+}
+
+impl Plot<'_> {
+    /// Shows the chart over the whole width; returns what was done to the range.
+    pub fn show(&self, ui: &mut Ui, palette: &Palette) -> Option<Dragged> {
+        let size = vec2(ui.available_width(), self.height);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
+        let said = self.said();
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
+        let mut inner = rect;
+        inner.min += vec2(LEFT, ABOVE);
+        inner.max -= vec2(13.0, BELOW);
+        let frame = Frame { plot: self, inner };
+        let painter = ui.painter_at(rect);
+        frame.ground(&painter, rect, palette);
+        let within = ui.painter_at(inner.expand(1.0));
+        frame.marked(&within, palette);
+        for curve in self.curves.iter().rev() {
+            frame.curve(&within, curve);
+        }
+        let pointer = response.hover_pos().filter(|at| inner.contains(*at));
+        if let Some(at) = pointer.filter(|_| !response.dragged()) {
+            let x = frame.x_at(at);
+            frame.cursor(&within, x, palette);
+            let rows = self.rows(x);
+            response.clone().on_hover_ui_at_pointer(|ui| {
+                for row in rows {
+                    ui.label(egui::RichText::new(row).monospace());
+                }
+            });
+        }
+        let response = response.on_hover_cursor(CursorIcon::Crosshair);
+        if response.clicked() {
+            return self.brush.map(|_| Dragged::Nothing);
+        }
+        let from = ui.input(|input| input.pointer.press_origin());
+        match (from, response.interact_pointer_pos()) {
+            (Some(from), Some(to)) if response.dragged() => {
+                Some(Dragged::Between(frame.x_at(from), frame.x_at(to)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Says what the chart shows, for readers of screens.
+    fn said(&self) -> String {
+        let highest = |curve: &Curve| {
+            let points = curve.points.iter().copied();
+            points.max_by(|a, b| a[1].total_cmp(&b[1]))
+        };
+        let each = self.curves.iter().filter_map(|curve| {
+            let [x, y] = highest(curve)?;
+            Some(format!(
+                " {}: highest {y:.2} at {} {x:.2}.",
+                curve.name, self.x.sign
+            ))
+        });
+        let curves: String = each.collect();
+        let curves = if curves.is_empty() {
+            " Nothing yet.".to_owned()
+        } else {
+            curves
+        };
+        format!("Chart: {} over {}.{curves}", self.title, self.x.label)
+    }
+
+    /// Returns the values at x, in words.
+    fn rows(&self, x: f64) -> Vec<String> {
+        let mut rows = vec![format!("{} = {x:.3}", self.x.sign)];
+        for curve in &self.curves {
+            if let Some([_, y]) = nearest(&curve.points, x) {
+                rows.push(format!("{} {y:>8.3}  {}", self.y.sign, curve.name));
+            }
+        }
+        rows.push(format!(
+            "{} {:>8.3}  {}",
+            self.y.sign, self.level.0, self.level.1
+        ));
+        rows
+    }
+}
+
+/// Returns the place nearest to x, if it is nearer than two of its neighbours' distance.
+fn nearest(points: &[[f64; 2]], x: f64) -> Option<[f64; 2]> {
+    let after = points.partition_point(|point| point[0] < x);
+    let around = [after.checked_sub(1), Some(after)];
+    let near = around
+        .into_iter()
+        .flatten()
+        .filter_map(|index| points.get(index));
+    let place = near.min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs()))?;
+    let step = match points {
+        [first, .., last] => (last[0] - first[0]) / (points.len() - 1) as f64,
+        _ => f64::INFINITY,
+    };
+    ((place[0] - x).abs() <= 2.0 * step).then_some(*place)
+}
+
+/// A chart in its place.
+struct Frame<'a> {
+    plot: &'a Plot<'a>,
+    inner: Rect,
+}
+
+impl Frame<'_> {
+    fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
+        let part = |value: f64, [low, high]: [f64; 2]| ((value - low) / (high - low)) as f32;
+        let (x, y) = (part(x, self.plot.x.range), part(y, self.plot.y.range));
+        // Far outside nothing is seen, and lines stay finite.
+        let y = y.clamp(-3.0, 4.0);
+        pos2(
+            self.inner.left() + x * self.inner.width(),
+            self.inner.bottom() - y * self.inner.height(),
+        )
+    }
+
+    fn x_at(&self, at: Pos2) -> f64 {
+        let part = (at.x - self.inner.left()) / self.inner.width();
+        let [low, high] = self.plot.x.range;
+        low + f64::from(part.clamp(0.0, 1.0)) * (high - low)
+    }
+
+    /// Draws title, axes, ticks and levels.
+    fn ground(&self, painter: &Painter, rect: Rect, palette: &Palette) {
+        let (inner, plot) = (self.inner, self.plot);
+        painter.rect_filled(inner, 2.0, palette.domain);
+        let title = FontId::new(12.5, semibold());
+        let at = pos2(rect.left(), rect.top() + 1.0);
+        painter.text(at, Align2::LEFT_TOP, plot.title, title, palette.text);
+        let (number, words) = (FontId::monospace(10.5), FontId::proportional(11.5));
+        let thin = Stroke::new(1.0, palette.line);
+        for (value, text) in ticks(plot.x.range, inner.width() / TICKS_APART[0]) {
+            let x = self.at([value, plot.y.range[0]]).x;
+            painter.vline(x, inner.y_range(), thin);
+            let at = pos2(x, inner.bottom() + 3.0);
+            painter.text(at, Align2::CENTER_TOP, text, number.clone(), palette.muted);
+        }
+        for (value, text) in ticks(plot.y.range, inner.height() / TICKS_APART[1]) {
+            let y = self.at([plot.x.range[0], value]).y;
+            painter.hline(inner.x_range(), y, thin);
+            let at = pos2(inner.left() - 4.0, y);
+            painter.text(
+                at,
+                Align2::RIGHT_CENTER,
+                text,
+                number.clone(),
+                palette.muted,
+            );
+        }
+        let under = pos2(inner.center().x, rect.bottom() - 1.0);
+        painter.text(
+            under,
+            Align2::CENTER_BOTTOM,
+            plot.x.label,
+            words,
+            palette.muted,
+        );
+        self.level(painter, palette);
+        let border = Stroke::new(1.0, palette.border);
+        painter.hline(inner.x_range(), inner.bottom(), border);
+        painter.vline(inner.left(), inner.y_range(), border);
+    }
+
+    /// Draws the level that means something.
+    fn level(&self, painter: &Painter, palette: &Palette) {
+        let (inner, plot) = (self.inner, self.plot);
+        let y = self.at([plot.x.range[0], plot.level.0]).y;
+        if inner.y_range().contains(y) {
+            let ends = [pos2(inner.left(), y), pos2(inner.right(), y)];
+            let stroke = Stroke::new(1.0, palette.border);
+            painter.extend(Shape::dashed_line(&ends, stroke, 9.0, 5.0));
+        }
+    }
+
+    /// Draws the range that is chosen.
+    fn marked(&self, painter: &Painter, palette: &Palette) {
+        let Some([low, high]) = self.plot.brush else {
+            return;
+        };
+        let x = |value: f64| self.at([value, 0.0]).x;
+        let band = Rect::from_x_y_ranges(x(low)..=x(high), self.inner.y_range());
+        painter.rect_filled(band, 0.0, palette.margin.gamma_multiply(0.22));
+        for end in [low, high] {
+            let stroke = Stroke::new(1.2, palette.margin);
+            painter.vline(x(end), self.inner.y_range(), stroke);
+        }
+    }
+
+    fn curve(&self, painter: &Painter, curve: &Curve) {
+        let places: Vec<Pos2> = curve.points.iter().map(|&place| self.at(place)).collect();
+        if let Some(band) = &curve.band {
+            painter.add(self.band(curve, band));
+        }
+        match curve.line {
+            Line::Solid => {
+                painter.line(places, Stroke::new(1.8, curve.color));
+            }
+            Line::Dotted => {
+                painter.extend(Shape::dotted_line(&places, curve.color, 4.0, 1.1));
+            }
+            Line::Dashed => {
+                let stroke = Stroke::new(1.7, curve.color);
+                painter.extend(Shape::dashed_line(&places, stroke, 6.0, 3.5));
+            }
+        }
+    }
+
+    fn band(&self, curve: &Curve, band: &[[f64; 2]]) -> Mesh {
+        let mut mesh = Mesh::default();
+        let color = curve.color.gamma_multiply(0.25);
+        for (place, ends) in curve.points.iter().zip(band) {
+            for end in ends {
+                mesh.colored_vertex(self.at([place[0], *end]), color);
+            }
+        }
+        for k in (2..mesh.vertices.len() as u32).step_by(2) {
+            mesh.add_triangle(k - 2, k - 1, k);
+            mesh.add_triangle(k - 1, k, k + 1);
+        }
+        mesh
+    }
+
+    /// Marks x, and the curves there.
+    fn cursor(&self, painter: &Painter, x: f64, palette: &Palette) {
+        let stroke = Stroke::new(1.0, palette.muted);
+        painter.vline(self.at([x, 0.0]).x, self.inner.y_range(), stroke);
+        for curve in &self.plot.curves {
+            if let Some(place) = nearest(&curve.points, x) {
+                painter.circle_filled(self.at(place), 3.0, curve.color);
+            }
+        }
+    }
+}
+
+/// Draws a piece of a line as curves have it, for a legend.
+pub fn sample(painter: &Painter, rect: Rect, line: Line, color: Color32) {
+    let ends = [rect.left_center(), rect.right_center()];
+    match line {
+        Line::Solid => {
+            painter.line_segment(ends, Stroke::new(1.8, color));
+        }
+        Line::Dotted => {
+            painter.extend(Shape::dotted_line(&ends, color, 4.0, 1.1));
+        }
+        Line::Dashed => {
+            painter.extend(Shape::dashed_line(&ends, Stroke::new(1.7, color), 6.0, 3.5));
+        }
+    }
+}
+
+/// Returns round values within a range, about `most` of them at most, with their texts.
+fn ticks([low, high]: [f64; 2], most: f32) -> Vec<(f64, String)> {
+    let rough = (high - low) / f64::from(most.max(2.0));
+    let power = 10_f64.powf(rough.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0];
+    let times = steps.into_iter().find(|step| step * power >= rough * 0.999);
+    let step = times.unwrap_or(10.0) * power;
+    let decimals = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
+    let first = (low / step - 1e-9).ceil() as i64;
+    let last = (high / step + 1e-9).floor() as i64;
+    let text = |value: f64| format!("{value:.decimals$}").replace('-', "\u{2212}");
+    (first..=last)
+        .map(|k| k as f64 * step)
+        .map(|value| (value, text(value)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        let texts = |range, most| -> Vec<String> {
+            ticks(range, most)
+                .into_iter()
+                .map(|(_, text)| text)
+                .collect()
+        };
+        assert_eq!(
+            texts([0.0, 2.5], 6.0),
+            ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5"]
+        );
+        assert_eq!(
+            texts([-20.0, 10.0], 3.1),
+            ["\u{2212}20", "\u{2212}10", "0", "10"]
+        );
+        assert_eq!(texts([0.0, 5.0], 2.0), ["0", "5"]);
+        for most in 2..20 {
+            for high in [0.3, 1.0, 7.0, 64.0] {
+                let count = ticks([0.0, high], most as f32).len();
+                assert!(count <= most + 1 && count >= 1, "{most} {high} {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_place_under_the_pointer_is_the_nearest_one_or_none() {
+        let points = [[0.0, 1.0], [1.0, 2.0], [2.0, 3.0]];
+        assert_eq!(nearest(&points, 0.6), Some([1.0, 2.0]));
+        assert_eq!(nearest(&points, 3.9), Some([2.0, 3.0]));
+        assert_eq!(nearest(&points, 4.5), None);
+        assert_eq!(nearest(&[], 1.0), None);
+    }
+}

@@ -1,0 +1,136 @@
+//! How a session in the making tells of its progress, hears that it is to stop, and says why it did not come to be.
+
+use std::ops::ControlFlow;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use tilescope_core::{Observer, Progress, SampleError, Stage};
+
+use super::Session;
+use crate::combination::CombinationError;
+use crate::jobs::Monitor;
+
+/// Why there is no session.
+#[derive(Debug, thiserror::Error)]
+pub enum MakeError {
+    /// The run failed, or was cancelled.
+    #[error(transparent)]
+    Sample(#[from] SampleError),
+    /// The combination failed, or was cancelled.
+    #[error(transparent)]
+    Combination(#[from] CombinationError),
+    /// It failed, or was cancelled, where its error could not come from as it was.
+    #[error("{said}")]
+    Elsewhere {
+        /// The stage in which it was cancelled, if it was.
+        cancelled: Option<Stage>,
+        /// The error in words.
+        said: String,
+    },
+}
+
+/// An error as it can be sent.
+#[derive(Serialize, Deserialize)]
+struct Said(Option<Stage>, String);
+
+impl Serialize for MakeError {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Said(self.cancelled(), self.to_string()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for MakeError {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Said(cancelled, said) = Said::deserialize(deserializer)?;
+        Ok(Self::Elsewhere { cancelled, said })
+    }
+}
+
+impl MakeError {
+    /// Returns the error of a session whose making was stopped from outside.
+    pub(crate) fn given_up(monitor: &Monitor) -> Self {
+        let activity = monitor.activity();
+        let stages = [
+            Stage::Pattern,
+            Stage::Blocks,
+            Stage::Tile,
+            Stage::Eliminate,
+            Stage::Regions,
+            Stage::Finish,
+        ];
+        let iterations = (1..=64).map(Stage::Iterate);
+        let mut stages = stages.into_iter().chain(iterations);
+        let stage = stages.find(|stage| stage.to_string() == activity);
+        let stage = stage.unwrap_or(Stage::Pattern);
+        Self::Elsewhere {
+            cancelled: Some(stage),
+            said: SampleError::Cancelled { stage }.to_string(),
+        }
+    }
+
+    /// Returns a fault of the program, in words, as an error.
+    pub(super) const fn fault(said: String) -> Self {
+        Self::Elsewhere {
+            cancelled: None,
+            said,
+        }
+    }
+
+    /// Returns the stage in which it was cancelled, if it was.
+    #[must_use]
+    pub fn cancelled(&self) -> Option<Stage> {
+        match self {
+            Self::Sample(SampleError::Cancelled { stage }) => Some(*stage),
+            Self::Sample(_) => None,
+            Self::Combination(error) => error.cancelled(),
+            Self::Elsewhere { cancelled, .. } => *cancelled,
+        }
+    }
+}
+
+/// Carries a run's progress to the window, and the wish to cancel back.
+pub(crate) struct Reporter<'a> {
+    pub(crate) monitor: &'a Monitor,
+}
+
+impl Reporter<'_> {
+    /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
+    pub(super) fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
+        // Shares of the whole, as measured on a million samples.
+        let (start, share) = match stage {
+            Stage::Pattern => (0.0, 0.08),
+            Stage::Blocks => (0.08, 0.01),
+            Stage::Tile => (0.09, 0.16),
+            Stage::Eliminate => (0.25, 0.3),
+            Stage::Iterate(1) => (0.55, 0.3),
+            Stage::Iterate(_) => (0.85, 0.05),
+            Stage::Regions => (0.05, 0.85),
+            Stage::Finish => (0.9, 0.1),
+        };
+        self.monitor.set_activity(&stage.to_string());
+        self.monitor.set_fraction(start + share * part);
+        self.monitor.is_cancelled().then_some(stage)
+    }
+}
+
+impl Reporter<'_> {
+    /// Returns what `prepare` makes, unless the run is to stop.
+    pub(crate) fn prepare(
+        &self,
+        prepare: impl FnOnce() -> Session,
+    ) -> Result<Session, SampleError> {
+        match self.report(Stage::Finish, 0.5) {
+            None => Ok(prepare()),
+            Some(stage) => Err(SampleError::Cancelled { stage }),
+        }
+    }
+}
+
+impl Observer for Reporter<'_> {
+    fn observe(&mut self, progress: Progress) -> ControlFlow<()> {
+        let part = progress.done as f32 / progress.total.max(1) as f32;
+        match self.report(progress.stage, part) {
+            Some(_) => ControlFlow::Break(()),
+            None => ControlFlow::Continue(()),
+        }
+    }
+}

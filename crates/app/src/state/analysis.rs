@@ -1,0 +1,90 @@
+//! The commands of the live analysis, and having the moment measured while its panel is looked at.
+
+use std::sync::Arc;
+
+use super::State;
+use crate::analysis::AnalysisCommand;
+use crate::analysis::brush::Found;
+use crate::analysis::held::Held;
+use crate::layout::Panel;
+use crate::verification::region_of;
+
+impl State {
+    pub(super) fn apply_to_analysis(&mut self, command: AnalysisCommand) {
+        let mut analysis = std::mem::take(&mut self.analysis);
+        match command {
+            AnalysisCommand::Stop => {
+                if let Some(shown) = self.shown() {
+                    analysis.stop(&shown);
+                }
+            }
+            AnalysisCommand::Resume => analysis.resume(),
+            AnalysisCommand::Clear => analysis.held = None,
+            AnalysisCommand::Brush(brush) => analysis.brush = brush,
+        }
+        self.analysis = analysis;
+    }
+
+    /// Returns whether what is measured can be seen.
+    #[must_use]
+    pub fn analyses(&self) -> bool {
+        self.shows(Panel::Analysis)
+    }
+
+    /// Has the moment measured while somebody looks.
+    pub(super) fn want_analysis(&mut self) {
+        if !self.analyses() {
+            self.analysis.rest();
+            return;
+        }
+        let mut analysis = std::mem::take(&mut self.analysis);
+        if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
+            analysis.want(session, &shown, &self.wake);
+        }
+        self.analysis = analysis;
+    }
+
+    /// Returns the file that this run is held against, or why it is not.
+    #[must_use]
+    pub fn held(&self) -> Option<Result<&Arc<Held>, String>> {
+        let held = self.analysis.held.as_ref()?;
+        let session = self.session.as_ref()?;
+        Some(match held.refusal(region_of(session)) {
+            None => Ok(held),
+            Some(why) => Err(why),
+        })
+    }
+
+    /// Returns the causes of what is brushed at the moment, once they are found, while the analysis is looked at.
+    #[must_use]
+    pub fn causes(&self) -> Option<&Found> {
+        let brush = self.analysis.brush.filter(|_| self.analyses())?;
+        self.analysis.marks.of(&self.shown()?, brush)
+    }
+
+    /// Returns what came of the brush, in words.
+    #[must_use]
+    pub fn brush_said(&self) -> String {
+        match (self.analysis.brush, self.shown()) {
+            (Some(brush), Some(shown)) => self.analysis.marks.said(&shown, brush),
+            _ => "Drag over a chart or the periodogram, or choose here: what causes it is shown on the canvas.".to_owned(),
+        }
+    }
+
+    /// Holds the moments of this run, and of others, against a file.
+    pub(super) fn hold(&mut self, held: Held) {
+        self.open_panel(Panel::Analysis);
+        self.analysis.held = Some(Arc::new(held));
+    }
+
+    /// Waits until the moment is measured.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle_analysis(&mut self) {
+        // The first call finds where the cursor rests, the second begins.
+        self.want_analysis();
+        self.want_analysis();
+        while self.analysis.settle() {
+            self.want_analysis();
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! What becomes of files that were read or written, and what is told of them.
+
+use std::sync::Arc;
+
+use tilescope_debugger::Debugger;
+
+use crate::analysis::held::Held;
+use crate::draft::{Draft, ended, sentence};
+use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
+use crate::recipe::OwnPattern;
+use crate::sentence::counted;
+use crate::state::State;
+use crate::view::View;
+
+impl State {
+    pub(in crate::state) fn poll_files(&mut self) {
+        let found = self
+            .finding
+            .as_ref()
+            .and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
+        if let Some((purpose, outcome)) = found {
+            self.finding = None;
+            // Meanwhile the sheet may have been opened for something else.
+            let form = self.file.as_ref();
+            let same = form.is_some_and(|form| form.purpose == purpose);
+            match outcome {
+                #[cfg(not(target_arch = "wasm32"))]
+                Ok(Some(path)) if same => {
+                    self.apply_to_files(FileCommand::Path(path.to_string_lossy().into_owned()));
+                }
+                #[cfg(target_arch = "wasm32")]
+                Ok(found) if same => {
+                    if let Some(why) = found.refused.first() {
+                        self.tell(ended(why), true);
+                    }
+                    if !found.files.is_empty() {
+                        self.apply_to_files(FileCommand::Chosen(found.files));
+                    }
+                }
+                Ok(_) => {}
+                Err(failure) => self.tell(sentence(&failure), true),
+            }
+        }
+        if let Some(outcome) = self.filing.as_ref().and_then(|filing| filing.job.poll()) {
+            self.filed(outcome);
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::state) fn settle_files(&mut self) {
+        if let Some(filing) = &self.filing {
+            let outcome = filing.job.wait();
+            self.filed(outcome);
+        }
+    }
+
+    /// Closes the sheet if it is the one that this file was named in.
+    fn close_sheet(&mut self, filing: &Filing) {
+        let this = self.file.as_ref().is_some_and(|form| {
+            Some(form.purpose) == filing.purpose && form.path.trim() == filing.path
+        });
+        if this {
+            self.file = None;
+        }
+    }
+
+    fn filed(&mut self, outcome: Result<Outcome, String>) {
+        let Some(filing) = self.filing.take() else {
+            return;
+        };
+        let Outcome { done, left } = outcome.unwrap_or_else(|why| Outcome::of(Err(why)));
+        match done {
+            Ok(done) => {
+                self.close_sheet(&filing);
+                // What is said is about this file, or nothing.
+                self.notice = None;
+                self.take_done(done);
+            }
+            Err(why) => {
+                let mut names = filing.path.split(", ").filter(|name| !name.is_empty());
+                let begins = names.any(|name| why.starts_with(name));
+                let text = if begins { ended(&why) } else { sentence(&why) };
+                self.tell(text, true);
+            }
+        }
+        if !left.is_empty() {
+            self.add_left(&left);
+        }
+        for why in &filing.refused {
+            self.add(&ended(why));
+        }
+    }
+
+    /// Names the files that were not opened.
+    fn add_left(&mut self, left: &[String]) {
+        let named = left.iter().take(4).map(String::as_str);
+        let mut names = named.collect::<Vec<_>>().join(", ");
+        if left.len() > 4 {
+            names.push_str(", \u{2026}");
+        }
+        let others = counted(left.len(), "other file", "other files");
+        let were = if left.len() == 1 { "was" } else { "were" };
+        self.add(&format!(
+            "{others} {were} not opened: {names}. One is opened at a time."
+        ));
+    }
+
+    /// Says something beside whatever is said already.
+    fn add(&mut self, told: &str) {
+        let (text, is_error) = match self.notice.take() {
+            Some(notice) => (format!("{} {told}", notice.text), notice.is_error),
+            None => (told.to_owned(), false),
+        };
+        self.tell(text, is_error);
+    }
+
+    fn take_done(&mut self, done: Done) {
+        match done {
+            Done::Saved(path) => {
+                self.saved_as(format!("The session is in {path}."), path);
+            }
+            Done::Download(file) => {
+                let text = format!("The session is downloaded as {}.", file.name);
+                self.saved_as(text, file.name.clone());
+                self.downloads.push(file);
+            }
+            Done::Opened(opened) => self.take_up(*opened),
+            Done::Combined(combined) => self.take_combination(*combined),
+            Done::Against { held, no_pattern } => self.take_held(*held, no_pattern),
+            Done::Pattern(own) => self.take_pattern(own),
+        }
+    }
+
+    fn saved_as(&mut self, mut text: String, path: String) {
+        if self.comparison.is_some() && self.view().second.is_none() {
+            text.push_str(
+                " The run beside it is not: it is not finished, or its pattern comes from a file.",
+            );
+        }
+        self.tell(text, false);
+        self.session_path = Some(path);
+    }
+
+    fn take_held(&mut self, held: Held, no_pattern: Option<String>) {
+        if let Some(why) = no_pattern {
+            let name = held.name();
+            let text = format!(
+                "{name} is held against this run: its curves are drawn dashed in the analysis. It is no pattern to clip from: {why}. A pattern is maximal and comes together with its certificate."
+            );
+            self.tell(text, false);
+        }
+        self.hold(held);
+    }
+
+    fn take_pattern(&mut self, own: OwnPattern) {
+        let samples = counted(own.pattern.samples().len(), "sample", "samples");
+        let text = format!(
+            "The next run clips from the {samples} of {}. To hold it against this run instead, see the Analyze menu.",
+            own.file.path
+        );
+        self.own_pattern = Some(own);
+        self.tell(text, false);
+    }
+
+    /// Shows a session that was read where it was left. A run at work is not waited for any more.
+    fn take_up(&mut self, opened: Opened) {
+        let recording = opened.session.recording().map(Arc::clone);
+        let resumed = recording.map(|recording| Debugger::resume(&opened.saved, recording));
+        let debugger = match resumed {
+            Some(Ok(debugger)) => debugger,
+            Some(Err(error)) => return self.tell(sentence(&error.to_string()), true),
+            None => return,
+        };
+        (self.sampling, self.notice, self.arriving) = (None, None, None);
+        self.draft = Draft::from_parameters(opened.saved.parameters);
+        self.own_pattern.clone_from(&opened.session.own);
+        self.show(opened.session);
+        self.debugger = Some(debugger);
+        self.follow_cursor();
+        let (view, mut dropped) = View::from_json(&opened.saved.view);
+        dropped.extend(self.look_as(&view));
+        self.forget_changes();
+        self.opened_from(opened.path, &dropped);
+    }
+
+    /// Shows a combination that was read; one that was saved where it was left.
+    fn take_combination(&mut self, combined: Combined) {
+        (self.sampling, self.notice, self.arriving) = (None, None, None);
+        self.show_combination(combined.session);
+        let Some(saved) = combined.saved else {
+            return;
+        };
+        if let Some(session) = &self.session {
+            self.stage = saved.stage.min(session.stages.len() - 1);
+        }
+        let (view, mut dropped) = View::from_json(&saved.view);
+        dropped.extend(self.look_as(&view));
+        self.forget_changes();
+        self.opened_from(combined.path, &dropped);
+    }
+
+    /// Remembers where a session is from, and names the parts of its view that were left out.
+    fn opened_from(&mut self, path: String, dropped: &[&str]) {
+        if !dropped.is_empty() {
+            let text = format!(
+                "{path} is open. These parts of its view make no sense and were left out: {}.",
+                dropped.join(", ")
+            );
+            self.tell(text, false);
+        }
+        self.session_path = Some(path);
+    }
+}

@@ -1,0 +1,305 @@
+//! Permalinks of what is at hand, and opening them: the run is made first, then the moment, the view and the rest are taken up.
+
+use tilescope_debugger::SavedBreakpoint;
+
+use super::State;
+use crate::command::{Command, DebugCommand, Selection};
+use crate::draft::Draft;
+use crate::link::{self, Content, Link, Moment, Said, slug};
+use crate::recipe::Recipe;
+use crate::sentence::{counted, grouped, stage_name};
+
+/// A link whose run is being made.
+pub(super) struct Arriving {
+    content: Content,
+    said: Said,
+}
+
+impl State {
+    /// Returns the link to what is at hand: to the run, the moment and how they are looked at. While the run of an opened
+    /// link is being made, that link. It is made of numbers that are at hand, so that it may be asked for often.
+    #[must_use]
+    pub fn link(&self) -> Link {
+        if let Some(arriving) = &self.arriving {
+            return link::write(&arriving.content);
+        }
+        let mut left_out = Vec::new();
+        let content = self.content(&mut left_out);
+        let mut link = link::write(&content);
+        left_out.append(&mut link.left_out);
+        Link { left_out, ..link }
+    }
+
+    fn content(&self, left_out: &mut Vec<String>) -> Content {
+        let view = self.view();
+        let fitted = view.fitted == Some(true);
+        let flight = self
+            .flight
+            .as_ref()
+            .filter(|_| self.before_pattern.is_none());
+        let flight = flight.map(crate::camera::Flight::destination);
+        let first = Content::default();
+        let mut content = Content {
+            moment: self.linked_moment(),
+            camera: flight.or(view.camera).filter(|_| !fitted),
+            layers: view.layers.unwrap_or(first.layers),
+            colouring: view.colouring.unwrap_or(first.colouring),
+            look: view.look.unwrap_or(first.look),
+            selection: view.selection.unwrap_or(Selection::Nothing),
+            clock: view.clock.unwrap_or(first.clock),
+            speed: view.speed.unwrap_or(first.speed),
+            range: view.range,
+            second: self.linked_second(&view, left_out),
+            layout: view.layout.unwrap_or(first.layout),
+            ..first
+        };
+        if let Some(debugger) = &self.debugger {
+            content.breakpoints = debugger.saved_breakpoints();
+            content.watches = debugger.watches().to_vec();
+            content.bookmarks.clone_from(&debugger.bookmarks);
+        }
+        self.put_run(&mut content, left_out);
+        content
+    }
+
+    fn put_run(&self, content: &mut Content, left_out: &mut Vec<String>) {
+        content.parameters = self.draft.parameters;
+        let Some(session) = &self.session else {
+            return;
+        };
+        match &session.combination {
+            None => {
+                content.parameters = session.run().parameters;
+                left_out.extend(link::excess(&content.parameters));
+            }
+            Some(combination) if combination.files > 0 => {
+                left_out.push("the combination, which has sets from files".to_owned());
+            }
+            Some(combination) => content.combination = Some(combination.layout.clone()),
+        }
+        if session.own.is_some() {
+            left_out.push("the pattern, which comes from a file".to_owned());
+        }
+    }
+
+    fn linked_moment(&self) -> Moment {
+        let Some(session) = &self.session else {
+            return Moment::End;
+        };
+        match self.cursor() {
+            Some((cursor, len)) if cursor < len => Moment::Event(cursor),
+            None if self.stage + 1 < session.stages.len() => {
+                Moment::Stage(slug(&stage_name(session.stages[self.stage])))
+            }
+            _ => Moment::End,
+        }
+    }
+
+    fn linked_second(
+        &self,
+        view: &crate::view::View,
+        left_out: &mut Vec<String>,
+    ) -> Option<(tilescope_core::Parameters, [bool; 3])> {
+        let (side, _) = self.comparison.as_ref()?;
+        let asked = side.asked.filter(|_| side.session.is_none());
+        let second = view.second.or(asked);
+        if second.is_none() {
+            left_out.push("run B, which takes part of a file or is a combination".to_owned());
+        }
+        Some((second?, view.links?))
+    }
+
+    pub(super) fn copy_link(&mut self) {
+        let Link { fragment, left_out } = self.link();
+        let base = self.link_base.as_deref();
+        self.copied = Some(format!("{}#{fragment}", base.unwrap_or_default()));
+        let mut text = "The link is copied".to_owned();
+        text.push_str(if base.is_some() {
+            "."
+        } else {
+            ": put it behind the address of any Tilescope page, or open it with tilescope --link."
+        });
+        if !left_out.is_empty() {
+            text = format!("{text} It leaves out {}.", left_out.join("; "));
+        }
+        self.tell(text, false);
+    }
+
+    /// Opens a link: a fragment with its `#` or without, or a whole address. What cannot be meant, is unknown or too large
+    /// is left out and named in a notice. The run is made first, if it is not the one at hand; a run that the user starts
+    /// meanwhile counts instead.
+    pub fn open_link(&mut self, text: &str) {
+        let (content, said) = link::read(text);
+        self.open_content(content, said);
+    }
+
+    pub(super) fn open_content(&mut self, content: Content, mut said: Said) {
+        self.stop_reading();
+        (self.sampling, self.arriving, self.notice) = (None, None, None);
+        (self.file, self.export, self.palette) = (None, None, None);
+        let before = self.memento();
+        self.own_pattern = None;
+        if content.combination.is_none() {
+            self.draft = Draft::from_parameters(content.parameters);
+        }
+        self.remember(before, &Command::ResetLayout);
+        if self.is_made_from(&content) {
+            self.take_up_link(&content, &mut said);
+            self.tell_of_link(&said);
+            return;
+        }
+        self.tell_of_link(&said);
+        match content.combination.clone() {
+            Some(layout) => self.start_combining(layout),
+            None => self.start_sampling(Recipe::from(content.parameters), self.engine),
+        }
+        self.arriving = Some(Box::new(Arriving { content, said }));
+    }
+
+    /// Returns whether the session at hand is what a link asks for.
+    fn is_made_from(&self, content: &Content) -> bool {
+        let Some(session) = &self.session else {
+            return false;
+        };
+        match (&session.combination, &content.combination) {
+            (None, None) => session.own.is_none() && session.run().parameters == content.parameters,
+            (Some(made), Some(asked)) => made.layout == *asked,
+            _ => false,
+        }
+    }
+
+    /// Takes up the link whose run has just been made.
+    pub(super) fn arrive(&mut self) {
+        let Some(arriving) = self.arriving.take() else {
+            return;
+        };
+        let Arriving { content, mut said } = *arriving;
+        if !self.is_made_from(&content) {
+            return;
+        }
+        let told = said.clone();
+        let is_there = |state: &Self| {
+            state
+                .notice
+                .as_ref()
+                .map(|notice| notice.text == told.text())
+        };
+        let shown = is_there(self);
+        if shown == Some(true) {
+            self.notice = None;
+        }
+        self.take_up_link(&content, &mut said);
+        // What was read and dismissed is not said again by itself.
+        if shown.is_some() || said != told {
+            self.tell_of_link(&said);
+        }
+    }
+
+    fn take_up_link(&mut self, content: &Content, said: &mut Said) {
+        let before = self.memento();
+        self.playback.stop();
+        self.playback.range = None;
+        self.apply_to_debugger(DebugCommand::Pick(Selection::Nothing));
+        self.sight = None;
+        self.take_moment(&content.moment, said);
+        self.take_stops(content, said);
+        for part in self.look_as(&content.view()) {
+            said.say(format!(
+                "The link's {part} does not fit this run and was left out."
+            ));
+        }
+        self.follow_pattern();
+        self.follow_first();
+        self.remember(before, &Command::ResetLayout);
+    }
+
+    /// Says what became of a link, behind what is said already.
+    fn tell_of_link(&mut self, said: &Said) {
+        if said.is_empty() {
+            return;
+        }
+        let mut text = match self.notice.take() {
+            Some(notice) => notice.text + " ",
+            None => String::new(),
+        };
+        text.push_str(&said.text());
+        self.tell(text, true);
+    }
+
+    fn take_moment(&mut self, moment: &Moment, said: &mut Said) {
+        let len = self.cursor().map(|(_, len)| len);
+        let place = match moment {
+            Moment::Stage(name) => self.stage_named(name),
+            _ => None,
+        };
+        let missed = match (moment, len, place) {
+            (Moment::Event(cursor), Some(len), _) if *cursor <= len => {
+                return self.jump(*cursor);
+            }
+            (Moment::Stage(_), _, Some(place)) => return self.show_stage(place),
+            (Moment::End, ..) => None,
+            (Moment::Event(cursor), Some(len), _) => Some(format!(
+                "The link asked for event {cursor} of a run of {}",
+                grouped(len)
+            )),
+            (Moment::Event(_), None, _) => {
+                Some("The link asked for an event, and this run has none".to_owned())
+            }
+            (Moment::Stage(name), ..) => {
+                Some(format!("This run has no stage \"{}\"", link::quoted(name)))
+            }
+        };
+        if let Some(missed) = missed {
+            said.say(format!("{missed}; the end is shown instead."));
+        }
+        self.show_stage(usize::MAX);
+    }
+
+    /// Returns the place of a stage in the session's list by its name in links.
+    pub(super) fn stage_named(&self, name: &str) -> Option<usize> {
+        let stages = &self.session.as_ref()?.stages;
+        stages
+            .iter()
+            .position(|&stage| slug(&stage_name(stage)) == name)
+    }
+
+    fn take_stops(&mut self, content: &Content, said: &mut Said) {
+        let stops = content.breakpoints.len() + content.watches.len() + content.bookmarks.len();
+        let Some(debugger) = &mut self.debugger else {
+            if stops > 0 {
+                said.say(
+                    "This run has no events: breakpoints, watches and bookmarks were left out."
+                        .to_owned(),
+                );
+            }
+            return;
+        };
+        while !debugger.breakpoints().is_empty() {
+            debugger.remove_breakpoint(0);
+        }
+        for SavedBreakpoint {
+            line,
+            condition,
+            enabled,
+        } in &content.breakpoints
+        {
+            let Some(line) = tilescope_debugger::Listings::shipped().find(line) else {
+                continue;
+            };
+            debugger.add_breakpoint(line, condition.as_deref().unwrap_or_default());
+            debugger.enable_breakpoint(debugger.breakpoints().len() - 1, *enabled);
+        }
+        debugger.watches_mut().clone_from(&content.watches);
+        let len = debugger.recording().len();
+        let marks = content.bookmarks.iter().filter(|mark| mark.event <= len);
+        debugger.bookmarks = marks.cloned().collect();
+        let behind = content.bookmarks.len() - debugger.bookmarks.len();
+        if behind > 0 {
+            let marks = counted(behind, "bookmark", "bookmarks");
+            said.say(format!(
+                "The link has {marks} behind the run's last event, {}, which were left out.",
+                grouped(len)
+            ));
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! What a page tells the app when it begins there: what draws it, and how the GPU comes to compute.
+
+use super::{Notice, State};
+use crate::device::{Device, Engine};
+use crate::embedding::Embedding;
+
+/// How the app begins on a page.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageStart {
+    /// What draws.
+    pub display: String,
+    /// Why, if there is a reason to tell.
+    pub reason: String,
+    /// Who samples.
+    pub engine: Engine,
+    /// A part of the window that is shown alone.
+    pub embedding: Option<Embedding>,
+    /// Whether nothing is to move by itself.
+    pub reduced_motion: bool,
+}
+
+impl State {
+    /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes and is one.
+    pub fn begin_on_page(&mut self, start: &PageStart) {
+        self.display = Some(start.display.clone());
+        self.embedding = start.embedding;
+        self.reduced_motion |= start.reduced_motion;
+        if !start.reason.is_empty() {
+            self.notice = Some(Notice {
+                text: start.reason.clone(),
+                is_error: true,
+            });
+        }
+        self.engine = start.engine;
+        if start.engine != Engine::Cpu && matches!(self.device, Device::Unknown) {
+            self.test_device();
+        }
+    }
+
+    /// Returns why the engine at hand samples, and what draws, where the app itself has chosen.
+    #[must_use]
+    pub fn chosen(&self) -> Option<String> {
+        let display = self.display.as_ref()?;
+        let engine = match &self.device {
+            _ if self.engine == Engine::Cpu => {
+                "The CPU engine samples in a worker, as chosen.".to_owned()
+            }
+            Device::Unknown => {
+                let failure = self.gpu_failure.as_deref();
+                let text = format!(
+                    "The CPU engine samples in a worker. {}",
+                    failure.unwrap_or_default()
+                );
+                text.trim_end().to_owned()
+            }
+            Device::Testing(_) => {
+                "The CPU engine samples in a worker while the GPU is opened and tested.".to_owned()
+            }
+            Device::Ready(_) if self.device_takes(self.engine) => {
+                "The GPU samples: it passed its test against the CPU.".to_owned()
+            }
+            Device::Ready(_) => {
+                "The CPU engine samples in a worker: the browser's GPU computes on the CPU itself, which takes longer.".to_owned()
+            }
+            Device::Refused(reason) => {
+                format!("The CPU engine samples in a worker, as no GPU can. {reason}")
+            }
+        };
+        Some(format!("{engine} {display} draws."))
+    }
+}

@@ -1,0 +1,183 @@
+//! Carries out what a page asks for, and tells it the state.
+
+use serde_json::{Value, json};
+use tilescope_core::Parameters;
+
+use super::State;
+use crate::clock::Clock;
+use crate::command::{Command, TimeCommand};
+use crate::draft::Draft;
+use crate::link::slug;
+use crate::panels::happened;
+use crate::recipe::Recipe;
+use crate::remote::{self, Request, RequestError};
+use crate::sentence::{grouped, stage_name};
+
+impl State {
+    /// Carries out a request of a page, JSON as in `web/`'s description of the interface, and returns the answer, JSON too:
+    /// `{"ok":true, ...}`, or `{"ok":false,"error":...}` with a sentence that names the value and the limit.
+    pub fn ask(&mut self, request: &str) -> String {
+        let answer = remote::read(request).and_then(|request| self.answer(request));
+        let answer = answer.unwrap_or_else(|error| {
+            let text = crate::draft::sentence(&error.to_string());
+            json!({"ok": false, "error": text})
+        });
+        answer.to_string()
+    }
+
+    fn answer(&mut self, request: Request) -> Result<Value, RequestError> {
+        let mut dropped = None;
+        match request {
+            Request::State => return Ok(json!({"ok": true, "state": self.told()})),
+            Request::Link(link) => {
+                let (content, said) = crate::link::read(&link);
+                dropped = Some(said.sentences());
+                self.open_content(content, said);
+            }
+            Request::Parameters(parameters) => {
+                dropped = Some(Vec::new());
+                self.load(*parameters);
+            }
+            Request::Step { forwards, unit } => self.step_by(forwards, unit)?,
+            Request::SeekEvent(event) => self.seek_event(event)?,
+            Request::SeekStage(stage) => self.seek_stage(&stage)?,
+            Request::SeekPart(part) => self.seek_part(part)?,
+            Request::Play(speed) => self.play_at(speed)?,
+            Request::Pause => self.playback.stop(),
+        }
+        Ok(match dropped {
+            Some(dropped) => json!({"ok": true, "dropped": dropped}),
+            None => json!({"ok": true}),
+        })
+    }
+
+    /// Samples with other parameters; how they are looked at stays.
+    fn load(&mut self, parameters: Parameters) {
+        self.stop_reading();
+        (self.notice, self.arriving, self.own_pattern) = (None, None, None);
+        self.draft = Draft::from_parameters(parameters);
+        self.start_sampling(Recipe::from(parameters), self.engine);
+    }
+
+    /// Returns the session that is moved in: none while another one is being made, which would take its place.
+    fn need_session(&self) -> Result<&crate::session::Session, RequestError> {
+        let why = match self.session.as_deref() {
+            Some(session) if self.sampling.is_none() => return Ok(session),
+            Some(_) => "a run is being made; wait until \"ready\" is true in the state",
+            None => "there is no session yet; wait until \"ready\" is true in the state",
+        };
+        Err(RequestError::Refused(why.to_owned()))
+    }
+
+    fn step_by(&mut self, forwards: bool, unit: Clock) -> Result<(), RequestError> {
+        self.need_session()?;
+        if let Some(why) = self.clock_refusal(unit) {
+            return Err(RequestError::Refused(why.to_owned()));
+        }
+        let clock = std::mem::replace(&mut self.playback.clock, unit);
+        self.apply(if forwards {
+            Command::StepForward
+        } else {
+            Command::StepBack
+        });
+        self.playback.clock = clock;
+        Ok(())
+    }
+
+    fn seek_event(&mut self, event: usize) -> Result<(), RequestError> {
+        self.need_session()?;
+        let Some((_, len)) = self.cursor() else {
+            let why = "this session has no events; seek a stage";
+            return Err(RequestError::Refused(why.to_owned()));
+        };
+        if event > len {
+            let len = grouped(len);
+            let why = format!("event {event} is behind the last one; there are {len}");
+            return Err(RequestError::Refused(why));
+        }
+        self.apply(Command::Time(TimeCommand::Jump(event)));
+        Ok(())
+    }
+
+    fn seek_stage(&mut self, stage: &str) -> Result<(), RequestError> {
+        let stages = self.need_session()?.stages.iter();
+        let names: Vec<String> = stages.map(|&stage| slug(&stage_name(stage))).collect();
+        let Some(place) = self.stage_named(stage) else {
+            let (stage, names) = (crate::link::quoted(stage), names.join(", "));
+            let why = format!("there is no stage \"{stage}\"; there are {names}");
+            return Err(RequestError::Refused(why));
+        };
+        self.apply(Command::ShowStage(place));
+        Ok(())
+    }
+
+    fn seek_part(&mut self, part: f64) -> Result<(), RequestError> {
+        let last = self.need_session()?.stages.len() - 1;
+        self.apply(match self.cursor() {
+            Some((_, len)) => {
+                Command::Time(TimeCommand::Jump((part * len as f64).round() as usize))
+            }
+            None => Command::ShowStage((part * last as f64).round() as usize),
+        });
+        Ok(())
+    }
+
+    fn play_at(&mut self, speed: Option<f32>) -> Result<(), RequestError> {
+        self.need_session()?;
+        if let Some(speed) = speed {
+            self.apply(Command::Time(TimeCommand::Speed(speed)));
+        }
+        if !self.playback.is_playing() {
+            self.apply(Command::TogglePlay);
+        }
+        Ok(())
+    }
+
+    /// Returns the state as a page that embeds the window is told of it. The digest is computed once a session.
+    #[must_use]
+    pub fn told(&self) -> Value {
+        let session = self.session.as_deref();
+        let made = session.filter(|session| session.combination.is_none());
+        let parameters = made.map_or(self.draft.parameters, |made| made.run().parameters);
+        let (cursor, events) = self.cursor().unwrap_or((0, 0));
+        let stage = self.current_stage().map(|stage| slug(&stage_name(stage)));
+        json!({
+            "seed": seed(parameters.seed),
+            "parameters": with_seeds(&parameters),
+            "ready": session.is_some() && self.sampling.is_none(),
+            "samples": session.map_or(0, |session| session.summary.count),
+            "events": events,
+            "cursor": cursor,
+            "stage": stage,
+            "sentence": happened(self),
+            "playing": self.playback.is_playing(),
+            "verified": self.verdict().map(|verdict| verdict.report.valid()),
+            "digest": session.map(crate::session::Session::digest),
+            "positions_digest": session.map(crate::session::Session::positions_digest),
+            "engine": session.map(|session| session.engine.as_str()),
+            "gpu": self.device.word(),
+            "chosen": self.chosen(),
+            "notice": self.notice.as_ref().map(|notice| notice.text.as_str()),
+            "link": self.link().fragment,
+        })
+    }
+}
+
+/// The greatest number up to which readers of JSON that have 64-bit floats alone tell all whole numbers apart.
+const MOST_EXACT: u64 = 1 << 53;
+
+/// Returns a seed as it is told: as text where a number would be rounded.
+fn seed(seed: u64) -> Value {
+    if seed <= MOST_EXACT {
+        json!(seed)
+    } else {
+        json!(seed.to_string())
+    }
+}
+
+fn with_seeds(parameters: &Parameters) -> Value {
+    let mut told = json!(parameters);
+    told["seed"] = seed(parameters.seed);
+    told["pattern"]["seed"] = seed(parameters.pattern.seed);
+    told
+}

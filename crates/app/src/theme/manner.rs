@@ -1,0 +1,206 @@
+//! What egui draws with: fonts, sizes and visuals, for a mouse or for fingers, moving or still. The colours are the
+//! palette's.
+
+use std::sync::Arc;
+
+use egui::{
+    Color32, Context, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Margin, Shadow,
+    Stroke, Style, TextStyle, Theme, Visuals, vec2,
+};
+
+use super::{Palette, semibold};
+
+/// What a window's style follows beside its colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Manner {
+    /// Whether everything that can be pressed is large enough for a finger.
+    pub touch: bool,
+    /// Whether nothing moves by itself.
+    pub still: bool,
+}
+
+/// What can be pressed is at least so high for a finger, in screen points.
+pub const FINGER: f32 = 40.0;
+
+/// Gives `ctx` the fonts and both themes, and shows `theme`.
+pub fn install(ctx: &Context, theme: Theme) {
+    ctx.set_fonts(fonts());
+    restyle(ctx, Manner::default());
+    ctx.set_theme(theme);
+}
+
+/// Gives both themes of `ctx` a manner.
+pub fn restyle(ctx: &Context, manner: Manner) {
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.set_style_of(theme, style(Palette::of_theme(theme), manner));
+    }
+    ctx.data_mut(|data| data.insert_temp(manner_id(), manner.touch));
+}
+
+fn manner_id() -> egui::Id {
+    egui::Id::unique("made for fingers")
+}
+
+/// Returns whether what can be pressed should be large enough for a finger.
+#[must_use]
+pub fn is_for_fingers(ctx: &Context) -> bool {
+    ctx.data(|data| data.get_temp(manner_id()).unwrap_or(false))
+}
+
+/// Returns the height of a row that can be pressed: `height`, or enough for a finger.
+#[must_use]
+pub fn row_height(ctx: &Context, height: f32) -> f32 {
+    if is_for_fingers(ctx) {
+        height.max(FINGER - 4.0)
+    } else {
+        height
+    }
+}
+
+/// Returns the fonts for what the embedded ones lack.
+#[cfg(not(target_arch = "wasm32"))]
+fn fallback_fonts() -> FontDefinitions {
+    FontDefinitions::default()
+}
+
+/// Returns the fonts for what the embedded ones lack: one has all signs of the window, and a page loads no others.
+#[cfg(target_arch = "wasm32")]
+fn fallback_fonts() -> FontDefinitions {
+    let mut fonts = FontDefinitions::empty();
+    for (name, bytes) in [
+        ("Hack", epaint_default_fonts::HACK_REGULAR),
+        ("egui-icons", epaint_default_fonts::EGUI_ICONS),
+    ] {
+        let data = Arc::new(FontData::from_static(bytes));
+        fonts.font_data.insert(name.to_owned(), data);
+        for family in [FontFamily::Proportional, FontFamily::Monospace] {
+            let names = fonts.families.entry(family).or_default();
+            names.push(name.to_owned());
+        }
+    }
+    fonts
+}
+
+fn fonts() -> FontDefinitions {
+    let mut fonts = fallback_fonts();
+    let embedded: [(&str, &'static [u8], FontFamily); 3] = [
+        (
+            "Inter",
+            include_bytes!("../../../../assets/fonts/Inter-Regular.otf"),
+            FontFamily::Proportional,
+        ),
+        (
+            "Inter SemiBold",
+            include_bytes!("../../../../assets/fonts/Inter-SemiBold.otf"),
+            semibold(),
+        ),
+        (
+            "JetBrains Mono",
+            include_bytes!("../../../../assets/fonts/JetBrainsMono-Regular.ttf"),
+            FontFamily::Monospace,
+        ),
+    ];
+    let fallback = fonts.families[&FontFamily::Proportional].clone();
+    for (name, bytes, family) in embedded {
+        let data = Arc::new(FontData::from_static(bytes));
+        fonts.font_data.insert(name.to_owned(), data);
+        let names = fonts.families.entry(family).or_insert(fallback.clone());
+        names.insert(0, name.to_owned());
+    }
+    fonts
+}
+
+fn style(palette: &Palette, manner: Manner) -> Style {
+    let mut style = Style {
+        visuals: visuals(palette),
+        animation_time: if manner.still { 0.0 } else { 0.12 },
+        ..Style::default()
+    };
+    let fonts = [
+        (TextStyle::Small, 11.5, FontFamily::Proportional),
+        (TextStyle::Body, 13.5, FontFamily::Proportional),
+        (TextStyle::Button, 13.5, FontFamily::Proportional),
+        (TextStyle::Heading, 15.0, semibold()),
+        (TextStyle::Monospace, 12.5, FontFamily::Monospace),
+    ];
+    for (name, size, family) in fonts {
+        style.text_styles.insert(name, FontId::new(size, family));
+    }
+    style.spacing.item_spacing = vec2(8.0, 5.0);
+    style.spacing.button_padding = vec2(9.0, 4.0);
+    style.spacing.interact_size.y = 24.0;
+    style.spacing.window_margin = Margin::same(18);
+    style.interaction.tooltip_delay = 0.25;
+    if manner.touch {
+        style.spacing.button_padding = vec2(12.0, 8.0);
+        style.spacing.interact_size = vec2(48.0, FINGER - 4.0);
+        style.spacing.icon_width = 20.0;
+        style.spacing.icon_width_inner = 12.0;
+        style.spacing.window_margin = Margin::same(12);
+    }
+    if manner.still {
+        style.scroll_animation = egui::style::ScrollAnimation::none();
+        style.visuals.text_cursor.blink = false;
+    }
+    style
+}
+
+fn visuals(palette: &Palette) -> Visuals {
+    let mut visuals = if palette.dark {
+        Visuals::dark()
+    } else {
+        Visuals::light()
+    };
+    let corner = CornerRadius::same(6);
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.panel;
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
+    visuals.window_corner_radius = CornerRadius::same(10);
+    visuals.menu_corner_radius = CornerRadius::same(8);
+    visuals.window_shadow = Shadow {
+        offset: [0, 8],
+        blur: 28,
+        spread: 0,
+        color: Color32::from_black_alpha(if palette.dark { 130 } else { 50 }),
+    };
+    visuals.extreme_bg_color = palette.raised;
+    visuals.faint_bg_color = palette.raised;
+    visuals.selection.bg_fill = palette.accent.gamma_multiply(0.35);
+    visuals.selection.stroke = Stroke::new(1.0, palette.accent);
+    visuals.hyperlink_color = palette.accent;
+    visuals.weak_text_color = Some(palette.muted);
+    visuals.error_fg_color = palette.conflict;
+    visuals.warn_fg_color = palette.margin;
+    let hover = palette.text.gamma_multiply(0.08);
+    let states = [
+        (
+            &mut visuals.widgets.noninteractive,
+            Color32::TRANSPARENT,
+            1.0,
+        ),
+        (&mut visuals.widgets.inactive, palette.raised, 1.0),
+        (
+            &mut visuals.widgets.hovered,
+            palette.raised.blend(hover),
+            1.0,
+        ),
+        (
+            &mut visuals.widgets.active,
+            palette.raised.blend(hover),
+            1.0,
+        ),
+        (&mut visuals.widgets.open, palette.raised, 1.0),
+    ];
+    for (state, fill, width) in states {
+        state.bg_fill = fill;
+        state.weak_bg_fill = fill;
+        state.bg_stroke = Stroke::new(width, palette.line);
+        state.fg_stroke = Stroke::new(1.0, palette.text);
+        state.corner_radius = corner;
+        state.expansion = 0.0;
+    }
+    visuals.widgets.hovered.bg_stroke.color = palette.muted;
+    visuals.widgets.active.bg_stroke.color = palette.accent;
+    visuals.disabled_alpha = 0.45;
+    visuals
+}

@@ -1,0 +1,39 @@
+//! A window without widgets that combines, and files for it.
+#![allow(dead_code, reason = "not every test uses all of it")]
+
+use std::fs;
+use std::path::Path;
+
+use tilescope_app::combination::CombineCommand;
+use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::{Command, State};
+
+#[path = "exporting.rs"]
+pub mod exporting;
+use exporting::opened;
+
+pub fn nine() -> State {
+    let mut state = opened();
+    state.apply(Command::Combine(CombineCommand::Nine));
+    state.settle();
+    state
+}
+
+pub fn open(state: &mut State, purpose: Purpose, path: &Path) {
+    state.apply(Command::File(FileCommand::Sheet(purpose)));
+    let name = path.to_string_lossy().into_owned();
+    state.apply(Command::File(FileCommand::Path(name)));
+    state.apply(Command::File(FileCommand::Go));
+    state.settle();
+}
+
+pub fn drop_file(state: &mut State, path: &Path) {
+    let name = path.to_string_lossy().into_owned();
+    state.apply(Command::File(FileCommand::Dropped(vec![name])));
+    state.settle();
+}
+
+pub fn drop_text(state: &mut State, path: &Path, text: &str) {
+    fs::write(path, text).unwrap();
+    drop_file(state, path);
+}

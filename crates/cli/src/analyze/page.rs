@@ -1,0 +1,151 @@
+//! The page: tables, figures and the command that made it. It needs nothing from elsewhere.
+
+use std::fmt::Write;
+
+use tilescope_figures::{Font, escape, font_faces};
+
+use super::differences;
+use super::gather::Analysis;
+use super::table::{self, Table};
+
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;color:#1a1d21;margin:2rem auto;max-width:1240px;padding:0 1rem}\
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;margin:1rem 0}\
+th,td{padding:.2rem .8rem;border-bottom:1px solid #d5dae0;text-align:right}\
+th:first-child,td:first-child,.units td:nth-child(2),.units th:nth-child(2){text-align:left}\
+td{white-space:nowrap}thead th{border-bottom:2px solid #5b6470}svg{max-width:100%;height:auto}\
+pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wide{overflow-x:auto}";
+
+/// Returns a page with the tables, the figures and the command that made it.
+pub fn html(analysis: &Analysis, figures: &[String]) -> String {
+    let title = "Analysis of point sets";
+    let fonts = font_faces(&[Font::Regular, Font::SemiBold]);
+    let mut out = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+         <style>{STYLE}{fonts}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+    );
+    let measures = table::measures(&analysis.subjects, analysis.against);
+    page_table(&mut out, &measures);
+    if let Some(reference) = analysis.reference() {
+        out.push_str("<h2>Differences</h2>\n");
+        let held = analysis.held();
+        let table = differences::table(reference, held, &analysis.comparisons);
+        page_table(&mut out, &table);
+    }
+    out.push_str("<h2>Curves</h2>\n");
+    for (index, svg) in figures.iter().enumerate() {
+        let svg = with_names_of_its_own(svg, index);
+        let _ = writeln!(out, "<div class=\"wide\">\n{svg}</div>");
+    }
+    out.push_str(NOTES);
+    files(&mut out, analysis);
+    list(&mut out, "Notes", analysis.notes.iter());
+    let reasons = analysis.failures.iter().map(|failure| &failure.reason);
+    list(&mut out, "Not analysed", reasons);
+    let _ = write!(
+        out,
+        "<h2>Command</h2>\n<pre>{}</pre>\n<p>tilescope {}</p>\n</body>\n</html>\n",
+        escape(&command_line(std::env::args().skip(1))),
+        env!("CARGO_PKG_VERSION")
+    );
+    out
+}
+
+/// Several figures on one page: what refers to a name within must find its own.
+fn with_names_of_its_own(svg: &str, index: usize) -> String {
+    svg.replace("id=\"clip-", &format!("id=\"f{index}-clip-"))
+        .replace("url(#clip-", &format!("url(#f{index}-clip-"))
+        .replace("id=\"layer-", &format!("id=\"f{index}-layer-"))
+}
+
+/// The files behind averages with their numbers, and those whose label is not their name.
+fn files(out: &mut String, analysis: &Analysis) {
+    for subject in analysis.subjects.iter().filter(|subject| subject.average) {
+        let _ = writeln!(out, "<h2>{}</h2>", escape(&capital(&subject.label)));
+        page_table(out, &table::files(&subject.members));
+    }
+    let renamed = analysis.subjects.iter().filter(|subject| !subject.average);
+    let lines: Vec<String> = renamed
+        .filter(|subject| subject.label != subject.members[0].name)
+        .map(|subject| format!("{}: {}", subject.label, subject.members[0].name))
+        .collect();
+    list(out, "Files", lines.iter());
+}
+
+fn list<'a>(out: &mut String, heading: &str, lines: impl Iterator<Item = &'a String>) {
+    let mut lines = lines.peekable();
+    if lines.peek().is_none() {
+        return;
+    }
+    let _ = writeln!(out, "<h2>{heading}</h2>\n<ul>");
+    for line in lines {
+        let _ = writeln!(out, "<li>{}</li>", escape(line));
+    }
+    out.push_str("</ul>\n");
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
+}
+
+const NOTES: &str = "<p>Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in \
+the hexagonal lattice of as many samples. Shaded bands hold the true mean with probability 0.95: those of power follow from the \
+number of frequencies and sets and hold where powers are independent; of bounded sets, which are tapered, and of \
+pair correlations they follow from the spread between sets and need several. Bands about zero hold a difference of \
+curves that have one truth, 95 times in a hundred. Periodograms are white where there is no power and black from three times that of white noise on; they leave the zero \
+frequency out; where it has a cell of its own, a ring marks it.</p>\n";
+
+fn page_table(out: &mut String, table: &Table) {
+    let units = table.rows.iter().any(|row| !row.unit.is_empty());
+    let _ = write!(
+        out,
+        "<div class=\"wide\"><table{}>\n<thead><tr><th>{}</th>{}",
+        if units { " class=\"units\"" } else { "" },
+        escape(&table.head),
+        if units { "<th>unit</th>" } else { "" }
+    );
+    for name in &table.names {
+        let _ = write!(out, "<th>{}</th>", escape(name));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    for row in &table.rows {
+        let _ = write!(out, "<tr><td>{}</td>", escape(&row.label));
+        if units {
+            let _ = write!(out, "<td>{}</td>", row.unit);
+        }
+        for cell in &row.cells {
+            let _ = write!(out, "<td>{}</td>", escape(cell));
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody></table></div>\n");
+}
+
+/// Returns the command as a shell takes it.
+fn command_line(arguments: impl Iterator<Item = String>) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+,:@%".contains(c);
+    let mut line = "tilescope".to_owned();
+    for argument in arguments {
+        line.push(' ');
+        if !argument.is_empty() && argument.chars().all(plain) {
+            line.push_str(&argument);
+        } else {
+            let _ = write!(line, "'{}'", argument.replace('\'', "'\\''"));
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_break_neither_markup_nor_shell() {
+        assert_eq!(escape("<b>&\""), "&lt;b&gt;&amp;&quot;");
+        let words = ["analyze", "it's here.csv", ""].map(str::to_owned);
+        let line = command_line(words.into_iter());
+        assert_eq!(line, "tilescope analyze 'it'\\''s here.csv' ''");
+    }
+}

@@ -1,0 +1,159 @@
+//! Answers to requests: files of one folder, to those who may ask.
+
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use axum::Router;
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::header::{ALLOW, CONTENT_TYPE, HOST, HeaderValue};
+use axum::http::uri::Authority;
+use axum::http::{Method, StatusCode};
+use axum::response::Response;
+use tower_http::services::ServeFile;
+
+use super::{headers, within};
+
+/// A folder that is served.
+#[derive(Clone, Debug)]
+pub struct Site {
+    /// Canonical.
+    folder: PathBuf,
+    /// Whether requests must name this machine: a page from elsewhere whose name was made to mean this machine's
+    /// address would otherwise read what is served here.
+    local: bool,
+}
+
+impl Site {
+    /// Returns the site of a folder; a `local` one answers only those who call it by a name of this machine.
+    pub fn new(folder: &Path, local: bool) -> Result<Self> {
+        let folder = folder
+            .canonicalize()
+            .with_context(|| format!("cannot read the folder {}", folder.display()))?;
+        Ok(Self { folder, local })
+    }
+
+    /// Returns the folder, canonical.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Returns what answers every request.
+    pub fn router(self) -> Router {
+        Router::new().fallback(answer).with_state(Arc::new(self))
+    }
+
+    /// Whether a request may be answered under the names by which it calls this server.
+    fn is_called_rightly(&self, request: &Request) -> bool {
+        if !self.local {
+            return true;
+        }
+        let mut names = request.headers().get_all(HOST).iter();
+        let (name, more) = (names.next(), names.next());
+        let header = name.and_then(|name| name.to_str().ok());
+        let in_line = request.uri().authority();
+        more.is_none()
+            && header.is_some_and(is_local)
+            && in_line.is_none_or(|name| is_local(name.as_str()))
+    }
+}
+
+/// Whether `HOST` or `HOST:PORT` means this machine whoever is asked.
+fn is_local(name: &str) -> bool {
+    let Ok(name) = name.parse::<Authority>() else {
+        return false;
+    };
+    // A name with a user's before it is no host of a request.
+    if name.as_str().contains('@') {
+        return false;
+    }
+    let host = name.host();
+    let bare = host
+        .strip_prefix('[')
+        .and_then(|host| host.strip_suffix(']'));
+    let address = bare.unwrap_or(host).parse::<IpAddr>();
+    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.is_loopback())
+}
+
+async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response {
+    let mut response = if !site.is_called_rightly(&request) {
+        refusal(
+            StatusCode::MISDIRECTED_REQUEST,
+            "This server answers as localhost, 127.0.0.1 or [::1] alone.\n",
+        )
+    } else if ![Method::GET, Method::HEAD].contains(request.method()) {
+        let mut response = refusal(StatusCode::METHOD_NOT_ALLOWED, "Files can only be read.\n");
+        let allowed = HeaderValue::from_static("GET, HEAD");
+        response.headers_mut().insert(ALLOW, allowed);
+        response
+    } else {
+        file(&site, request).await
+    };
+    headers::add_always(response.headers_mut());
+    response
+}
+
+async fn file(site: &Site, request: Request) -> Response {
+    let path = request.uri().path().to_owned();
+    let missing = || refusal(StatusCode::NOT_FOUND, "There is no such file.\n");
+    let Some(file) = within::file(&site.folder, &path) else {
+        return missing();
+    };
+    let mut service = ServeFile::new(&file)
+        .precompressed_br()
+        .precompressed_gzip();
+    // It may have been built anew since.
+    let Ok(response) = service.try_call(request).await else {
+        return missing();
+    };
+    let mut response = response.map(Body::new);
+    let status = response.status();
+    if status.is_success() || status == StatusCode::NOT_MODIFIED {
+        headers::add(response.headers_mut(), &file, &path);
+    }
+    response
+}
+
+fn refusal(status: StatusCode, sentence: &'static str) -> Response {
+    let mut response = Response::new(Body::from(sentence));
+    *response.status_mut() = status;
+    let kind = HeaderValue::from_static("text/plain; charset=utf-8");
+    response.headers_mut().insert(CONTENT_TYPE, kind);
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_local;
+
+    #[test]
+    fn names_of_this_machine_are_told_from_others() {
+        for name in [
+            "localhost",
+            "LocalHost:80",
+            "127.0.0.1",
+            "127.0.0.1:8080",
+            "[::1]",
+            "[::1]:8080",
+        ] {
+            assert!(is_local(name), "{name}");
+        }
+        for name in [
+            "",
+            "example.org",
+            "localhost.example.org",
+            "127.0.0.1.example.org:80",
+            "10.0.0.1",
+            "[::2]",
+            "user@localhost",
+            "localhost:80:80",
+            "::1x",
+            "local host",
+            "0.0.0.0",
+        ] {
+            assert!(!is_local(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! A piece of a layout: its form, and the source that it means. It makes no set.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::LayoutError;
+use crate::lattice::{Domain, Rect};
+use crate::parameters::{Boundary, MAXIMAL_DENSITY, Parameters};
+
+/// A piece, as the file has it.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rect: Option<[f64; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<Map<String, Value>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    method: Option<Method>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    boundary: Option<Boundary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) offset: Option<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum Method {
+    Kdrt,
+    Reference,
+}
+
+/// Where a piece's set comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A point set; what is not given is its certificate's.
+    File {
+        /// Its path as the layout has it: relative to the layout's folder.
+        path: String,
+        /// Its Poisson-disk radius.
+        radius: Option<f64>,
+        /// Width and height of its domain.
+        size: [Option<f64>; 2],
+        /// How its domain ends.
+        boundary: Option<Boundary>,
+    },
+    /// A run by randomized tiling.
+    Run {
+        /// What it is made from.
+        parameters: Box<Parameters>,
+        /// Whether they are the piece's own, rather than those of its rectangle.
+        own: bool,
+    },
+    /// The reference sampler.
+    Reference {
+        /// Its seed.
+        seed: u64,
+        /// The domain of the piece's rectangle.
+        own: Domain,
+    },
+}
+
+impl Source {
+    /// Returns how many samples are made for this piece beside those of its rectangle.
+    pub(super) fn expected_beside(&self) -> f64 {
+        match self {
+            Self::Run {
+                parameters,
+                own: true,
+            } => {
+                let domain = parameters.validate();
+                domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY)
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+impl Entry {
+    /// Returns where the set comes from. What is not given suits a layout of `boundary`.
+    ///
+    /// Fails when the piece is not one of the three kinds, or its parameters cannot be sampled.
+    pub(super) fn source(&self, boundary: Boundary, rect: &Rect) -> Result<Source, LayoutError> {
+        let of_file = self.radius.is_some() || self.width.is_some() || self.height.is_some();
+        if self.file.is_none() && of_file {
+            return Err(LayoutError::OfFile);
+        }
+        if self.seed.is_none() && self.method.is_some() {
+            return Err(LayoutError::OfSeed);
+        }
+        match (&self.file, &self.parameters, self.seed) {
+            (Some(file), None, None) => Ok(Source::File {
+                path: file.clone(),
+                radius: self.radius,
+                size: [self.width, self.height],
+                boundary: self.boundary,
+            }),
+            (None, Some(_), None) if self.boundary.is_some() => Err(LayoutError::OfParameters),
+            (None, Some(given), None) => Ok(Source::Run {
+                parameters: Box::new(parameters(boundary, rect, given)?),
+                own: true,
+            }),
+            (None, None, Some(_)) if self.offset.is_some() => Err(LayoutError::OffsetOfSeed),
+            (None, None, Some(seed)) => self.of_seed(seed, self.boundary.unwrap_or(boundary), rect),
+            _ => Err(LayoutError::NoSource),
+        }
+    }
+
+    fn of_seed(&self, seed: u64, boundary: Boundary, rect: &Rect) -> Result<Source, LayoutError> {
+        let own = Domain::of_rect(rect, boundary)?;
+        Ok(match self.method.unwrap_or(Method::Kdrt) {
+            Method::Reference => Source::Reference { seed, own },
+            Method::Kdrt => Source::Run {
+                parameters: Box::new(Parameters {
+                    seed,
+                    ..parameters(boundary, rect, &Map::new())?
+                }),
+                own: false,
+            },
+        })
+    }
+}
+
+/// Returns the parameters of a set for a rectangle, those that are given before all others.
+fn parameters(
+    boundary: Boundary,
+    rect: &Rect,
+    given: &Map<String, Value>,
+) -> Result<Parameters, LayoutError> {
+    let lengths = ["width", "height", "radius"].map(|name| given.contains_key(name));
+    if lengths != [true; 3] && lengths != [false; 3] {
+        return Err(LayoutError::Lengths);
+    }
+    let size = if lengths[0] {
+        [1.0; 2]
+    } else {
+        Domain::of_rect(rect, given_boundary(given)?.unwrap_or(boundary))?.size()
+    };
+    let base = Parameters {
+        width: size[0],
+        height: size[1],
+        radius: 1.0,
+        boundary,
+        ..Parameters::default()
+    };
+    let form = |error| LayoutError::ParameterForm {
+        name: "parameters",
+        error,
+    };
+    let mut all = serde_json::to_value(base).map_err(form)?;
+    for (name, value) in given {
+        let Some(known) = all.get_mut(name) else {
+            let name = name.clone();
+            return Err(LayoutError::UnknownParameter { name });
+        };
+        match (known.as_object_mut(), value.as_object()) {
+            (Some(known), Some(value)) => known.extend(value.clone()),
+            _ => *known = value.clone(),
+        }
+    }
+    let parameters: Parameters = serde_json::from_value(all).map_err(form)?;
+    parameters.validate_sequential()?;
+    Ok(parameters)
+}
+
+fn given_boundary(given: &Map<String, Value>) -> Result<Option<Boundary>, LayoutError> {
+    let boundary = given.get("boundary").cloned();
+    let boundary = boundary.map(serde_json::from_value).transpose();
+    boundary.map_err(|error| LayoutError::ParameterForm {
+        name: "parameters: boundary",
+        error,
+    })
+}

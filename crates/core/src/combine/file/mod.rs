@@ -1,0 +1,225 @@
+//! Layouts as files have them: JSON that places pieces side by side, its limits, and the rectangles and sets that it
+//! means. It opens no file; sets from files are read by whoever has files.
+
+mod entry;
+mod error;
+mod set;
+
+use serde::{Deserialize, Serialize};
+
+use super::{CombineError, CombineOptions, MAX_PIECES, check_rects};
+use crate::lattice::{Domain, Rect};
+use crate::parameters::{Boundary, Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order};
+
+pub use entry::{Entry, Source};
+pub use error::LayoutError;
+pub use set::{PieceError, Set};
+
+/// The version of layouts that is read.
+pub const VERSION: u32 = 1;
+
+/// The longest layout, in bytes: as many pieces as there may be take a quarter of it.
+pub const MAX_LAYOUT_BYTES: u64 = 1 << 20;
+
+/// A layout, as its file has it.
+///
+/// ```
+/// use tilescope_core::combine::file::Layout;
+///
+/// let layout = Layout::from_json(br#"{
+///     "version": 1, "radius": 0.01, "columns": [0.5, 0.5], "rows": [1],
+///     "pieces": [{ "seed": 1, "method": "reference" }, { "file": "a.csv" }]
+/// }"#)?;
+/// assert_eq!(layout.placed()?.places.len(), 2);
+/// # Ok::<(), tilescope_core::combine::file::LayoutError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layout {
+    version: u32,
+    #[serde(default)]
+    boundary: Boundary,
+    radius: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    columns: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rows: Option<Vec<f64>>,
+    #[serde(default = "one")]
+    seed: u64,
+    #[serde(default)]
+    order: Order,
+    #[serde(default)]
+    insertion: Insertion,
+    pieces: Vec<Entry>,
+}
+
+const fn one() -> u64 {
+    1
+}
+
+/// Read before the rest, so that a layout of another version is named as such.
+#[derive(Deserialize)]
+struct Version {
+    version: u32,
+}
+
+/// A piece's rectangle and source.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// Its rectangle in the result.
+    pub rect: Rect,
+    /// Where its set comes from.
+    pub source: Source,
+    /// The place of the set on the rectangle's lowest corner, in the set's units.
+    pub offset: [f64; 2],
+}
+
+/// What a layout means.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// The result's domain.
+    pub domain: Domain,
+    /// The pieces; their rectangles partition the domain.
+    pub places: Vec<Place>,
+    /// About how many samples will be made: the result's, and those of runs of their own size.
+    pub expected: f64,
+}
+
+impl Layout {
+    /// Reads a layout. Fails when it is too long or has another form or version.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, LayoutError> {
+        if bytes.len() as u64 > MAX_LAYOUT_BYTES {
+            let bytes = bytes.len() as u64;
+            return Err(LayoutError::TooLong { bytes });
+        }
+        let Version { version } = serde_json::from_slice(bytes).map_err(LayoutError::NoLayout)?;
+        if version != VERSION {
+            return Err(LayoutError::Version { version });
+        }
+        serde_json::from_slice(bytes).map_err(LayoutError::Form)
+    }
+
+    /// Returns how the pieces are glued.
+    #[must_use]
+    pub fn options(&self) -> CombineOptions {
+        CombineOptions {
+            seed: self.seed,
+            order: self.order,
+            insertion: self.insertion,
+            ..CombineOptions::default()
+        }
+    }
+
+    /// Returns what the layout means.
+    ///
+    /// Fails when the rectangles do not partition the domain, a piece is not one of the three kinds, or sets
+    /// would be made that are too large.
+    pub fn placed(&self) -> Result<Placed, LayoutError> {
+        let (domain, rects) = self.rects()?;
+        check_rects(&domain, &rects)?;
+        let mut places = Vec::with_capacity(rects.len());
+        let mut expected = domain.area_radii() * MAXIMAL_DENSITY;
+        limit(expected)?;
+        for (k, (entry, rect)) in self.pieces.iter().zip(rects).enumerate() {
+            let source = entry.source(self.boundary, &rect);
+            let source = source.map_err(|error| error.of_piece(k))?;
+            expected += source.expected_beside();
+            let offset = entry.offset.unwrap_or_default();
+            places.push(Place {
+                rect,
+                source,
+                offset,
+            });
+        }
+        limit(expected)?;
+        Ok(Placed {
+            domain,
+            places,
+            expected,
+        })
+    }
+
+    fn rects(&self) -> Result<(Domain, Vec<Rect>), LayoutError> {
+        let (count, maximum) = (self.pieces.len(), MAX_PIECES);
+        if count > maximum {
+            return Err(CombineError::TooManyPieces { count, maximum }.into());
+        }
+        match (&self.columns, &self.rows, self.width, self.height) {
+            (Some(columns), Some(rows), None, None) => self.grid(columns, rows),
+            (None, None, Some(width), Some(height)) => self.free([width, height]),
+            _ => Err(LayoutError::GridOrSize),
+        }
+    }
+
+    /// Returns the rectangles of columns and rows.
+    fn grid(&self, columns: &[f64], rows: &[f64]) -> Result<(Domain, Vec<Rect>), LayoutError> {
+        let (across, up, pieces) = (columns.len(), rows.len(), self.pieces.len());
+        let rectangles = across.saturating_mul(up);
+        if rectangles != pieces {
+            return Err(LayoutError::Count {
+                columns: across,
+                rows: up,
+                rectangles,
+                pieces,
+            });
+        }
+        let placed = self.pieces.iter().position(|entry| entry.rect.is_some());
+        if let Some(k) = placed {
+            return Err(LayoutError::RectInGrid.of_piece(k));
+        }
+        let (x, y) = (edges("columns", columns)?, edges("rows", rows)?);
+        let size = [&x, &y].map(|edges| edges.last().copied().unwrap_or(0.0));
+        let domain = Domain::from_size(size, self.radius, self.boundary)?;
+        let cell = |row: &[f64], column: &[f64]| {
+            domain.rect_from_user([column[0], row[0]], [column[1], row[1]])
+        };
+        let rects = y
+            .windows(2)
+            .flat_map(|row| x.windows(2).map(move |column| cell(row, column)));
+        Ok((domain, rects.collect()))
+    }
+
+    /// Returns the rectangles that the pieces name.
+    fn free(&self, size: [f64; 2]) -> Result<(Domain, Vec<Rect>), LayoutError> {
+        let domain = Domain::from_size(size, self.radius, self.boundary)?;
+        let rect = |(k, entry): (usize, &Entry)| {
+            let Some(rect) = entry.rect else {
+                return Err(LayoutError::NoRect.of_piece(k));
+            };
+            let [x0, y0, x1, y1] = rect;
+            let inside = |low: f64, high: f64, side: f64| 0.0 <= low && low < high && high <= side;
+            if inside(x0, x1, size[0]) && inside(y0, y1, size[1]) {
+                return Ok(domain.rect_from_user([x0, y0], [x1, y1]));
+            }
+            Err(LayoutError::Rect { rect, size }.of_piece(k))
+        };
+        let rects = self.pieces.iter().enumerate().map(rect);
+        Ok((domain, rects.collect::<Result<_, _>>()?))
+    }
+}
+
+/// Refuses more samples than a result and the sets that are made for it may have.
+fn limit(expected: f64) -> Result<(), LayoutError> {
+    if expected > MAX_SEQUENTIAL_SAMPLES {
+        return Err(LayoutError::TooManySamples { expected });
+    }
+    Ok(())
+}
+
+/// Returns where columns or rows begin and end.
+fn edges(name: &'static str, sides: &[f64]) -> Result<Vec<f64>, LayoutError> {
+    let mut edges = vec![0.0];
+    let mut sum = 0.0;
+    for (index, &side) in sides.iter().enumerate() {
+        if !(side.is_finite() && side > 0.0) {
+            return Err(LayoutError::Side { name, index, side });
+        }
+        sum += side;
+        edges.push(sum);
+    }
+    Ok(edges)
+}

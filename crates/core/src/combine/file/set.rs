@@ -1,0 +1,147 @@
+//! The sets of a layout as pieces of it: each made once, on all threads at once, and put where it belongs. How a set is
+//! made or read is the caller's business.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{LayoutError, Place, Placed, Source};
+use crate::combine::Piece;
+use crate::error::SampleError;
+use crate::lattice::{Domain, Point};
+use crate::parameters::Parameters;
+use crate::pattern::Pattern;
+use crate::progress::Observer;
+
+/// A set with the domain that its own units are of.
+#[derive(Clone, Debug)]
+pub struct Set {
+    /// The set.
+    pub pattern: Arc<Pattern>,
+    /// Its domain, in its own units.
+    pub domain: Domain,
+}
+
+/// What is wrong with the set of a piece.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("pieces[{piece}]: {error}")]
+pub struct PieceError<E> {
+    /// The piece, counted from 0.
+    pub piece: usize,
+    /// What is wrong.
+    pub error: E,
+}
+
+impl Placed {
+    /// Returns the pieces of the layout, whose sets `make` makes. Pieces of one file share its set, so that they may
+    /// continue each other; what is made for a rectangle is never shared. `made` hears how many pieces have
+    /// their set. Uses the current rayon pool.
+    ///
+    /// Fails with the error of the first piece, in their sequence, that has one.
+    pub fn pieces<E: From<LayoutError> + Send>(
+        &self,
+        make: impl Fn(&Source) -> Result<Set, E> + Sync,
+        made: impl Fn(usize) + Sync,
+    ) -> Result<Vec<Piece>, PieceError<E>> {
+        let each = distinct(&self.places);
+        let sets = each.par_iter().with_max_len(1).map(|sharing| {
+            let set = make(&self.places[sharing[0]].source);
+            made(sharing.len());
+            set
+        });
+        let sets: Vec<Result<Set, E>> = sets.collect();
+        let mut pieces: Vec<Option<Piece>> = vec![None; self.places.len()];
+        for (set, sharing) in sets.into_iter().zip(&each) {
+            let of = |piece: usize| move |error: E| PieceError { piece, error };
+            let set = set.map_err(of(sharing[0]))?;
+            for &k in sharing {
+                let piece = set.placed(&self.places[k]);
+                pieces[k] = Some(piece.map_err(|error| of(k)(error.into()))?);
+            }
+        }
+        Ok(pieces.into_iter().flatten().collect())
+    }
+}
+
+/// Returns the pieces that share a set, by the first of them.
+fn distinct(places: &[Place]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (k, place) in places.iter().enumerate() {
+        let Source::File { path, .. } = &place.source else {
+            groups.push(vec![k]);
+            continue;
+        };
+        let same = by_file.entry(path).or_default();
+        let known = same
+            .iter()
+            .find(|&&g| places[groups[g][0]].source == place.source);
+        if let Some(&group) = known {
+            groups[group].push(k);
+        } else {
+            same.push(groups.len());
+            groups.push(vec![k]);
+        }
+    }
+    groups
+}
+
+impl Set {
+    /// Returns a set by the reference sampler.
+    ///
+    /// Fails as [`Pattern::of_reference`].
+    pub fn of_reference(
+        own: Domain,
+        seed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        Ok(Self {
+            pattern: Arc::new(Pattern::of_reference(own, seed, observer)?),
+            domain: own,
+        })
+    }
+
+    /// Returns a set by randomized tiling that clips from `pattern`.
+    ///
+    /// Fails as [`Pattern::of_run`].
+    pub fn of_run(
+        parameters: &Parameters,
+        pattern: &Arc<Pattern>,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, SampleError> {
+        Ok(Self {
+            pattern: Arc::new(Pattern::of_run(parameters, pattern, observer)?),
+            domain: parameters.validate()?,
+        })
+    }
+
+    fn placed(&self, place: &Place) -> Result<Piece, LayoutError> {
+        Ok(Piece {
+            set: Arc::clone(&self.pattern),
+            rect: place.rect,
+            start: self.start(place.offset)?,
+        })
+    }
+
+    /// Returns the lattice point of a place in the set's own units.
+    fn start(&self, offset: [f64; 2]) -> Result<Point, LayoutError> {
+        let size = self.domain.size();
+        let periodic = self.domain.is_periodic();
+        let place = |axis: usize| {
+            let (value, side) = (offset[axis], size[axis]);
+            let fits = periodic && value.is_finite() || (0.0..=side).contains(&value);
+            if !fits {
+                return Err(LayoutError::Offset { value, side });
+            }
+            Ok(if periodic {
+                value.rem_euclid(side)
+            } else {
+                value
+            })
+        };
+        let low = [place(0)?, place(1)?];
+        // As rectangles begin, so that pieces of one set that are cut where it is cut continue each other.
+        Ok(self.domain.rect_from_user(low, low).min)
+    }
+}

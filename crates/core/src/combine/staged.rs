@@ -1,0 +1,125 @@
+//! Combinations as runs whose blocks are the pieces: with every stage, to be looked at, or with the result alone. It
+//! glues nothing itself.
+
+use std::sync::Arc;
+
+use super::glue::{blocks, glue_all};
+use super::{CombineError, CombineOptions, Combined, Piece, Seam, check, layout};
+use crate::engine::parallel::sweep::Source;
+use crate::lattice::{Domain, Point, R};
+use crate::parameters::{Parameters, PatternSpec, Variant};
+use crate::progress::{Meter, Observer, Stage};
+use crate::random::Key;
+use crate::run::{Fate, Origin, Run, Samples};
+use crate::stages::detect::Sites;
+
+/// A combination with every stage of it.
+#[derive(Clone, Debug)]
+pub struct Staged {
+    /// A finished run. Its blocks are the pieces, in their sequence, and no split made them; an origin's index is that
+    /// of the piece's own set. Its pattern is the first piece's set, and of its parameters only the domain, the seed,
+    /// the order, the insertion and the search mean anything.
+    pub run: Run,
+    /// The lines along which different sets meet.
+    pub seams: Vec<Seam>,
+}
+
+/// Returns what [`super::combine`] makes of the same arguments, bit for bit, with the fate of every sample that the pieces
+/// contributed. It looks at all samples, where `combine` looks at those near the seams.
+///
+/// Fails as `combine`.
+pub fn combine_in_stages(
+    domain: Domain,
+    pieces: &[Piece],
+    options: &CombineOptions,
+    observer: &mut dyn Observer,
+) -> Result<Staged, CombineError> {
+    check(&domain, pieces)?;
+    let glued = glue_all(domain, pieces, options, observer)?;
+    let meter = Meter::begin(observer, Stage::Finish, 1)?;
+    let mut run = empty(domain, pieces, options);
+    run.result = in_order(&glued.samples);
+    run.samples = glued.samples;
+    run.tiles = glued.tiles;
+    run.iterations = glued.iterations;
+    let seams = layout::seams(&domain, pieces);
+    meter.end()?;
+    Ok(Staged { run, seams })
+}
+
+/// Returns the ids of the kept samples in canonical order.
+fn in_order(samples: &Samples) -> Vec<u32> {
+    let kept = (0..).zip(&samples.fates);
+    let kept = kept.filter(|&(_, fate)| *fate == Fate::Kept);
+    let mut keyed: Vec<(u64, u32)> = kept
+        .map(|(id, _): (u32, _)| (samples.points[id as usize].canonical(), id))
+        .collect();
+    keyed.sort_unstable();
+    keyed.into_iter().map(|(_, id)| id).collect()
+}
+
+impl Combined {
+    /// Returns the result as a finished run that knows its blocks, which are the pieces, its result and its counts: no
+    /// sample that was eliminated, no iteration. Ids follow the canonical order. The pieces and options must be those
+    /// that it was made from.
+    #[must_use]
+    pub fn into_run(self, pieces: &[Piece], options: &CombineOptions) -> Run {
+        let mut run = empty(self.domain, pieces, options);
+        let origin = |(point, source): (&Point, &Source)| match *source {
+            Source::Tiled { block, pattern } => Origin::Tiled {
+                block,
+                pattern,
+                own: pieces[block as usize].rect.contains(*point),
+            },
+            Source::Inserted { iteration } => Origin::Inserted {
+                iteration,
+                sites: Sites::Unrecorded,
+            },
+        };
+        let each = self.points.iter().zip(&self.sources);
+        let origins: Vec<Origin> = each.map(origin).collect();
+        let count = origins.len();
+        run.samples = Samples {
+            points: self.points,
+            origins,
+            fates: vec![Fate::Kept; count],
+        };
+        run.result = (0..count as u32).collect();
+        run.counted = Some(self.summary);
+        run
+    }
+}
+
+/// Returns a run that has nothing but its blocks yet.
+fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
+    let [width, height] = domain.size();
+    let sides = pieces.iter().map(|piece| {
+        let rect = piece.rect;
+        rect.width().min(rect.height())
+    });
+    let parameters = Parameters {
+        width,
+        height,
+        radius: domain.radius(),
+        boundary: domain.boundary(),
+        seed: options.seed,
+        leaf: f64::from(sides.min().unwrap_or(0)) / f64::from(R),
+        pattern: PatternSpec::default(),
+        dihedral: false,
+        order: options.order,
+        insertion: options.insertion,
+        search: options.search,
+        variant: Variant::Staged,
+    };
+    Run {
+        parameters,
+        domain,
+        pattern: Arc::clone(&pieces[0].set),
+        blocks: blocks(pieces, Key::from_seed(options.seed)),
+        tiles: Vec::new(),
+        samples: Samples::default(),
+        iterations: Vec::new(),
+        result: Vec::new(),
+        counted: None,
+    }
+}

@@ -1,0 +1,126 @@
+//! Why parameters are refused: one variant a cause, with the value and the limit.
+//! It refuses nothing itself.
+
+use thiserror::Error;
+
+/// Why parameters are refused. Lengths "in r" are multiples of the Poisson-disk radius.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ParameterError {
+    /// The radius is not a positive finite number.
+    #[error("the radius is {radius}; it must be a finite number above 0")]
+    Radius {
+        /// What was given.
+        radius: f64,
+    },
+    /// A side of the domain is not a number within [`crate::SIDE_LIMITS`].
+    #[error("the {name} is {side}; it must be a number between {shortest:.1e} and {longest:.1e}")]
+    Side {
+        /// Which side.
+        name: &'static str,
+        /// What was given.
+        side: f64,
+        /// The lower limit.
+        shortest: f64,
+        /// The upper limit.
+        longest: f64,
+    },
+    /// A side is too short for its radius.
+    #[error(
+        "the {name} is {radii:.4} r long; it must be at least {minimum} r: choose a smaller radius"
+    )]
+    SideTooShort {
+        /// Which side.
+        name: &'static str,
+        /// Its length in radii.
+        radii: f64,
+        /// The limit in radii.
+        minimum: f64,
+    },
+    /// A side is too long for its radius.
+    #[error(
+        "the {name} is {radii:.1} r long; it must be at most {maximum} r: choose a larger radius"
+    )]
+    SideTooLong {
+        /// Which side.
+        name: &'static str,
+        /// Its length in radii.
+        radii: f64,
+        /// The limit in radii.
+        maximum: f64,
+    },
+    /// The leaf is not a finite number of at least 6.
+    #[error("the leaf is {leaf} r; it must be a finite number of at least {minimum} r")]
+    Leaf {
+        /// What was given, in radii.
+        leaf: f64,
+        /// The limit in radii.
+        minimum: f64,
+    },
+    /// The pattern's side is out of range.
+    #[error("the pattern's side is {side} r; it must be between {minimum} r and {maximum} r")]
+    PatternSide {
+        /// What was given, in radii.
+        side: f64,
+        /// The lower limit in radii.
+        minimum: f64,
+        /// The upper limit in radii.
+        maximum: f64,
+    },
+    /// Algorithm 4 as printed inserts circumcentres only.
+    #[error(
+        "uniform insertion needs the staged variant; Algorithm 4 as printed inserts circumcentres"
+    )]
+    UniformAsPrinted,
+    /// Algorithm 4 as printed is one loop over all samples.
+    #[error(
+        "the parallel engine runs the staged variant; Algorithm 4 as printed needs the sequential engine"
+    )]
+    AsPrintedParallel,
+    /// A window has no inside, or is larger than the domain.
+    #[error(
+        "the window's {name} runs from {low} to {high}; it must be finite, above 0 and at most {maximum} long"
+    )]
+    Window {
+        /// Which side.
+        name: &'static str,
+        /// Where it begins.
+        low: f64,
+        /// Where it ends.
+        high: f64,
+        /// The domain's side.
+        maximum: f64,
+    },
+    /// More samples than the engine can hold.
+    #[error(
+        "about {samples:.3e} samples would result; the sequential engine takes at most {maximum:.0e}: choose a larger radius"
+    )]
+    TooManySamples {
+        /// The expected count.
+        samples: f64,
+        /// The limit.
+        maximum: f64,
+    },
+    /// A wanted number of samples is out of range.
+    #[error(
+        "{count} samples were asked for; with these sides it must be between {minimum} and {maximum}"
+    )]
+    Count {
+        /// What was asked for.
+        count: u64,
+        /// The fewest possible.
+        minimum: u64,
+        /// The most possible.
+        maximum: u64,
+    },
+    /// No radius that was tried gave the wanted number of samples.
+    #[error(
+        "no radius gave {count} samples to within 1% or one sample; the nearest gave {nearest}"
+    )]
+    CountMissed {
+        /// What was asked for.
+        count: u64,
+        /// The nearest count found.
+        nearest: u64,
+    },
+}

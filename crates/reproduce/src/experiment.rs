@@ -1,0 +1,130 @@
+//! The list of experiments: names, titles, and which function carries one out.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::ReproduceError;
+use crate::experiments::{eq4, fig10, fig11, fig12, fig13, iterations, search, uniformity};
+use crate::outcome::Outcome;
+use crate::study::{Settings, Study};
+use crate::work::Work;
+
+/// An experiment of the paper, or one that a claim of the paper calls for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Experiment {
+    /// Figure 10: zone plate and horizon, against other samplers.
+    Fig10,
+    /// Figure 11: where the time goes for a million samples.
+    Fig11,
+    /// Figure 12: nine independent sets become one.
+    Fig12,
+    /// Figure 13: spectra and rates by radius and leaf size.
+    Fig13,
+    /// Section 3.2.3: how many iterations of insertion a run takes.
+    Iterations,
+    /// Equation 4: how much elimination and insertion touch.
+    Eq4,
+    /// Section 3.2.2: searching 2r against 4r.
+    Search,
+    /// Equation 1, section 5.1: whether every place is as likely as any other.
+    Uniformity,
+}
+
+impl Experiment {
+    /// All of them, in the sequence of a report.
+    pub const ALL: [Self; 8] = [
+        Self::Fig10,
+        Self::Fig11,
+        Self::Fig12,
+        Self::Fig13,
+        Self::Iterations,
+        Self::Eq4,
+        Self::Search,
+        Self::Uniformity,
+    ];
+
+    /// Returns its name, as it is asked for.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fig10 => "fig10",
+            Self::Fig11 => "fig11",
+            Self::Fig12 => "fig12",
+            Self::Fig13 => "fig13",
+            Self::Iterations => "iterations",
+            Self::Eq4 => "eq4",
+            Self::Search => "search",
+            Self::Uniformity => "uniformity",
+        }
+    }
+
+    /// Returns its title.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Fig10 => "Figure 10: quality of integration",
+            Self::Fig11 => "Figure 11: time of each procedure",
+            Self::Fig12 => "Figure 12: combining independent sets",
+            Self::Fig13 => "Figure 13: spectra and rates",
+            Self::Iterations => "Section 3.2.3: iterations of insertion",
+            Self::Eq4 => "Equation 4: the affected share",
+            Self::Search => "Section 3.2.2: how far detectors look",
+            Self::Uniformity => "Equation 1 and section 5.1: uniformity",
+        }
+    }
+
+    /// Returns whether sets from files stand beside its own.
+    #[must_use]
+    pub const fn takes_files(self) -> bool {
+        matches!(self, Self::Fig10)
+    }
+
+    /// Returns the work that it takes: the sum of its units'.
+    #[must_use]
+    pub fn work(self, settings: &Settings) -> Work {
+        match self {
+            Self::Fig10 => fig10::work(settings),
+            Self::Fig11 => fig11::work(settings),
+            Self::Fig12 => fig12::work(settings),
+            Self::Fig13 => fig13::work(settings),
+            Self::Iterations => iterations::work(settings),
+            Self::Eq4 => eq4::work(settings),
+            Self::Search => search::work(settings),
+            Self::Uniformity => uniformity::work(settings),
+        }
+    }
+
+    pub(crate) fn carry_out(self, study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+        match self {
+            Self::Fig10 => fig10::run(study),
+            Self::Fig11 => fig11::run(study),
+            Self::Fig12 => fig12::run(study),
+            Self::Fig13 => fig13::run(study),
+            Self::Iterations => iterations::run(study),
+            Self::Eq4 => eq4::run(study),
+            Self::Search => search::run(study),
+            Self::Uniformity => uniformity::run(study),
+        }
+    }
+}
+
+impl fmt::Display for Experiment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Experiment {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.into_iter().find(|one| one.name() == name);
+        found.ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("{name} is no experiment; there are {names}")
+        })
+    }
+}

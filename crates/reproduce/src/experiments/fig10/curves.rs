@@ -1,0 +1,200 @@
+//! Charts of what was found: errors by local frequency and by samples per pixel, and power.
+//! It measures nothing.
+
+use tilescope_figures::chart::{
+    Axis, Figure, Level, LineChart, Look as Style, Panel, Series, figure_scene,
+};
+use tilescope_figures::{Palette, Scene};
+
+use super::found::Found;
+use super::pictures::BLACK;
+use super::plate::NYQUIST;
+use super::samplers::Sampler;
+use crate::error::ReproduceError;
+
+/// A curve and its band, if there is one everywhere.
+struct Curve {
+    points: Vec<[f64; 2]>,
+    band: Option<Vec<[f64; 2]>>,
+}
+
+impl Curve {
+    fn of(points: Vec<[f64; 2]>) -> Self {
+        Self { points, band: None }
+    }
+}
+
+/// Returns the figure's scene.
+pub fn scene(all: &[Found]) -> Result<Scene, ReproduceError> {
+    let mut rows = vec![vec![plate(all), horizon(all)], vec![power(all)]];
+    for row in &mut rows {
+        row.retain(|chart| !chart.series.is_empty());
+    }
+    rows.retain(|row| !row.is_empty());
+    let panels = |row: Vec<LineChart>| row.into_iter().map(Panel::Lines).collect();
+    let figure = Figure {
+        title: "Error by frequency and by number of samples, and power".to_owned(),
+        rows: rows.into_iter().map(panels).collect(),
+    };
+    Ok(figure_scene(&figure, &Palette::LIGHT)?)
+}
+
+/// Returns the curves of those samplers that have one.
+fn series(all: &[Found], curve: impl Fn(&Found) -> Option<Curve>) -> Vec<Series> {
+    let each = all.iter().enumerate().filter_map(|(index, one)| {
+        let Curve { points, band } = curve(one).filter(|curve| !curve.points.is_empty())?;
+        Some(Series {
+            name: one.name.clone(),
+            look: Style::Numbered(index),
+            points,
+            band,
+        })
+    });
+    each.collect()
+}
+
+fn plate(all: &[Found]) -> LineChart {
+    let series = series(all, |one| Some(Curve::of(one.classes())));
+    let ends = series.iter().filter_map(|series| series.points.last());
+    let end = ends.map(|point| point[0]).fold(NYQUIST, f64::max);
+    LineChart {
+        title: "Zone plate".to_owned(),
+        x: Axis::new("local frequency, cycles per pixel").with_range(0.0, end),
+        y: Axis::new("RMSE"),
+        series,
+        levels: Vec::new(),
+    }
+}
+
+fn horizon(all: &[Found]) -> LineChart {
+    let mut series = series(all, |one| Some(logarithms(one)));
+    series.extend(all.first().and_then(independent));
+    LineChart {
+        title: "Horizon".to_owned(),
+        x: Axis::new("samples per pixel").with_ticks(powers_of_two()),
+        y: Axis::new("RMSE").with_ticks(round_numbers()),
+        series,
+        levels: Vec::new(),
+    }
+}
+
+/// Ticks of logarithms to base 2.
+fn powers_of_two() -> Vec<(f64, String)> {
+    let each = (0..=16_u32).map(|power| (f64::from(power), (1_u32 << power).to_string()));
+    each.collect()
+}
+
+/// Ticks of logarithms to base 10: 1, 2 and 5 times powers of ten.
+fn round_numbers() -> Vec<(f64, String)> {
+    let round = |(power, digit): (i32, f64)| {
+        let value = digit / 10_f64.powi(power);
+        (value.log10(), value.to_string())
+    };
+    let digits = |power| [1.0, 2.0, 5.0].map(|digit| (power, digit));
+    (0..=6).rev().flat_map(digits).map(round).collect()
+}
+
+fn power(all: &[Found]) -> LineChart {
+    let curve = |one: &Found| {
+        let look = one.look.as_ref();
+        let look = look.filter(|_| one.sampler != Sampler::Grid)?;
+        Some(Curve::of(look.power.clone()))
+    };
+    LineChart {
+        title: "Power".to_owned(),
+        x: Axis::new("relative frequency \u{3bd}"),
+        y: Axis::new("radial mean power").with_range(0.0, BLACK),
+        series: series(all, curve),
+        levels: vec![Level {
+            name: "independent samples".to_owned(),
+            y: 1.0,
+        }],
+    }
+}
+
+/// The line with which the error of independent samples falls, through the last place of a sampler's curve.
+fn independent(one: &Found) -> Option<Series> {
+    let Curve { points, .. } = logarithms(one);
+    let (first, last) = (points.first()?, points.last()?);
+    let at = |x: f64| [x, last[1] - 0.5 * (x - last[0]) * 2_f64.log10()];
+    (first[0] < last[0]).then(|| Series {
+        name: "exponent \u{2212}1/2".to_owned(),
+        look: Style::Reference,
+        points: vec![at(first[0]), at(last[0])],
+        band: None,
+    })
+}
+
+/// The horizon's curve, to base 2 and 10.
+fn logarithms(one: &Found) -> Curve {
+    let curve = one.curve();
+    Curve {
+        points: (curve.iter().map(|at| [at.per_pixel.log2(), at.log])).collect(),
+        band: curve.iter().map(|at| at.band).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::found::tests::found;
+    use super::*;
+
+    #[test]
+    fn the_line_of_independent_samples_halves_when_they_are_four_times_as_many() {
+        let random = found(Sampler::Random, 0.2, 0.4, 1.0);
+        let line = independent(&random).unwrap().points;
+        let [near, far] = [line[0], line[1]];
+        assert!(near[0].abs() < 1e-12 && (far[0] - 4.0).abs() < 1e-12);
+        assert!((near[1] - far[1] - 4_f64.log10()).abs() < 1e-12);
+        assert_eq!(logarithms(&random).band.unwrap().len(), 3);
+    }
+
+    #[test]
+    fn ticks_have_the_numbers_whose_logarithms_they_are_at() {
+        for (ticks, base) in [(powers_of_two(), 2_f64), (round_numbers(), 10.0)] {
+            for (at, text) in &ticks {
+                let value: f64 = text.parse().unwrap();
+                assert!((base.powf(*at) / value - 1.0).abs() < 1e-9, "{text}");
+            }
+            let rise = ticks.windows(2).all(|pair| pair[0].0 < pair[1].0);
+            assert!(rise, "{ticks:?}");
+        }
+        let found = |ticks: &[(f64, String)], text: &str| ticks.iter().any(|tick| tick.1 == text);
+        assert!(
+            ["1", "4", "16"]
+                .iter()
+                .all(|text| found(&powers_of_two(), text))
+        );
+        assert!(
+            ["0.1", "0.2", "0.05"]
+                .iter()
+                .all(|text| found(&round_numbers(), text))
+        );
+        let all = [found_of_random()];
+        assert_eq!(plate(&all).x.range.map(|range| range[0]), Some(0.0));
+    }
+
+    fn found_of_random() -> Found {
+        found(Sampler::Random, 0.2, 0.4, 1.0)
+    }
+
+    #[test]
+    fn a_grid_has_no_curve_of_power_and_a_sampler_without_images_none_of_error() {
+        let mut all = vec![
+            found(Sampler::Random, 0.2, 0.4, 1.0),
+            found(Sampler::Grid, 0.2, 0.4, 1.0),
+        ];
+        assert_eq!(power(&all).series.len(), 1);
+        assert_eq!(
+            (plate(&all).series.len(), horizon(&all).series.len()),
+            (2, 3)
+        );
+        all[1].plates.clear();
+        all[1].horizons.clear();
+        assert_eq!(
+            (plate(&all).series.len(), horizon(&all).series.len()),
+            (1, 2)
+        );
+        assert!(scene(&all).is_ok());
+    }
+}

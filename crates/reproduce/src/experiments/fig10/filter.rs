@@ -1,0 +1,284 @@
+//! Reconstruction of an image from samples: Gaussian weights over the sum of weights, or the mean of each pixel.
+//! The same samples give the same bits on any number of threads.
+
+use rayon::prelude::*;
+
+/// Standard deviation of the Gaussian, in pixels.
+pub const SIGMA: f64 = 0.5;
+/// Beyond this many pixels along an axis the Gaussian is cut off. What is lost is a share of `erfc(4.5 / sqrt 2)`, 6.8e-6,
+/// along each axis: a filtered value of a function between -1 and 1 is off by less than 2.8e-5.
+pub const REACH: f64 = 4.5 * SIGMA;
+/// The bound of what the end of the Gaussian changes in a value.
+pub const CUT_OFF: f64 = 2.8e-5;
+/// Whole pixels around an image from which samples contribute.
+pub const MARGIN: usize = 3;
+
+/// Rows of pixels that one thread computes at once.
+const BAND: usize = 16;
+/// Pixels that a sample reaches along an axis at most.
+const TOUCHED: usize = 6;
+
+/// An image and how many of its pixels no sample reaches.
+pub struct Filtered {
+    /// Values in rows.
+    pub values: Vec<f64>,
+    pub empty: usize,
+}
+
+/// Returns the weighted means of a function at samples, in pixel coordinates, about the centres of `side` x `side` pixels;
+/// zero where there is none.
+pub fn gaussian(
+    samples: &[[f64; 2]],
+    function: impl Fn([f64; 2]) -> f64 + Sync,
+    side: usize,
+) -> Filtered {
+    let bins = bins(samples, side);
+    let bands: Vec<Filtered> = (0..side.div_ceil(BAND))
+        .into_par_iter()
+        .map(|band| band_of(band, &bins, &function, side))
+        .collect();
+    Filtered {
+        empty: bands.iter().map(|band| band.empty).sum(),
+        values: bands.into_iter().flat_map(|band| band.values).collect(),
+    }
+}
+
+/// Returns the samples that can contribute, by bands of rows; the first and last band hold those outside, too.
+fn bins(samples: &[[f64; 2]], side: usize) -> Vec<Vec<[f64; 2]>> {
+    let bands = side.div_ceil(BAND);
+    let mut bins = vec![Vec::new(); bands];
+    let reached = -REACH..=side as f64 + REACH;
+    for at in samples {
+        if at.iter().all(|v| reached.contains(v)) {
+            let band = (at[1].max(0.0) / BAND as f64) as usize;
+            bins[band.min(bands - 1)].push(*at);
+        }
+    }
+    bins
+}
+
+fn band_of(
+    band: usize,
+    bins: &[Vec<[f64; 2]>],
+    function: &(impl Fn([f64; 2]) -> f64 + Sync),
+    side: usize,
+) -> Filtered {
+    let rows = BAND * band..(BAND * (band + 1)).min(side);
+    let mut sums = vec![[0.0; 2]; rows.len() * side];
+    let near = band.saturating_sub(1)..(band + 2).min(bins.len());
+    for at in bins[near].iter().flatten() {
+        let [left, top] = at.map(first_pixel);
+        let (across, down) = (weights(at[0], left), weights(at[1], top));
+        let mut value = None;
+        for (row, wy) in reached(top, &down).filter(|(row, _)| rows.contains(row)) {
+            let value = *value.get_or_insert_with(|| function(*at));
+            let line = &mut sums[(row - rows.start) * side..][..side];
+            for (column, wx) in reached(left, &across).filter(|(column, _)| *column < side) {
+                line[column][0] += wx * wy * value;
+                line[column][1] += wx * wy;
+            }
+        }
+    }
+    let mean = |[sum, weight]: &[f64; 2]| if *weight > 0.0 { sum / weight } else { 0.0 };
+    Filtered {
+        values: sums.iter().map(mean).collect(),
+        empty: sums.iter().filter(|sum| sum[1] <= 0.0).count(),
+    }
+}
+
+/// Returns the first pixel whose centre a sample reaches; it may lie outside.
+fn first_pixel(at: f64) -> i64 {
+    (at - REACH - 0.5).ceil() as i64
+}
+
+/// Returns the weights of pixels from `first` on, along one axis; zero beyond the reach.
+fn weights(at: f64, first: i64) -> [f64; TOUCHED] {
+    std::array::from_fn(|index| {
+        let away = (first + index as i64) as f64 + 0.5 - at;
+        let within = away.abs() <= REACH;
+        if within {
+            (-0.5 * (away / SIGMA).powi(2)).exp()
+        } else {
+            0.0
+        }
+    })
+}
+
+/// Returns pixels from `first` on that exist at the lower end, with their weights.
+fn reached(first: i64, weights: &[f64; TOUCHED]) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let pixels = weights.iter().enumerate();
+    pixels.filter_map(move |(index, weight)| {
+        let pixel = usize::try_from(first + index as i64).ok()?;
+        (*weight > 0.0).then_some((pixel, *weight))
+    })
+}
+
+/// Returns the mean of a function at the samples in each of `side` x `side` pixels, in pixel coordinates. A pixel without
+/// samples takes the nearest to its centre of those in the smallest square of pixels about it that has some.
+pub fn pixel_means(
+    samples: &[[f64; 2]],
+    function: impl Fn([f64; 2]) -> f64,
+    side: usize,
+) -> Filtered {
+    let held = Held::new(samples, side);
+    let mut empty = 0;
+    let value = |index: usize| {
+        let (sum, count) = held.of(index).fold((0.0, 0.0), |(sum, count), at| {
+            (sum + function(at), count + 1.0)
+        });
+        if count > 0.0 {
+            return sum / count;
+        }
+        empty += 1;
+        held.nearest(index).map_or(0.0, &function)
+    };
+    Filtered {
+        values: (0..side * side).map(value).collect(),
+        empty,
+    }
+}
+
+/// Samples by the pixel that they are in.
+struct Held<'a> {
+    samples: &'a [[f64; 2]],
+    side: usize,
+    /// Samples in the sequence of pixels, and where each pixel's begin.
+    sorted: Vec<u32>,
+    starts: Vec<usize>,
+}
+
+impl<'a> Held<'a> {
+    fn new(samples: &'a [[f64; 2]], side: usize) -> Self {
+        let pixel = |at: &[f64; 2]| {
+            let [column, row] = at.map(|v| (v.max(0.0) as usize).min(side - 1));
+            row * side + column
+        };
+        let mut starts = vec![0; side * side + 1];
+        for at in samples {
+            starts[pixel(at) + 1] += 1;
+        }
+        for index in 0..side * side {
+            starts[index + 1] += starts[index];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![0; samples.len()];
+        for (index, at) in samples.iter().enumerate() {
+            let place = &mut next[pixel(at)];
+            sorted[*place] = index as u32;
+            *place += 1;
+        }
+        Self {
+            samples,
+            side,
+            sorted,
+            starts,
+        }
+    }
+
+    fn of(&self, pixel: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let held = &self.sorted[self.starts[pixel]..self.starts[pixel + 1]];
+        held.iter().map(|index| self.samples[*index as usize])
+    }
+
+    fn nearest(&self, pixel: usize) -> Option<[f64; 2]> {
+        let [x, y] = [pixel % self.side, pixel / self.side];
+        let away = |at: &[f64; 2]| {
+            let [dx, dy] = [at[0] - x as f64 - 0.5, at[1] - y as f64 - 0.5];
+            dx * dx + dy * dy
+        };
+        (1..self.side).find_map(|reach| {
+            let near = |at: usize| at.saturating_sub(reach)..(at + reach + 1).min(self.side);
+            let pixels =
+                near(y).flat_map(|row| near(x).map(move |column| row * self.side + column));
+            let held = pixels.flat_map(|pixel| self.of(pixel));
+            held.min_by(|a, b| away(a).total_cmp(&away(b)))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(side: usize, along: usize) -> Vec<[f64; 2]> {
+        let step = (side + 2 * MARGIN) as f64 / along as f64;
+        let at = |index: usize| (index as f64 + 0.37) * step - MARGIN as f64;
+        (0..along * along)
+            .map(|index| [at(index % along), at(index / along)])
+            .collect()
+    }
+
+    #[test]
+    fn a_constant_stays_one() {
+        let samples = samples(40, 90);
+        for filtered in [
+            gaussian(&samples, |_| 0.7, 40),
+            pixel_means(&samples[45 * 90..], |_| 0.7, 40),
+        ] {
+            assert_eq!(filtered.values.len(), 1600);
+            assert!(filtered.values.iter().all(|v| (v - 0.7).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn weights_are_those_of_the_gaussian_and_end_at_the_reach() {
+        for at in [4.0, 4.25, 4.5, 4.999, 0.1] {
+            let first = first_pixel(at);
+            let weights = weights(at, first);
+            let reached: Vec<_> = weights.iter().filter(|w| **w > 0.0).collect();
+            assert!((4..=5).contains(&reached.len()), "{at}");
+            let before = (first - 1) as f64 + 0.5 - at;
+            assert!(before < -REACH, "{at}");
+            let peak = weights.iter().fold(0.0_f64, |a, b| a.max(*b));
+            let nearest = ((at - 0.5).round() + 0.5 - at) / SIGMA;
+            assert!((peak - (-0.5 * nearest * nearest).exp()).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn filtering_is_what_a_plain_double_loop_gives() {
+        let samples = samples(20, 47);
+        let function = |at: [f64; 2]| (0.9 * at[0] + 0.2 * at[1] * at[1]).sin();
+        let filtered = gaussian(&samples, function, 20);
+        for (index, value) in filtered.values.iter().enumerate() {
+            let center = [index % 20, index / 20].map(|v| v as f64 + 0.5);
+            let mut sums = [0.0; 2];
+            for at in &samples {
+                let away = [at[0] - center[0], at[1] - center[1]];
+                if away.iter().all(|v| v.abs() <= REACH) {
+                    let squared = away[0] * away[0] + away[1] * away[1];
+                    let weight = (-0.5 * squared / (SIGMA * SIGMA)).exp();
+                    sums = [sums[0] + weight * function(*at), sums[1] + weight];
+                }
+            }
+            assert!((value - sums[0] / sums[1]).abs() < 1e-12, "{index}");
+        }
+        assert_eq!(filtered.empty, 0);
+    }
+
+    #[test]
+    fn threads_change_no_bit() {
+        let samples = samples(100, 300);
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let function = |at: [f64; 2]| (at[0] * at[1]).sin();
+            let pool = pool.build().unwrap();
+            pool.install(|| gaussian(&samples, function, 100).values)
+        };
+        assert_eq!(run(1), run(3));
+    }
+
+    #[test]
+    fn pixels_without_samples_take_the_nearest_and_are_counted() {
+        let two = [[0.5, 0.5], [3.4, 0.9]];
+        let found = pixel_means(&two, |at| at[0], 4);
+        assert_eq!(
+            (found.empty, found.values[0], found.values[3]),
+            (14, 0.5, 3.4)
+        );
+        assert_eq!(found.values[4..8], [0.5, 0.5, 3.4, 3.4]);
+        assert_eq!(found.values[12..], [0.5, 0.5, 3.4, 3.4]);
+        let none = gaussian(&[], |_| 1.0, 4);
+        assert_eq!((none.empty, none.values), (16, vec![0.0; 16]));
+    }
+}

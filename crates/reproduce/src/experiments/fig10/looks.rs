@@ -1,0 +1,179 @@
+//! Samples and power spectra of the samplers: the first two rows of the figure.
+//! It renders nothing.
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::measures::{FrequencyWindow, MeanPeriodogram, Periodogram, Spectrum};
+use tilescope_analysis::{Boundary, Region};
+
+use super::samplers::Sampler;
+use crate::error::ReproduceError;
+use crate::study::{Control, Settings};
+use crate::work::Work;
+
+/// Relative frequencies up to this one are low.
+pub const LOW: f64 = 0.5;
+/// Samples in the picture of them.
+pub const DRAWN: usize = 1000;
+/// Squares of frequencies along a picture of a spectrum; an odd number.
+pub const CELLS: usize = 113;
+/// Fewer say nothing about a spectrum.
+const FEWEST: usize = 500;
+
+/// The mean spectrum of a sampler's sets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Look {
+    pub sets: u64,
+    /// Samples of a set, on average.
+    pub count: usize,
+    /// Relative frequency and radial mean power.
+    pub power: Vec<[f64; 2]>,
+    /// Mean power at relative frequencies up to [`LOW`].
+    pub low: f64,
+    /// Powers in rows of as many, for a picture; that at zero is 0.
+    pub picture: Vec<f64>,
+}
+
+/// A sampler and its sets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Task {
+    pub sampler: Sampler,
+    pub count: usize,
+    pub sets: u64,
+}
+
+impl Task {
+    /// Returns what is looked at of a sampler; none for a file of too few samples.
+    pub fn of(sampler: Sampler, settings: &Settings) -> Option<Self> {
+        let count = settings.pick(25_000, 12_800).min(sampler.most(settings));
+        let sets = sampler.sets(count, settings.pick(10, 4), settings);
+        (count >= FEWEST && sets > 0).then_some(Self {
+            sampler,
+            count,
+            sets,
+        })
+    }
+
+    pub fn work(&self) -> Work {
+        let transformed = Work {
+            transformed: self.count as f64,
+            ..Work::default()
+        };
+        (self.sampler.work(self.count) + transformed) * self.sets as f64
+    }
+
+    pub fn carry_out(
+        &self,
+        settings: &Settings,
+        control: &Control<'_>,
+    ) -> Result<Look, ReproduceError> {
+        let region = Region {
+            width: 1.0,
+            height: 1.0,
+            boundary: self.boundary(settings),
+        };
+        let window = window(self.count);
+        let mut mean = MeanPeriodogram::default();
+        for index in 0..self.sets {
+            let points = (self.sampler).points((self.count, index), settings, control)?;
+            mean.add(&Periodogram::of(
+                &points,
+                region,
+                &window,
+                &control.analysis(),
+            )?)?;
+        }
+        let mean = mean.mean().ok_or_else(|| {
+            ReproduceError::Engine("a sampler without a set has no spectrum".to_owned())
+        })?;
+        let spectrum = Spectrum::of(&mean)?;
+        let power = spectrum.power();
+        Ok(Look {
+            sets: self.sets,
+            count: mean.samples.round() as usize,
+            low: low(&spectrum),
+            power,
+            picture: (spectrum.picture.power.iter())
+                .map(|power| if power.is_finite() { *power } else { 0.0 })
+                .collect(),
+        })
+    }
+
+    /// A part of a file's set does not go on at its border.
+    fn boundary(&self, settings: &Settings) -> Boundary {
+        match self.sampler {
+            Sampler::Given(index) => {
+                let set = &settings.given[index];
+                let whole = set.points.len() == self.count;
+                let square = set.region.width.to_bits() == set.region.height.to_bits();
+                if whole && square {
+                    set.region.boundary
+                } else {
+                    Boundary::Bounded
+                }
+            }
+            _ => Boundary::Periodic,
+        }
+    }
+
+    /// Returns about [`DRAWN`] samples in a corner of the first set, scaled to the unit square.
+    pub fn corner(
+        &self,
+        settings: &Settings,
+        control: &Control<'_>,
+    ) -> Result<Vec<[f64; 2]>, ReproduceError> {
+        let points = (self.sampler).points((self.count, 0), settings, control)?;
+        let part = (DRAWN as f64 / points.len().max(1) as f64).sqrt().min(1.0);
+        let scaled = points.iter().map(|at| at.map(|v| v / part));
+        Ok(scaled.filter(|at| at.iter().all(|v| *v < 1.0)).collect())
+    }
+}
+
+/// Returns the window of frequencies that [`CELLS`] squares along an axis fill, up to about [`Spectrum::MOST_NU`].
+fn window(count: usize) -> FrequencyWindow {
+    let wide = 2.0 * Spectrum::MOST_NU * (count as f64).sqrt() / CELLS as f64;
+    let side = 2 * (0.5 * (wide - 1.0)).round().max(0.0) as u32 + 1;
+    FrequencyWindow::centered((CELLS as u32 * side - 1) / 2)
+}
+
+/// The mean over all frequencies up to [`LOW`], each counted once.
+fn low(spectrum: &Spectrum) -> f64 {
+    let nus = spectrum.profile.relative_frequencies().into_iter();
+    let low = nus.zip(&spectrum.profile.annuli);
+    let low = low.filter(|(nu, _)| *nu <= LOW);
+    let (sum, count) = low.fold((0.0, 0.0), |(sum, count), (_, annulus)| {
+        let frequencies = annulus.count as f64;
+        (sum + annulus.power * frequencies, count + frequencies)
+    });
+    sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::alone;
+
+    #[test]
+    fn noise_has_power_one_at_low_frequencies_and_maximal_sets_little() {
+        let settings = Settings::default();
+        alone(&settings, |control| {
+            let look = |sampler| {
+                let task = Task {
+                    sampler,
+                    count: 4000,
+                    sets: 2,
+                };
+                task.carry_out(&settings, control)
+            };
+            let random = look(Sampler::Random)?;
+            assert!((random.low - 1.0).abs() < 0.1, "{}", random.low);
+            let kdrt = look(Sampler::Kdrt)?;
+            assert!(kdrt.low < 0.2 && kdrt.low > 0.01, "{}", kdrt.low);
+            assert_eq!(kdrt.picture.len(), CELLS * CELLS);
+            assert!(kdrt.picture.iter().all(|power| power.is_finite()));
+            let task = Task::of(Sampler::Kdrt, &settings).unwrap();
+            let corner = task.corner(&settings, control)?;
+            assert!(corner.len().abs_diff(DRAWN) < 100, "{}", corner.len());
+            Ok(())
+        });
+    }
+}

@@ -1,0 +1,319 @@
+//! The zone plate `sin(x^2 + y^2)`: rendered from samples, exactly filtered, and the difference of the two.
+//! The exact image knows no samples.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::filter::{MARGIN, SIGMA, gaussian};
+use super::samplers::Sampler;
+use super::shades::{error_shade, shade};
+use crate::error::ReproduceError;
+use crate::study::{Control, Settings};
+use crate::work::Work;
+
+/// Local frequency at the right and the upper edge, in cycles per pixel; the image's own Nyquist frequency is 1/2.
+pub const EDGE: f64 = 1.5;
+/// The image's Nyquist frequency: what is rendered wrong below is noise, above it aliasing too.
+pub const NYQUIST: f64 = 0.5;
+/// Width of the classes of local frequency, in cycles per pixel.
+const CLASS: f64 = 0.05;
+/// A class of fewer pixels says nothing.
+const LEAST: f64 = 40.0;
+/// An image of fewer pixels along a side says nothing.
+const SMALLEST: usize = 32;
+
+/// A zone plate about the lower left corner of an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plate {
+    /// Pixels along a side.
+    pub side: usize,
+}
+
+impl Plate {
+    /// Returns x and y per pixel.
+    fn step(self) -> f64 {
+        (PI * EDGE / self.side as f64).sqrt()
+    }
+
+    /// Returns the value at a place, in pixels from the upper left corner.
+    fn value(self, at: [f64; 2]) -> f64 {
+        let [x, y] = [at[0], self.side as f64 - at[1]].map(|v| v * self.step());
+        (x * x + y * y).sin()
+    }
+
+    /// Returns the local frequency at the centre of a pixel, in cycles per pixel.
+    fn frequency(self, index: usize) -> f64 {
+        let [x, y] = [index % self.side, self.side - 1 - index / self.side].map(|v| v as f64 + 0.5);
+        self.step().powi(2) * x.hypot(y) / PI
+    }
+
+    /// Returns the zone plate filtered by a Gaussian that goes on for ever.
+    ///
+    /// A Gaussian's mean of `exp(i x^2)` about `c` is `exp(i c^2 / (1 - i q)) / sqrt(1 - i q)` with `q` twice the variance: along
+    /// each axis an amplitude and a phase.
+    pub fn exact(self) -> Vec<f64> {
+        let axis: Vec<[f64; 2]> = (0..self.side)
+            .map(|pixel| mean_of_chirp((pixel as f64 + 0.5) * self.step(), SIGMA * self.step()))
+            .collect();
+        (0..self.side * self.side)
+            .into_par_iter()
+            .map(|index| {
+                let [a, p] = axis[index % self.side];
+                let [b, q] = axis[self.side - 1 - index / self.side];
+                a * b * (p + q).sin()
+            })
+            .collect()
+    }
+
+    /// Returns the image that samples of the unit square give; they reach beyond it on all sides.
+    fn render(self, points: &[[f64; 2]]) -> super::filter::Filtered {
+        let scale = (self.side + 2 * MARGIN) as f64;
+        let placed: Vec<[f64; 2]> = points
+            .iter()
+            .map(|at| at.map(|v| v * scale - MARGIN as f64))
+            .collect();
+        gaussian(&placed, |at| self.value(at), self.side)
+    }
+}
+
+/// Returns amplitude and phase of the mean of `exp(i x^2)` under a Gaussian about `center`.
+fn mean_of_chirp(center: f64, deviation: f64) -> [f64; 2] {
+    let q = 2.0 * deviation * deviation;
+    let spread = 1.0 + q * q;
+    let squared = center * center / spread;
+    [
+        (-squared * q).exp() / spread.powf(0.25),
+        squared + 0.5 * q.atan(),
+    ]
+}
+
+/// How wrong an image is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plated {
+    /// Index of the set.
+    pub index: u64,
+    pub count: usize,
+    pub side: usize,
+    /// Pixels without a sample in reach.
+    pub empty: usize,
+    pub rmse: f64,
+    /// Where the local frequency is below and above the image's Nyquist frequency.
+    pub below: f64,
+    pub above: f64,
+    /// Mean squared exact value over mean squared error, in decibels.
+    pub signal_db: f64,
+    /// Middle of each class of local frequency, and the error there.
+    pub classes: Vec<[f64; 2]>,
+    /// Shades of the image and of the error, of the first set alone.
+    pub shades: Option<[Vec<u8>; 2]>,
+}
+
+/// A sum of squares and how many.
+#[derive(Clone, Copy, Default)]
+struct Squares {
+    sum: f64,
+    count: f64,
+}
+
+impl Squares {
+    fn add(&mut self, value: f64) {
+        self.sum += value * value;
+        self.count += 1.0;
+    }
+
+    fn root(self) -> f64 {
+        (self.sum / self.count.max(1.0)).sqrt()
+    }
+}
+
+/// How large a zone plate is and from how many samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Task {
+    pub sampler: Sampler,
+    pub count: usize,
+    pub plate: Plate,
+    pub sets: u64,
+}
+
+impl Task {
+    /// Returns what a sampler is to render: the whole image, or one as small as its samples call for, so that a pixel has as
+    /// many of them; none for too few.
+    pub fn of(sampler: Sampler, settings: &Settings) -> Option<Self> {
+        let whole: (usize, usize) = settings.pick((1_000_000, 512), (250_000, 256));
+        let count = whole.0.min(sampler.most(settings));
+        let share = (count as f64 / whole.0 as f64).sqrt();
+        // A file that lacks a hundredth renders the whole image all the same.
+        let side = if share > 0.995 {
+            whole.1
+        } else {
+            let sides = share * (whole.1 + 2 * MARGIN) as f64;
+            (sides as usize).saturating_sub(2 * MARGIN)
+        };
+        (side >= SMALLEST).then(|| Self {
+            sampler,
+            count,
+            plate: Plate { side },
+            sets: sampler.sets(count, settings.pick(5, 3), settings),
+        })
+    }
+
+    pub fn work(&self) -> Work {
+        let pixels = (self.plate.side * self.plate.side) as f64;
+        let rendering = Work {
+            other: 2.5e-7 * self.count as f64 + 1e-7 * pixels,
+            ..Work::default()
+        };
+        self.sampler.work(self.count) + rendering
+    }
+
+    /// Renders set number `index`.
+    pub fn carry_out(
+        &self,
+        index: u64,
+        settings: &Settings,
+        control: &Control<'_>,
+    ) -> Result<Plated, ReproduceError> {
+        let points = (self.sampler).points((self.count, index), settings, control)?;
+        control.go_on()?;
+        let exact = self.plate.exact();
+        let image = self.plate.render(&points);
+        let errors: Vec<f64> = (image.values.iter().zip(&exact))
+            .map(|(found, exact)| found - exact)
+            .collect();
+        let shades = || {
+            let result = image.values.iter().map(|v| shade(*v)).collect();
+            [result, errors.iter().map(|v| error_shade(*v)).collect()]
+        };
+        Ok(Plated {
+            index,
+            count: points.len(),
+            empty: image.empty,
+            shades: (index == 0).then(shades),
+            ..measured(self.plate, &exact, &errors)
+        })
+    }
+}
+
+fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> Plated {
+    let highest = EDGE * std::f64::consts::SQRT_2;
+    let mut classes = vec![Squares::default(); (highest / CLASS).ceil() as usize];
+    let [mut below, mut above, mut all, mut signal] = [Squares::default(); 4];
+    for (index, (error, exact)) in errors.iter().zip(exact).enumerate() {
+        let frequency = plate.frequency(index);
+        let class = ((frequency / CLASS) as usize).min(classes.len() - 1);
+        classes[class].add(*error);
+        let part = if frequency < NYQUIST {
+            &mut below
+        } else {
+            &mut above
+        };
+        part.add(*error);
+        all.add(*error);
+        signal.add(*exact);
+    }
+    let full = classes.iter().enumerate();
+    let full = full.filter(|one| one.1.count >= LEAST);
+    Plated {
+        index: 0,
+        count: 0,
+        side: plate.side,
+        empty: 0,
+        rmse: all.root(),
+        below: below.root(),
+        above: above.root(),
+        signal_db: 20.0 * (signal.root() / all.root()).log10(),
+        classes: full
+            .map(|(class, squares)| [(class as f64 + 0.5) * CLASS, squares.root()])
+            .collect(),
+        shades: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::filter::{CUT_OFF, REACH};
+    use super::*;
+    use crate::study::tests::alone;
+
+    /// The filtered value by summing over a fine grid, to the end of the reach.
+    fn quadrature(plate: Plate, index: usize) -> f64 {
+        const STEPS: i32 = 400;
+        let center = [index % plate.side, index / plate.side].map(|v| v as f64 + 0.5);
+        let offsets = (-STEPS..=STEPS).map(|k| f64::from(k) * REACH / f64::from(STEPS));
+        let weight = |away: f64| (-0.5 * (away / SIGMA).powi(2)).exp();
+        let mut sums = [0.0; 2];
+        for dy in offsets.clone() {
+            for dx in offsets.clone() {
+                let both = weight(dx) * weight(dy);
+                sums[0] += both * plate.value([center[0] + dx, center[1] + dy]);
+                sums[1] += both;
+            }
+        }
+        sums[0] / sums[1]
+    }
+
+    #[test]
+    fn the_exact_image_is_what_quadrature_gives() {
+        let plate = Plate { side: 64 };
+        let exact = plate.exact();
+        for index in [
+            0,
+            63,
+            64 * 63,
+            64 * 64 - 1,
+            64 * 40 + 9,
+            64 * 55 + 12,
+            64 * 60,
+        ] {
+            let found = quadrature(plate, index);
+            let off = (exact[index] - found).abs();
+            assert!(off < CUT_OFF, "{index}: {} and {found}", exact[index]);
+        }
+        // Without the filter, values are quite others.
+        let raw = plate.value([12.5, 55.5]);
+        assert!((raw - exact[64 * 55 + 12]).abs() > 0.01);
+    }
+
+    #[test]
+    fn frequencies_are_those_of_the_phase() {
+        let plate = Plate { side: 100 };
+        assert!((plate.frequency(99 * 100 + 99) - EDGE * 0.995).abs() < 1e-3);
+        let phase = |x: f64| (x * plate.step()).powi(2);
+        let cycles = (phase(40.0 + 0.5) - phase(39.0 + 0.5)) / (2.0 * PI);
+        assert!((plate.frequency(99 * 100 + 39) - cycles).abs() < 1e-2);
+    }
+
+    #[test]
+    fn errors_fall_with_samples_and_threads_change_nothing() {
+        let settings = Settings::default();
+        alone(&settings, |control| {
+            let rendered = |count, sampler| {
+                let task = Task {
+                    sampler,
+                    count,
+                    plate: Plate { side: 64 },
+                    sets: 1,
+                };
+                task.carry_out(0, &settings, control)
+            };
+            for sampler in [Sampler::Random, Sampler::Jittered, Sampler::Kdrt] {
+                let (few, many) = (rendered(10_000, sampler)?, rendered(160_000, sampler)?);
+                assert!(
+                    many.rmse < 0.6 * few.rmse,
+                    "{sampler:?}: {} {}",
+                    few.rmse,
+                    many.rmse
+                );
+                let pool = rayon::ThreadPoolBuilder::new()
+                    .num_threads(1)
+                    .build()
+                    .unwrap();
+                let alone = pool.install(|| rendered(10_000, sampler))?;
+                assert_eq!(alone, few, "{sampler:?}");
+            }
+            Ok(())
+        });
+    }
+}

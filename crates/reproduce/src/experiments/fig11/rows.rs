@@ -1,0 +1,135 @@
+//! Rounds summed up: medians of times and shares by leaf size. It takes no time.
+
+use tilescope_analysis::measures::Summary;
+
+use super::stages::{Passes, Procedure, Round, Timed};
+
+/// A leaf size over all rounds.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub leaf: f64,
+    pub printed: bool,
+    /// Seconds of each procedure, and its share of the run.
+    pub procedures: Vec<(Procedure, Summary, Summary)>,
+    pub whole: Summary,
+    pub parallel: Option<Summary>,
+    /// Samples of the first round's set.
+    pub count: usize,
+}
+
+impl Row {
+    pub fn name(&self) -> String {
+        let printed = if self.printed { ", as printed" } else { "" };
+        format!("leaf {} r{printed}", self.leaf)
+    }
+
+    /// Returns the median share of elimination and first insertion, and the largest one of any other procedure.
+    pub fn shares(&self) -> [f64; 2] {
+        let shares = |first: bool| {
+            let each = self.procedures.iter();
+            each.filter(move |(of, _, _)| of.is_first() == first)
+                .map(|(_, _, share)| share.quartiles[1])
+        };
+        [shares(true).sum(), shares(false).fold(0.0, f64::max)]
+    }
+}
+
+/// Returns a row for each leaf size in the sequence of the rounds. Iterations that not every round has count as no time there.
+pub fn rows(rounds: &[Round]) -> Vec<Row> {
+    let Some(first) = rounds.first() else {
+        return Vec::new();
+    };
+    let row = |index: usize| {
+        let of: Vec<&Timed> = (rounds.iter())
+            .filter_map(|round| round.timed.get(index))
+            .collect();
+        let whole = |one: &Timed| one.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>();
+        let mut all: Vec<Procedure> = of
+            .iter()
+            .flat_map(|one| &one.seconds)
+            .map(|(of, _)| *of)
+            .collect();
+        all.sort_unstable();
+        all.dedup();
+        let each = all.into_iter().filter_map(|procedure| {
+            let seconds = |one: &&Timed| {
+                let found = one.seconds.iter().find(|(of, _)| *of == procedure);
+                found.map_or(0.0, |(_, seconds)| *seconds)
+            };
+            let shares = of.iter().map(|one| seconds(one) / whole(one));
+            Some((
+                procedure,
+                Summary::of(of.iter().map(seconds))?,
+                Summary::of(shares)?,
+            ))
+        });
+        Some(Row {
+            leaf: first.timed[index].leaf,
+            printed: first.timed[index].printed,
+            procedures: each.collect(),
+            whole: Summary::of(of.iter().map(|one| whole(one)))?,
+            parallel: Summary::of(of.iter().filter_map(|one| one.parallel)),
+            count: first.timed[index].counts.count,
+        })
+    };
+    (0..first.timed.len()).filter_map(row).collect()
+}
+
+/// Returns the medians of what GPUs took for each stage.
+pub fn passes(rounds: &[Round]) -> Vec<Passes> {
+    let Some(first) = rounds.last() else {
+        return Vec::new();
+    };
+    let median = |one: &Passes| {
+        let same = |other: &&Passes| other.adapter == one.adapter && other.stage == one.stage;
+        let each = rounds.iter().flat_map(|round| &round.passes).filter(same);
+        Passes {
+            seconds: Summary::of(each.filter_map(|one| one.seconds)).map(|s| s.quartiles[1]),
+            ..one.clone()
+        }
+    };
+    first.passes.iter().map(median).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stages::Counts;
+    use super::*;
+
+    #[test]
+    fn shares_are_medians_of_shares_and_rounds_without_an_iteration_count_as_none() {
+        let counts = Counts {
+            blocks: 1,
+            tiled: 1,
+            eliminated: 0,
+            detectors: Vec::new(),
+            inserted: Vec::new(),
+            count: 1,
+        };
+        let round = |slow: f64, third: bool| {
+            let mut seconds = vec![
+                (Procedure::Tile, 2.0 * slow),
+                (Procedure::Eliminate, 3.0 * slow),
+                (Procedure::Iterate(1), 5.0 * slow),
+            ];
+            if third {
+                seconds.push((Procedure::Iterate(3), 10.0 * slow));
+            }
+            Round {
+                timed: vec![Timed {
+                    leaf: 20.0,
+                    printed: false,
+                    seconds,
+                    counts: counts.clone(),
+                    parallel: None,
+                }],
+                passes: Vec::new(),
+            }
+        };
+        let rows = rows(&[round(1.0, false), round(7.0, false), round(1.0, true)]);
+        assert_eq!(rows[0].procedures.len(), 4);
+        let [first, other] = rows[0].shares();
+        assert!((first - 0.8).abs() < 1e-12, "{first}");
+        assert!((other - 0.2).abs() < 1e-12, "{other}");
+    }
+}

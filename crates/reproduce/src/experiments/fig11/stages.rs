@@ -1,0 +1,344 @@
+//! Stages timed one by one, in rounds in each of which every leaf size has its turn.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+
+use pollster::block_on;
+use serde::{Deserialize, Serialize};
+use tilescope_core::{
+    Parameters, Pattern, PatternSpec, Point, Progress, Run, Sequential, Stage, Variant,
+    radius_estimate,
+};
+use tilescope_gpu::{GpuSweep, Options};
+
+use crate::engines::{Engine, Engines, gpus};
+use crate::error::ReproduceError;
+use crate::sets::{Set, pattern, pattern_side};
+use crate::study::{Control, Study};
+use crate::work::Work;
+
+/// Leaf size at which the algorithm as printed and GPUs are timed, in radii.
+const ONE_LEAF: f64 = 40.0;
+
+/// The algorithm as printed is timed with so many times fewer samples: it takes about twenty times as long for each.
+const FEWER: u64 = 10;
+
+/// A procedure of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Procedure {
+    Blocks,
+    Tile,
+    Eliminate,
+    /// Elimination with the first insertion in one loop.
+    Both,
+    /// An iteration of detection and insertion.
+    Iterate(u32),
+    /// The last look for gaps, which finds none.
+    Check,
+    /// The result in canonical order.
+    Finish,
+}
+
+impl Procedure {
+    pub fn name(self) -> String {
+        match self {
+            Self::Blocks => "blocks".to_owned(),
+            Self::Tile => "clip and tile".to_owned(),
+            Self::Eliminate => "eliminate".to_owned(),
+            Self::Both => "eliminate and insert, first loop".to_owned(),
+            Self::Iterate(k) => format!("detect and insert, iteration {k}"),
+            Self::Check => "last detection".to_owned(),
+            Self::Finish => "canonical order".to_owned(),
+        }
+    }
+
+    /// Whether it is a part of elimination and first insertion.
+    pub const fn is_first(self) -> bool {
+        matches!(self, Self::Eliminate | Self::Both | Self::Iterate(1))
+    }
+}
+
+/// A run whose stages were timed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Timed {
+    pub leaf: f64,
+    /// Whether it was Algorithm 4 as printed.
+    pub printed: bool,
+    pub seconds: Vec<(Procedure, f64)>,
+    pub counts: Counts,
+    /// Seconds of the parallel engine on all threads for the same set, which has one stage; none for the algorithm as printed.
+    pub parallel: Option<f64>,
+}
+
+/// What a run's stages worked on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    pub blocks: usize,
+    pub tiled: usize,
+    pub eliminated: usize,
+    /// Gap detectors and inserted samples of each iteration.
+    pub detectors: Vec<usize>,
+    pub inserted: Vec<usize>,
+    pub count: usize,
+}
+
+/// Time of the passes of one stage of a GPU.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Passes {
+    pub adapter: String,
+    pub stage: String,
+    pub times: usize,
+    /// None where the device does not time them.
+    pub seconds: Option<f64>,
+}
+
+/// A round.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Round {
+    pub timed: Vec<Timed>,
+    pub passes: Vec<Passes>,
+}
+
+/// How much is timed.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub samples: u64,
+    pub rounds: u64,
+    pub leaves: Vec<f64>,
+    pub seed: u64,
+}
+
+impl Plan {
+    /// Returns the work of a round: every leaf size, the algorithm as printed, every GPU.
+    pub fn round_work(&self) -> Work {
+        let (samples, leaves) = (self.samples as f64, self.leaves.len() as f64);
+        let gpus = gpus().len() as f64;
+        Work {
+            tiled: samples * (leaves + gpus),
+            sequential: samples * (leaves + 20.0 / FEWER as f64),
+            verified: samples * (leaves + 1.0 / FEWER as f64),
+            ..Work::default()
+        }
+    }
+
+    pub fn run(&self, study: &Study<'_>) -> Result<Vec<Round>, ReproduceError> {
+        study.rounds(
+            ("round", "stages"),
+            (self.rounds, self.round_work()),
+            |_| Engines::open(),
+            |number, engines, control| self.round(number, engines, control),
+        )
+    }
+
+    fn round(
+        &self,
+        number: u64,
+        engines: &Engines,
+        control: &Control<'_>,
+    ) -> Result<Round, ReproduceError> {
+        let base = Parameters {
+            leaf: ONE_LEAF,
+            seed: self.seed.wrapping_mul(1000).wrapping_add(number),
+            ..Parameters::default()
+        };
+        let base = Parameters {
+            radius: radius_estimate(&base, self.samples)?,
+            ..base
+        };
+        let mut timed = Vec::new();
+        for leaf in &self.leaves {
+            let parameters = Parameters {
+                leaf: *leaf,
+                ..base
+            };
+            let pattern = pattern_of(*leaf, control)?;
+            timed.push(staged(&parameters, &pattern, engines, control)?);
+        }
+        let printed = Parameters {
+            variant: Variant::AsPrinted,
+            radius: radius_estimate(&base, self.samples / FEWER)?,
+            ..base
+        };
+        let pattern = pattern_of(ONE_LEAF, control)?;
+        timed.push(verified(&printed, &pattern, control)?.0);
+        let mut passes = Vec::new();
+        for gpu in gpus() {
+            let gpu = engines.gpu(&gpu.name)?;
+            passes.extend(on_gpu(&gpu, &base, &pattern, control)?);
+        }
+        Ok(Round { timed, passes })
+    }
+}
+
+/// Returns a pattern that blocks of a leaf size fit into.
+fn pattern_of(leaf: f64, control: &Control<'_>) -> Result<Arc<Pattern>, ReproduceError> {
+    let spec = PatternSpec {
+        side: pattern_side(leaf),
+        ..PatternSpec::default()
+    };
+    pattern(&spec, control)
+}
+
+/// Times the sequential engine's stages and the parallel engine for the same set.
+fn staged(
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    engines: &Engines,
+    control: &Control<'_>,
+) -> Result<Timed, ReproduceError> {
+    let (mut timed, points) = verified(parameters, pattern, control)?;
+    let began = Instant::now();
+    let all = Engine::Parallel { all: true };
+    let same = engines.make(&all, parameters, pattern, control)?;
+    timed.parallel = Some(began.elapsed().as_secs_f64());
+    if same != points {
+        let differ = "the parallel engine made another set than the sequential one".to_owned();
+        return Err(ReproduceError::Engine(differ));
+    }
+    Ok(timed)
+}
+
+/// Times the stages of a run and verifies its set.
+fn verified(
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    control: &Control<'_>,
+) -> Result<(Timed, Vec<Point>), ReproduceError> {
+    let printed = parameters.variant == Variant::AsPrinted;
+    let mut engine = Sequential::new(parameters, Arc::clone(pattern))?;
+    let mut seconds = Vec::new();
+    loop {
+        let began = Instant::now();
+        let mut finishing = None;
+        // The last step looks for gaps in vain before it finishes.
+        let mut observer = |progress: Progress| -> ControlFlow<()> {
+            if progress.stage == Stage::Finish {
+                finishing.get_or_insert_with(Instant::now);
+            }
+            control.flow()
+        };
+        let Some(stage) = engine.step(&mut observer)? else {
+            break;
+        };
+        let ended = Instant::now();
+        let before = finishing.unwrap_or(ended);
+        let of = procedure(stage, printed);
+        if of == Procedure::Finish {
+            seconds.push((Procedure::Check, (before - began).as_secs_f64()));
+            seconds.push((Procedure::Finish, (ended - before).as_secs_f64()));
+        } else {
+            seconds.push((of, (ended - began).as_secs_f64()));
+        }
+    }
+    let run = engine.run();
+    let points = run.points();
+    let name = format!("leaf {} r", parameters.leaf);
+    Set::of(&run.domain, &points).verified(&name, control)?;
+    let timed = Timed {
+        leaf: parameters.leaf,
+        printed,
+        seconds,
+        counts: counts(run),
+        parallel: None,
+    };
+    Ok((timed, points))
+}
+
+const fn procedure(stage: Stage, printed: bool) -> Procedure {
+    match stage {
+        Stage::Pattern | Stage::Blocks => Procedure::Blocks,
+        Stage::Tile => Procedure::Tile,
+        Stage::Eliminate if printed => Procedure::Both,
+        Stage::Eliminate => Procedure::Eliminate,
+        Stage::Iterate(k) => Procedure::Iterate(k),
+        Stage::Regions | Stage::Finish => Procedure::Finish,
+    }
+}
+
+fn counts(run: &Run) -> Counts {
+    let summary = run.summary();
+    Counts {
+        blocks: summary.blocks,
+        tiled: summary.tiled,
+        eliminated: summary.eliminated,
+        detectors: run
+            .iterations
+            .iter()
+            .map(|one| one.detectors.len())
+            .collect(),
+        inserted: summary.inserted,
+        count: summary.count,
+    }
+}
+
+/// Adds up the passes of each stage, in the sequence of their first.
+fn on_gpu(
+    gpu: &Arc<tilescope_gpu::Gpu>,
+    parameters: &Parameters,
+    pattern: &Arc<Pattern>,
+    control: &Control<'_>,
+) -> Result<Vec<Passes>, ReproduceError> {
+    let options = Options {
+        timed: true,
+        ..Options::default()
+    };
+    let failed = |error: tilescope_gpu::GpuError| ReproduceError::Engine(error.to_string());
+    let adapter = gpu.report().name.clone();
+    let mut sweep =
+        block_on(GpuSweep::new(Arc::clone(gpu), parameters, pattern, options)).map_err(failed)?;
+    while block_on(sweep.step(&mut |_| control.flow()))
+        .map_err(failed)?
+        .is_some()
+    {}
+    let mut passes: Vec<Passes> = Vec::new();
+    for report in sweep.reports() {
+        let stage = report.stage.to_string();
+        if let Some(known) = passes.iter_mut().find(|one| one.stage == stage) {
+            known.times += 1;
+            known.seconds = known.seconds.zip(report.seconds).map(|(a, b)| a + b);
+        } else {
+            passes.push(Passes {
+                adapter: adapter.clone(),
+                stage,
+                times: 1,
+                seconds: report.seconds,
+            });
+        }
+    }
+    Ok(passes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Settings;
+    use crate::study::tests::alone;
+
+    #[test]
+    fn every_stage_of_a_run_is_timed_once_and_as_printed_the_first_insertion_has_no_stage() {
+        alone(&Settings::default(), |control| {
+            let parameters = Parameters {
+                radius: 0.01,
+                leaf: 20.0,
+                ..Parameters::default()
+            };
+            let pattern = Pattern::of_spec(&parameters.pattern, &mut control.observer())?;
+            let (staged, _) = verified(&parameters, &pattern, control)?;
+            let of = |timed: &Timed| timed.seconds.iter().map(|(of, _)| *of).collect::<Vec<_>>();
+            let mut expected = vec![Procedure::Blocks, Procedure::Tile, Procedure::Eliminate];
+            let iterations = staged.counts.inserted.len() as u32;
+            expected.extend((1..=iterations).map(Procedure::Iterate));
+            expected.extend([Procedure::Check, Procedure::Finish]);
+            assert_eq!(of(&staged), expected);
+            let printed = Parameters {
+                variant: Variant::AsPrinted,
+                ..parameters
+            };
+            let (printed, _) = verified(&printed, &pattern, control)?;
+            assert!(of(&printed).contains(&Procedure::Both));
+            assert!(!of(&printed).contains(&Procedure::Iterate(1)));
+            Ok(())
+        });
+    }
+}

@@ -1,0 +1,376 @@
+//! Figure 12 and section 4.2: nine sets made independently of each other become one, with small losses near the seams, and a
+//! serial sampler becomes a parallel one. Pieces are reference sets; gluing is the core's.
+
+mod picture;
+
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::combine::{CombineOptions, Combined, combine};
+use tilescope_core::{Boundary, Domain, R, reference_sample};
+
+use crate::engines::{nine, nine_rects};
+use crate::error::ReproduceError;
+use crate::outcome::{Claim, Column, Outcome, Table, Verdict};
+use crate::report::{count, number};
+use crate::sets::Set;
+use crate::study::{Control, Settings, Study};
+use crate::work::Work;
+
+/// Losses up to this share of all samples count as minor.
+const MINOR: f64 = 0.02;
+/// Gluing may take this share of all the work, to be small.
+const SMALL: f64 = 0.1;
+/// Layouts of this side in radii and more say something about the cost.
+const LARGE: f64 = 600.0;
+/// Sides in radii of the layout that is drawn, whatever the settings.
+const DRAWN: f64 = 150.0;
+
+/// Sides in radii of the layouts.
+fn sides(settings: &Settings) -> Vec<f64> {
+    settings.pick(vec![DRAWN, 600.0, 1800.0], vec![DRAWN])
+}
+
+/// What is found of one layout.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Found {
+    side: f64,
+    /// Samples of the nine sets.
+    before: usize,
+    after: usize,
+    /// Samples of the nine sets that are gone, and how far from the seam the deepest of them was, in radii.
+    lost: usize,
+    deepest: f64,
+    inserted: usize,
+    iterations: usize,
+    /// Seconds to make a set of the whole domain on one thread, the nine sets on all, and to glue them.
+    alone: f64,
+    making: f64,
+    gluing: f64,
+    /// Threads that made and glued the nine.
+    threads: usize,
+    conflicts: u64,
+    gaps: u64,
+    min_distance: f64,
+    covering_radius: f64,
+}
+
+impl Found {
+    fn lost_share(&self) -> f64 {
+        self.lost as f64 / self.before as f64
+    }
+
+    fn overhead(&self) -> f64 {
+        self.gluing / (self.making + self.gluing)
+    }
+
+    fn speedup(&self) -> f64 {
+        self.alone / (self.making + self.gluing)
+    }
+}
+
+pub fn work(settings: &Settings) -> Work {
+    sides(settings).into_iter().map(unit_work).sum()
+}
+
+/// A set of the whole domain, nine sets of its ninths, and one verification.
+fn unit_work(side: f64) -> Work {
+    let samples = 0.7 * side * side;
+    let threads = rayon::current_num_threads() as f64;
+    Work {
+        reference: samples * (1.0 + 1.0 / threads),
+        verified: samples,
+        ..Work::default()
+    }
+}
+
+pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+    let seed = study.settings.seed;
+    let found: Result<Vec<Found>, _> = sides(study.settings)
+        .into_iter()
+        .map(|side| {
+            let what = format!("nine sets on {side} r");
+            let names = (&*format!("side-{side}"), &*what);
+            study.unit(names, unit_work(side), |control| {
+                measure(side, seed, control)
+            })
+        })
+        .collect();
+    let found = found?;
+    let control = study.control("the picture");
+    let domain = domain(DRAWN)?;
+    let (glued, _) = glue(domain, seed, &control)?;
+    Ok(Outcome {
+        claims: claims(&found),
+        pictures: picture::pictures(&glued, &nine_rects(&domain)),
+        tables: vec![table(&found)],
+        notes: vec![NOTE.to_owned()],
+    })
+}
+
+const NOTE: &str = "Each of the nine sets is a periodic maximal set of a ninth of the domain, made by the reference \
+sampler with a seed of its own; none of them knows its neighbours. Along the seams conflicts are eliminated and gaps are \
+filled by the stages that KDRT uses between its blocks. The domain is periodic, so that its border is a seam as well.";
+
+fn domain(side: f64) -> Result<Domain, ReproduceError> {
+    Ok(Domain::from_size([side; 2], 1.0, Boundary::Periodic)?)
+}
+
+/// Makes and glues nine sets; returns the seconds that each took.
+fn glue(
+    domain: Domain,
+    seed: u64,
+    control: &Control<'_>,
+) -> Result<(Glued, [f64; 2]), ReproduceError> {
+    let began = Instant::now();
+    let pieces = nine(domain, seed, control)?;
+    let making = began.elapsed().as_secs_f64();
+    let began = Instant::now();
+    let combined = combine(
+        domain,
+        &pieces,
+        &CombineOptions::default(),
+        &mut control.observer(),
+    )?;
+    let gluing = began.elapsed().as_secs_f64();
+    let before = pieces.iter().map(|piece| piece.set.samples().len()).sum();
+    Ok((Glued { combined, before }, [making, gluing]))
+}
+
+/// Nine sets in one.
+struct Glued {
+    combined: Combined,
+    /// Samples of the nine.
+    before: usize,
+}
+
+fn measure(side: f64, seed: u64, control: &Control<'_>) -> Result<Found, ReproduceError> {
+    let domain = domain(side)?;
+    control.go_on()?;
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let one = one.map_err(|error| ReproduceError::Engine(error.to_string()))?;
+    let began = Instant::now();
+    let whole = one.install(|| reference_sample(domain, seed, &mut control.observer()))?;
+    let alone = began.elapsed().as_secs_f64();
+    drop(whole);
+    let (Glued { combined, before }, [making, gluing]) = glue(domain, seed, control)?;
+    let set = Set::of(&domain, &combined.points);
+    let report = set.judge(control)?;
+    let rects = nine_rects(&domain);
+    let lost = combined.eliminated.iter().filter(|lost| lost.own);
+    let depths = lost
+        .clone()
+        .map(|lost| rects[lost.piece as usize].depth(lost.point));
+    let summary = combined.summary();
+    Ok(Found {
+        side,
+        before,
+        after: combined.points.len(),
+        lost: lost.count(),
+        deepest: f64::from(depths.max().unwrap_or(0)) / f64::from(R),
+        inserted: summary.inserted.iter().sum(),
+        iterations: summary.inserted.len(),
+        alone,
+        making,
+        gluing,
+        threads: rayon::current_num_threads(),
+        conflicts: report.conflicts,
+        gaps: report.gaps,
+        min_distance: report.min_distance,
+        covering_radius: report.covering_radius,
+    })
+}
+
+fn claims(found: &[Found]) -> Vec<Claim> {
+    let Some(largest) = found.last() else {
+        return Vec::new();
+    };
+    vec![
+        maximal(found, largest),
+        losses(found, largest),
+        cost(largest),
+    ]
+}
+
+fn maximal(found: &[Found], largest: &Found) -> Claim {
+    let faults = found.iter().map(|one| one.conflicts + one.gaps).sum();
+    Claim {
+        claim: "Independent maximal sets combine into one maximal set".to_owned(),
+        place: "section 4.2, figure 12".to_owned(),
+        paper: "nine sets become one".to_owned(),
+        ours: format!(
+            "nine sets become one of {} samples; conflicts and gaps in {} layouts: {}",
+            count(largest.after as u64),
+            found.len(),
+            count(faults)
+        ),
+        verdict: Verdict::of(faults == 0),
+        reason: "Reproduced if the verifier finds neither a conflict nor a gap in any layout."
+            .to_owned(),
+    }
+}
+
+fn losses(found: &[Found], largest: &Found) -> Claim {
+    let worst = found.iter().map(Found::lost_share).fold(0.0, f64::max);
+    let deepest = found.iter().map(|one| one.deepest).fold(0.0, f64::max);
+    Claim {
+        claim: "Only few samples are lost, near the seams".to_owned(),
+        place: "figure 12, caption".to_owned(),
+        paper: "minor loss in the margins".to_owned(),
+        ours: format!(
+            "{} of {} samples lost ({} %; at most {} % of any layout), none deeper than {} r",
+            count(largest.lost as u64),
+            count(largest.before as u64),
+            number(100.0 * largest.lost_share(), 2),
+            number(100.0 * worst, 2),
+            number(deepest, 3),
+        ),
+        verdict: Verdict::of(largest.lost_share() <= MINOR && deepest <= 3.0),
+        reason: format!(
+            "Reproduced if the largest layout loses at most {} % and nothing deeper than 3 r. The share falls with the \
+             size of the sets, as their border does against their area.",
+            100.0 * MINOR
+        ),
+    }
+}
+
+fn cost(largest: &Found) -> Claim {
+    let threads = largest.threads;
+    Claim {
+        claim: "A serial sampler becomes a parallel one at little cost".to_owned(),
+        place: "section 4.2".to_owned(),
+        paper: "very small overhead".to_owned(),
+        ours: format!(
+            "{} times as fast on {threads} {}; gluing takes {} % of the time",
+            number(largest.speedup(), 3),
+            if threads == 1 { "thread" } else { "threads" },
+            number(100.0 * largest.overhead(), 2)
+        ),
+        verdict: if threads < 2 || largest.side < LARGE {
+            Verdict::NotComparable
+        } else {
+            Verdict::of(largest.overhead() <= SMALL && largest.speedup() > 1.0)
+        },
+        reason: format!(
+            "Reproduced if the largest layout is made faster on all threads than a set of its size on one, and gluing \
+             takes at most {} % of that. That needs two threads, and a side of {LARGE} r: the seams of small sets are most \
+             of their work.",
+            100.0 * SMALL
+        ),
+    }
+}
+
+fn table(found: &[Found]) -> Table {
+    let row = |one: &Found| {
+        vec![
+            one.side.into(),
+            one.before.into(),
+            one.after.into(),
+            one.lost.into(),
+            (100.0 * one.lost_share()).into(),
+            one.deepest.into(),
+            one.inserted.into(),
+            one.iterations.into(),
+            one.alone.into(),
+            one.making.into(),
+            one.gluing.into(),
+            one.threads.into(),
+            one.speedup().into(),
+            one.conflicts.into(),
+            one.gaps.into(),
+            one.min_distance.into(),
+            one.covering_radius.into(),
+        ]
+    };
+    Table {
+        name: "layouts".to_owned(),
+        title: "Nine sets in one".to_owned(),
+        columns: [
+            ("side_r", "side, r", 4),
+            ("samples_before", "samples of the nine", 9),
+            ("samples_after", "samples combined", 9),
+            ("lost", "lost", 6),
+            ("lost_percent", "lost, %", 3),
+            ("deepest_r", "deepest loss, r", 3),
+            ("inserted", "inserted", 6),
+            ("iterations", "iterations", 2),
+            ("seconds_alone", "whole on one thread, s", 3),
+            ("seconds_making", "nine on all threads, s", 3),
+            ("seconds_gluing", "gluing, s", 3),
+            ("threads", "threads", 3),
+            ("speedup", "speed-up", 3),
+            ("conflicts", "conflicts", 3),
+            ("gaps", "gaps", 3),
+            ("min_distance_r", "min. distance, r", 6),
+            ("covering_radius_r", "covering radius, r", 6),
+        ]
+        .map(|(key, head, digits)| Column::new(key, head, digits))
+        .to_vec(),
+        rows: found.iter().map(row).collect(),
+        shown: true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Experiment;
+    use crate::study::tests::quick_run;
+
+    fn found() -> Found {
+        Found {
+            side: 1800.0,
+            before: 2_000_000,
+            after: 1_990_000,
+            lost: 20_000,
+            deepest: 1.9,
+            inserted: 9000,
+            iterations: 4,
+            alone: 4.0,
+            making: 2.0,
+            gluing: 0.1,
+            threads: 2,
+            conflicts: 0,
+            gaps: 0,
+            min_distance: 1.0,
+            covering_radius: 1.0,
+        }
+    }
+
+    #[test]
+    fn verdicts_follow_from_the_numbers() {
+        let holds = claims(&[found()]);
+        assert_eq!(holds[1].verdict, Verdict::Reproduced);
+        let open = Found { gaps: 1, ..found() };
+        assert_eq!(claims(&[open, found()])[0].verdict, Verdict::NotReproduced);
+        let lossy = Found {
+            lost: 60_000,
+            ..found()
+        };
+        assert_eq!(claims(&[lossy])[1].verdict, Verdict::NotReproduced);
+        let deep = Found {
+            deepest: 3.5,
+            ..found()
+        };
+        assert_eq!(claims(&[deep])[1].verdict, Verdict::NotReproduced);
+        let single = Found {
+            threads: 1,
+            ..found()
+        };
+        assert_eq!(claims(&[single])[2].verdict, Verdict::NotComparable);
+        let slow = Found {
+            gluing: 1.0,
+            ..found()
+        };
+        assert_ne!(claims(&[slow])[2].verdict, Verdict::Reproduced);
+    }
+
+    #[test]
+    fn a_quick_run_is_the_work_it_said_and_loses_what_it_counts() {
+        let outcome = quick_run(Experiment::Fig12, &Settings::default());
+        assert_eq!(outcome.claims.len(), 3);
+        assert_eq!(outcome.claims[0].verdict, Verdict::Reproduced);
+        assert_eq!(outcome.tables[0].rows.len(), 1);
+        assert_eq!(outcome.pictures.len(), 2);
+    }
+}

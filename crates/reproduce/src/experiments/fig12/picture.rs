@@ -1,0 +1,114 @@
+//! The pictures: nine sets in one, whole and where four of them meet.
+
+use std::collections::HashSet;
+
+use tilescope_core::{Boundary, Point, Rect as Cells, Source};
+use tilescope_figures::{
+    Group, Marker, PictureOptions, Rect, Scene, SetPicture, Shape, Stroke, Style, set_scene,
+};
+
+use super::Glued;
+use crate::outcome::Picture;
+use crate::report::count;
+
+/// Sides of the part that is shown large, in radii.
+const PART: f64 = 36.0;
+
+/// Pieces in a sequence in which no two neighbours, across borders either, have one tint of six.
+const TINTED: [usize; 9] = [0, 1, 2, 3, 4, 5, 8, 6, 7];
+
+/// Returns both pictures.
+pub fn pictures(glued: &Glued, rects: &[Cells]) -> Vec<Picture> {
+    let combined = &glued.combined;
+    let user = |p: Point| combined.domain.user_from_lattice(p);
+    let corner = user(rects[4].min);
+    let half = 0.5 * PART * combined.domain.radius();
+    let part = Rect::new(corner.map(|x| x - half), corner.map(|x| x + half));
+    let whole = scene(glued, rects, None);
+    let close = scene(glued, rects, Some(part));
+    let lost = combined.eliminated.iter().filter(|lost| lost.own).count();
+    vec![
+        Picture {
+            name: "nine".to_owned(),
+            caption: format!(
+                "Nine independent maximal sets, {} samples, in one of {}. Neighbours have different tints; diamonds were inserted.",
+                count(glued.before as u64),
+                count(combined.points.len() as u64)
+            ),
+            scene: whole,
+        },
+        Picture {
+            name: "seams".to_owned(),
+            caption: format!(
+                "Where four of them meet, {PART} r wide: crosses are samples that were eliminated there ({lost} in the whole), \
+                 diamonds were inserted; disks have radius r."
+            ),
+            scene: close,
+        },
+    ]
+}
+
+fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>) -> Scene {
+    let combined = &glued.combined;
+    let user = |p: Point| combined.domain.user_from_lattice(p);
+    let points = combined.positions();
+    let block = |source: &Source| match *source {
+        Source::Tiled { block, .. } => TINTED
+            .iter()
+            .position(|piece| *piece == block as usize)
+            .map(|at| at as u32),
+        Source::Inserted { .. } => None,
+    };
+    let options = PictureOptions {
+        window,
+        ..PictureOptions::default()
+    };
+    let set = SetPicture {
+        points: &points,
+        size: combined.domain.size(),
+        boundary: Boundary::Periodic,
+        radius: Some(combined.domain.radius()),
+        blocks: (TINTED.iter().map(|piece| &rects[*piece]))
+            .map(|rect| Rect::new(user(rect.min), user(rect.max)))
+            .collect(),
+        block_of: Some(combined.sources.iter().map(block).collect()),
+        caption: match window {
+            None => "Nine sets in one".to_owned(),
+            Some(_) => format!("Where four of the nine meet, {PART} r wide"),
+        },
+    };
+    let mut scene = set_scene(&set, &options);
+    let style = Style::default().with_stroke(Stroke::new(options.palette.eliminated, 1.2));
+    if let Some(part) = window {
+        // Positions of a picture point down, within the part that is shown.
+        let flip = |[x, y]: [f64; 2]| [x, part.min[1] + part.max[1] - y];
+        let places: Vec<[f64; 2]> = points_of(glued).into_iter().map(flip).collect();
+        crosses(&mut scene, &places, style);
+    }
+    scene
+}
+
+/// Places of eliminated samples that lay in their own set's rectangle, each once.
+fn points_of(glued: &Glued) -> Vec<[f64; 2]> {
+    let lost = glued.combined.eliminated.iter().filter(|lost| lost.own);
+    let places: HashSet<Point> = lost.map(|lost| lost.point).collect();
+    let user = |p| glued.combined.domain.user_from_lattice(p);
+    let mut places: Vec<[f64; 2]> = places.into_iter().map(user).collect();
+    places.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+    places
+}
+
+/// Adds crosses in the view of the samples.
+fn crosses(scene: &mut Scene, places: &[[f64; 2]], style: Style) {
+    let Some(samples) = scene.groups.iter().find(|group| group.name == "samples") else {
+        return;
+    };
+    let mut group = Group {
+        name: "eliminated".to_owned(),
+        shapes: Vec::new(),
+        ..samples.clone()
+    };
+    let mark = |at: &[f64; 2]| Shape::marker(Marker::Cross, *at, 13.0, style);
+    group.shapes = places.iter().map(mark).collect();
+    scene.groups.push(group);
+}

@@ -1,0 +1,81 @@
+//! Every method held against both groups of reference sets of its radius: numbers in, numbers out.
+//! It judges nothing.
+
+use super::method::Method;
+use super::spectra::{Found, difference};
+
+/// A leaf size at a radius against the reference sampler.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Against {
+    pub radius: f64,
+    pub method: Method,
+    /// Difference of radial mean powers, root mean square, over the power; that of two groups of reference sets; and what is left of the
+    /// first without the second.
+    pub difference: f64,
+    pub chance: f64,
+    pub left: f64,
+    /// Anisotropy above that of reference sets, in decibels; and how far two groups of them lie apart.
+    pub excess: f64,
+    pub apart: f64,
+    /// Highest power over what chance allows.
+    pub peak: f64,
+}
+
+impl Against {
+    /// Returns how many times as large as chance the difference is.
+    pub fn ratio(&self) -> f64 {
+        self.difference / self.chance
+    }
+
+    /// Whether there is a tiling to judge.
+    pub fn tiled(&self) -> bool {
+        self.method.tiles(self.radius)
+    }
+}
+
+/// Holds every method against both groups of reference sets of its radius.
+pub fn against(found: &[Found]) -> Vec<Against> {
+    let of = |radius: f64, method: Method| {
+        (found.iter()).find(|one| one.radius.to_bits() == radius.to_bits() && one.method == method)
+    };
+    let compare = |one: &Found| {
+        let groups = [Method::Reference, Method::Again].map(|method| of(one.radius, method));
+        let [Some(a), Some(b)] = groups else {
+            return None;
+        };
+        let chance = difference(&a.curves, &b.curves)?;
+        let [to_a, to_b] = [a, b].map(|group| difference(&one.curves, &group.curves));
+        let square = 0.5 * (to_a?.powi(2) + to_b?.powi(2));
+        Some(Against {
+            radius: one.radius,
+            method: one.method,
+            difference: square.sqrt(),
+            chance,
+            left: (square - chance.powi(2)).max(0.0).sqrt(),
+            excess: one.excess - 0.5 * (a.excess + b.excess),
+            apart: (a.excess - b.excess).abs(),
+            peak: one.peaks.over(),
+        })
+    };
+    let others = |one: &&Found| !matches!(one.method, Method::Reference | Method::Again);
+    found.iter().filter(others).filter_map(compare).collect()
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    /// Numbers of a good tiling.
+    pub fn one() -> Against {
+        Against {
+            radius: 0.005,
+            method: Method::kdrt(40.0),
+            difference: 0.03,
+            chance: 0.02,
+            left: 0.02,
+            excess: 0.3,
+            apart: 0.03,
+            peak: 0.9,
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! How the sets of figure 13 are made: methods, and the radius and seeds of a group of sets.
+//! It measures nothing.
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::{Domain, Parameters, PatternSpec, Point, Rect};
+
+use crate::error::ReproduceError;
+use crate::sets::{Set, pattern_side};
+use crate::study::{Control, Settings};
+use crate::work::Work;
+
+/// Side in radii of the default pattern.
+pub const PATTERN: f64 = 100.0;
+/// Copies of one set along each side of the control.
+const COPIES: i32 = 4;
+/// Seeds of the second group of reference sets are so far from those of the first.
+const APART: u64 = 10_000;
+
+/// How sets are made.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Method {
+    /// From scratch.
+    Reference,
+    /// From scratch with other seeds: how far chance alone goes.
+    Again,
+    /// By randomized tiling, every set from a pattern of its own with this side.
+    Kdrt { leaf: f64, side: f64 },
+    /// By randomized tiling, all sets from one pattern.
+    OnePattern { leaf: f64 },
+    /// A small periodic set, side by side: a tiling whose regularity must be found.
+    Copies,
+}
+
+impl Method {
+    pub fn name(self) -> String {
+        match self {
+            Self::Reference => "reference".to_owned(),
+            Self::Again => "reference, other seeds".to_owned(),
+            Self::Kdrt { leaf, side } if self.fits() && side <= PATTERN => {
+                format!("KDRT, leaf {leaf} r")
+            }
+            Self::Kdrt { leaf, side } => format!("KDRT, leaf {leaf} r, pattern {side} r"),
+            Self::OnePattern { leaf } => format!("KDRT, leaf {leaf} r, one pattern"),
+            Self::Copies => format!("{COPIES} x {COPIES} copies (control)"),
+        }
+    }
+
+    /// Returns its name in files.
+    pub fn key(self) -> String {
+        match self {
+            Self::Reference => "reference".to_owned(),
+            Self::Again => "again".to_owned(),
+            Self::Kdrt { leaf, side } => format!("leaf-{leaf}-of-{side}"),
+            Self::OnePattern { leaf } => format!("one-pattern-{leaf}"),
+            Self::Copies => "copies".to_owned(),
+        }
+    }
+
+    /// By randomized tiling, from patterns that the largest blocks fit into.
+    pub fn kdrt(leaf: f64) -> Self {
+        let side = pattern_side(leaf);
+        Self::Kdrt { leaf, side }
+    }
+
+    /// Whether every block fits its pattern, so that none contains a place of it twice.
+    pub fn fits(self) -> bool {
+        match self {
+            Self::Kdrt { leaf, side } => side >= pattern_side(leaf),
+            Self::OnePattern { leaf } => PATTERN >= pattern_side(leaf),
+            _ => false,
+        }
+    }
+
+    /// Whether sets of this radius on the unit square have more than one block: one is split only where both halves can be as long as
+    /// the leaf.
+    pub fn tiles(self, radius: f64) -> bool {
+        match self {
+            Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } => 2.0 * leaf * radius <= 1.0,
+            Self::Copies => true,
+            Self::Reference | Self::Again => false,
+        }
+    }
+
+    pub const fn leaf(self) -> Option<f64> {
+        match self {
+            Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } => Some(leaf),
+            _ => None,
+        }
+    }
+}
+
+/// The periodic unit square with a radius, and how many sets it is looked at with.
+#[derive(Clone, Copy, Debug)]
+pub struct Group {
+    pub radius: f64,
+    pub sets: u64,
+    pub seed: u64,
+}
+
+impl Group {
+    pub const fn of(settings: &Settings, radius: f64, sets: u64) -> Self {
+        Self {
+            radius,
+            sets,
+            seed: settings.seed,
+        }
+    }
+
+    fn parameters(&self) -> Parameters {
+        Parameters {
+            radius: self.radius,
+            ..Parameters::default()
+        }
+    }
+
+    /// Samples of a set, about.
+    pub fn samples(&self) -> f64 {
+        0.698 / (self.radius * self.radius)
+    }
+
+    /// Returns the work of [`measure`].
+    pub fn work(&self, method: Method) -> Work {
+        let (samples, sets) = (self.samples(), self.sets as f64);
+        let pattern = |side: f64| 0.698 * side * side;
+        let [reference, tiled] = match method {
+            Method::Reference | Method::Again => [samples, 0.0],
+            Method::Kdrt { side, .. } => [pattern(side), samples],
+            Method::OnePattern { .. } => [pattern(PATTERN) / sets, samples],
+            Method::Copies => [samples / f64::from(COPIES * COPIES), 0.0],
+        };
+        let one = Work {
+            tiled,
+            reference,
+            verified: samples,
+            transformed: samples,
+            // Pairs of the pair correlation.
+            other: 0.4e-6 * samples,
+            ..Work::default()
+        };
+        one * sets
+    }
+
+    /// Returns the set of a method by its number.
+    pub fn set(
+        &self,
+        method: Method,
+        number: u64,
+        control: &Control<'_>,
+    ) -> Result<Set, ReproduceError> {
+        let seed = self.seed.wrapping_mul(1000).wrapping_add(number);
+        let base = self.parameters();
+        let domain = base.validate()?;
+        let tiled = |leaf, side, of_pattern| {
+            let parameters = Parameters {
+                leaf,
+                seed,
+                pattern: PatternSpec {
+                    side,
+                    seed: of_pattern,
+                    ..base.pattern
+                },
+                ..base
+            };
+            Set::kdrt(&parameters, control).map(|(set, _)| set)
+        };
+        match method {
+            Method::Reference => Set::reference(domain, seed, control),
+            Method::Again => Set::reference(domain, seed.wrapping_add(APART), control),
+            Method::Kdrt { leaf, side } => tiled(leaf, side, seed),
+            Method::OnePattern { leaf } => tiled(leaf, PATTERN, self.seed),
+            Method::Copies => copies(&domain, seed, control),
+        }
+    }
+}
+
+/// Returns a domain full of copies of one periodic set. Its sides are whole multiples of the copies' on the lattice.
+fn copies(domain: &Domain, seed: u64, control: &Control<'_>) -> Result<Set, ReproduceError> {
+    let side = domain.rect().max.x / COPIES;
+    let rect = Rect {
+        min: Point::default(),
+        max: Point::new(side, side),
+    };
+    let tile = Domain::of_rect(&rect, tilescope_core::Boundary::Periodic)?;
+    let one = tilescope_core::reference_sample(tile, seed, &mut control.observer())?;
+    let shifts = (0..COPIES * COPIES).map(|i| [i % COPIES * side, i / COPIES * side]);
+    let points: Vec<Point> = shifts
+        .flat_map(|[x, y]| one.iter().map(move |p| Point::new(p.x + x, p.y + y)))
+        .collect();
+    Ok(Set::of(domain, &points))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sets::pattern;
+    use crate::study::tests::alone;
+
+    #[test]
+    fn methods_tile_where_runs_have_more_than_one_block() {
+        alone(&Settings::default(), |control| {
+            for radius in [0.02, 0.01, 0.005] {
+                for leaf in [20.0, 40.0, 80.0] {
+                    let parameters = Parameters {
+                        radius,
+                        leaf,
+                        ..Parameters::default()
+                    };
+                    let (_, summary) = Set::kdrt(&parameters, control)?;
+                    let tiles = Method::kdrt(leaf).tiles(radius);
+                    assert_eq!(tiles, summary.blocks > 1, "leaf {leaf}, radius {radius}");
+                }
+            }
+            Ok(())
+        });
+    }
+
+    #[test]
+    fn a_leaf_that_takes_the_whole_domain_gives_the_pattern_shifted() {
+        alone(&Settings::default(), |control| {
+            let group = Group {
+                radius: 0.01,
+                sets: 1,
+                seed: 1,
+            };
+            let method = Method::Kdrt {
+                leaf: 80.0,
+                side: PATTERN,
+            };
+            assert!(!method.fits());
+            let set = group.set(method, 3, control)?;
+            let spec = PatternSpec {
+                side: PATTERN,
+                seed: 1003,
+                ..PatternSpec::default()
+            };
+            assert_eq!(set.points.len(), pattern(&spec, control)?.samples().len());
+            Ok(())
+        });
+    }
+}

@@ -1,0 +1,159 @@
+//! Single frequencies that stand out of the radial mean: what repetition would look like. Chance lets some stand out of many, by how much is
+//! known. It never looks at the lowest rings, whose few frequencies make no mean.
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::measures::{Periodogram, chi_square_quantile};
+
+/// Frequencies, of each opposite pair one, that a ring must have.
+const LEAST: usize = 100;
+/// How often chance alone may pass the limit.
+const CHANCE: f64 = 0.01;
+
+/// The frequency that stands out most.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Peaks {
+    /// Its power over the radial mean at its frequency.
+    pub highest: f64,
+    /// What chance passes once in a hundred times, with so many frequencies and sets.
+    pub limit: f64,
+    /// Frequencies, of each opposite pair one, above the limit.
+    pub above: usize,
+    /// Frequencies looked at.
+    pub frequencies: usize,
+}
+
+impl Peaks {
+    /// Returns that of a mean periodogram.
+    pub fn of(periodogram: &Periodogram) -> Self {
+        let rings = rings(periodogram);
+        let means: Vec<[f64; 2]> = rings.iter().filter_map(|ring| mean(ring)).collect();
+        let whole = || rings.iter().filter(|ring| ring.len() >= LEAST);
+        let frequencies: usize = whole().map(Vec::len).sum();
+        let limit = limit(periodogram.sets as f64, frequencies as f64);
+        let ratios = whole().flatten();
+        let ratios = ratios.map(|[length, power]| power / between(&means, *length));
+        let (mut highest, mut above) = (0.0_f64, 0);
+        for ratio in ratios {
+            highest = highest.max(ratio);
+            above += usize::from(ratio > limit);
+        }
+        Self {
+            highest,
+            limit,
+            above,
+            frequencies,
+        }
+    }
+
+    /// Returns how many times the limit it is.
+    pub fn over(&self) -> f64 {
+        self.highest / self.limit
+    }
+}
+
+/// A mean of powers of `sets` sets is a chi-square value of twice as many degrees of freedom.
+fn limit(sets: f64, frequencies: f64) -> f64 {
+    let tail = CHANCE / frequencies.max(1.0);
+    chi_square_quantile(tail, 2.0 * sets) / (2.0 * sets)
+}
+
+/// Mean length and power of a ring.
+fn mean(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let of = |axis: usize| ring.iter().map(|one| one[axis]).sum::<f64>() / ring.len() as f64;
+    (!ring.is_empty()).then(|| [of(0), of(1)])
+}
+
+/// Power between the means of rings and beyond them, along straight lines: where it is steep, it differs within a ring.
+fn between(means: &[[f64; 2]], length: f64) -> f64 {
+    let after = means.partition_point(|mean| mean[0] <= length);
+    let after = after.min(means.len().saturating_sub(1)).max(1);
+    match (means.get(after - 1), means.get(after)) {
+        (Some(low), Some(high)) => {
+            let part = (length - low[0]) / (high[0] - low[0]);
+            low[1] + part * (high[1] - low[1])
+        }
+        (Some(only), None) => only[1],
+        _ => f64::NAN,
+    }
+}
+
+/// Lengths and powers by ring of width 2, one of each pair of opposite frequencies, within the window's largest circle.
+fn rings(periodogram: &Periodogram) -> Vec<Vec<[f64; 2]>> {
+    let most = periodogram.window.x.end - 1;
+    let mut rings = vec![Vec::new(); (most / 2) as usize];
+    for ky in 0..=most {
+        let least = if ky == 0 { 1 } else { -most };
+        for kx in least..=most {
+            let length = periodogram.length([kx, ky]);
+            let ring = (0.5 * length) as usize;
+            if let (Some(ring), Some(power)) = (rings.get_mut(ring), periodogram.at([kx, ky])) {
+                ring.push([length, power]);
+            }
+        }
+    }
+    rings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_analysis::measures::FrequencyWindow;
+    use tilescope_analysis::{Boundary, Region};
+
+    /// Exponential powers, the mean of `sets`.
+    fn noise(sets: u64) -> Periodogram {
+        let mut state = 7_u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            -(((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64).ln()
+        };
+        let window = FrequencyWindow::centered(100);
+        let power = window.frequencies();
+        let power = power.map(|_| (0..sets).map(|_| draw()).sum::<f64>() / sets as f64);
+        Periodogram {
+            power: power.collect(),
+            window,
+            region: Region {
+                width: 1.0,
+                height: 1.0,
+                boundary: Boundary::Periodic,
+            },
+            samples: 5000.0,
+            sets,
+        }
+    }
+
+    #[test]
+    fn a_steep_radial_mean_is_no_spike() {
+        let flat = noise(1000);
+        let mut steep = flat.clone();
+        let window = steep.window.clone();
+        for (power, k) in steep.power.iter_mut().zip(window.frequencies()) {
+            *power *= (flat.length(k) / 20.0).powi(6);
+        }
+        let [flat, steep] = [flat, steep].map(|one| Peaks::of(&one));
+        assert!((steep.over() - flat.over()).abs() < 0.05, "{steep:?}");
+        assert_eq!(steep.above, 0);
+    }
+
+    #[test]
+    fn noise_stays_within_its_limit_and_a_spike_does_not() {
+        for sets in [1, 10] {
+            let mut periodogram = noise(sets);
+            let found = Peaks::of(&periodogram);
+            assert_eq!(found.above, 0, "{found:?}");
+            assert!(found.over() > 0.6, "{found:?}");
+            let at = periodogram.window.index([40, 30]).unwrap();
+            // Far enough above for a ring whose mean it lifts.
+            periodogram.power[at] = 1.5 * found.limit;
+            let spiked = Peaks::of(&periodogram);
+            assert_eq!(spiked.above, 1);
+            assert!(spiked.over() > 1.0);
+        }
+        // One set's powers are exponential; the limit of ten is far lower.
+        assert!((limit(1.0, 1e4) - 1e6_f64.ln()).abs() < 1e-6);
+        assert!(limit(10.0, 1e4) < 0.3 * limit(1.0, 1e4));
+    }
+}

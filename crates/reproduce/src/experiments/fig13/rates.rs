@@ -1,0 +1,371 @@
+//! Rates of every engine, in rounds in each of which every one of them makes one set: what disturbs a round disturbs all of
+//! it, and ratios are taken within it. Every set is verified, or equal to one that is.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::Report;
+use tilescope_analysis::measures::Summary;
+use tilescope_core::{Parameters, Pattern, PatternSpec, Point, radius_estimate};
+
+use crate::engines::{Engine, Engines, gpus};
+use crate::error::ReproduceError;
+use crate::sets::{Set, pattern_side};
+use crate::study::{Control, Study};
+use crate::work::Work;
+
+/// A set that was timed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Timed {
+    pub name: String,
+    pub leaf: Option<f64>,
+    pub threads: Option<usize>,
+    pub seconds: f64,
+    pub count: usize,
+    pub density: f64,
+    /// In radii.
+    pub min_distance: f64,
+    pub covering_radius: f64,
+}
+
+/// A round.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Round {
+    pub timed: Vec<Timed>,
+    /// Sides in radii of the patterns, and the seconds that making each took.
+    pub patterns: Vec<(f64, f64)>,
+}
+
+/// What tells a method from others in all rounds: name, bits of the leaf, threads.
+type Key<'a> = (&'a str, Option<u64>, Option<usize>);
+
+impl Timed {
+    fn key(&self) -> Key<'_> {
+        (&self.name, self.leaf.map(f64::to_bits), self.threads)
+    }
+}
+
+impl Round {
+    fn of(&self, key: &Key<'_>) -> Option<&Timed> {
+        self.timed.iter().find(|one| one.key() == *key)
+    }
+}
+
+/// How much is timed.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub samples: u64,
+    pub rounds: u64,
+    pub leaves: Vec<f64>,
+    pub seed: u64,
+}
+
+impl Plan {
+    /// Returns the engines of KDRT; the first one's set is verified.
+    fn engines() -> Vec<Engine> {
+        let mut engines = vec![Engine::Parallel { all: false }, Engine::Sequential];
+        if rayon::current_num_threads() > 1 {
+            engines.insert(1, Engine::Parallel { all: true });
+        }
+        let name = |gpu: &tilescope_gpu::AdapterReport| gpu.name.clone();
+        engines.extend(gpus().iter().map(|gpu| Engine::Gpu { adapter: name(gpu) }));
+        engines
+    }
+
+    fn references() -> Vec<Engine> {
+        match rayon::current_num_threads() {
+            1 => vec![Engine::Reference],
+            _ => vec![Engine::Reference, Engine::Combined],
+        }
+    }
+
+    /// Returns the work of a round.
+    pub fn round_work(&self) -> Work {
+        let samples = self.samples as f64;
+        let threads = rayon::current_num_threads() as f64;
+        let (references, leaves) = (Self::references().len() as f64, self.leaves.len() as f64);
+        let all = (threads - 1.0).min(1.0);
+        let gpus = gpus().len() as f64;
+        Work {
+            tiled: samples * leaves * (threads + all + gpus),
+            sequential: samples * leaves,
+            reference: samples * (1.0 + all / threads),
+            verified: samples * (references + leaves),
+            ..Work::default()
+        }
+    }
+
+    /// Carries out all rounds.
+    pub fn run(&self, study: &Study<'_>) -> Result<Vec<Round>, ReproduceError> {
+        study.rounds(
+            ("rates", "rates"),
+            (self.rounds, self.round_work()),
+            Self::warm,
+            |number, engines, control| self.round(number, engines, control),
+        )
+    }
+
+    /// Opens the engines and makes a small set with each: the first one of a GPU compiles its passes.
+    fn warm(control: &Control<'_>) -> Result<Engines, ReproduceError> {
+        let open = Engines::open()?;
+        let base = Parameters::default();
+        let pattern = Arc::new(Pattern::generate(&base.pattern, &mut control.observer())?);
+        for engine in Self::references().iter().chain(&Self::engines()) {
+            open.make(engine, &base, &pattern, control)?;
+        }
+        Ok(open)
+    }
+
+    fn round(
+        &self,
+        number: u64,
+        engines: &Engines,
+        control: &Control<'_>,
+    ) -> Result<Round, ReproduceError> {
+        let base = Parameters {
+            leaf: 40.0,
+            seed: self.seed.wrapping_mul(1000).wrapping_add(number),
+            ..Parameters::default()
+        };
+        let base = Parameters {
+            radius: radius_estimate(&base, self.samples)?,
+            ..base
+        };
+        let place = Place { engines, control };
+        let (mut timed, mut patterns) = (Vec::new(), Vec::new());
+        let pattern = place.pattern(pattern_side(base.leaf), &mut patterns)?;
+        for engine in Self::references() {
+            timed.extend(place.timed(&[engine], &base, &pattern, None)?);
+        }
+        for leaf in &self.leaves {
+            let parameters = Parameters {
+                leaf: *leaf,
+                ..base
+            };
+            let pattern = place.pattern(pattern_side(*leaf), &mut patterns)?;
+            timed.extend(place.timed(&Self::engines(), &parameters, &pattern, Some(*leaf))?);
+        }
+        patterns.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        patterns.dedup_by_key(|(side, _)| side.to_bits());
+        Ok(Round { timed, patterns })
+    }
+}
+
+struct Place<'a> {
+    engines: &'a Engines,
+    control: &'a Control<'a>,
+}
+
+impl Place<'_> {
+    /// Makes a pattern and notes how long that took.
+    fn pattern(
+        &self,
+        side: f64,
+        seconds: &mut Vec<(f64, f64)>,
+    ) -> Result<Arc<Pattern>, ReproduceError> {
+        let spec = PatternSpec {
+            side,
+            ..PatternSpec::default()
+        };
+        let began = Instant::now();
+        let pattern = Pattern::generate(&spec, &mut self.control.observer())?;
+        seconds.push((side, began.elapsed().as_secs_f64()));
+        Ok(Arc::new(pattern))
+    }
+
+    /// Makes the same set with each engine; the first one's is verified, and the others must be equal to it.
+    fn timed(
+        &self,
+        engines: &[Engine],
+        parameters: &Parameters,
+        pattern: &Arc<Pattern>,
+        leaf: Option<f64>,
+    ) -> Result<Vec<Timed>, ReproduceError> {
+        let mut first = None;
+        let mut timed = Vec::new();
+        for engine in engines {
+            let began = Instant::now();
+            let points = self
+                .engines
+                .make(engine, parameters, pattern, self.control)?;
+            let seconds = began.elapsed().as_secs_f64();
+            let report = self.judge(&engine.name(), parameters, points, &mut first)?;
+            timed.push(Timed {
+                name: engine.name(),
+                leaf,
+                threads: engine.threads(),
+                seconds,
+                count: report.count,
+                density: report.density,
+                min_distance: report.min_distance / report.radius,
+                covering_radius: report.covering_radius / report.radius,
+            });
+        }
+        Ok(timed)
+    }
+
+    /// Returns the report of the first set, which every other one must be equal to.
+    fn judge(
+        &self,
+        name: &str,
+        parameters: &Parameters,
+        points: Vec<Point>,
+        first: &mut Option<(Vec<Point>, Report)>,
+    ) -> Result<Report, ReproduceError> {
+        if let Some((verified, report)) = first {
+            same(name, &points, verified)?;
+            return Ok(report.clone());
+        }
+        let set = Set::of(&parameters.validate()?, &points);
+        let report = set.verified(name, self.control)?;
+        *first = Some((points, report.clone()));
+        Ok(report)
+    }
+}
+
+/// Fails where an engine's set is not the one that was verified.
+fn same(name: &str, points: &[Point], verified: &[Point]) -> Result<(), ReproduceError> {
+    if points == verified {
+        return Ok(());
+    }
+    Err(ReproduceError::Engine(format!(
+        "{name} made another set than the engine before it"
+    )))
+}
+
+/// A method over all rounds.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub name: String,
+    pub leaf: Option<f64>,
+    pub threads: Option<usize>,
+    pub count: f64,
+    /// Samples a second.
+    pub rate: Summary,
+    /// Rate over that of the first method, the reference sampler on one thread.
+    pub ratio: Summary,
+    pub density: f64,
+    pub min_distance: f64,
+    pub covering_radius: f64,
+}
+
+/// Returns the methods' rows in the sequence in which the rounds have them. Rounds may have been kept from machines with other threads
+/// and GPUs: a row is of the rounds that have it.
+pub fn rows(rounds: &[Round]) -> Vec<Row> {
+    let mut keys: Vec<Key<'_>> = Vec::new();
+    for key in rounds.iter().flat_map(|round| &round.timed).map(Timed::key) {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    // Every round begins with the reference sampler on one thread.
+    let Some(first) = keys.first() else {
+        return Vec::new();
+    };
+    keys.iter()
+        .filter_map(|key| row(rounds, key, first))
+        .collect()
+}
+
+fn row(rounds: &[Round], key: &Key<'_>, first: &Key<'_>) -> Option<Row> {
+    let of: Vec<&Timed> = rounds.iter().filter_map(|round| round.of(key)).collect();
+    let rate = |one: &Timed| one.count as f64 / one.seconds;
+    let ratios = rounds
+        .iter()
+        .filter_map(|round| Some(rate(round.of(key)?) / rate(round.of(first)?)));
+    let median = |value: fn(&Timed) -> f64| {
+        Summary::of(of.iter().map(|one| value(one))).map(|s| s.quartiles[1])
+    };
+    let least = of.iter().map(|one| one.min_distance);
+    let most = of.iter().map(|one| one.covering_radius);
+    let one = of.first()?;
+    Some(Row {
+        name: one.name.clone(),
+        leaf: one.leaf,
+        threads: one.threads,
+        count: median(|one| one.count as f64)?,
+        rate: Summary::of(of.iter().map(|one| rate(one)))?,
+        ratio: Summary::of(ratios)?,
+        density: median(|one| one.density)?,
+        min_distance: least.fold(f64::INFINITY, f64::min),
+        covering_radius: most.fold(0.0, f64::max),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub fn timed(name: &str, leaf: Option<f64>, seconds: f64) -> Timed {
+        Timed {
+            name: name.to_owned(),
+            leaf,
+            threads: Some(1),
+            seconds,
+            count: 1000,
+            density: 0.7,
+            min_distance: 1.0,
+            covering_radius: 1.0,
+        }
+    }
+
+    #[test]
+    fn ratios_are_taken_within_a_round() {
+        // The second round was disturbed: both took ten times as long.
+        let round = |slow: f64| Round {
+            timed: vec![timed("a", None, 4.0 * slow), timed("b", Some(20.0), slow)],
+            patterns: Vec::new(),
+        };
+        let rows = rows(&[round(1.0), round(10.0), round(1.0)]);
+        assert_eq!(rows.len(), 2);
+        assert!((rows[1].ratio.least - 4.0).abs() < 1e-12);
+        assert!((rows[1].ratio.most - 4.0).abs() < 1e-12);
+        assert!((rows[1].rate.quartiles[1] - 1000.0).abs() < 1e-9);
+        assert!((rows[1].rate.least - 100.0).abs() < 1e-9);
+        assert!((rows[0].ratio.mean - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rounds_of_other_threads_and_gpus_do_not_mix_methods() {
+        let round = |timed: Vec<Timed>| Round {
+            timed,
+            patterns: Vec::new(),
+        };
+        let all = |seconds: f64| Timed {
+            threads: Some(8),
+            ..timed("b", Some(20.0), seconds)
+        };
+        let reference = || timed("a", None, 8.0);
+        let rows = rows(&[
+            round(vec![reference(), timed("b", Some(20.0), 4.0)]),
+            round(vec![
+                reference(),
+                all(1.0),
+                timed("b", Some(20.0), 4.0),
+                timed("b", Some(40.0), 2.0),
+            ]),
+        ]);
+        let found: Vec<(Option<usize>, usize, f64)> = rows
+            .iter()
+            .map(|row| (row.threads, row.rate.count, row.ratio.mean))
+            .collect();
+        let expected = [
+            (Some(1), 2, 1.0),
+            (Some(1), 2, 2.0),
+            (Some(8), 1, 8.0),
+            (Some(1), 1, 4.0),
+        ];
+        assert_eq!(found, expected);
+        // Places in the list would have given the second row eight times the reference in one round.
+        assert!((rows[1].ratio.most - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_set_that_is_not_the_verified_one_has_no_rate() {
+        let points = [Point::new(1, 2), Point::new(3, 4)];
+        assert!(same("a", &points, &points).is_ok());
+        let other = [Point::new(1, 2), Point::new(3, 5)];
+        assert!(same("a", &points, &other).is_err());
+    }
+}

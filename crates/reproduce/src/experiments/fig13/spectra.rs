@@ -1,0 +1,276 @@
+//! What is measured of ten sets of one method and radius: their mean periodogram as it is looked at, and a few numbers.
+//! No set is kept, and nothing is compared with another method.
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::Report;
+use tilescope_analysis::measures::{
+    Annulus, Average, FrequencyWindow, MeanPeriodogram, PairCorrelation, Periodogram, PowerCurve,
+    RadialProfile, Spectrum, Summary, anisotropy_reference_db,
+};
+
+use super::method::{Group, Method};
+use super::peaks::Peaks;
+use crate::error::ReproduceError;
+use crate::sets::Set;
+use crate::study::Control;
+
+/// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few is biased.
+const LEAST_PAIRS: u64 = 100;
+/// Pair correlations reach so far, in units of the largest possible minimum distance, in so many bins.
+const REACH: f64 = 8.0;
+const BINS: usize = 800;
+
+/// What is kept of the sets of one method and radius.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Found {
+    pub radius: f64,
+    pub method: Method,
+    pub sets: u64,
+    /// Samples: mean and standard deviation.
+    pub count: [f64; 2],
+    /// The smallest distance and the largest covering radius of any set, in radii.
+    pub min_distance: f64,
+    pub covering_radius: f64,
+    /// Effective Nyquist frequency by psa's variant, which noise near zero does not end, and oscillation of the mean pair correlation.
+    pub nyquist: Option<f64>,
+    pub oscillation: Option<f64>,
+    pub curves: Curves,
+    /// How far the anisotropy lies above that of noise, in decibels: of the mean periodogram, and of single ones in the mean.
+    pub excess: f64,
+    pub excess_alone: f64,
+    pub peaks: Peaks,
+    pub picture: Grid,
+}
+
+impl Found {
+    pub fn density(&self) -> f64 {
+        self.count[0] * self.radius * self.radius
+    }
+
+    /// Returns the mean power below half of `sqrt(N)`, by area of the rings.
+    pub fn low_power(&self) -> f64 {
+        let rings = self.curves.nu.iter().zip(&self.curves.power);
+        let low = rings.filter(|(nu, _)| **nu < 0.5);
+        let [sum, area] = low.fold([0.0; 2], |[sum, area], (nu, power)| {
+            [sum + nu * power, area + nu]
+        });
+        sum / area
+    }
+}
+
+/// Values by annulus.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Curves {
+    pub nu: Vec<f64>,
+    pub power: Vec<f64>,
+    pub band: Vec<[f64; 2]>,
+    /// In decibels; none where there are too few frequencies.
+    pub anisotropy: Vec<Option<f64>>,
+}
+
+/// The periodogram to be looked at, rows of equal ky.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Grid {
+    pub columns: usize,
+    pub values: Vec<f32>,
+    pub reach: f64,
+}
+
+/// Makes, verifies and measures the sets of a method.
+pub fn measure(
+    group: &Group,
+    method: Method,
+    control: &Control<'_>,
+) -> Result<Found, ReproduceError> {
+    let mut sums = Sums::default();
+    for number in 0..group.sets {
+        let set = group.set(method, number, control)?;
+        let name = format!("{}, radius {}, set {number}", method.name(), group.radius);
+        let report = set.verified(&name, control)?;
+        let window = Spectrum::window(group.samples(), set.region);
+        sums.add(&set, &report, &window, control)?;
+    }
+    sums.found(group, method)
+}
+
+struct Sums {
+    mean: MeanPeriodogram,
+    reports: Vec<Report>,
+    correlation: Average,
+    excess: Vec<f64>,
+}
+
+impl Default for Sums {
+    fn default() -> Self {
+        Self {
+            mean: MeanPeriodogram::default(),
+            reports: Vec::new(),
+            correlation: Average::new(BINS),
+            excess: Vec::new(),
+        }
+    }
+}
+
+impl Sums {
+    fn add(
+        &mut self,
+        set: &Set,
+        report: &Report,
+        window: &FrequencyWindow,
+        control: &Control<'_>,
+    ) -> Result<(), ReproduceError> {
+        let go_on = control.analysis();
+        let periodogram = Periodogram::of(&set.points, set.region, window, &go_on)?;
+        self.excess
+            .push(excess(&Spectrum::of(&periodogram)?.profile));
+        self.mean.add(&periodogram)?;
+        let pairs = PairCorrelation::of(&set.points, set.region, REACH, BINS, &go_on)?;
+        self.correlation.add(&pairs.g)?;
+        self.reports.push(report.clone());
+        Ok(())
+    }
+
+    fn found(&self, group: &Group, method: Method) -> Result<Found, ReproduceError> {
+        let nothing = || ReproduceError::Engine("there is no set to look at".to_owned());
+        let mean = self.mean.mean().ok_or_else(nothing)?;
+        let spectrum = Spectrum::of(&mean)?;
+        let counts = self.reports.iter().map(|report| report.count as f64);
+        let least = self.reports.iter().map(|report| report.min_distance);
+        let most = self.reports.iter().map(|report| report.covering_radius);
+        let alone = Summary::of(self.excess.iter().copied()).ok_or_else(nothing)?;
+        let smooth = of_correlation(self.correlation.means())?;
+        Ok(Found {
+            radius: group.radius,
+            method,
+            sets: group.sets,
+            count: spread(counts).ok_or_else(nothing)?,
+            min_distance: least.fold(f64::INFINITY, f64::min) / group.radius,
+            covering_radius: most.fold(0.0, f64::max) / group.radius,
+            nyquist: smooth.effective_nyquist_psa().filter(|nu| *nu > 0.0),
+            oscillation: smooth.oscillation(),
+            excess: excess(&spectrum.profile),
+            excess_alone: alone.mean,
+            peaks: Peaks::of(&mean),
+            picture: grid(&spectrum),
+            curves: curves(&spectrum),
+        })
+    }
+}
+
+/// Mean and standard deviation.
+fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    Summary::of(values).map(|summary| [summary.mean, summary.deviation])
+}
+
+/// The power that follows from a pair correlation, which is all that it reads of one.
+fn of_correlation(g: &[f64]) -> Result<PowerCurve, ReproduceError> {
+    let pairs = PairCorrelation {
+        samples: 0,
+        r_max: 1.0,
+        bin_width: REACH / BINS as f64,
+        counts: Vec::new(),
+        g: g.to_vec(),
+    };
+    let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
+    Ok(PowerCurve::of_pairs(&pairs, frequencies)?)
+}
+
+/// How far the anisotropy lies above that of noise, in decibels: all annuli alike.
+pub fn excess(profile: &RadialProfile) -> f64 {
+    let many =
+        |annulus: &&Annulus| annulus.count >= 2 * LEAST_PAIRS && annulus.anisotropy_db.is_finite();
+    let ratios = profile.annuli.iter().filter(many);
+    let ratios = ratios.map(|annulus| 10_f64.powf(0.1 * annulus.anisotropy_db));
+    let mean = Summary::of(ratios).map_or(f64::NAN, |summary| summary.mean);
+    10.0 * mean.log10() - anisotropy_reference_db(profile.sets)
+}
+
+fn curves(spectrum: &Spectrum) -> Curves {
+    let anisotropy = |annulus: &Annulus| {
+        let many = annulus.count >= 2 * LEAST_PAIRS && annulus.anisotropy_db.is_finite();
+        many.then_some(annulus.anisotropy_db)
+    };
+    let [nu, power] = [0, 1].map(|axis| spectrum.power().iter().map(|p| p[axis]).collect());
+    Curves {
+        nu,
+        power,
+        band: spectrum.bands.clone().unwrap_or_default(),
+        anisotropy: spectrum.profile.annuli.iter().map(anisotropy).collect(),
+    }
+}
+
+/// The zero frequency, which may have no value, becomes white.
+fn grid(spectrum: &Spectrum) -> Grid {
+    let picture = &spectrum.picture;
+    let value = |power: &f64| {
+        if power.is_finite() {
+            *power as f32
+        } else {
+            0.0
+        }
+    };
+    Grid {
+        columns: picture.size,
+        values: picture.power.iter().map(value).collect(),
+        reach: spectrum.picture_reach[0],
+    }
+}
+
+/// Returns the root of the mean square of relative differences between two radial means, over frequencies from 0.1 to 2 `nu`; none
+/// where their annuli are not the same.
+pub fn difference(one: &Curves, other: &Curves) -> Option<f64> {
+    if one.power.len() != other.power.len() {
+        return None;
+    }
+    let places = one.nu.iter().zip(one.power.iter().zip(&other.power));
+    let places = places.filter(|(nu, _)| (0.1..=2.0).contains(*nu));
+    let squares = places.map(|(_, (a, b))| ((a - b) / (0.5 * (a + b))).powi(2));
+    Summary::of(squares).map(|summary| summary.mean.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Settings;
+    use crate::study::tests::alone;
+
+    #[test]
+    fn copies_are_a_valid_set_whose_regularity_shows_and_reference_sets_show_none() {
+        alone(&Settings::default(), |control| {
+            let group = Group {
+                radius: 0.01,
+                sets: 2,
+                seed: 1,
+            };
+            let copied = measure(&group, Method::Copies, control)?;
+            let reference = measure(&group, Method::Reference, control)?;
+            assert!(copied.excess > 5.0, "{}", copied.excess);
+            assert!(reference.excess.abs() < 0.2, "{}", reference.excess);
+            assert!(copied.peaks.over() > 1.5, "{:?}", copied.peaks);
+            assert!(reference.peaks.over() < 1.2, "{:?}", reference.peaks);
+            assert!(copied.min_distance > 1.0 && copied.covering_radius < 1.001);
+            Ok(())
+        });
+    }
+
+    #[test]
+    fn equal_curves_do_not_differ_and_others_by_their_ratio() {
+        let one = Curves {
+            nu: vec![0.05, 0.5, 1.0, 3.0],
+            power: vec![9.0, 1.0, 1.0, 7.0],
+            ..Curves::default()
+        };
+        assert_eq!(difference(&one, &one), Some(0.0));
+        let other = Curves {
+            power: vec![1.0, 1.1, 1.1, 1.0],
+            ..one.clone()
+        };
+        let found = difference(&one, &other).unwrap();
+        assert!((found - 0.1 / 1.05).abs() < 1e-12, "{found}");
+        let short = Curves {
+            power: vec![1.0],
+            ..one.clone()
+        };
+        assert_eq!(difference(&one, &short), None);
+    }
+}

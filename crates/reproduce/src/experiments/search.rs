@@ -1,0 +1,247 @@
+//! Section 3.2.2: how far detectors have to look. Runs that look 2r far are held against runs that look 4r far; a set that is
+//! not maximal is what this experiment is about, so the verifier counts here and refuses nothing.
+
+mod found;
+mod picture;
+mod witness;
+
+use rayon::prelude::*;
+use tilescope_core::{Parameters, Search, Sequential, Variant};
+
+use crate::error::ReproduceError;
+use crate::experiments::common::{counted, seed, seeded, square};
+use crate::outcome::{Claim, Outcome, Verdict};
+use crate::report::number;
+use crate::sets::{Set, pattern};
+use crate::study::{Control, Settings, Study};
+use crate::work::Work;
+use found::{Found, Judged};
+
+/// The sequential engine takes about so many times as long for Algorithm 4 as printed.
+const PRINTED_COST: f64 = 3.0;
+/// Taking a set with gaps apart takes about as long as verifying it so many times.
+const APART_COST: f64 = 4.0;
+
+/// Fewer samples than this cannot confirm that there are no gaps in practice.
+const ENOUGH: usize = 1_000_000;
+
+/// A leaf and an arrangement of the two loops.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    leaf: f64,
+    variant: Variant,
+}
+
+impl Case {
+    /// Sets of this case, and the samples of each.
+    fn amounts(self, settings: &Settings) -> (usize, f64) {
+        match self.variant {
+            Variant::Staged => settings.pick((5, 700_000.0), (2, 100_000.0)),
+            Variant::AsPrinted => settings.pick((2, 700_000.0), (1, 30_000.0)),
+        }
+    }
+
+    fn key(self) -> String {
+        let variant = match self.variant {
+            Variant::Staged => "staged",
+            Variant::AsPrinted => "printed",
+        };
+        format!("{variant}-{}", self.leaf)
+    }
+
+    fn parameters(self, settings: &Settings, index: usize) -> Parameters {
+        let base = Parameters {
+            variant: self.variant,
+            ..square(self.amounts(settings).1, self.leaf)
+        };
+        seeded(base, seed(settings, index))
+    }
+}
+
+fn cases(settings: &Settings) -> Vec<Case> {
+    let leaves = settings.pick(vec![10.0, 20.0, 40.0, 80.0], vec![20.0, 40.0]);
+    let of = |variant| {
+        let case = move |leaf: &f64| Case {
+            leaf: *leaf,
+            variant,
+        };
+        leaves.iter().map(case).collect::<Vec<_>>()
+    };
+    [of(Variant::Staged), of(Variant::AsPrinted)].concat()
+}
+
+pub fn work(settings: &Settings) -> Work {
+    let of = |case: Case| unit_work(case, settings);
+    cases(settings).into_iter().map(of).sum()
+}
+
+/// All sets of a case, each made and verified twice, and the one with gaps taken apart.
+fn unit_work(case: Case, settings: &Settings) -> Work {
+    let (sets, samples) = case.amounts(settings);
+    let all = sets as f64 * samples;
+    let apart = match case.variant {
+        Variant::Staged => APART_COST,
+        Variant::AsPrinted => 0.0,
+    };
+    let base = Work {
+        verified: (2.0 + apart) * all,
+        ..Work::default()
+    };
+    let threads = rayon::current_num_threads().min(sets) as f64;
+    match case.variant {
+        Variant::Staged => Work {
+            tiled: 2.0 * all,
+            ..base
+        },
+        Variant::AsPrinted => Work {
+            sequential: 2.0 * PRINTED_COST * all / threads,
+            ..base
+        },
+    }
+}
+
+pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+    let settings = study.settings;
+    let mut found: Vec<Found> = Vec::new();
+    for case in cases(settings) {
+        let unit = (
+            &*case.key(),
+            &*format!("{} r, {:?}", case.leaf, case.variant),
+        );
+        let sets: Vec<Found> = study.unit(unit, unit_work(case, settings), |control| {
+            let sets = 0..case.amounts(settings).0;
+            sets.into_par_iter()
+                .map(|index| measure(case, settings, index, control))
+                .collect()
+        })?;
+        found.extend(sets);
+    }
+    let control = study.control("the pictures");
+    let mut pictures = vec![found::bars(&found)];
+    if let Some(worst) = found::worst(&found) {
+        let case = Case {
+            leaf: worst.leaf,
+            variant: Variant::Staged,
+        };
+        let parameters = case.parameters(settings, worst.index);
+        let (set, _) = make(&parameters, Search::TwoRadii, &control)?;
+        pictures.extend(picture::witnesses(&set, &worst.two.worst)?);
+    }
+    Ok(Outcome {
+        claims: claims(&found),
+        pictures,
+        tables: vec![found::by_leaf(&found), found::by_set(&found)],
+        notes: vec![NOTE.to_owned()],
+    })
+}
+
+const NOTE: &str = "A detector fills the circumcentre of itself and two samples that it sees. The three samples around a gap lie up to \
+twice the gap's circumradius apart, which is more than 2 r: a place is out of sight when none of its three sites has both others \
+within 2 r, so that no detector at all could find it. In stages only inserted samples are detectors after the first iteration; \
+Algorithm 4 as printed keeps every mark, so that all samples near a loss look again in each round. Every set has a seed and a \
+pattern of its own.";
+
+/// Makes a set, and returns it with the number of samples that were inserted.
+fn make(
+    parameters: &Parameters,
+    search: Search,
+    control: &Control<'_>,
+) -> Result<(Set, usize), ReproduceError> {
+    let parameters = Parameters {
+        search,
+        ..*parameters
+    };
+    if parameters.variant == Variant::Staged {
+        let (set, summary) = Set::kdrt(&parameters, control)?;
+        return Ok((set, summary.inserted.iter().sum()));
+    }
+    let engine = Sequential::new(&parameters, pattern(&parameters.pattern, control)?)?;
+    let run = engine.finish(&mut control.observer())?;
+    let inserted = run.summary().inserted.iter().sum();
+    Ok((Set::of(&run.domain, &run.points()), inserted))
+}
+
+fn measure(
+    case: Case,
+    settings: &Settings,
+    index: usize,
+    control: &Control<'_>,
+) -> Result<Found, ReproduceError> {
+    let parameters = case.parameters(settings, index);
+    let judged = |search| -> Result<Judged, ReproduceError> {
+        let (set, inserted) = make(&parameters, search, control)?;
+        Judged::of(&set, inserted, control)
+    };
+    Ok(Found {
+        leaf: case.leaf,
+        printed: case.variant == Variant::AsPrinted,
+        index,
+        seed: parameters.seed,
+        two: judged(Search::TwoRadii)?,
+        four: judged(Search::Complete)?,
+    })
+}
+
+fn claims(found: &[Found]) -> Vec<Claim> {
+    let sight = found::sight(found);
+    let again = "Here every marked sample looks again in each round.";
+    let enough = "2r is enough in practice, not proved";
+    let follows = "follows from theorem 3.2";
+    let of = |printed, pick: fn(&Found) -> &Judged| -> Vec<&Judged> {
+        let fits = found.iter().filter(|one| one.printed == printed);
+        fits.map(pick).collect()
+    };
+    let two = |printed| ("Looking 2r far leaves no gap", of(printed, |one| &one.two));
+    let four = |printed| ("Looking 4r far leaves no gap", of(printed, |one| &one.four));
+    vec![
+        claim(two(true), AS_PRINTED, enough, again),
+        claim(four(true), AS_PRINTED, follows, again),
+        claim(two(false), IN_STAGES, enough, &sight),
+        claim(four(false), IN_STAGES, follows, ""),
+    ]
+}
+
+/// How sets are made, and where the claim belongs.
+const AS_PRINTED: [&str; 2] = ["Algorithm 4 as printed", "section 3.2.2"];
+const IN_STAGES: [&str; 2] = [
+    "in this program's arrangement in stages",
+    crate::outcome::BEYOND,
+];
+
+fn claim(
+    (claim, sets): (&str, Vec<&Judged>),
+    [way, place]: [&str; 2],
+    paper: &str,
+    more: &str,
+) -> Claim {
+    let holes: usize = sets.iter().map(|one| one.holes).sum();
+    let samples: usize = sets.iter().map(|one| one.count).sum();
+    let worst = sets
+        .iter()
+        .map(|one| one.covering_radius)
+        .fold(0.0, f64::max);
+    let holds = holes == 0 && sets.iter().all(|one| one.places == 0);
+    let rule = "Holds if the verifier finds no gap in any set; less than a million samples can refute it but not confirm it.";
+    Claim {
+        claim: format!("{claim} ({way})"),
+        place: place.to_owned(),
+        paper: paper.to_owned(),
+        ours: format!(
+            "{} gaps in {} sets of {} samples in all ({} a million); covering radius up to {} r",
+            counted(holes),
+            sets.len(),
+            counted(samples),
+            number(1e6 * holes as f64 / samples.max(1) as f64, 3),
+            number(worst, 7)
+        ),
+        verdict: if holds && samples < ENOUGH {
+            Verdict::NotComparable
+        } else {
+            Verdict::of(holds)
+        },
+        reason: format!("{rule} {more}").trim_end().to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

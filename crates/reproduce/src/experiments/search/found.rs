@@ -1,0 +1,318 @@
+//! What is found of each set: gaps as the verifier lists them, the holes that they belong to, and who could have seen them.
+//! No verdict is decided here.
+
+use serde::{Deserialize, Serialize};
+use tilescope_analysis::measures::chi_square_quantile;
+use tilescope_analysis::{Report, Tessellation, VerifyOptions};
+use tilescope_figures::Palette;
+
+use super::witness::{HAIR, Near, Witness};
+use crate::bars::{Bar, Bars, bars_scene, drawn_count, drawn_number};
+use crate::error::ReproduceError;
+use crate::outcome::{Cell, Column, Picture, Table};
+use crate::sets::Set;
+use crate::study::Control;
+
+/// Places of gaps that are looked at in each set.
+const PLACES: usize = 100_000;
+/// Witnesses that are kept of each set.
+const KEPT: usize = 4;
+/// Whether to go on is asked after so many places.
+const ASK: usize = 1024;
+/// What an interval of a count misses.
+const MISSED: f64 = 0.01;
+
+/// What the verifier says of one set, and more about its gaps.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Judged {
+    pub count: usize,
+    pub inserted: usize,
+    /// Centres of empty circles that are too large.
+    pub places: u64,
+    /// Connected gaps.
+    pub holes: usize,
+    /// Area of the gaps, in squared radii.
+    pub area: f64,
+    /// Places that no detector could find.
+    pub out_of_sight: usize,
+    pub covering_radius: f64,
+    /// The largest empty circles of different holes.
+    pub worst: Vec<Witness>,
+}
+
+impl Judged {
+    pub fn of(set: &Set, inserted: usize, control: &Control<'_>) -> Result<Self, ReproduceError> {
+        let options = VerifyOptions {
+            witnesses: PLACES,
+            ..VerifyOptions::default()
+        };
+        let (points, region, radius) = (&set.points, set.region, set.radius);
+        let report =
+            tilescope_analysis::verify(points, region, radius, &options, &control.analysis())?;
+        if report.conflicts > 0 {
+            return Err(ReproduceError::Invalid {
+                what: "a set with gaps".to_owned(),
+                conflicts: report.conflicts,
+                gaps: report.gaps,
+            });
+        }
+        let base = Self {
+            count: report.count,
+            inserted,
+            places: report.gaps,
+            covering_radius: report.covering_radius / radius,
+            ..Self::default()
+        };
+        if report.gaps == 0 {
+            return Ok(base);
+        }
+        base.apart(set, &report, control)
+    }
+
+    /// Takes the gaps apart.
+    fn apart(
+        self,
+        set: &Set,
+        report: &Report,
+        control: &Control<'_>,
+    ) -> Result<Self, ReproduceError> {
+        let limit = (1.0 + report.covering_tolerance) * set.radius;
+        let parts = Tessellation::of(&set.points, set.region, set.radius)?;
+        let holes = || parts.gaps.iter().filter(|gap| gap.deepest.1 > limit);
+        let mut worst = Vec::new();
+        let mut out_of_sight = 0;
+        let mut seen = Vec::new();
+        let near = Near::of(set, report.covering_radius + HAIR * set.radius);
+        for (index, gap) in report.worst_gaps.iter().enumerate() {
+            if index % ASK == 0 {
+                control.go_on()?;
+            }
+            let witness = near.witness(gap.center, gap.distance);
+            out_of_sight += usize::from(witness.out_of_sight(set.radius));
+            let hole = parts.gap_at(gap.center);
+            if worst.len() < KEPT && !seen.contains(&hole) {
+                seen.push(hole);
+                worst.push(witness);
+            }
+        }
+        Ok(Self {
+            holes: holes().count(),
+            area: holes().map(|gap| gap.area).sum::<f64>() / set.radius.powi(2),
+            out_of_sight,
+            worst,
+            ..self
+        })
+    }
+}
+
+/// What is found of one seed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Found {
+    pub leaf: f64,
+    pub printed: bool,
+    pub index: usize,
+    pub seed: u64,
+    pub two: Judged,
+    pub four: Judged,
+}
+
+/// Returns the staged set with the largest gap.
+pub fn worst(found: &[Found]) -> Option<&Found> {
+    let gaps = found
+        .iter()
+        .filter(|one| !one.printed && !one.two.worst.is_empty());
+    gaps.max_by(|a, b| a.two.covering_radius.total_cmp(&b.two.covering_radius))
+}
+
+/// Returns what is known of who could have seen the gaps.
+pub fn sight(found: &[Found]) -> String {
+    let staged = || found.iter().filter(|one| !one.printed);
+    let places: u64 = staged().map(|one| one.two.places).sum();
+    let out: usize = staged().map(|one| one.two.out_of_sight).sum();
+    format!(
+        "Of {places} centres of empty circles {out} were out of every sample's sight: none of their three sites has both others \
+         within 2 r. The rest had such a site, but it was no detector."
+    )
+}
+
+fn share(part: f64, whole: usize) -> f64 {
+    1e6 * part / whole.max(1) as f64
+}
+
+/// Returns the sets of a leaf and a variant.
+fn of(found: &[Found], leaf: f64, printed: bool) -> Vec<&Found> {
+    let fits = |one: &&Found| one.leaf.to_bits() == leaf.to_bits() && one.printed == printed;
+    found.iter().filter(fits).collect()
+}
+
+fn leaves(found: &[Found]) -> Vec<f64> {
+    let mut leaves: Vec<f64> = found.iter().map(|one| one.leaf).collect();
+    leaves.sort_by(f64::total_cmp);
+    leaves.dedup();
+    leaves
+}
+
+/// Returns where the mean of a Poisson variable is, with 99 % confidence, of which `count` was seen.
+fn poisson_interval(count: usize) -> [f64; 2] {
+    let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);
+    let low = if count == 0 {
+        0.0
+    } else {
+        bound(1.0 - 0.5 * MISSED, count)
+    };
+    [low, bound(0.5 * MISSED, count + 1)]
+}
+
+type Kind = (&'static str, bool, fn(&Found) -> &Judged);
+
+const KINDS: [Kind; 4] = [
+    ("2 r, as printed", true, |one| &one.two),
+    ("4 r, as printed", true, |one| &one.four),
+    ("2 r, in stages", false, |one| &one.two),
+    ("4 r, in stages", false, |one| &one.four),
+];
+
+/// Returns bars of the gaps in a million samples, by leaf.
+pub fn bars(found: &[Found]) -> Picture {
+    let group = |leaf: &f64| {
+        let bar = |(kind, (name, printed, pick)): (usize, &Kind)| {
+            let sets = of(found, *leaf, *printed);
+            let holes: usize = sets.iter().map(|one| pick(one).holes).sum();
+            let samples: usize = sets.iter().map(|one| pick(one).count).sum();
+            let spread = poisson_interval(holes).map(|gaps| share(gaps, samples));
+            Bar {
+                name: (*name).to_owned(),
+                value: share(holes as f64, samples),
+                spread: Some(spread),
+                text: format!(
+                    "{} gaps in {} samples (99 %: {} to {} a million)",
+                    drawn_count(holes),
+                    drawn_count(samples),
+                    drawn_number(spread[0], 2),
+                    drawn_number(spread[1], 2)
+                ),
+                kind,
+            }
+        };
+        Bars {
+            heading: format!("leaf {leaf} r"),
+            bars: KINDS.iter().enumerate().map(bar).collect(),
+        }
+    };
+    let groups: Vec<Bars> = leaves(found).iter().map(group).collect();
+    let title = "Gaps left in a million samples (99 % intervals)";
+    Picture {
+        name: "gaps".to_owned(),
+        caption: "Gaps in a million samples that runs leave when detectors look 2 r and 4 r far, by the shortest edge of a block, as \
+                  printed and in stages. Whiskers: 99 % intervals of a Poisson variable; behind each bar what was counted."
+            .to_owned(),
+        scene: bars_scene(title, &groups, &Palette::LIGHT),
+    }
+}
+
+const HEADS: [(&str, &str, usize); 9] = [
+    ("samples", "samples", 9),
+    ("inserted", "inserted, 2 r", 7),
+    ("gaps_2r", "gaps, 2 r", 6),
+    ("gaps_2r_per_million", "gaps a million, 2 r", 4),
+    ("places_2r", "centres, 2 r", 6),
+    ("out_of_sight", "out of sight", 6),
+    ("area_2r", "area of gaps, r^2", 3),
+    ("covering_2r", "covering radius, 2 r", 7),
+    ("gaps_4r", "gaps, 4 r", 6),
+];
+
+fn cells(sets: &[&Found]) -> Vec<Cell> {
+    let total = |pick: fn(&Judged) -> usize| sets.iter().map(|one| pick(&one.two)).sum::<usize>();
+    let most = |pick: fn(&Found) -> f64| sets.iter().map(|one| pick(one)).fold(0.0, f64::max);
+    let places: u64 = sets.iter().map(|one| one.two.places).sum();
+    let count = total(|two| two.count);
+    let holes = total(|two| two.holes);
+    vec![
+        count.into(),
+        total(|two| two.inserted).into(),
+        holes.into(),
+        share(holes as f64, count).into(),
+        places.into(),
+        total(|two| two.out_of_sight).into(),
+        sets.iter().map(|one| one.two.area).sum::<f64>().into(),
+        most(|one| one.two.covering_radius).into(),
+        sets.iter().map(|one| one.four.holes).sum::<usize>().into(),
+        most(|one| one.four.covering_radius).into(),
+    ]
+}
+
+fn table(name: &str, title: &str, first: &[(&str, &str, usize)], rows: Vec<Vec<Cell>>) -> Table {
+    let last = [("covering_4r", "covering radius, 4 r", 7)];
+    let heads = first.iter().chain(&HEADS).chain(&last);
+    Table {
+        name: name.to_owned(),
+        title: title.to_owned(),
+        columns: heads
+            .map(|(key, head, digits)| Column::new(key, head, *digits))
+            .collect(),
+        rows,
+        shown: name == "leaves",
+    }
+}
+
+fn variant(printed: bool) -> &'static str {
+    if printed { "as printed" } else { "in stages" }
+}
+
+/// Returns the numbers of each leaf, over its sets.
+pub fn by_leaf(found: &[Found]) -> Table {
+    let mut rows = Vec::new();
+    for printed in [true, false] {
+        for leaf in leaves(found) {
+            let sets = of(found, leaf, printed);
+            let mut row: Vec<Cell> = vec![variant(printed).into(), leaf.into(), sets.len().into()];
+            row.extend(cells(&sets));
+            rows.push(row);
+        }
+    }
+    let first = [
+        ("variant", "variant", 3),
+        ("leaf_r", "leaf, r", 3),
+        ("sets", "sets", 3),
+    ];
+    table(
+        "leaves",
+        "Gaps left by looking 2 r and 4 r far",
+        &first,
+        rows,
+    )
+}
+
+/// Returns the numbers of every seed.
+pub fn by_set(found: &[Found]) -> Table {
+    let row = |one: &Found| {
+        let mut row: Vec<Cell> = vec![
+            variant(one.printed).into(),
+            one.leaf.into(),
+            one.seed.into(),
+        ];
+        row.extend(cells(&[one]));
+        row
+    };
+    let first = [
+        ("variant", "variant", 3),
+        ("leaf_r", "leaf, r", 3),
+        ("seed", "seed", 6),
+    ];
+    let rows = found.iter().map(row).collect();
+    table("sets", "Every seed", &first, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_of_counts_are_the_known_ones_and_none_seen_is_not_none() {
+        let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-3);
+        assert!(close(poisson_interval(0), [0.0, 5.298]));
+        assert!(close(poisson_interval(1), [0.005, 7.430]));
+        assert!(close(poisson_interval(10), [3.717, 21.398]));
+    }
+}

@@ -1,0 +1,87 @@
+//! Equation 1 and section 5.1: whether every place is as likely to hold a sample as any other. Many small sets are counted by
+//! place: on a grid of the domain, by distance from borders, and within gaps; with a control that has no bias and one that has.
+
+mod bias;
+mod claims;
+mod counted;
+mod gaps;
+mod maps;
+mod shown;
+mod subject;
+
+use rayon::prelude::*;
+
+use crate::error::ReproduceError;
+use crate::experiments::common::{seed, square};
+use crate::outcome::Outcome;
+use crate::study::{Settings, Study};
+use crate::work::Work;
+use counted::OneSeed;
+use subject::Found;
+
+const LEAF: f64 = 20.0;
+/// Seeds of a unit of work.
+const BATCH: usize = 25;
+/// Side of a cell of the grid, in radii: as near to it as whole cells allow.
+pub const CELL: f64 = 3.74;
+/// Looking for gaps and places in them takes about as long as verifying so many samples for each one.
+const RANK_COST: f64 = 6.0;
+
+/// Batches of seeds, samples of a set, cells along a side of the grid.
+fn amounts(settings: &Settings) -> (usize, f64, usize) {
+    let (batches, samples) = settings.pick((16, 10_000.0), (2, 3_000.0));
+    let cells = (square(samples, LEAF).width / CELL).round();
+    (batches, samples, cells as usize)
+}
+
+/// A pattern, a reference set and three runs for each seed.
+fn unit_work(settings: &Settings) -> Work {
+    let threads = rayon::current_num_threads().min(BATCH) as f64;
+    let (_, samples, _) = amounts(settings);
+    let sets = BATCH as f64 * samples;
+    Work {
+        sequential: 3.0 * sets / threads,
+        reference: (sets + BATCH as f64 * 7_000.0) / threads,
+        verified: (4.0 + RANK_COST) * sets,
+        ..Work::default()
+    }
+}
+
+pub fn work(settings: &Settings) -> Work {
+    unit_work(settings) * amounts(settings).0 as f64
+}
+
+pub fn run(study: &Study<'_>) -> Result<Outcome, ReproduceError> {
+    let settings = study.settings;
+    let (batches, samples, cells) = amounts(settings);
+    let parameters = square(samples, LEAF);
+    let mut seeds: Vec<OneSeed> = Vec::new();
+    for batch in 0..batches {
+        let what = format!("sets of batch {} of {batches}", batch + 1);
+        let unit = (&*format!("batch-{batch}"), &*what);
+        let made: Vec<OneSeed> = study.unit(unit, unit_work(settings), |control| {
+            (batch * BATCH..(batch + 1) * BATCH)
+                .into_par_iter()
+                .map(|index| OneSeed::of(&parameters, cells, seed(settings, index), control))
+                .collect()
+        })?;
+        seeds.extend(made);
+    }
+    let found = Found::of(&seeds)?;
+    Ok(Outcome {
+        claims: claims::claims(&found),
+        pictures: shown::pictures(&found, cells)?,
+        tables: shown::tables(&found),
+        notes: vec![NOTE.to_owned()],
+    })
+}
+
+const NOTE: &str = "Every seed has a pattern, blocks and a reference set of its own. Intervals come from the spread between sets, \
+since samples of one set depend on each other: those that keep a distance are spread more evenly than independent ones. The reference \
+set is held against the blocks of the other two, of which it knows nothing; the moved set is the reference set, made denser towards \
+the middle of the width. Within a gap an inserted sample is ranked among 39 uniform places of what was left of its gap when it came, \
+by the distance to the nearest sample: a sample without bias has each of the 40 ranks as often. Cells of the grid are about 3.7 r \
+wide, so that they dilute a strip of 1 r; places are therefore judged by bands and strips of 1 r as well.";
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,373 @@
+//! The claims of equation 1 and their verdicts, from what was counted. It measures nothing.
+
+use super::CELL;
+use super::counted::MOVED;
+use super::subject::{Found, JUDGED, Off, Subject};
+use crate::outcome::{BEYOND, Claim, Verdict};
+use crate::report::number;
+
+/// Deeper than this many radii lies no conflict; the second of the bands' borders.
+const INTERIOR: f64 = 3.0;
+/// A density this far from the reference sampler's is none at all, whatever the number of sets.
+const NEGLIGIBLE: f64 = 0.005;
+/// Below this probability counts are not uniform.
+const UNLIKELY: f64 = 1e-3;
+/// Places whose true densities vary by no more than this have a very small bias.
+const EVEN: f64 = 0.01;
+
+fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share, 3))
+}
+
+/// Returns a deviation, with its sign.
+fn signed(share: f64) -> String {
+    let sign = if share > 0.0 { "+" } else { "" };
+    format!("{sign}{}", percent(share))
+}
+
+fn between(interval: [f64; 2]) -> String {
+    format!("{} to {}", signed(interval[0]), signed(interval[1]))
+}
+
+/// Returns a deviation with its interval.
+fn told(off: &Off) -> String {
+    format!("{} (99 %: {})", signed(off.relative), between(off.interval))
+}
+
+/// Returns a probability; numbers end before the smallest ones do.
+fn chance(probability: f64) -> String {
+    if probability < 1e-300 {
+        "below 1e-300".to_owned()
+    } else {
+        number(probability, 2)
+    }
+}
+
+pub fn claims(found: &Found) -> Vec<Claim> {
+    let Found {
+        reference,
+        moved,
+        circumcentre,
+        uniform,
+        random,
+        ..
+    } = found;
+    vec![
+        everywhere(
+            "insertion at circumcentres",
+            [reference, moved, circumcentre],
+        ),
+        everywhere("uniform insertion", [reference, moved, uniform]),
+        interior(reference, circumcentre),
+        border("insertion at circumcentres", circumcentre),
+        border("uniform insertion", uniform),
+        deterministic(found),
+        removes(found),
+        farthest(circumcentre),
+        unbiased(uniform),
+        frame(reference, circumcentre),
+        sides("by index, own block first", reference, circumcentre),
+        sides("random order", reference, random),
+    ]
+}
+
+fn claim(claim: &str, paper: &str, ours: String, verdict: Verdict, reason: String) -> Claim {
+    Claim {
+        claim: claim.to_owned(),
+        place: "equation 1, section 5.1".to_owned(),
+        paper: paper.to_owned(),
+        ours,
+        verdict,
+        reason,
+    }
+}
+
+fn beyond(name: &str, ours: String, verdict: Verdict, reason: String) -> Claim {
+    Claim {
+        place: BEYOND.to_owned(),
+        ..claim(name, "not in the paper", ours, verdict, reason)
+    }
+}
+
+/// What is known of all places together.
+struct Places {
+    worst: (&'static str, Off),
+    verdict: Verdict,
+}
+
+impl Places {
+    /// The bands, strips and cells of sets that need no control.
+    fn of(ours: &Subject) -> Self {
+        let places = ours.places();
+        let grid = ours.grid();
+        let uneven = grid.interval[0] > EVEN || places.iter().any(|(_, off)| off.beyond(EVEN));
+        let even = grid.interval[1] <= EVEN && places.iter().all(|(_, off)| off.within(EVEN));
+        let worst = places
+            .into_iter()
+            .max_by(|a, b| a.1.relative.abs().total_cmp(&b.1.relative.abs()));
+        let nothing = Off {
+            relative: f64::NAN,
+            interval: [f64::NAN; 2],
+        };
+        Self {
+            worst: worst.unwrap_or(("nowhere", nothing)),
+            verdict: match (even, uneven) {
+                (true, _) => Verdict::Reproduced,
+                (_, true) => Verdict::NotReproduced,
+                _ => Verdict::NotComparable,
+            },
+        }
+    }
+}
+
+/// Returns whether sets that have no bias show none: neither in cells nor in any band or strip.
+fn clean(reference: &Subject) -> bool {
+    let grid = reference.grid().interval;
+    let even = |off: &Off| off.around_zero() || off.within(NEGLIGIBLE);
+    (grid[0] <= 0.0 || grid[1] <= NEGLIGIBLE) && reference.places().iter().all(|(_, off)| even(off))
+}
+
+/// Places of the domain.
+fn everywhere(how: &str, [reference, moved, ours]: [&Subject; 3]) -> Claim {
+    let found = Places::of(ours);
+    let seen = moved.grid().interval[0] > EVEN && clean(reference);
+    let verdict = if seen {
+        found.verdict
+    } else {
+        Verdict::NotComparable
+    };
+    let (name, worst) = found.worst;
+    let grid = ours.grid();
+    claim(
+        &format!("Every place of the domain is as likely to hold a sample ({how}; worst {name})"),
+        "up to a very small bias",
+        format!(
+            "{name}: {} from the sets' mean; {} cells of about {CELL} r: bias {} (99 %: {} to {}), {} standard deviations above noise; \
+             Cramer's V {}, {} for the reference sampler",
+            told(&worst),
+            ours.cells.deviations.len(),
+            percent(grid.rms),
+            percent(grid.interval[0]),
+            percent(grid.interval[1]),
+            number(grid.sigmas, 2),
+            number(ours.cells.chi_square.cramers_v, 3),
+            number(reference.cells.chi_square.cramers_v, 3),
+        ),
+        verdict,
+        everywhere_rule(reference, moved),
+    )
+}
+
+fn everywhere_rule(reference: &Subject, moved: &Subject) -> String {
+    let (name, worst) = Places::of(reference).worst;
+    format!(
+        "Judged by eight bands and strips along borders, not narrower than 1 r, and by the root mean square deviation of cells \
+         without the noise that the spread between sets predicts; the {JUDGED} intervals hold together with 99 % confidence. \
+         Reproduced if all lie within {even}, not reproduced if one lies beyond. Needs a set that is {} denser in the middle to be \
+         told apart by its cells (bias {}), and intervals of the reference sampler that contain zero or end within {} (cells {}; \
+         {name}: {}).",
+        percent(MOVED),
+        percent(moved.grid().rms),
+        percent(NEGLIGIBLE),
+        percent(reference.grid().rms),
+        told(&worst),
+        even = percent(EVEN),
+    )
+}
+
+/// The border of a periodic domain.
+fn frame(reference: &Subject, ours: &Subject) -> Claim {
+    let [here, control] = [ours, reference].map(Subject::frame);
+    beyond(
+        "A periodic domain has no special places",
+        format!(
+            "density within 1 r of the domain's border: {} from the reference sampler's",
+            told(&here)
+        ),
+        if control.around_zero() {
+            Verdict::of(here.around_zero())
+        } else {
+            Verdict::NotComparable
+        },
+        format!(
+            "Confirmed if the interval contains zero, as it must for the reference sampler ({}). The KD tree begins with the \
+             domain, so that its border is a border of blocks in every run; other places are one only in some runs.",
+            between(control.interval)
+        ),
+    )
+}
+
+/// Which side of the border of a periodic domain has more samples.
+fn sides(order: &str, reference: &Subject, ours: &Subject) -> Claim {
+    let even = |subject: &Subject| {
+        let [after, before] = subject.sides();
+        after.interval[0] <= before.interval[1] && before.interval[0] <= after.interval[1]
+    };
+    let [after, before] = ours.sides();
+    beyond(
+        &format!("Both sides of a border have as many samples ({order})"),
+        format!(
+            "density within 1 r after the domain's border (the lowest x and y): {} from the reference sampler's; before it: {}",
+            told(&after),
+            told(&before)
+        ),
+        if even(reference) {
+            Verdict::of(even(ours))
+        } else {
+            Verdict::NotComparable
+        },
+        "Confirmed if the two intervals meet, as they must for the reference sampler. By index, of two samples in conflict the one of \
+         the block with the lower index stays; indices rise with the coordinates in every split."
+            .to_owned(),
+    )
+}
+
+/// Where no clip overlaps.
+fn interior(reference: &Subject, ours: &Subject) -> Claim {
+    let [.., deep] = ours.bands();
+    let [.., control] = reference.bands();
+    let holds = |deviation: &Off| deviation.relative.abs() <= NEGLIGIBLE || deviation.around_zero();
+    claim(
+        "The method is biased in the conflict area only",
+        "bias in the conflict area",
+        format!(
+            "density deeper than {INTERIOR} r in a block: {} from the reference sampler's",
+            told(&deep)
+        ),
+        if holds(&control) {
+            Verdict::of(holds(&deep))
+        } else {
+            Verdict::NotComparable
+        },
+        format!(
+            "Reproduced if that deviation is below {} or its interval contains zero, and so it is for the reference sampler, \
+             which knows no blocks ({}). Clips overlap up to 1 r from a border; elimination and insertion reach a little further.",
+            percent(NEGLIGIBLE),
+            signed(control.relative)
+        ),
+    )
+}
+
+/// Where clips overlap.
+fn border(how: &str, ours: &Subject) -> Claim {
+    let [near, middle, _] = ours.bands().map(|band| band.among(2, ours.sets));
+    let worst = ours.worst_block_class();
+    claim(
+        &format!("Borders of blocks leave a bias in the density ({how})"),
+        "bias in the conflict area, bounded",
+        format!(
+            "density within 1 r of a border: {} from the reference sampler's; from 1 r to {INTERIOR} r: {}; at most {} in any \
+             class",
+            told(&near),
+            told(&middle),
+            signed(worst)
+        ),
+        Verdict::of(!near.around_zero() || !middle.around_zero()),
+        "Reproduced if one of the two intervals does not contain zero; both hold together with 99 % confidence (99.5 % each)."
+            .to_owned(),
+    )
+}
+
+/// What the place of an inserted sample adds to the bias in density.
+fn deterministic(found: &Found) -> Claim {
+    let pair = &found.paired;
+    claim(
+        "Deterministic insertion introduces bias (density near borders, against uniform insertion)",
+        "bias by deterministic insertion",
+        format!(
+            "density within 1 r of a block's border: {} at circumcentres less that by uniform insertion, {} standard deviations \
+             of a pair; {} sets each",
+            told(&pair.difference),
+            number(pair.effect, 3),
+            found.circumcentre.sets
+        ),
+        Verdict::of(!pair.difference.around_zero()),
+        "Reproduced if the interval of the paired difference does not contain zero: same seeds, patterns and blocks, of which only \
+         the insertion differs. In shares of the reference sampler's density."
+            .to_owned(),
+    )
+}
+
+/// Whether there is a bias without deterministic insertion.
+fn removes(found: &Found) -> Claim {
+    let [with, without] = [&found.circumcentre, &found.uniform].map(|subject| subject.bands()[0]);
+    let removed = &found.paired.removed;
+    beyond(
+        "Uniform insertion removes the bias in density near borders",
+        format!(
+            "density within 1 r of a block's border: {} from the reference sampler's by uniform insertion, {} at circumcentres; \
+             removed: {} % of it (99 %: {} to {})",
+            told(&without),
+            told(&with),
+            number(100.0 * removed.relative, 2),
+            number(100.0 * removed.interval[0], 2),
+            number(100.0 * removed.interval[1], 2),
+        ),
+        if without.within(NEGLIGIBLE) {
+            Verdict::Reproduced
+        } else if without.beyond(NEGLIGIBLE) {
+            Verdict::NotReproduced
+        } else {
+            Verdict::NotComparable
+        },
+        format!(
+            "Confirmed if the interval of uniform insertion lies within {even}, refuted if it lies beyond {even}. What is left comes \
+             from resolving conflicts, which both have in common.",
+            even = percent(NEGLIGIBLE)
+        ),
+    )
+}
+
+fn farthest(ours: &Subject) -> Claim {
+    let (probability, effect) = ours.ranks();
+    beyond(
+        "Within gaps, circumcentres are the farthest places (by construction)",
+        rank_words(ours),
+        Verdict::of(probability < UNLIKELY),
+        format!(
+            "By construction: a circumcentre is the farthest place of its part of a gap, so that this checks the program and says \
+             nothing new; shown as a picture. Confirmed if uniform ranks had a probability below {UNLIKELY} (it is {}); the \
+             effect is V = {}, of at most 1.",
+            chance(probability),
+            number(effect, 3)
+        ),
+    )
+}
+
+fn unbiased(ours: &Subject) -> Claim {
+    let (probability, effect) = ours.ranks();
+    beyond(
+        "Uniform insertion has no bias within gaps",
+        rank_words(ours),
+        Verdict::of(probability >= UNLIKELY),
+        format!(
+            "Confirmed if uniform ranks have a probability of at least {UNLIKELY} (it is {}); the effect is V = {}.",
+            chance(probability),
+            number(effect, 3)
+        ),
+    )
+}
+
+fn rank_words(ours: &Subject) -> String {
+    let [low, high] = ours.extreme_ranks();
+    format!(
+        "of {} inserted samples {} are among the tenth of their gap nearest to other samples, {} among the farthest",
+        ours.rank_count(),
+        percent(low),
+        percent(high)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deviations_have_signs_and_small_chances_words() {
+        assert_eq!(signed(0.0242), "+2.42 %");
+        assert_eq!(signed(-0.0242), "\u{2212}2.42 %");
+        assert_eq!(signed(0.0), "0 %");
+        assert_eq!(chance(0.0), "below 1e-300");
+        assert_eq!(chance(0.25), "0.25");
+    }
+}

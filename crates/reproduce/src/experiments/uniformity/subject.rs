@@ -1,0 +1,280 @@
+//! What is found of each way to make sets: how far its counts are from uniform and from the reference sampler's.
+//! No verdict is decided here.
+
+use tilescope_analysis::measures::{Deviation, Uniformity, student_quantile};
+
+use super::bias::{Bias, MISSED, Paired, bias};
+use super::counted::{Counted, EDGES, OneSeed, joined};
+use super::gaps::CLASSES;
+use crate::error::ReproduceError;
+
+pub const LEVEL: f64 = 0.99;
+/// Where the bands of distances from a block's border begin, in classes: at 0, 1 r and 3 r.
+pub const BANDS: [usize; 3] = [0, 4, 9];
+
+/// Bands and strips by which places are judged.
+const BLOCK_BANDS: [&str; 3] = [
+    "within 1 r of a block's border",
+    "1 r to 3 r from a block's border",
+    "deeper than 3 r in a block",
+];
+const DOMAIN_BANDS: [&str; 3] = [
+    "within 1 r of the domain's border",
+    "1 r to 3 r from the domain's border",
+    "deeper than 3 r in the domain",
+];
+const SIDES: [&str; 2] = [
+    "within 1 r after the domain's border",
+    "within 1 r before the domain's border",
+];
+/// The grid and all of them.
+pub const JUDGED: usize = 1 + BLOCK_BANDS.len() + DOMAIN_BANDS.len() + SIDES.len();
+
+/// Everything that was counted.
+pub struct Found {
+    pub reference: Subject,
+    pub moved: Subject,
+    pub circumcentre: Subject,
+    pub uniform: Subject,
+    pub random: Subject,
+    /// Insertion at circumcentres against uniform insertion.
+    pub paired: Paired,
+}
+
+/// Sets that were made in one way.
+pub struct Subject {
+    pub name: &'static str,
+    pub sets: u64,
+    /// Samples for one of the reference sampler.
+    pub density: f64,
+    pub cells: Uniformity,
+    pub blocks: Uniformity,
+    pub domain: Uniformity,
+    /// By band of distances from a block's border, and from the domain's.
+    pub wide: Uniformity,
+    pub frame: Uniformity,
+    /// Within 1 r after the domain's border, within 1 r before it, and elsewhere.
+    pub sides: Uniformity,
+    /// Inserted samples by rank; none where nothing is inserted.
+    pub inside: Option<Uniformity>,
+    /// Inserted samples by distance from a block's border.
+    pub inserted: Vec<u64>,
+    pub skipped: u64,
+}
+
+/// How far a density is from the reference sampler's.
+#[derive(Clone, Copy, Debug)]
+pub struct Off {
+    pub relative: f64,
+    pub interval: [f64; 2],
+}
+
+impl Off {
+    pub fn around_zero(&self) -> bool {
+        (self.interval[0]..=self.interval[1]).contains(&0.0)
+    }
+
+    /// Returns whether the whole interval is no further from zero than `limit`.
+    pub fn within(&self, limit: f64) -> bool {
+        self.interval.iter().all(|end| end.abs() <= limit)
+    }
+
+    /// Returns whether the whole interval is further from zero than `limit`, on one side.
+    pub fn beyond(&self, limit: f64) -> bool {
+        self.interval[0] > limit || self.interval[1] < -limit
+    }
+
+    /// Returns it with the interval that it has as one of several of `sets`, which together hold with 99 % confidence.
+    pub fn among(self, several: usize, sets: u64) -> Self {
+        let reach = |missed: f64| student_quantile(missed, sets as f64 - 1.0);
+        let wider = reach(MISSED / several as f64) / reach(MISSED);
+        Self {
+            interval: self
+                .interval
+                .map(|end| self.relative + wider * (end - self.relative)),
+            ..self
+        }
+    }
+}
+
+type Pick = fn(&OneSeed) -> &Counted;
+
+impl Found {
+    pub fn of(seeds: &[OneSeed]) -> Result<Self, ReproduceError> {
+        let subject = |name, pick| Subject::of(name, seeds, pick);
+        Ok(Self {
+            reference: subject("reference sampler", |seed| &seed.reference)?,
+            moved: subject("reference, moved", |seed| &seed.moved)?,
+            circumcentre: subject("circumcentres", |seed| &seed.circumcentre)?,
+            uniform: subject("uniform insertion", |seed| &seed.uniform)?,
+            random: subject("circumcentres, random order", |seed| &seed.random)?,
+            paired: Paired::of(seeds),
+        })
+    }
+
+    pub fn all(&self) -> [&Subject; 5] {
+        [
+            &self.reference,
+            &self.moved,
+            &self.circumcentre,
+            &self.uniform,
+            &self.random,
+        ]
+    }
+}
+
+impl Subject {
+    fn of(name: &'static str, seeds: &[OneSeed], pick: Pick) -> Result<Self, ReproduceError> {
+        let even = |classes: usize| vec![1.0 / classes as f64; classes];
+        let test = |counts: &dyn Fn(&OneSeed) -> Vec<u64>,
+                    shares: &dyn Fn(&OneSeed) -> Vec<f64>|
+         -> Result<Uniformity, ReproduceError> {
+            Ok(joined(seeds, counts, shares)?.uniformity(LEVEL)?)
+        };
+        let cells = |s: &OneSeed| even(s.reference.cells.len());
+        let blocks = |s: &OneSeed| s.block_shares.clone();
+        let domain = |s: &OneSeed| s.domain_shares.clone();
+        let ranked = seeds.iter().any(|s| pick(s).ranks.iter().sum::<u64>() > 0);
+        let ranks = || test(&|s| pick(s).ranks.clone(), &|_| even(CLASSES));
+        let count = |pick: Pick| seeds.iter().map(|seed| pick(seed).count).sum::<u64>() as f64;
+        Ok(Self {
+            name,
+            sets: seeds.len() as u64,
+            density: count(pick) / count(|seed| &seed.reference),
+            cells: test(&|s| pick(s).cells.clone(), &cells)?,
+            blocks: test(&|s| pick(s).blocks.clone(), &blocks)?,
+            domain: test(&|s| pick(s).domain.clone(), &domain)?,
+            wide: test(&|s| banded(&pick(s).blocks), &|s| banded(&blocks(s)))?,
+            frame: test(&|s| banded(&pick(s).domain), &|s| banded(&domain(s)))?,
+            sides: test(&|s| pick(s).sides.clone(), &|s| s.side_shares.clone())?,
+            inside: ranked.then(ranks).transpose()?,
+            inserted: total(seeds, |seed| &pick(seed).inserted),
+            skipped: seeds.iter().map(|seed| pick(seed).skipped).sum(),
+        })
+    }
+
+    /// Returns a class's density against the reference sampler's mean. Its own mean is known far better than its classes.
+    pub fn against(&self, class: &Deviation) -> Off {
+        let scaled = |relative: f64| (1.0 + relative) * self.density - 1.0;
+        Off {
+            relative: scaled(class.relative),
+            interval: class.interval.map(scaled),
+        }
+    }
+
+    /// Returns the bands within 1 r of a block's border, within 3 r and deeper.
+    pub fn bands(&self) -> [Off; 3] {
+        [0, 1, 2].map(|band| self.against(&self.wide.deviations[band]))
+    }
+
+    /// Returns the band within 1 r of the domain's border.
+    pub fn frame(&self) -> Off {
+        self.against(&self.frame.deviations[0])
+    }
+
+    /// Returns the strips of 1 r after and before the domain's border.
+    pub fn sides(&self) -> [Off; 2] {
+        [0, 1].map(|side| self.against(&self.sides.deviations[side]))
+    }
+
+    /// Returns what is judged of places besides the grid: bands and strips not narrower than 1 r, against the sets' own mean,
+    /// with intervals that hold together with the grid's.
+    pub fn places(&self) -> Vec<(&'static str, Off)> {
+        let all = (self.wide.deviations.iter().zip(BLOCK_BANDS))
+            .chain(self.frame.deviations.iter().zip(DOMAIN_BANDS))
+            .chain(self.sides.deviations.iter().zip(SIDES));
+        let own = |(class, name): (&Deviation, &'static str)| {
+            let off = Off {
+                relative: class.relative,
+                interval: class.interval,
+            };
+            (name, off.among(JUDGED, self.sets))
+        };
+        all.map(own).collect()
+    }
+
+    /// Returns the bias of the grid's cells, with an interval that holds together with those of [`Self::places`].
+    pub fn grid(&self) -> Bias {
+        bias(&self.cells, MISSED / JUDGED as f64)
+    }
+
+    /// Returns the largest deviation by distance from a block's border.
+    pub fn worst_block_class(&self) -> f64 {
+        let off = self
+            .blocks
+            .deviations
+            .iter()
+            .map(|class| self.against(class).relative);
+        off.fold(
+            0.0,
+            |worst: f64, one| if one.abs() > worst.abs() { one } else { worst },
+        )
+    }
+
+    /// Returns the probability of the ranks if they were uniform, and Cramer's V.
+    pub fn ranks(&self) -> (f64, f64) {
+        let test = self.inside.as_ref().map(|inside| inside.chi_square);
+        test.map_or((f64::NAN, f64::NAN), |test| {
+            (test.probability, test.cramers_v)
+        })
+    }
+
+    pub fn rank_count(&self) -> u64 {
+        self.inside.as_ref().map_or(0, |inside| inside.samples)
+    }
+
+    /// Returns the shares of the lowest and of the highest class of ranks.
+    pub fn extreme_ranks(&self) -> [f64; 2] {
+        let Some(inside) = &self.inside else {
+            return [f64::NAN; 2];
+        };
+        let share = |class: usize| inside.deviations[class].observed as f64 / inside.samples as f64;
+        [share(0), share(CLASSES - 1)]
+    }
+}
+
+/// Sums classes of distances to bands.
+fn banded<T: Copy + std::iter::Sum>(classes: &[T]) -> Vec<T> {
+    let band = |k: usize| {
+        let end = BANDS.get(k + 1).copied().unwrap_or(EDGES.len());
+        classes[BANDS[k]..end].iter().copied().sum()
+    };
+    (0..BANDS.len()).map(band).collect()
+}
+
+fn total(seeds: &[OneSeed], pick: impl Fn(&OneSeed) -> &Vec<u64>) -> Vec<u64> {
+    let mut all: Vec<u64> = Vec::new();
+    for seed in seeds {
+        let counts = pick(seed);
+        all.resize(all.len().max(counts.len()), 0);
+        for (sum, count) in all.iter_mut().zip(counts) {
+            *sum += count;
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_hold_all_classes_and_begin_at_their_radii() {
+        let ones = [1_u64; EDGES.len()];
+        assert_eq!(banded(&ones), [4, 5, 5]);
+        assert_eq!(BANDS.map(|class| EDGES[class] as u32), [0, 1, 3]);
+    }
+
+    #[test]
+    fn one_of_several_intervals_is_wider_and_around_the_same_place() {
+        let one = Off {
+            relative: 0.1,
+            interval: [0.0, 0.2],
+        };
+        let two = one.among(2, 400);
+        // Quantiles of 99.5 % and 99 %.
+        let wider = (two.interval[1] - 0.1) / 0.1;
+        assert!((wider - 2.807 / 2.576).abs() < 0.005, "{wider}");
+        assert!((two.interval[0] + two.interval[1] - 0.2).abs() < 1e-12);
+    }
+}

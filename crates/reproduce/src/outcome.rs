@@ -1,0 +1,188 @@
+//! What an experiment found: claims with verdicts, pictures, tables. Plain data that survives a round trip through JSON.
+//! It never decides a verdict.
+
+use serde::{Deserialize, Serialize};
+use tilescope_figures::Scene;
+
+/// Whether a claim of the paper holds here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// What was measured agrees with the claim.
+    Reproduced,
+    /// What was measured contradicts it.
+    NotReproduced,
+    /// What was measured says nothing about it; the claim's reason tells why.
+    NotComparable,
+}
+
+impl Verdict {
+    /// Reproduced or not.
+    #[must_use]
+    pub const fn of(holds: bool) -> Self {
+        if holds {
+            Self::Reproduced
+        } else {
+            Self::NotReproduced
+        }
+    }
+
+    /// Returns it in words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Reproduced => "reproduced",
+            Self::NotReproduced => "not reproduced",
+            Self::NotComparable => "not comparable",
+        }
+    }
+}
+
+/// The place of what the paper does not say: such a claim is confirmed or refuted, not reproduced.
+pub const BEYOND: &str = "beyond the paper";
+
+/// Something that the paper says, and what was measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Claim {
+    /// What is claimed, in words of this project.
+    pub claim: String,
+    /// Where: section, figure, equation.
+    pub place: String,
+    /// The paper's number or observation.
+    pub paper: String,
+    /// What was measured here, with units.
+    pub ours: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The rule by which the verdict follows from the measurement, and what limits it.
+    pub reason: String,
+}
+
+impl Claim {
+    /// Returns whether the paper says it.
+    #[must_use]
+    pub fn is_of_the_paper(&self) -> bool {
+        self.place != BEYOND
+    }
+
+    /// Returns the verdict in words that suit it.
+    #[must_use]
+    pub fn words(&self) -> &'static str {
+        match (self.is_of_the_paper(), self.verdict) {
+            (true, verdict) => verdict.words(),
+            (false, Verdict::Reproduced) => "confirmed",
+            (false, Verdict::NotReproduced) => "refuted",
+            (false, Verdict::NotComparable) => "open",
+        }
+    }
+}
+
+/// A picture: its files are named after it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// The name, in lower case with hyphens.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The picture.
+    pub scene: Scene,
+}
+
+/// A column of a table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Column {
+    /// The name in data files, in lower case with underscores.
+    pub key: String,
+    /// The heading in reports, with the unit.
+    pub head: String,
+    /// Significant digits of numbers in reports; data files have all of them.
+    pub digits: usize,
+}
+
+impl Column {
+    /// A column of numbers.
+    #[must_use]
+    pub fn new(key: &str, head: &str, digits: usize) -> Self {
+        Self {
+            key: key.to_owned(),
+            head: head.to_owned(),
+            digits,
+        }
+    }
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Cell {
+    /// A whole number.
+    Count(u64),
+    /// A number.
+    Number(f64),
+    /// Text.
+    Text(String),
+    /// Nothing was measured.
+    Missing(()),
+}
+
+impl From<f64> for Cell {
+    fn from(value: f64) -> Self {
+        if value.is_finite() {
+            Self::Number(value)
+        } else {
+            Self::Missing(())
+        }
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(value: u64) -> Self {
+        Self::Count(value)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(value: usize) -> Self {
+        Self::Count(value as u64)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(value: &str) -> Self {
+        Self::Text(value.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(value: String) -> Self {
+        Self::Text(value)
+    }
+}
+
+/// Numbers in rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// The name of its file, in lower case with hyphens.
+    pub name: String,
+    /// What it holds.
+    pub title: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// Rows of as many cells.
+    pub rows: Vec<Vec<Cell>>,
+    /// Whether reports show it; long curves are for data files alone.
+    pub shown: bool,
+}
+
+/// Everything that an experiment found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// What the paper says, and what was measured.
+    pub claims: Vec<Claim>,
+    /// Pictures.
+    pub pictures: Vec<Picture>,
+    /// Numbers.
+    pub tables: Vec<Table>,
+    /// How it was done, and what should be known about it: a paragraph each.
+    pub notes: Vec<String>,
+}

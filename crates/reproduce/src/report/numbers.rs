@@ -1,0 +1,85 @@
+//! Cells as text: all digits for data files, significant ones for readers.
+
+use std::fmt::Write;
+
+use crate::outcome::{Cell, Table};
+
+/// Returns a table as CSV with a head line; missing numbers are empty.
+pub fn csv(table: &Table) -> String {
+    let heads: Vec<&str> = table.columns.iter().map(|c| c.key.as_str()).collect();
+    let mut out = heads.join(",");
+    out.push('\n');
+    for row in &table.rows {
+        let cells: Vec<String> = row.iter().map(exact).collect();
+        let _ = writeln!(out, "{}", cells.join(","));
+    }
+    out
+}
+
+fn exact(cell: &Cell) -> String {
+    match cell {
+        Cell::Count(count) => count.to_string(),
+        Cell::Number(value) => value.to_string(),
+        Cell::Text(text) if text.contains([',', '"', '\n', '\r']) => {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        }
+        Cell::Text(text) => text.clone(),
+        Cell::Missing(()) => String::new(),
+    }
+}
+
+/// Returns a cell for readers.
+pub fn readable(cell: &Cell, digits: usize) -> String {
+    match cell {
+        Cell::Count(count) => self::count(*count),
+        Cell::Number(value) => number(*value, digits),
+        Cell::Text(text) => text.clone(),
+        Cell::Missing(()) => "\u{2013}".to_owned(),
+    }
+}
+
+/// Returns a whole number, thousands apart.
+pub fn count(value: u64) -> String {
+    grouped(&value.to_string())
+}
+
+/// Returns a number with so many significant digits, thousands apart.
+pub fn number(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 {
+            "0".to_owned()
+        } else {
+            value.to_string()
+        };
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    let digits = digits.max(1) as i32;
+    if !(-4..15).contains(&magnitude) {
+        return format!("{value:.*e}", (digits - 1) as usize);
+    }
+    let decimals = digits - 1 - magnitude;
+    if decimals >= 0 {
+        let text = format!("{value:.*}", decimals as usize);
+        let (whole, rest) = text.split_once('.').unwrap_or((&text, ""));
+        let point = if rest.is_empty() { "" } else { "." };
+        return format!("{}{point}{rest}", grouped(whole));
+    }
+    let unit = 10_f64.powi(-decimals);
+    grouped(&format!("{:.0}", (value / unit).round() * unit))
+}
+
+/// Puts thousands apart.
+fn grouped(whole: &str) -> String {
+    let (sign, figures) = match whole.strip_prefix('-') {
+        Some(figures) => ("\u{2212}", figures),
+        None => ("", whole),
+    };
+    let mut out = sign.to_owned();
+    for (index, figure) in figures.chars().enumerate() {
+        if index > 0 && (figures.len() - index).is_multiple_of(3) && figures.len() > 4 {
+            out.push('\u{202f}');
+        }
+        out.push(figure);
+    }
+    out
+}

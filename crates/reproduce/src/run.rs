@@ -1,0 +1,246 @@
+//! Carries experiments out one after another, tells how long that will take, and writes what they found into a folder.
+//! After every experiment the folder is complete; an interrupted one goes on where it stopped.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use tilescope_figures::{to_png, to_svg_with_fonts};
+use tilescope_formats::write_whole;
+
+use crate::error::ReproduceError;
+use crate::experiment::Experiment;
+use crate::machine::Machine;
+use crate::outcome::{Claim, Outcome, Picture, Table, Verdict};
+use crate::parts::Parts;
+use crate::report;
+use crate::sets::GivenSet;
+use crate::study::{Settings, Study};
+use crate::work::Rates;
+
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// What the numbers depend on.
+    pub settings: Settings,
+    /// The folder of the result; made if it is not there. Nothing else in it is touched.
+    pub out: PathBuf,
+    /// Forget what was kept of an earlier run.
+    pub fresh: bool,
+}
+
+/// Who watches.
+pub trait Watch: Sync {
+    /// Told first: the seconds that everything will take on this machine, and each experiment.
+    fn expected(&self, _seconds: f64, _each: &[(Experiment, f64)]) {}
+
+    /// Told when an experiment begins.
+    fn begins(&self, _experiment: Experiment) {}
+
+    /// Told often, from any thread: how many of these seconds lie behind, and what is going on. `Break` ends it.
+    fn progress(&self, seconds: f64, what: &str) -> ControlFlow<()>;
+
+    /// Told of an experiment that has ended.
+    fn finished(&self, _finished: &Finished) {}
+
+    /// Told of an experiment that could not be carried out.
+    fn failed(&self, _experiment: Experiment, _error: &ReproduceError) {}
+}
+
+/// An experiment that has ended, as it is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finished {
+    /// Which.
+    pub experiment: Experiment,
+    /// Whether its sets were small.
+    pub quick: bool,
+    /// Seed of the first set.
+    pub seed: u64,
+    /// The arguments of the sets from files that it looked at.
+    pub given: String,
+    /// The machine.
+    pub machine: Machine,
+    /// The program's version.
+    pub version: String,
+    /// What the paper says, and what was measured.
+    pub claims: Vec<Claim>,
+    /// Names and captions of the pictures.
+    pub pictures: Vec<(String, String)>,
+    /// Numbers.
+    pub tables: Vec<Table>,
+    /// How it was done.
+    pub notes: Vec<String>,
+}
+
+impl Finished {
+    /// Returns the command that makes it again.
+    #[must_use]
+    pub fn command(&self) -> String {
+        let quick = if self.quick { " --quick" } else { "" };
+        let threads = if self.machine.threads == self.machine.cores {
+            String::new()
+        } else {
+            format!(" --threads {}", self.machine.threads)
+        };
+        format!(
+            "tilescope reproduce {}{quick} --seed {}{threads}{} --out DIR",
+            self.experiment, self.seed, self.given
+        )
+    }
+}
+
+/// What a reproduction came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// The experiments, in the sequence asked for.
+    pub finished: Vec<Finished>,
+    /// Those that could not be carried out, and why.
+    pub failed: Vec<(Experiment, String)>,
+    /// The report.
+    pub report: PathBuf,
+}
+
+impl Summary {
+    /// Returns how many claims of the paper have a verdict.
+    #[must_use]
+    pub fn count(&self, verdict: Verdict) -> usize {
+        let claims = self.finished.iter().flat_map(|one| &one.claims);
+        let claims = claims.filter(|claim| claim.is_of_the_paper());
+        claims.filter(|claim| claim.verdict == verdict).count()
+    }
+}
+
+/// Carries out the experiments and writes `report.html`, `REPORT.md`, `figures/` (PNG and SVG) and `data/` (CSV of all
+/// numbers, JSON of each experiment) into the folder. What earlier runs left there of other experiments stays in the report.
+///
+/// The same settings give the same numbers, except times; what was kept in `parts/` is not computed again, if settings, program, machine and
+/// threads are the same. An experiment that fails does not keep the others from being carried out; cancelling does.
+pub fn reproduce(
+    experiments: &[Experiment],
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Summary, ReproduceError> {
+    let rates = Rates::measure()?;
+    let settings = &options.settings;
+    let seconds = |one: &Experiment| rates.seconds(&one.work(settings));
+    let each: Vec<(Experiment, f64)> = experiments.iter().map(|one| (*one, seconds(one))).collect();
+    watch.expected(each.iter().map(|(_, seconds)| seconds).sum(), &each);
+    let machine = Machine::this();
+    let mut summary = Summary {
+        finished: Vec::new(),
+        failed: Vec::new(),
+        report: options.out.join("report.html"),
+    };
+    let mut before = 0.0;
+    let program = program();
+    for (experiment, seconds) in each {
+        watch.begins(experiment);
+        let stamp = stamp(
+            experiment,
+            settings,
+            &format!("{program} {}", machine.line()),
+        );
+        let folder = options.out.join("parts").join(experiment.name());
+        let parts = Parts::open(folder, stamp, options.fresh)?;
+        let study = Study::new(experiment, settings, (rates, before), parts, watch);
+        before += seconds;
+        let outcome = match experiment.carry_out(&study) {
+            Ok(outcome) => outcome,
+            Err(ReproduceError::Cancelled) => return Err(ReproduceError::Cancelled),
+            Err(error) => {
+                watch.failed(experiment, &error);
+                summary.failed.push((experiment, error.to_string()));
+                continue;
+            }
+        };
+        let finished = keep(experiment, outcome, options, &machine)?;
+        report::write(&options.out)?;
+        watch.finished(&finished);
+        summary.finished.push(finished);
+    }
+    Ok(summary)
+}
+
+/// What program this is: another build may have other numbers.
+fn program() -> String {
+    let read = std::env::current_exe().and_then(fs::read);
+    let digest = read.map_or_else(
+        |_| String::new(),
+        |bytes| tilescope_formats::bytes_digest(&bytes),
+    );
+    format!("{} {digest}", env!("CARGO_PKG_VERSION"))
+}
+
+/// Numbers of another program, machine or setting are no parts of this run.
+fn stamp(experiment: Experiment, settings: &Settings, made_by: &str) -> String {
+    let given = settings.given.iter().filter(|_| experiment.takes_files());
+    let given: Vec<String> = given
+        .map(|set| format!("{} {:?} {}", set.name, set.region, digest(&set.points)))
+        .collect();
+    let (quick, seed) = (settings.quick, settings.seed);
+    format!("{experiment} quick {quick} seed {seed} {given:?} {made_by}")
+}
+
+fn digest(points: &[[f64; 2]]) -> String {
+    let bytes: Vec<u8> = points
+        .as_flattened()
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    tilescope_formats::bytes_digest(&bytes)
+}
+
+/// Writes what an experiment found.
+fn keep(
+    experiment: Experiment,
+    outcome: Outcome,
+    options: &Options,
+    machine: &Machine,
+) -> Result<Finished, ReproduceError> {
+    let (figures, data) = (options.out.join("figures"), options.out.join("data"));
+    for folder in [&figures, &data] {
+        fs::create_dir_all(folder).map_err(|cause| ReproduceError::Io {
+            path: folder.clone(),
+            cause,
+        })?;
+    }
+    for picture in &outcome.pictures {
+        draw(picture, &figures, experiment)?;
+    }
+    for table in &outcome.tables {
+        let path = data.join(format!("{experiment}-{}.csv", table.name));
+        write_whole(&path, report::csv(table).as_bytes())?;
+    }
+    let settings = &options.settings;
+    let named = |picture: Picture| (picture.name, picture.caption);
+    let finished = Finished {
+        experiment,
+        quick: settings.quick,
+        seed: settings.seed,
+        given: (settings.given.iter().filter(|_| experiment.takes_files()))
+            .map(GivenSet::arguments)
+            .collect(),
+        machine: machine.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        claims: outcome.claims,
+        pictures: outcome.pictures.into_iter().map(named).collect(),
+        tables: outcome.tables,
+        notes: outcome.notes,
+    };
+    let path = data.join(format!("{experiment}.json"));
+    let bytes = serde_json::to_vec_pretty(&finished).map_err(|cause| ReproduceError::Json {
+        path: path.clone(),
+        cause,
+    })?;
+    write_whole(&path, &bytes)?;
+    Ok(finished)
+}
+
+/// Writes a picture as PNG, twice its size, and as SVG.
+fn draw(picture: &Picture, folder: &Path, of: Experiment) -> Result<(), ReproduceError> {
+    let path = |extension: &str| folder.join(format!("{of}-{}.{extension}", picture.name));
+    write_whole(&path("png"), &to_png(&picture.scene, 2.0)?)?;
+    write_whole(&path("svg"), to_svg_with_fonts(&picture.scene)?.as_bytes())?;
+    Ok(())
+}

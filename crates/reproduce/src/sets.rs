@@ -1,0 +1,175 @@
+//! Sets for experiments: made by either sampler, and verified before anything is concluded from them.
+//! Nothing here measures time or quality.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use tilescope_analysis::{Region, Report, VerifyOptions};
+use tilescope_core::{
+    Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Summary, Sweep, reference_sample,
+};
+
+use crate::error::ReproduceError;
+use crate::study::Control;
+
+/// A set from a file, to stand beside the others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GivenSet {
+    /// Its name in figures.
+    pub name: String,
+    /// The samples.
+    pub points: Vec<[f64; 2]>,
+    /// Where they are.
+    pub region: Region,
+}
+
+impl GivenSet {
+    /// Returns the arguments that name it.
+    #[must_use]
+    pub fn arguments(&self) -> String {
+        let Region {
+            width,
+            height,
+            boundary,
+        } = self.region;
+        let unit = |side: f64| (side - 1.0).abs() < f64::EPSILON;
+        let bounded = boundary == tilescope_analysis::Boundary::Bounded;
+        let mut out = format!(" --file '{}'", self.name.replace('\'', "'\\''"));
+        if !(unit(width) && unit(height)) || bounded {
+            let ends = if bounded { "bounded" } else { "periodic" };
+            let _ = write!(out, " --width {width} --height {height} --boundary {ends}");
+        }
+        out
+    }
+}
+
+/// A set that was made here.
+#[derive(Clone, Debug)]
+pub struct Set {
+    pub points: Vec<[f64; 2]>,
+    pub region: Region,
+    pub radius: f64,
+}
+
+impl Set {
+    /// Makes a set by randomized tiling, on all threads.
+    pub fn kdrt(
+        parameters: &Parameters,
+        control: &Control<'_>,
+    ) -> Result<(Self, Summary), ReproduceError> {
+        let pattern = pattern(&parameters.pattern, control)?;
+        let sweep = Sweep::new(parameters, &pattern, false)?;
+        let (sampled, summary) = sweep.finish(&mut control.observer())?;
+        let set = Self::of(&parameters.validate()?, &sampled.points);
+        Ok((set, summary))
+    }
+
+    /// Makes a set with the reference sampler.
+    pub fn reference(
+        domain: Domain,
+        seed: u64,
+        control: &Control<'_>,
+    ) -> Result<Self, ReproduceError> {
+        let points = reference_sample(domain, seed, &mut control.observer())?;
+        Ok(Self::of(&domain, &points))
+    }
+
+    /// Returns the samples of the lattice as a set in user units.
+    pub fn of(domain: &Domain, points: &[Point]) -> Self {
+        let user = |p: &Point| domain.user_from_lattice(*p);
+        Self {
+            points: points.iter().map(user).collect(),
+            region: region(domain),
+            radius: domain.radius(),
+        }
+    }
+
+    /// Returns the verifier's report, whatever it says.
+    pub fn judge(&self, control: &Control<'_>) -> Result<Report, ReproduceError> {
+        let options = VerifyOptions::default();
+        let report = tilescope_analysis::verify(
+            &self.points,
+            self.region,
+            self.radius,
+            &options,
+            &control.analysis(),
+        )?;
+        Ok(report)
+    }
+
+    /// Returns the report of a valid set, and an error for any other: nothing may be concluded from one.
+    pub fn verified(&self, what: &str, control: &Control<'_>) -> Result<Report, ReproduceError> {
+        let report = self.judge(control)?;
+        if report.valid() {
+            return Ok(report);
+        }
+        Err(ReproduceError::Invalid {
+            what: what.to_owned(),
+            conflicts: report.conflicts,
+            gaps: report.gaps,
+        })
+    }
+}
+
+/// Returns the side in radii of patterns for a leaf size: 100, and more where blocks, which may be twice as long as the leaf, with
+/// their margins would not fit. The paper's patterns are larger than the largest block; a periodic one would repeat itself within a block.
+pub fn pattern_side(leaf: f64) -> f64 {
+    let fits = |side: f64| 2.0 * leaf + 2.0 <= side;
+    let mut side = 100.0;
+    while !fits(side) {
+        side *= 2.0;
+    }
+    side
+}
+
+/// Returns the pattern of a specification.
+pub fn pattern(spec: &PatternSpec, control: &Control<'_>) -> Result<Arc<Pattern>, ReproduceError> {
+    Ok(Pattern::of_spec(spec, &mut control.observer())?)
+}
+
+/// Returns the verifier's region of a domain.
+pub fn region(domain: &Domain) -> Region {
+    let [width, height] = domain.size();
+    let boundary = match domain.boundary() {
+        Boundary::Periodic => tilescope_analysis::Boundary::Periodic,
+        Boundary::Bounded => tilescope_analysis::Boundary::Bounded,
+    };
+    Region {
+        width,
+        height,
+        boundary,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Settings;
+    use crate::study::tests::alone;
+
+    #[test]
+    fn blocks_fit_their_pattern() {
+        let sides = [20.0, 40.0, 80.0].map(|leaf| pattern_side(leaf).to_bits());
+        assert_eq!(sides, [100.0_f64, 100.0, 200.0].map(f64::to_bits));
+    }
+
+    #[test]
+    fn a_set_with_a_sample_too_few_concludes_nothing() {
+        alone(&Settings::default(), |control| {
+            let parameters = Parameters {
+                radius: 0.03,
+                ..Parameters::default()
+            };
+            let (mut set, summary) = Set::kdrt(&parameters, control)?;
+            assert_eq!(set.verified("whole", control)?.count, summary.count);
+            set.points.pop();
+            let refused = set.verified("one less", control).unwrap_err();
+            assert!(
+                refused
+                    .to_string()
+                    .contains("one less: the verifier counts 0 conflicts")
+            );
+            Ok(())
+        });
+    }
+}

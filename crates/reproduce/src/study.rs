@@ -1,0 +1,327 @@
+//! What an experiment works with: its settings, its units of work, and the way to tell how far it is and to be stopped.
+//! It knows no experiment.
+
+use std::cell::Cell;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::error::ReproduceError;
+use crate::experiment::Experiment;
+use crate::parts::Parts;
+use crate::run::Watch;
+use crate::sets::GivenSet;
+use crate::work::{Rates, Work};
+
+/// What the numbers of an experiment depend on, besides the machine.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Small sets and few of them: shows that everything works, in two minutes.
+    pub quick: bool,
+    /// Seed of the first set; every set of an experiment has its own.
+    pub seed: u64,
+    /// Sets from files, to stand beside the others where that makes sense.
+    pub given: Vec<GivenSet>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            quick: true,
+            seed: 1,
+            given: Vec::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Returns the first for a whole reproduction, the second for a quick one.
+    pub fn pick<T>(&self, whole: T, quick: T) -> T {
+        if self.quick { quick } else { whole }
+    }
+}
+
+/// An experiment at work.
+pub struct Study<'a> {
+    pub settings: &'a Settings,
+    pub experiment: Experiment,
+    pub rates: Rates,
+    parts: Parts,
+    watch: &'a dyn Watch,
+    /// Seconds of work that lie behind, of all experiments.
+    before: f64,
+    /// Work that units have told of.
+    told: Cell<Work>,
+}
+
+impl<'a> Study<'a> {
+    pub fn new(
+        experiment: Experiment,
+        settings: &'a Settings,
+        (rates, before): (Rates, f64),
+        parts: Parts,
+        watch: &'a dyn Watch,
+    ) -> Self {
+        Self {
+            settings,
+            experiment,
+            rates,
+            parts,
+            watch,
+            before,
+            told: Cell::default(),
+        }
+    }
+
+    /// Returns what a unit of work gives: what was kept of it, or what `make` returns, which is kept. `key` names the unit
+    /// in files, `what` to the reader.
+    pub fn unit<T: Serialize + DeserializeOwned>(
+        &self,
+        (key, what): (&str, &str),
+        work: Work,
+        make: impl FnOnce(&Control<'_>) -> Result<T, ReproduceError>,
+    ) -> Result<T, ReproduceError> {
+        let control = Control {
+            of_unit: self.rates.seconds(&work),
+            ..self.control(what)
+        };
+        control.go_on()?;
+        let value = if let Some(kept) = self.parts.load(key) {
+            kept
+        } else {
+            let made = make(&control)?;
+            self.parts.save(key, &made)?;
+            made
+        };
+        self.told.set(self.told.get() + work);
+        Ok(value)
+    }
+
+    /// Carries out rounds, each a unit of `work`. What `open` returns serves all of them and is opened for the first round that was not kept.
+    pub fn rounds<T: Serialize + DeserializeOwned, E>(
+        &self,
+        (key, what): (&str, &str),
+        (rounds, work): (u64, Work),
+        open: impl Fn(&Control<'_>) -> Result<E, ReproduceError>,
+        round: impl Fn(u64, &E, &Control<'_>) -> Result<T, ReproduceError>,
+    ) -> Result<Vec<T>, ReproduceError> {
+        let mut opened = None;
+        let mut all = Vec::new();
+        for number in 0..rounds {
+            let what = format!("{what}, round {} of {rounds}", number + 1);
+            let one = self.unit((&format!("{key}-{number}"), &what), work, |control| {
+                let opened = match &mut opened {
+                    Some(opened) => opened,
+                    none => none.insert(open(control)?),
+                };
+                round(number, opened, control)
+            })?;
+            all.push(one);
+        }
+        Ok(all)
+    }
+
+    /// Returns the control of work that is no unit: what is made anew each time, for pictures.
+    pub fn control(&self, what: &str) -> Control<'_> {
+        Control {
+            watch: self.watch,
+            seconds: self.before + self.rates.seconds(&self.told.get()),
+            of_unit: 0.0,
+            what: format!("{}: {what}", self.experiment),
+            began: Instant::now(),
+            told: AtomicU64::new(NEVER),
+        }
+    }
+
+    /// Returns the work of all units so far.
+    #[cfg(test)]
+    pub fn told(&self) -> Work {
+        self.told.get()
+    }
+}
+
+/// Milliseconds between two words to who watches: engines ask far more often, also where they are timed.
+const PAUSE: u64 = 50;
+/// Nothing was told yet.
+const NEVER: u64 = u64::MAX;
+
+/// Tells how far a unit is, and whether it shall go on.
+pub struct Control<'a> {
+    watch: &'a dyn Watch,
+    /// Seconds of work before this unit, and expected of it.
+    seconds: f64,
+    of_unit: f64,
+    what: String,
+    began: Instant,
+    /// Milliseconds from the beginning to the last word.
+    told: AtomicU64,
+}
+
+impl Control<'_> {
+    /// Returns whether the caller wants it to go on. How far a unit is follows from its time against the expected one.
+    pub fn flow(&self) -> ControlFlow<()> {
+        let passed = self.began.elapsed();
+        let now = passed.as_millis() as u64;
+        let told = self.told.load(Ordering::Relaxed);
+        if told != NEVER && now < told + PAUSE {
+            return ControlFlow::Continue(());
+        }
+        self.told.store(now, Ordering::Relaxed);
+        let within = passed.as_secs_f64().min(self.of_unit);
+        self.watch.progress(self.seconds + within, &self.what)
+    }
+
+    /// Fails if the caller does not want it to go on.
+    pub fn go_on(&self) -> Result<(), ReproduceError> {
+        match self.watch.progress(self.seconds, &self.what) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(ReproduceError::Cancelled),
+        }
+    }
+
+    /// Returns what samplers want to be watched by.
+    pub fn observer(&self) -> impl FnMut(tilescope_core::Progress) -> ControlFlow<()> + '_ {
+        |_| self.flow()
+    }
+
+    /// Returns what the verifier and measures want to be controlled by.
+    pub fn analysis(&self) -> impl Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync + '_ {
+        |_| self.flow()
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use crate::outcome::Outcome;
+
+    /// A watch that lets everything finish.
+    pub struct Idle;
+
+    impl Watch for Idle {
+        fn progress(&self, _: f64, _: &str) -> ControlFlow<()> {
+            ControlFlow::Continue(())
+        }
+    }
+
+    const RATES: Rates = Rates {
+        tiled: 1e6,
+        sequential: 1e6,
+        reference: 1e6,
+        verified: 1e6,
+        transformed: 1e6,
+    };
+
+    /// Carries out something with the control of a study of its own.
+    pub fn alone(
+        settings: &Settings,
+        work: impl FnOnce(&Control<'_>) -> Result<(), ReproduceError>,
+    ) {
+        studied(Experiment::Fig12, settings, |study| {
+            work(&study.control("test"))
+        })
+        .unwrap();
+    }
+
+    /// Carries out something with a study of its own.
+    pub fn studied<T>(
+        experiment: Experiment,
+        settings: &Settings,
+        work: impl FnOnce(&Study<'_>) -> Result<T, ReproduceError>,
+    ) -> Result<T, ReproduceError> {
+        let folder = tempfile::tempdir().unwrap();
+        let parts = Parts::open(folder.path().join("parts"), "test".into(), false)?;
+        work(&Study::new(
+            experiment,
+            settings,
+            (RATES, 0.0),
+            parts,
+            &Idle,
+        ))
+    }
+
+    /// Carries out an experiment in its quick form. Its units must be the work that it said, its tables have rows of as many
+    /// cells as columns, and its pictures can be drawn.
+    pub fn quick_run(experiment: Experiment, settings: &Settings) -> Outcome {
+        let outcome = studied(experiment, settings, |study| {
+            let outcome = experiment.carry_out(study)?;
+            let (told, said) = (study.told(), experiment.work(settings));
+            let kinds = |work: Work| {
+                let Work {
+                    tiled,
+                    sequential,
+                    reference,
+                    verified,
+                    transformed,
+                    other,
+                } = work;
+                [
+                    tiled,
+                    sequential,
+                    reference,
+                    verified,
+                    transformed,
+                    1e6 * other,
+                ]
+            };
+            for (told, said) in kinds(told).into_iter().zip(kinds(said)) {
+                assert!((told - said).abs() < 1.0, "{told} of {said}");
+            }
+            Ok(outcome)
+        });
+        let outcome = outcome.unwrap();
+        for table in &outcome.tables {
+            let fits = table
+                .rows
+                .iter()
+                .all(|row| row.len() == table.columns.len());
+            assert!(fits && !table.rows.is_empty(), "{}", table.name);
+        }
+        for picture in &outcome.pictures {
+            picture.scene.validate().unwrap();
+        }
+        outcome
+    }
+
+    #[test]
+    fn a_unit_is_made_once_and_its_work_is_told_each_time() {
+        let settings = Settings::default();
+        studied(Experiment::Fig12, &settings, |study| {
+            let work = Work {
+                tiled: 5.0,
+                ..Work::default()
+            };
+            let made = Cell::new(0);
+            let unit = || {
+                study.unit(("a", "a"), work, |_| {
+                    made.set(made.get() + 1);
+                    Ok(made.get())
+                })
+            };
+            assert_eq!((unit()?, unit()?), (1, 1));
+            assert_eq!(study.told(), work * 2.0);
+            Ok(())
+        })
+        .unwrap();
+    }
+
+    #[test]
+    fn a_stopped_unit_is_not_kept() {
+        struct Stop;
+        impl Watch for Stop {
+            fn progress(&self, _: f64, _: &str) -> ControlFlow<()> {
+                ControlFlow::Break(())
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let settings = Settings::default();
+        let parts = Parts::open(folder.path().to_owned(), "test".into(), false).unwrap();
+        let study = Study::new(Experiment::Fig12, &settings, (RATES, 0.0), parts, &Stop);
+        let stopped = study.unit(("a", "a"), Work::default(), |_| Ok(1));
+        assert!(matches!(stopped, Err(ReproduceError::Cancelled)));
+        assert!(!folder.path().join("a.json").exists());
+    }
+}

@@ -1,0 +1,59 @@
+//! What the page hears: each is a function that the page may or may not have given.
+
+use std::cell::RefCell;
+
+use js_sys::{Function, Object, Reflect};
+use wasm_bindgen::{JsCast, JsValue};
+
+thread_local! {
+    static HOOKS: RefCell<Option<Object>> = const { RefCell::new(None) };
+}
+
+/// Tells this page from now on; nobody, if there is none.
+pub fn tell(hooks: Option<Object>) {
+    HOOKS.set(hooks);
+}
+
+/// Returns what the page gave under a name.
+pub fn given(name: &str) -> Option<JsValue> {
+    let hooks = HOOKS.with_borrow(Clone::clone)?;
+    let value = Reflect::get(&hooks, &name.into()).ok()?;
+    (!value.is_undefined() && !value.is_null()).then_some(value)
+}
+
+fn call(name: &str, text: &str) {
+    if let Some(hook) = given(name).and_then(|value| value.dyn_into::<Function>().ok()) {
+        // What the page makes of it is the page's business.
+        let _ = hook.call1(&JsValue::NULL, &text.into());
+    }
+}
+
+/// A sentence for those who do not see the window.
+pub fn announce(text: &str) {
+    call("announce", text);
+}
+
+/// The link to what is shown has changed.
+pub fn link(fragment: &str) {
+    call("link", fragment);
+}
+
+/// What is shown has changed.
+pub fn state(json: &str) {
+    call("state", json);
+}
+
+/// The first frame is on the screen.
+pub fn drawn() {
+    call("drawn", "");
+}
+
+/// The device that draws is lost.
+pub fn lost(reason: &str) {
+    call("lost", reason);
+}
+
+/// The program is broken.
+pub fn failed(text: &str) {
+    call("failed", text);
+}

@@ -1,0 +1,322 @@
+//! What the page starts and asks: the app on a canvas, the display that draws it, and what the page is told of it.
+
+use std::any::Any;
+use std::rc::Rc;
+
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
+use eframe::{WebOptions, WebRunner};
+use egui::Ui;
+use js_sys::Object;
+use serde::Deserialize;
+use tilescope_app::device::Engine;
+use tilescope_app::embedding::Embedding;
+use tilescope_app::errand::carry_with;
+use tilescope_app::{App, Command};
+use wasm_bindgen::JsValue;
+use wasm_bindgen::prelude::wasm_bindgen;
+use web_sys::HtmlCanvasElement;
+
+use crate::hooks;
+use crate::pool::{Pool, Program};
+
+/// The page is told of changes at most once in so many seconds.
+const TELLS_SECS: f64 = 0.25;
+/// The most workers, however many processors there are: each has a memory of its own.
+const MOST_WORKERS: usize = 2;
+
+/// How the app begins.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Options {
+    /// What to open: a link's fragment.
+    link: String,
+    /// A part of the app alone, for a page that holds it.
+    embed: Option<String>,
+    /// Who samples: "cpu", "gpu" or who is best.
+    engine: String,
+    /// Which display to use: "auto", "webgpu" or "webgl".
+    display: String,
+    /// Why, if there is a reason to tell.
+    reason: String,
+    /// Whether nothing is to move by itself.
+    reduced_motion: bool,
+    /// The address of the worker's script.
+    worker: String,
+    /// The address of the bindings.
+    bindings: String,
+}
+
+/// The app on a page.
+#[wasm_bindgen]
+pub struct Tilescope {
+    runner: WebRunner,
+    pool: Pool,
+    display: String,
+}
+
+/// Starts the app on a canvas and returns once it can be used.
+///
+/// # Errors
+///
+/// A sentence, when the options are none or the browser gives no display.
+#[wasm_bindgen]
+pub async fn start(
+    canvas: HtmlCanvasElement,
+    options: &str,
+    hooks: Object,
+) -> Result<Tilescope, JsValue> {
+    let options: Options = serde_json::from_str(options).map_err(|error| error.to_string())?;
+    hooks::tell(Some(hooks));
+    let cores = web_sys::window().map_or(1.0, |window| window.navigator().hardware_concurrency());
+    let pool = Pool::new(Program {
+        worker: options.worker.clone(),
+        bindings: options.bindings.clone(),
+        module: hooks::given("module").unwrap_or(JsValue::UNDEFINED),
+        workers: ((cores as usize).saturating_sub(1)).clamp(1, MOST_WORKERS),
+    });
+    carry_with(Some(Rc::new(pool.clone())));
+    let runner = WebRunner::new();
+    let web_options = display_options(&options.display);
+    let carried = pool.clone();
+    let started = runner
+        .start(
+            canvas,
+            web_options,
+            Box::new(move |creation| Ok(Box::new(Page::new(creation, &options, carried)))),
+        )
+        .await;
+    if let Err(error) = started {
+        carry_with(None);
+        pool.close();
+        return Err(error);
+    }
+    let display = runner
+        .app_mut::<Page>()
+        .map_or_else(String::new, |page| page.display.clone());
+    Ok(Tilescope {
+        runner,
+        pool,
+        display,
+    })
+}
+
+#[wasm_bindgen]
+impl Tilescope {
+    /// Answers a request, both as JSON.
+    pub fn ask(&self, request: &str) -> String {
+        let busy = r#"{"ok":false,"error":"The app is busy or broken; ask again."}"#;
+        let Some(mut page) = self.runner.app_mut::<Page>() else {
+            return busy.to_owned();
+        };
+        let answer = page.app.state.ask(request);
+        // Asking for the state changes nothing.
+        let parsed = serde_json::from_str::<serde_json::Value>(request);
+        if parsed.is_ok_and(|request| request["do"] != "state") {
+            page.ctx.request_repaint();
+        }
+        answer
+    }
+
+    /// Opens what a link's fragment describes.
+    pub fn open_link(&self, fragment: String) {
+        if let Some(mut page) = self.runner.app_mut::<Page>() {
+            page.app.state.apply(Command::OpenLink(fragment));
+            // What the address holds now may be none of this program's links, even if nothing else changes.
+            page.link = None;
+            page.ctx.request_repaint();
+        }
+    }
+
+    /// Returns whether a key means something to the app, so that the browser is not to take it for itself.
+    pub fn takes_key(&self, key: &str, command: bool, shift: bool, alt: bool) -> bool {
+        let modifiers = egui::Modifiers {
+            alt,
+            ctrl: command,
+            shift,
+            mac_cmd: false,
+            command,
+        };
+        let page = self.runner.app_mut::<Page>();
+        page.is_some_and(|page| tilescope_app::actions::takes_key(&page.app.state, key, modifiers))
+    }
+
+    /// Returns what of the session the link does not hold, empty if it holds all.
+    pub fn left_out(&self) -> String {
+        let page = self.runner.app_mut::<Page>();
+        page.map_or_else(String::new, |page| {
+            page.app.state.link().left_out.join("; ")
+        })
+    }
+
+    /// Returns what draws: "WebGPU" or "WebGL 2".
+    pub fn display(&self) -> String {
+        self.display.clone()
+    }
+
+    /// Ends the app: nothing is drawn or told any more.
+    pub fn destroy(&self) {
+        hooks::tell(None);
+        carry_with(None);
+        self.pool.close();
+        self.runner.destroy();
+    }
+}
+
+fn display_options(display: &str) -> WebOptions {
+    let mut create = WgpuSetupCreateNew::without_display_handle();
+    create.instance_descriptor.backends = match display {
+        "webgpu" => wgpu::Backends::BROWSER_WEBGPU,
+        "webgl" => wgpu::Backends::GL,
+        _ => wgpu::Backends::BROWSER_WEBGPU | wgpu::Backends::GL,
+    };
+    WebOptions {
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WgpuSetup::CreateNew(create),
+            ..WgpuConfiguration::default()
+        },
+        ..WebOptions::default()
+    }
+}
+
+/// The app, and what the page was told last.
+struct Page {
+    app: App,
+    ctx: egui::Context,
+    pool: Pool,
+    display: String,
+    stores: bool,
+    /// Frames that were begun, up to the second one.
+    frames: u8,
+    told_secs: f64,
+    announcement: Option<String>,
+    /// None where it has to be told whatever it is.
+    link: Option<String>,
+    state: String,
+}
+
+impl Page {
+    fn new(creation: &eframe::CreationContext<'_>, options: &Options, pool: Pool) -> Self {
+        let mut app = App::new(&creation.egui_ctx);
+        let stores = options.embed.is_none();
+        let mut display = String::new();
+        if let Some(render) = &creation.wgpu_render_state {
+            app.draw_with(render);
+            display = name_of(render.adapter.get_info().backend).to_owned();
+            render
+                .device
+                .set_device_lost_callback(|_, reason| hooks::lost(&reason));
+        }
+        app.state.link_base = address();
+        if let Some(storage) = creation.storage.filter(|_| stores) {
+            app.remember(storage);
+        }
+        // A link takes the notices away that were there before.
+        if !options.link.is_empty() {
+            app.state.apply(Command::OpenLink(options.link.clone()));
+        }
+        app.state.begin_on_page(&tilescope_app::state::PageStart {
+            display: display.clone(),
+            reason: options.reason.clone(),
+            engine: match options.engine.as_str() {
+                "cpu" => Engine::Cpu,
+                "gpu" => Engine::Gpu,
+                _ => Engine::Auto,
+            },
+            embedding: options.embed.as_deref().and_then(Embedding::named),
+            reduced_motion: options.reduced_motion,
+        });
+        pool.open();
+        Self {
+            app,
+            ctx: creation.egui_ctx.clone(),
+            pool,
+            display,
+            stores,
+            frames: 0,
+            told_secs: 0.0,
+            announcement: None,
+            link: None,
+            state: String::new(),
+        }
+    }
+
+    /// Tells the page what has changed.
+    fn tell(&mut self, now_secs: f64) {
+        let state = &self.app.state;
+        let announcement = state.announcement();
+        if announcement != self.announcement {
+            hooks::announce(announcement.as_deref().unwrap_or_default());
+            self.announcement = announcement;
+        }
+        let due_secs = self.told_secs + TELLS_SECS - now_secs;
+        if due_secs > 0.0 {
+            self.ctx
+                .request_repaint_after(std::time::Duration::from_secs_f64(due_secs));
+            return;
+        }
+        self.told_secs = now_secs;
+        let told = state.told();
+        let link = told["link"].as_str().unwrap_or_default();
+        if self.link.as_deref() != Some(link) {
+            hooks::link(link);
+            self.link = Some(link.to_owned());
+        }
+        let told = told.to_string();
+        if told != self.state {
+            hooks::state(&told);
+            self.state = told;
+        }
+    }
+}
+
+impl eframe::App for Page {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        // The second one begins when the first is drawn.
+        if self.frames == 1 {
+            hooks::drawn();
+        }
+        self.frames = self.frames.saturating_add(1);
+        eframe::App::ui(&mut self.app, ui, frame);
+        // What has the focus now, or was changed by a key.
+        let spoken = ui.ctx().output(egui::PlatformOutput::events_description);
+        if !spoken.is_empty() {
+            hooks::announce(&spoken);
+        }
+        // What this frame has cancelled is seen to now: there may be no other one.
+        self.pool.tick();
+        self.tell(ui.input(|input| input.time));
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw: &mut egui::RawInput) {
+        eframe::App::raw_input_hook(&mut self.app, ctx, raw);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if self.stores {
+            eframe::App::save(&mut self.app, storage);
+        }
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+
+    fn as_any_mut(&mut self) -> Option<&mut dyn Any> {
+        Some(self)
+    }
+}
+
+/// Returns the address of the page without its fragment.
+fn address() -> Option<String> {
+    let address = web_sys::window()?.location().href().ok()?;
+    let end = address.find('#').unwrap_or(address.len());
+    Some(address[..end].to_owned())
+}
+
+/// Returns what a backend is called.
+fn name_of(backend: wgpu::Backend) -> &'static str {
+    match backend {
+        wgpu::Backend::BrowserWebGpu => "WebGPU",
+        _ => "WebGL 2",
+    }
+}

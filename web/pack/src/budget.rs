@@ -1,0 +1,128 @@
+//! How much has to travel before the program starts, as a table and as a limit.
+
+use std::fmt;
+
+use anyhow::{Result, ensure};
+
+use crate::compress::Packed;
+
+/// The most bytes, compressed, that may be needed to start.
+pub const MOST_TO_START: usize = 3_000_000;
+
+/// One file's sizes in bytes: as it is, by gzip, by brotli.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Row {
+    path: String,
+    sizes: [usize; 3],
+    to_start: bool,
+}
+
+/// The sizes of all files.
+#[derive(Clone, Debug)]
+pub struct Table(Vec<Row>);
+
+impl Table {
+    /// Returns the table, what is needed to start first and large files before small ones.
+    pub fn of(packed: &[Packed]) -> Self {
+        let row = |packed: &Packed| Row {
+            path: packed.file.path.clone(),
+            sizes: [
+                packed.file.bytes.len(),
+                packed.gzip_len(),
+                packed.brotli_len(),
+            ],
+            to_start: packed.file.to_start,
+        };
+        let mut rows: Vec<Row> = packed.iter().map(row).collect();
+        rows.sort_by_key(|row| (!row.to_start, std::cmp::Reverse(row.sizes[2])));
+        Self(rows)
+    }
+
+    /// Returns the sizes of what is needed to start.
+    pub fn to_start(&self) -> [usize; 3] {
+        let mut sum = [0; 3];
+        for row in self.0.iter().filter(|row| row.to_start) {
+            for (sum, size) in sum.iter_mut().zip(row.sizes) {
+                *sum += size;
+            }
+        }
+        sum
+    }
+
+    /// Checks the limit.
+    pub fn check(&self, most: usize) -> Result<()> {
+        let [_, gzip, brotli] = self.to_start();
+        ensure!(
+            brotli <= most,
+            "what is needed to start is {brotli} bytes by brotli ({gzip} by gzip), more than {most}; nothing was written"
+        );
+        Ok(())
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.0.iter().map(|row| row.path.len()).max();
+        let width = width.unwrap_or(0).max("needed to start".len());
+        let mut line = |name: &str, sizes: [String; 3]| {
+            let [plain, gzip, brotli] = sizes;
+            writeln!(f, "{name:width$} {plain:>10} {gzip:>10} {brotli:>10}")
+        };
+        line("file", ["bytes", "gzip", "brotli"].map(str::to_owned))?;
+        for row in &self.0 {
+            line(&row.path, row.sizes.map(|size| size.to_string()))?;
+        }
+        line(
+            "needed to start",
+            self.to_start().map(|size| size.to_string()),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page::File;
+
+    fn packed(path: &str, bytes: usize, brotli: usize, to_start: bool) -> Packed {
+        Packed {
+            file: File {
+                path: path.to_owned(),
+                bytes: vec![0; bytes],
+                to_start,
+                hashed: true,
+            },
+            gzip: None,
+            brotli: Some(vec![0; brotli]),
+        }
+    }
+
+    #[test]
+    fn one_byte_more_than_the_limit_is_too_much() {
+        let files = [
+            packed("a.wasm", 90, 60, true),
+            packed("still.png", 500, 500, false),
+            packed("main.js", 20, 10, true),
+        ];
+        let table = Table::of(&files);
+        assert_eq!(table.to_start(), [110, 110, 70]);
+        assert!(table.check(70).is_ok());
+        let error = table.check(69).unwrap_err().to_string();
+        assert!(
+            error.contains("70 bytes") && error.contains("more than 69"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn the_table_has_a_line_a_file_and_the_sum() {
+        let files = [packed("b.js", 20, 10, true), packed("a.wasm", 90, 60, true)];
+        let text = Table::of(&files).to_string();
+        let first: Vec<&str> = text
+            .lines()
+            .map(|line| line.split(' ').next().unwrap())
+            .collect();
+        assert_eq!(first, ["file", "a.wasm", "b.js", "needed"]);
+        assert!(text.ends_with("70\n"), "{text}");
+    }
+}

@@ -1,0 +1,67 @@
+//! Makes `web/dist` from a wasm module and the page: binds it to JavaScript, names files by their content, compresses
+//! them, and refuses what is too large to start quickly. It compiles nothing and knows nothing of the program.
+
+mod binding;
+mod budget;
+mod compress;
+mod folder;
+mod names;
+mod page;
+mod rewrite;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+
+/// Packs the page and a wasm module into a folder for any static server.
+#[derive(Debug, Parser)]
+#[command(name = "tilescope-web-pack")]
+struct Arguments {
+    /// The module as cargo built it
+    #[arg(long, value_name = "FILE")]
+    wasm: PathBuf,
+    /// The page's folder
+    #[arg(long, value_name = "FOLDER", default_value = "web/page")]
+    page: PathBuf,
+    /// A folder that is copied as it is to `example/`
+    #[arg(long, value_name = "FOLDER", default_value = "web/example")]
+    example: PathBuf,
+    /// The folder to write; what an earlier run wrote there is replaced
+    #[arg(long, value_name = "FOLDER", default_value = "web/dist")]
+    out: PathBuf,
+    /// The most bytes, compressed by brotli, that may be needed to start
+    #[arg(long, value_name = "BYTES", default_value_t = budget::MOST_TO_START)]
+    most: usize,
+}
+
+fn main() -> ExitCode {
+    match pack(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn pack(arguments: &Arguments) -> Result<()> {
+    folder::may_replace(&arguments.out)?;
+    let mut sources = page::read(&arguments.page)?;
+    let module = std::fs::read(&arguments.wasm)
+        .with_context(|| format!("cannot read the module {}", arguments.wasm.display()))?;
+    for (name, bytes) in binding::bind(module)? {
+        sources.insert(name, page::Source::made(bytes));
+    }
+    let mut files = page::assemble(&sources)?;
+    files.extend(page::example(&arguments.example)?);
+    let packed = compress::all(files, &arguments.out);
+    let table = budget::Table::of(&packed);
+    print!("{table}");
+    // The table is worth most when the budget is exceeded, so it comes first.
+    table.check(arguments.most)?;
+    folder::write(&arguments.out, &packed)?;
+    println!("{} is ready", arguments.out.display());
+    Ok(())
+}

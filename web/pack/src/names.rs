@@ -1,0 +1,88 @@
+//! Which files keep their names, and what the others are called: by their content, so that they may be kept forever.
+
+/// Hexadecimal digits of a hash in a name.
+pub const DIGITS: usize = 12;
+
+/// Files that are asked for by name, again and again.
+const STABLE: [&str; 3] = ["index.html", "manifest.webmanifest", "sw.js"];
+
+/// The endings of files that are text.
+const TEXT: [&str; 7] = ["css", "html", "js", "json", "svg", "txt", "webmanifest"];
+
+/// The endings of files that are pictures.
+const PICTURES: [&str; 5] = ["ico", "jpg", "png", "svg", "webp"];
+
+/// Returns the part of a name behind its last dot, or nothing.
+fn ending(name: &str) -> &str {
+    name.rsplit_once('.').map_or("", |(_, ending)| ending)
+}
+
+/// Whether a file has the same name whatever it holds.
+pub fn is_stable(name: &str) -> bool {
+    STABLE.contains(&name)
+}
+
+/// Whether a file is text, which may have placeholders.
+pub fn is_text(name: &str) -> bool {
+    TEXT.contains(&ending(name))
+}
+
+/// Whether a file is a picture, without which the program starts.
+pub fn is_picture(name: &str) -> bool {
+    PICTURES.contains(&ending(name))
+}
+
+/// Whether a compressed copy is worth its place.
+pub fn is_compressed(name: &str) -> bool {
+    is_text(name) || ending(name) == "wasm"
+}
+
+/// Returns the hash of some bytes as it stands in names and versions.
+pub fn digest(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex()[..DIGITS].to_owned()
+}
+
+/// Returns the name under which a file is served.
+pub fn final_name(name: &str, bytes: &[u8]) -> String {
+    if is_stable(name) {
+        return name.to_owned();
+    }
+    let hash = digest(bytes);
+    match name.rsplit_once('.') {
+        Some((stem, ending)) => format!("{stem}-{hash}.{ending}"),
+        None => format!("{name}-{hash}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_follow_the_content_and_nothing_else() {
+        let name = final_name("main.js", b"one");
+        assert_eq!(name, final_name("main.js", b"one"));
+        assert_ne!(name, final_name("main.js", b"two"));
+        let hash = name
+            .strip_prefix("main-")
+            .and_then(|rest| rest.strip_suffix(".js"));
+        let hash = hash.expect("the stem and the ending stay");
+        assert_eq!(hash.len(), DIGITS);
+        assert!(hash.bytes().all(|byte| byte.is_ascii_hexdigit()));
+    }
+
+    #[test]
+    fn what_is_asked_for_by_name_keeps_it() {
+        for name in STABLE {
+            assert_eq!(final_name(name, b"anything"), name);
+        }
+        assert!(!is_stable("main.js"));
+    }
+
+    #[test]
+    fn endings_tell_what_a_file_is() {
+        assert!(is_text("a.b.js") && !is_text("a.png") && !is_text("js"));
+        assert!(is_compressed("a_bg.wasm") && !is_compressed("still.png"));
+        assert!(is_picture("still.webp") && !is_picture("main.js"));
+    }
+}

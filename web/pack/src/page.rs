@@ -1,0 +1,215 @@
+//! The page's files, from sources to what is served: placeholders filled in, names given, the service worker's list
+//! written. Files are data here; who reads and writes them is elsewhere.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::names;
+use crate::rewrite::{Placeholder, rewrite};
+
+/// A file as it was written.
+pub struct Source {
+    bytes: Vec<u8>,
+    /// Whether it is the page's own, so that two opening braces begin a placeholder.
+    has_placeholders: bool,
+}
+
+impl Source {
+    /// Returns a file that a tool made, taken as it is.
+    pub const fn made(bytes: Vec<u8>) -> Self {
+        Self {
+            bytes,
+            has_placeholders: false,
+        }
+    }
+
+    /// Returns a file of the page.
+    pub fn of_page(name: &str, bytes: Vec<u8>) -> Self {
+        Self {
+            bytes,
+            has_placeholders: names::is_text(name),
+        }
+    }
+}
+
+/// A file as it is served.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct File {
+    /// Its path in the folder, with slashes.
+    pub path: String,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+    /// Whether the program cannot start without it.
+    pub to_start: bool,
+    /// Whether its name follows its content.
+    pub hashed: bool,
+}
+
+/// Returns the files of the page's folder.
+pub fn read(folder: &Path) -> Result<BTreeMap<String, Source>> {
+    let files = read_folder(folder)?;
+    let sources = files.into_iter().map(|(name, bytes)| {
+        let source = Source::of_page(&name, bytes);
+        (name, source)
+    });
+    Ok(sources.collect())
+}
+
+/// Returns the example's files, which keep their names: they are there to be read and copied.
+pub fn example(folder: &Path) -> Result<Vec<File>> {
+    let files = read_folder(folder)?.into_iter();
+    let file = |(name, bytes)| File {
+        path: format!("example/{name}"),
+        bytes,
+        to_start: false,
+        hashed: false,
+    };
+    Ok(files.map(file).collect())
+}
+
+fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
+    let context = || format!("cannot read the folder {}", folder.display());
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(context)? {
+        let path = entry.with_context(context)?.path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        let name = name.with_context(|| format!("{} is not named in UTF-8", path.display()))?;
+        // Editors leave such files behind.
+        if name.starts_with('.') || name.ends_with('~') {
+            continue;
+        }
+        ensure!(path.is_file(), "{} is not a file", path.display());
+        let bytes =
+            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        files.push((name.to_owned(), bytes));
+    }
+    Ok(files)
+}
+
+/// Returns every file under its final name, the service worker last.
+///
+/// # Errors
+/// A placeholder that cannot be filled in, files that refer to each other in a circle, a missing `index.html`.
+pub fn assemble(sources: &BTreeMap<String, Source>) -> Result<Vec<File>> {
+    let mut assembly = Assembly {
+        sources,
+        done: BTreeMap::new(),
+        open: Vec::new(),
+    };
+    assembly.finish("index.html")?;
+    let to_start: BTreeSet<String> = assembly.done.keys().cloned().collect();
+    for name in sources.keys().filter(|name| *name != WORKER) {
+        if assembly.finish(name)? {
+            eprintln!("warning: nothing that index.html leads to refers to {name}");
+        }
+    }
+    let mut files: Vec<File> = Vec::new();
+    for (name, (path, bytes)) in assembly.done {
+        let light = names::is_picture(&name) || name.ends_with(".webmanifest");
+        files.push(File {
+            to_start: to_start.contains(&name) && !light,
+            hashed: !names::is_stable(&name),
+            path,
+            bytes,
+        });
+    }
+    if let Some(worker) = sources.get(WORKER) {
+        let bytes = service_worker(worker, &files)?;
+        files.push(File {
+            path: WORKER.to_owned(),
+            bytes,
+            to_start: false,
+            hashed: false,
+        });
+    }
+    Ok(files)
+}
+
+/// The service worker, which lists all others.
+const WORKER: &str = "sw.js";
+
+fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
+    // The page goes by its folder's name: some servers answer `index.html` with a redirection.
+    let address = |file: &File| match file.path.as_str() {
+        "index.html" => "./".to_owned(),
+        path => path.to_owned(),
+    };
+    let addresses: Vec<String> = files.iter().map(address).collect();
+    let mut all = Vec::new();
+    for file in files {
+        all.extend_from_slice(file.path.as_bytes());
+        all.push(0);
+        all.extend_from_slice(blake3::hash(&file.bytes).as_bytes());
+    }
+    all.extend_from_slice(&source.bytes);
+    let text = std::str::from_utf8(&source.bytes).context(WORKER)?;
+    let text = rewrite(text, |placeholder| match placeholder {
+        Placeholder::Precache => Ok(serde_json::to_string(&addresses)?),
+        Placeholder::Version => Ok(names::digest(&all)),
+        Placeholder::Asset(name) | Placeholder::Size(name) => {
+            bail!("{name} is in the list; the service worker names no file by itself")
+        }
+    });
+    Ok(text.context(WORKER)?.into_bytes())
+}
+
+struct Assembly<'a> {
+    sources: &'a BTreeMap<String, Source>,
+    /// Final names and bytes by name.
+    done: BTreeMap<String, (String, Vec<u8>)>,
+    /// Files whose placeholders are being filled in.
+    open: Vec<String>,
+}
+
+impl Assembly<'_> {
+    /// Finishes a file and all that it refers to; returns whether it was not finished before.
+    fn finish(&mut self, name: &str) -> Result<bool> {
+        if self.done.contains_key(name) {
+            return Ok(false);
+        }
+        let source = self.sources.get(name);
+        let source = source.with_context(|| format!("there is no file {name}"))?;
+        if let Some(start) = self.open.iter().position(|open| open == name) {
+            bail!(
+                "{} and {name} refer to each other",
+                self.open[start..].join(", ")
+            );
+        }
+        self.open.push(name.to_owned());
+        let bytes = if source.has_placeholders {
+            let text = std::str::from_utf8(&source.bytes).with_context(|| name.to_owned())?;
+            let text = rewrite(text, |placeholder| self.value(placeholder));
+            text.with_context(|| name.to_owned())?.into_bytes()
+        } else {
+            source.bytes.clone()
+        };
+        self.open.pop();
+        let path = names::final_name(name, &bytes);
+        self.done.insert(name.to_owned(), (path, bytes));
+        Ok(true)
+    }
+
+    fn value(&mut self, placeholder: Placeholder<'_>) -> Result<String> {
+        match placeholder {
+            Placeholder::Asset(WORKER) | Placeholder::Size(WORKER) => {
+                bail!("{WORKER} lists this file; it has a stable name, so write that")
+            }
+            Placeholder::Asset(name) => {
+                self.finish(name)?;
+                Ok(self.done[name].0.clone())
+            }
+            Placeholder::Size(name) => {
+                self.finish(name)?;
+                Ok(self.done[name].1.len().to_string())
+            }
+            Placeholder::Precache | Placeholder::Version => {
+                bail!("only {WORKER} has a list and a version")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

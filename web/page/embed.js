@@ -1,0 +1,110 @@
+// @ts-check
+// How a page that holds this one in a frame speaks with it. Messages are taken from that page alone, and only from an
+// origin that is allowed: this page's own, and the one that its address names by `?origin=`.
+
+/** The version of the envelope. */
+const VERSION = 1;
+/** The longest request, as JSON. A request may carry parameters and a link, not data. */
+const MOST_CHARACTERS = 65_536;
+
+/**
+ * Returns the origin that an address names, if it is one.
+ * @param {string | null} text
+ * @returns {string | null}
+ */
+export function namedOrigin(text) {
+  if (!text) {
+    return null;
+  }
+  try {
+    const { origin, protocol } = new URL(text);
+    // Only an origin as browsers write it: nothing behind the port, and not the "null" of files and sandboxes.
+    const isWeb = protocol === "https:" || protocol === "http:";
+    return isWeb && origin === text ? origin : null;
+  } catch {
+    return null;
+  }
+}
+
+/**
+ * Returns the origin that hears of events: the parent's, if it is allowed.
+ * @param {string[]} allowed
+ * @returns {string | undefined}
+ */
+function listener(allowed) {
+  const ancestors = location.ancestorOrigins;
+  if (ancestors && ancestors.length > 0) {
+    return allowed.find((origin) => origin === ancestors[0]);
+  }
+  // Where browsers do not tell, the named one is expected; to any other nothing is delivered.
+  return allowed[allowed.length - 1];
+}
+
+/**
+ * Answers one message's data.
+ * @param {any} data
+ * @param {(request: string) => string} ask
+ * @returns {any}
+ */
+function answer(data, ask) {
+  const refuse = (/** @type {string} */ error) => ({ ok: false, error });
+  if (data.tilescope !== VERSION) {
+    return refuse(`"tilescope" must be ${VERSION}, the version of the interface.`);
+  }
+  const { tilescope, id, ...request } = data;
+  let text;
+  try {
+    text = JSON.stringify(request);
+  } catch {
+    return refuse("The request must be plain data that JSON can hold.");
+  }
+  if (text.length > MOST_CHARACTERS) {
+    return refuse(`The request has ${text.length} characters; at most ${MOST_CHARACTERS} are read.`);
+  }
+  try {
+    return JSON.parse(ask(text));
+  } catch (error) {
+    return refuse(`The program did not answer: ${error}`);
+  }
+}
+
+/**
+ * Listens to the page that holds this one, and returns how to tell it what happens.
+ * @param {string | null} origin the origin named by the address
+ * @param {(request: string) => string} ask
+ */
+export function bridge(origin, ask) {
+  const allowed = [location.origin, ...(origin ? [origin] : [])];
+  const hears = window.parent === window ? undefined : listener(allowed);
+  window.addEventListener("message", (message) => {
+    const { data, source } = message;
+    const isRequest = typeof data === "object" && data !== null && "tilescope" in data;
+    if (window.parent === window || source !== window.parent || !allowed.includes(message.origin) || !isRequest) {
+      return;
+    }
+    const reply = { tilescope: VERSION, id: data.id, ...answer(data, ask) };
+    window.parent.postMessage(reply, message.origin);
+  });
+  const tell = (/** @type {object} */ event) => {
+    if (hears) {
+      window.parent.postMessage({ tilescope: VERSION, ...event }, hears);
+    }
+  };
+  let isReady = false;
+  return {
+    /** Once, however often the program has to start again. */
+    ready: () => {
+      if (!isReady) {
+        isReady = true;
+        tell({ event: "ready" });
+      }
+    },
+    /** @param {string} error */
+    failed: (error) => tell({ event: "failed", error }),
+    /** @param {string} json */
+    state: (json) => {
+      const told = JSON.parse(json);
+      tell({ event: "state", state: told.state ?? told });
+    },
+  };
+}

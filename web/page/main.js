@@ -1,0 +1,267 @@
+// @ts-check
+// Starts the program on the canvas and keeps the address, the frame around the page and the screen reader in the
+// picture. What is shown is the program's; what it needs from the browser is looked for in `missing.js`.
+
+import { bridge, namedOrigin } from "./{{asset:embed.js}}";
+import { load } from "./{{asset:load.js}}";
+import { missing, showMissing } from "./{{asset:missing.js}}";
+import { keepOffline } from "./{{asset:offline.js}}";
+import { announce, element, failure, hasFailed, loaded, loading, progress } from "./{{asset:sheets.js}}";
+
+const WORKER = new URL("./{{asset:worker.js}}", import.meta.url).href;
+const BINDINGS = new URL("./{{asset:tilescope.js}}", import.meta.url).href;
+
+/** A display that is lost so soon after it was replaced would be lost again. */
+const SOON_MS = 10_000;
+
+/** What the address asks for. */
+const asked = new URLSearchParams(location.search);
+const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
+
+/** The address changes at most once in so long: some browsers allow but a hundred changes in half a minute. */
+const LINK_MS = 400;
+
+/** @type {any} The running program. */
+let app = null;
+/** @type {string | null} The link that the address is to hold. */
+let nextLink = null;
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let linkTimer;
+/** Whether the next Tab leaves the program. */
+let leaves = false;
+/** @type {WebAssembly.Module | undefined} */
+let module;
+/** When a lost display was replaced last. */
+let restarted_ms = -Infinity;
+/** Why the program does not run, if it has failed. */
+let failed = "";
+
+const frame = embed ? bridge(namedOrigin(asked.get("origin")), ask) : null;
+
+/** @param {string | null} value @param {string[]} known @returns {string | null} */
+function oneOf(value, known) {
+  return value !== null && known.includes(value) ? value : null;
+}
+
+/** Returns the fragment of the address, without its mark. */
+function fragment() {
+  return location.hash.slice(1);
+}
+
+/** Answers a request of the embedding interface, both as JSON. @param {string} request @returns {string} */
+function ask(request) {
+  if (failed) {
+    return JSON.stringify({ ok: false, error: failed });
+  }
+  if (!app) {
+    return JSON.stringify({ ok: false, error: 'The program is still loading; wait for the event "ready".' });
+  }
+  return app.ask(request);
+}
+
+/** Has the address hold a link, without a step of history. @param {string} link */
+function keepLink(link) {
+  nextLink = link;
+  if (linkTimer === undefined) {
+    writeLink();
+  }
+}
+
+function writeLink() {
+  linkTimer = undefined;
+  if (nextLink === null) {
+    return;
+  }
+  let wait = LINK_MS;
+  try {
+    history.replaceState(history.state, "", nextLink ? `#${nextLink}` : location.pathname + location.search);
+    nextLink = null;
+  } catch {
+    // There were too many changes in too short a time.
+    wait = 10 * LINK_MS;
+  }
+  linkTimer = setTimeout(writeLink, wait);
+}
+
+/** The program's own keys are not the browser's; Escape and then Tab lead out of it. @param {KeyboardEvent} event */
+function takeKey(event) {
+  if (event.key === "Tab" && leaves) {
+    leaves = false;
+    event.stopImmediatePropagation();
+    return;
+  }
+  leaves = event.key === "Escape" || (leaves && event.key === "Shift");
+  if (app?.takes_key(event.key, event.ctrlKey || event.metaKey, event.shiftKey, event.altKey)) {
+    event.preventDefault();
+  }
+}
+
+/** What the program tells the page. */
+const hooks = {
+  announce,
+  link: keepLink,
+  /** @param {string} json */
+  state: (json) => (frame ? frame.state(json) : entitle(JSON.parse(json))),
+  // The program calls this while it holds its own state, so it is ended a moment later.
+  /** @param {string} reason */
+  lost: (reason) => setTimeout(() => restart(reason)),
+  // For whoever measures how long it takes.
+  drawn: () => performance.mark("tilescope: first frame"),
+  failed: fail,
+};
+
+/** Tells tabs and bookmarks apart. @param {any} told */
+function entitle({ parameters: { seed, radius } }) {
+  document.title = `Seed ${seed}, r ${radius} \u2013 Tilescope`;
+}
+
+/** Shows and tells why the program does not run. @param {string} reason */
+function fail(reason) {
+  failed ||= reason;
+  failure(reason);
+  frame?.failed(failed);
+}
+
+/** Starts the program. @param {string} display @param {string} reason */
+async function begin(display, reason) {
+  const options = {
+    link: fragment(),
+    embed,
+    display,
+    engine: asked.get("engine") ?? "auto",
+    reason,
+    reduced_motion: matchMedia("(prefers-reduced-motion: reduce)").matches,
+    worker: WORKER,
+    bindings: BINDINGS,
+  };
+  const canvas = element("canvas");
+  // WebGPU tells the program that it is lost, WebGL the canvas.
+  canvas.addEventListener("webglcontextlost", () => canvas.isConnected && restart("WebGL's context was lost."), { once: true });
+  const { start } = await import("./{{asset:tilescope.js}}");
+  app = await start(canvas, JSON.stringify(options), { ...hooks, module });
+  // For whoever looks from the browser's console.
+  /** @type {any} */ (window).tilescope = app;
+  // What takes in text is beside the canvas; Tab does not stop there.
+  for (const field of document.querySelectorAll("body > input")) {
+    /** @type {HTMLInputElement} */ (field).tabIndex = -1;
+  }
+  loaded();
+  if (!embed) {
+    // Keys are the program's from the start; a ring around the whole page is for those who came by keyboard.
+    canvas.focus(/** @type {any} */ ({ focusVisible: false }));
+  }
+  frame?.ready();
+}
+
+/** Goes on after the display's device was lost, with the other kind of display. @param {string} reason */
+async function restart(reason) {
+  const ended = app;
+  app = null;
+  if (hasFailed()) {
+    return;
+  }
+  if (!ended || performance.now() < restarted_ms + SOON_MS) {
+    fail(`The display was lost and could not be replaced: ${reason}`);
+    return;
+  }
+  restarted_ms = performance.now();
+  writeLink();
+  announce("The display was lost; starting again.");
+  try {
+    const lacking = ended.left_out();
+    const again = lacking ? ` What the address cannot hold has to be opened again: ${lacking}.` : "";
+    renewCanvas();
+    ended.destroy();
+    await begin("webgl", `The display's device was lost: ${reason}${again}`);
+  } catch (error) {
+    fail(`The display was lost, and the program did not start again: ${told(error)}`);
+  }
+}
+
+/** A canvas keeps the kind of display that it had first. */
+function renewCanvas() {
+  const canvas = element("canvas");
+  canvas.replaceWith(canvas.cloneNode(false));
+}
+
+/** @param {unknown} error @returns {string} */
+function told(error) {
+  const text = error instanceof Error ? error.message : String(error);
+  // Errors of the browser that the program has passed on.
+  return text.replace(/JsValue\(\w+: ([^\n)]*)[^)]*\)/, "$1");
+}
+
+/** A program that has trapped cannot go on, wherever that was noticed. @param {unknown} error */
+function noticeTrap(error) {
+  if (typeof WebAssembly === "object" && error instanceof WebAssembly.RuntimeError) {
+    fail(`The program broke: ${error.message}`);
+  }
+}
+
+/**
+ * Has the canvas sized by the screen's density where the browser tells another size, as for screens that its developer
+ * tools pretend to have.
+ */
+async function mendSizes() {
+  const seen = new Promise((resolve) => {
+    const observer = new ResizeObserver(([entry]) => {
+      observer.disconnect();
+      const told = entry.devicePixelContentBoxSize?.[0].inlineSize;
+      if (told !== undefined && Math.abs(told - entry.contentBoxSize[0].inlineSize * devicePixelRatio) > 2) {
+        delete (/** @type {any} */ (ResizeObserverEntry.prototype).devicePixelContentBoxSize);
+      }
+      resolve(undefined);
+    });
+    observer.observe(element("canvas"));
+  });
+  // A frame that is hidden, as on the slide after the next, has no sizes yet.
+  await Promise.race([seen, new Promise((resolve) => setTimeout(resolve, 500))]);
+}
+
+/** Starts the program; by WebGL where whatever is best does not start. @param {string} display */
+async function beginAnyhow(display) {
+  try {
+    await begin(display, "");
+  } catch (error) {
+    if (display !== "auto") {
+      throw error;
+    }
+    renewCanvas();
+    await begin("webgl", `WebGPU did not start, so that WebGL 2 draws: ${told(error)}.`);
+  }
+}
+
+async function main() {
+  document.documentElement.setAttribute("data-runs", "");
+  const lacks = await missing();
+  if (lacks.length > 0) {
+    showMissing(lacks);
+    failed = `This browser cannot run Tilescope. ${lacks.join(" ")}`;
+    frame?.failed(failed);
+    return;
+  }
+  try {
+    module = await load(progress);
+    loading("Starting");
+    await mendSizes();
+    const { default: init } = await import("./{{asset:tilescope.js}}");
+    await init({ module_or_path: module });
+    await beginAnyhow(oneOf(asked.get("display"), ["webgpu", "webgl"]) ?? "auto");
+  } catch (error) {
+    fail(`Tilescope could not start: ${told(error)}`);
+    return;
+  }
+  // Not before the start: it would share the network with what is waited for. A frame keeps nothing.
+  if (!embed) {
+    keepOffline();
+  }
+}
+
+window.addEventListener("keydown", takeKey, { capture: true });
+window.addEventListener("hashchange", () => {
+  nextLink = null;
+  app?.open_link(fragment());
+});
+window.addEventListener("error", (event) => noticeTrap(event.error));
+window.addEventListener("unhandledrejection", (event) => noticeTrap(event.reason));
+main();

@@ -1,0 +1,89 @@
+// Files go in by dropping and out by downloading; what leaves is verified again by the native program.
+
+import assert from "node:assert/strict";
+import { readFile, writeFile } from "node:fs/promises";
+import path from "node:path";
+import { test } from "node:test";
+import { PATIENCE_MS, ask, folder, native, state, stored, typing } from "./harness.mjs";
+import { started as startedAt } from "./shared.mjs";
+
+async function started(t) {
+  const { page, wrong } = await startedAt(t, "?engine=cpu#v=1&radius=0.02", { acceptDownloads: true });
+  await page.click("#canvas", { position: { x: 620, y: 400 } });
+  return { page, wrong };
+}
+
+/** Drops files on the middle of the canvas. */
+async function drop(page, files) {
+  const transfer = await page.evaluateHandle((files) => {
+    const transfer = new DataTransfer();
+    for (const { name, text } of files) {
+      transfer.items.add(new File([text], name));
+    }
+    return transfer;
+  }, files);
+  for (const type of ["dragenter", "dragover", "drop"]) {
+    await page.dispatchEvent("#canvas", type, { dataTransfer: transfer, clientX: 620, clientY: 400 });
+  }
+}
+
+test("the result is downloaded with its certificate, and the native program verifies it", async (t) => {
+  const made = await folder(t);
+  const { page, wrong } = await started(t);
+  const told = await state(page);
+  const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
+  await page.keyboard.press("Control+e");
+  await typing(page);
+  await page.keyboard.press("Enter");
+  const download = await coming;
+  const archive = path.join(made, download.suggestedFilename());
+  await download.saveAs(archive);
+  assert.match(archive, /\.zip$/);
+  const files = stored(await readFile(archive));
+  assert.equal(files.length, 2, files.map((file) => file.name).join(", "));
+  for (const { name, bytes } of files) {
+    await writeFile(path.join(made, name), bytes);
+  }
+  const [set, certificate] = files;
+  const verdict = JSON.parse(await native("verify", path.join(made, set.name), "--json"));
+  assert.equal(JSON.parse(certificate.bytes.toString()).positions_digest, told.positions_digest);
+  assert.equal(verdict.passed, true);
+  assert.equal(verdict.certificate, true);
+  assert.deepEqual(wrong, []);
+});
+
+test("a session is saved, dropped and opened where it was left", async (t) => {
+  const { page, wrong } = await started(t);
+  await ask(page, { do: "seek", event: 4321 });
+  const left = await state(page, (told) => told.cursor === 4321);
+  const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
+  await page.keyboard.press("Control+s");
+  await typing(page);
+  await page.keyboard.press("Enter");
+  const download = await coming;
+  const text = await readFile(await download.path(), "utf8");
+  assert.equal(JSON.parse(text).cursor, 4321);
+  await ask(page, { do: "load", link: "v=1&radius=0.03&seed=2" });
+  await state(page, (told) => told.ready && told.seed === 2 && told.verified !== null);
+  await drop(page, [{ name: "session.json", text }]);
+  const back = await state(page, (told) => told.ready && told.cursor === 4321 && told.verified !== null);
+  assert.equal(back.positions_digest, left.positions_digest);
+  assert.deepEqual(wrong, []);
+});
+
+test("a point set and its certificate are dropped as a pattern, and other bytes are refused in words", async (t) => {
+  const made = await folder(t);
+  const set = path.join(made, "pattern.csv");
+  await native("sample", "--radius", "0.01", "--out", set);
+  const { page, wrong } = await started(t);
+  await drop(page, [
+    { name: "pattern.csv", text: await readFile(set, "utf8") },
+    { name: "pattern.csv.certificate.json", text: await readFile(`${set}.certificate.json`, "utf8") },
+  ]);
+  const taken = await state(page, (told) => told.notice?.includes("pattern.csv"));
+  assert.match(taken.notice, /next run clips from/);
+  await drop(page, [{ name: "noise.csv", text: "\u0000\u0001no points here" }]);
+  const refused = await state(page, (told) => told.notice?.includes("noise.csv"));
+  assert.match(refused.notice, /^noise\.csv: .*no column is named x/);
+  assert.deepEqual(wrong, []);
+});

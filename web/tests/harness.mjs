@@ -1,0 +1,213 @@
+// What the tests of the page share: the server, the browser, and a page that notes everything that goes wrong on it.
+
+import assert from "node:assert/strict";
+import { execFile, spawn } from "node:child_process";
+import { once } from "node:events";
+import { existsSync } from "node:fs";
+import { mkdtemp, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
+import { chromium } from "playwright-core";
+
+const run = promisify(execFile);
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+/** The folder that web/build has made. */
+export const DIST = process.env.TILESCOPE_DIST ?? path.join(here, "../dist");
+/** The native program. */
+export const PROGRAM = process.env.TILESCOPE ?? path.join(here, "../../target/release/tilescope");
+
+/** Long enough for software renderers on a busy machine; nothing waits for it to pass. */
+export const PATIENCE_MS = 300_000;
+
+/** WebGPU and WebGL without a GPU, and no request of the browser's own. */
+const FLAGS = [
+  "--no-sandbox",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--enable-unsafe-webgpu",
+  "--ignore-gpu-blocklist",
+  "--enable-features=Vulkan",
+  "--use-vulkan=swiftshader",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+
+function browserPath() {
+  const named = process.env.TILESCOPE_CHROMIUM;
+  const known = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+  const paths = named ? [named] : known.map((name) => `/usr/bin/${name}`);
+  const found = paths.find((file) => existsSync(file));
+  assert.ok(found, `no browser: none of ${paths.join(", ")}`);
+  return found;
+}
+
+/** Starts the browser. @param {string[]} flags more of its flags */
+export function launch(flags = []) {
+  return chromium.launch({ executablePath: browserPath(), args: [...FLAGS, ...flags] });
+}
+
+/**
+ * Serves a folder by `tilescope web` on a free port; returns its address and how to end it.
+ * @param {string} folder
+ * @param {number} port
+ */
+export async function serve(folder = DIST, port = 0) {
+  assert.ok(existsSync(path.join(folder, "index.html")), `${folder} holds no page: run web/build`);
+  const server = spawn(PROGRAM, ["web", "--port", String(port), "--folder", folder], {
+    stdio: ["ignore", "pipe", "inherit"],
+  });
+  let said = "";
+  for await (const part of server.stdout) {
+    said += part;
+    const address = said.match(/http:\/\/[0-9.]+:[0-9]+/);
+    if (address) {
+      const stop = async () => {
+        server.kill("SIGINT");
+        await once(server, "exit");
+      };
+      return { address: address[0], stop };
+    }
+  }
+  throw new Error(`no address from ${PROGRAM} web: ${said}`);
+}
+
+/** Within the canvas of the layout for desktops. */
+export const MIDDLE = { x: 420, y: 200, width: 400, height: 350 };
+
+/** Asserts that a page shows a picture: of more than a few colours, and not even. @param {import("playwright-core").Page} page */
+export async function shows(page, clip = MIDDLE) {
+  const { mean, variance, colours } = await pixels(page, clip);
+  assert.ok(variance > 100 && colours > 50, `variance ${variance}, ${colours} colours`);
+  return mean;
+}
+
+/** Runs the native program and returns what it prints. @param {string[]} args */
+export async function native(...args) {
+  const { stdout } = await run(PROGRAM, args, { maxBuffer: 64_000_000 });
+  return stdout;
+}
+
+/** Returns a folder that is gone after the test. @param {import("node:test").TestContext} t */
+export async function folder(t) {
+  const made = await mkdtemp(path.join(tmpdir(), "tilescope-web-"));
+  t.after(() => rm(made, { recursive: true, force: true }));
+  return made;
+}
+
+/**
+ * Opens a page that notes errors, and requests to anywhere else than its server.
+ * @param {import("playwright-core").BrowserContext} context
+ * @param {string} url
+ */
+export async function open(context, url) {
+  const page = await context.newPage();
+  const wrong = watch(page, new URL(url).origin);
+  await page.goto(url);
+  return { page, wrong };
+}
+
+/** Notes what goes wrong on a page. @param {import("playwright-core").Page} page @param {string} origin */
+export function watch(page, origin) {
+  /** @type {string[]} */
+  const wrong = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type()) && !isOfTheBrowser(message.text())) {
+      wrong.push(`console: ${message.text()}`);
+    }
+  });
+  page.on("pageerror", (error) => wrong.push(`page: ${error.stack ?? error}`));
+  page.on("request", (request) => {
+    const { origin: other, protocol } = new URL(request.url());
+    if (other !== origin && !["data:", "blob:"].includes(protocol)) {
+      wrong.push(`request: ${request.url()}`);
+    }
+  });
+  return wrong;
+}
+
+/** What software renderers say of themselves is not the page's. @param {string} text */
+function isOfTheBrowser(text) {
+  return /GPU stall due to ReadPixels|Automatic fallback to software WebGL|powerPreference option is currently ignored/.test(text);
+}
+
+/** Waits until the program runs on a page and its session is there. @param {import("playwright-core").Page} page */
+export async function ready(page) {
+  await state(page, (told) => told.ready && told.verified !== null);
+}
+
+/** Asks the program on a page. @param {import("playwright-core").Page} page @param {object} request */
+export async function ask(page, request) {
+  const answer = await page.evaluate((text) => window.tilescope.ask(text), JSON.stringify(request));
+  return JSON.parse(answer);
+}
+
+/**
+ * Waits until the state of the program on a page is as wished, and returns it.
+ * @param {import("playwright-core").Page} page
+ * @param {(told: any) => boolean} wished
+ */
+export async function state(page, wished = () => true) {
+  const end = Date.now() + PATIENCE_MS;
+  let told;
+  do {
+    if (await page.evaluate(() => Boolean(window.tilescope))) {
+      told = (await ask(page, { do: "state" })).state;
+      if (told && wished(told)) {
+        return told;
+      }
+    }
+    const failed = await page.evaluate(() => document.getElementById("failure")?.hidden === false);
+    assert.ok(!failed, "the page has failed: " + (await page.textContent("#failure-text")));
+    await page.waitForTimeout(50);
+  } while (Date.now() < end);
+  throw new Error(`the state did not come to be as wished; it is ${JSON.stringify(told)}`);
+}
+
+/** Waits until a text field takes what is typed. @param {import("playwright-core").Page} page */
+export async function typing(page) {
+  await page.waitForFunction(() => document.activeElement?.tagName === "INPUT", null, { timeout: PATIENCE_MS });
+}
+
+/** Returns mean and variance of the brightness of a part of a page, and how many colours it has. @param {import("playwright-core").Page} page @param {{x: number, y: number, width: number, height: number}} clip */
+export async function pixels(page, clip) {
+  const png = await page.screenshot({ clip });
+  return page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+    const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+    context.drawImage(picture, 0, 0);
+    const { data } = context.getImageData(0, 0, picture.width, picture.height);
+    let [sum, squares] = [0, 0];
+    const colours = new Set();
+    for (let k = 0; k < data.length; k += 4) {
+      const light = (data[k] + data[k + 1] + data[k + 2]) / 3;
+      sum += light;
+      squares += light * light;
+      colours.add((data[k] << 16) | (data[k + 1] << 8) | data[k + 2]);
+    }
+    const count = data.length / 4;
+    const mean = sum / count;
+    return { mean, variance: squares / count - mean * mean, colours: colours.size };
+  }, png.toString("base64"));
+}
+
+/** Returns the files of an archive whose entries are stored as they are. @param {Buffer} archive */
+export function stored(archive) {
+  const files = [];
+  let at = 0;
+  while (archive.readUInt32LE(at) === 0x04034b50) {
+    assert.equal(archive.readUInt16LE(at + 8), 0, "the entry is compressed");
+    const size = archive.readUInt32LE(at + 18);
+    const name = archive.readUInt16LE(at + 26);
+    const start = at + 30 + name + archive.readUInt16LE(at + 28);
+    files.push({ name: archive.toString("utf8", at + 30, at + 30 + name), bytes: archive.subarray(start, start + size) });
+    at = start + size;
+  }
+  return files;
+}

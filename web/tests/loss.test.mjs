@@ -1,0 +1,72 @@
+// A device that is lost is replaced by what is left, which says so; nothing that was shown is lost with it.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { ask, shows, state } from "./harness.mjs";
+import { started as startedWith } from "./shared.mjs";
+
+/** A page that remembers its WebGPU devices, so that a test can take them away. */
+function started(t, query) {
+  return startedWith(t, query, {}, (context) =>
+    context.addInitScript(() => {
+      window.devices = [];
+      const original = GPUAdapter.prototype.requestDevice;
+      GPUAdapter.prototype.requestDevice = async function (...options) {
+        const device = await original.apply(this, options);
+        window.devices.push(device);
+        return device;
+      };
+    }),
+  );
+}
+
+test("a lost display is replaced by WebGL 2, with the same session", async (t) => {
+  const { page, wrong } = await started(t, "?display=webgpu&engine=cpu#v=1&seed=8&radius=0.02&at=999");
+  const before = await state(page, (told) => told.cursor === 999);
+  assert.equal(await page.evaluate(() => window.tilescope.display()), "WebGPU");
+  await page.waitForFunction((link) => location.hash === `#${link}`, before.link);
+  assert.ok((await page.evaluate(() => window.devices.length)) > 0, "no device was asked for");
+  await page.evaluate(() => window.devices.forEach((device) => device.destroy()));
+  await page.waitForFunction(() => window.tilescope.display() === "WebGL 2");
+  const after = await state(page, (told) => told.ready && told.cursor === 999 && told.verified !== null);
+  assert.equal(after.positions_digest, before.positions_digest);
+  assert.match(after.notice, /lost/);
+  await shows(page);
+  assert.deepEqual(wrong, []);
+});
+
+test("a computing device that is lost leaves the run to the CPU, which says so", async (t) => {
+  const { page, wrong } = await started(t, "?display=webgl&engine=gpu#v=1&seed=8&radius=0.02");
+  const told = await state(page, (told) => told.gpu !== "testing");
+  assert.equal(told.gpu, "ready", `WebGPU was promised: ${told.chosen}`);
+  await ask(page, { do: "load", parameters: { seed: 9, radius: 0.02 } });
+  const by = await state(page, (told) => told.ready && told.seed === 9 && told.verified !== null);
+  assert.match(by.engine, /^GPU/);
+  await page.evaluate(() => window.devices.forEach((device) => device.destroy()));
+  await ask(page, { do: "load", parameters: { seed: 10, radius: 0.02 } });
+  const after = await state(page, (told) => told.ready && told.seed === 10 && told.verified !== null);
+  assert.match(after.engine, /^CPU/);
+  assert.equal(after.verified, true);
+  assert.match(after.notice, /CPU engine made this session instead/);
+  assert.deepEqual(wrong, []);
+});
+
+test("a lost WebGL context is replaced, and one that is lost again at once is said", async (t) => {
+  const { page, wrong } = await started(t, "?display=webgl&engine=cpu#v=1&seed=8&radius=0.02&at=999");
+  const before = await state(page, (told) => told.cursor === 999);
+  await page.waitForFunction((link) => location.hash === `#${link}`, before.link);
+  const lose = () =>
+    page.evaluate(() => {
+      const context = document.getElementById("canvas").getContext("webgl2");
+      context.getExtension("WEBGL_lose_context").loseContext();
+    });
+  await lose();
+  const after = await state(page, (told) => told.ready && told.cursor === 999 && told.verified !== null && told.notice !== null);
+  assert.equal(after.positions_digest, before.positions_digest);
+  assert.match(after.notice, /lost/);
+  await shows(page);
+  assert.deepEqual(wrong, []);
+  await lose();
+  await page.waitForSelector("#failure:not([hidden])");
+  assert.match(await page.textContent("#failure-text"), /lost/);
+});

@@ -1,0 +1,43 @@
+// Makes the README's pictures of the page: node web/tests/pictures.mjs FOLDER.
+
+import path from "node:path";
+import { argv, exit } from "node:process";
+import { PATIENCE_MS, ask, launch, open, ready, serve } from "./harness.mjs";
+
+const into = argv[2];
+if (!into) {
+  console.error("usage: node web/tests/pictures.mjs FOLDER");
+  exit(2);
+}
+
+const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, hasTouch: true, isMobile: true };
+
+/** Who is shown, where, and what is done before. */
+const PICTURES = {
+  "web-phone": [PHONE, "/?engine=cpu#v=1&seed=3&radius=0.02&leaf=12", async (page) => {
+    await ready(page);
+    await ask(page, { do: "seek", stage: "iterate-1" });
+  }],
+  "web-lecture": [{ viewport: { width: 1000, height: 880 } }, "/example/lecture.html", async (page) => {
+    await page.frameLocator("iframe").locator("#loading[hidden]").waitFor({ state: "attached", timeout: PATIENCE_MS });
+    const before = await page.textContent("#sentence");
+    await page.click("#load");
+    await page.waitForFunction((old) => document.getElementById("sentence").textContent !== old, before, { timeout: PATIENCE_MS });
+    await page.click("#eliminate");
+  }],
+};
+
+const server = await serve();
+const browser = await launch();
+for (const [name, [settings, query, prepare]] of Object.entries(PICTURES)) {
+  const context = await browser.newContext({ ...settings, reducedMotion: "reduce" });
+  const { page, wrong } = await open(context, server.address + query);
+  await prepare(page);
+  // The frame that shows what was prepared.
+  await page.waitForTimeout(3_000);
+  await page.screenshot({ path: path.join(into, `${name}.png`) });
+  console.log(`${name}.png`, ...wrong);
+  await context.close();
+}
+await browser.close();
+await server.stop();
