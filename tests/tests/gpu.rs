@@ -11,8 +11,10 @@ use proptest::test_runner::TestCaseResult;
 use support::inexact::INEXACT;
 use support::random::{Case, cases, sequential};
 use support::{difference, judge};
-use tilescope_core::{Origin, Parameters, Pattern, Point, Run, Search, Source, Unobserved};
-use tilescope_gpu::{Choice, Gpu, GpuSweep, Options};
+use tilescope_core::{
+    Origin, Parameters, Pattern, Point, Run, SampleError, Search, Source, Unobserved,
+};
+use tilescope_gpu::{Choice, Gpu, GpuError, GpuSweep, Options};
 
 /// The device of all tests.
 static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
@@ -46,7 +48,13 @@ fn compare(case: &Case, pattern: &Arc<Pattern>, options: Options) -> TestCaseRes
         let sweep = GpuSweep::new(Arc::clone(&GPU), &case.parameters, pattern, options).await?;
         sweep.finish(&mut Unobserved).await
     });
-    let (found, summary) = found.map_err(|error| TestCaseError::fail(error.to_string()))?;
+    let (found, summary) = found.map_err(|error| match error {
+        // In a narrow domain what is unsure may reach around it without end: then the run is the CPU's.
+        GpuError::Sample(SampleError::Entangled { .. }) => {
+            TestCaseError::reject("depends on too much around it")
+        }
+        error => TestCaseError::fail(error.to_string()),
+    })?;
     prop_assert_eq!(
         difference(&found.points, &run.points()),
         None,
@@ -77,7 +85,7 @@ fn options() -> impl Strategy<Value = Options> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 20, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 20, max_global_rejects: 4, ..ProptestConfig::default() })]
 
     #[test]
     fn random_runs_are_equal_and_valid(case in cases(), options in options()) {

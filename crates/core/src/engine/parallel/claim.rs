@@ -46,9 +46,9 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// Returns the tag of a tiled sample.
-fn tag(block: &Placed, pattern: u32) -> u64 {
-    u64::from(block.index) << 32 | u64::from(pattern)
+/// Returns the tag of a sample clipped from the pattern's sample `pattern` for the block number `block`.
+pub(super) fn tiled_tag(block: u32, pattern: u32) -> u64 {
+    u64::from(block) << 32 | u64::from(pattern)
 }
 
 impl<const TAGS: bool> Region<TAGS> {
@@ -66,7 +66,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for block in &blocks {
             let interior = block.rect.grown(-depth - 1, -depth);
             clipper.clip(block, &interior, &target, |x, y, id| {
-                self.insert(x, y, tag(block, id));
+                self.insert(x, y, tiled_tag(block.index, id));
             });
         }
         match turns {
@@ -103,7 +103,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.waiting.clear();
         for part in frame_between(&block.rect, &block.rect.grown(-depth - 1, -depth)) {
             clipper.clip(block, &part, target, |x, y, id| {
-                self.waiting.push((x, y, tag(block, id)));
+                self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
         }
         for k in 0..self.waiting.len() {
@@ -118,7 +118,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.waiting.clear();
         for part in frame_between(&block.rect.grown(r, r), &block.rect) {
             clipper.clip(block, &part, target, |x, y, id| {
-                self.waiting.push((x, y, tag(block, id)));
+                self.waiting.push((x, y, tiled_tag(block.index, id)));
             });
         }
         for k in 0..self.waiting.len() {
@@ -162,7 +162,7 @@ impl<const TAGS: bool> Region<TAGS> {
                         column: i64::from(x) - block.rect.min[0],
                         x,
                         y,
-                        tag: tag(block, id),
+                        tag: tiled_tag(block.index, id),
                     });
                 });
             }

@@ -18,3 +18,4 @@ mod region;
 mod stamp;
 pub(crate) mod sweep;
 mod uniform;
+mod whole;

@@ -1,5 +1,6 @@
 //! The plane of a run: knows its parameters, computes windows of it, keeps the buffers.
-//! A window that comes out unsure is repaired: what is unsure is computed again with a wider halo.
+//! A window that comes out unsure is repaired: what is unsure is computed again with a wider halo, or read from the
+//! run over the whole domain where that is small.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -20,6 +21,7 @@ use super::frame::{CELL_BITS, Frame};
 use super::gaps::Rules;
 use super::instructions::InstructionSet;
 use super::region::Region;
+use super::whole::Whole;
 
 /// Cells around a window that are computed with it at first. Wider halos cost more in every window than
 /// repairs do in a few.
@@ -61,6 +63,7 @@ pub struct Plane {
     ranking: Ranking,
     rules: Rules,
     instructions: InstructionSet,
+    whole: Option<Whole>,
     plain: Pool<false>,
     tagged: Pool<true>,
 }
@@ -95,6 +98,7 @@ impl Plane {
             ranking: Ranking::new(parameters.order, &domain, key),
             rules,
             instructions: InstructionSet::best(),
+            whole: Whole::new(parameters, pattern, &domain),
             plain: Pool::default(),
             tagged: Pool::default(),
         })
@@ -117,7 +121,8 @@ impl Plane {
     /// the end of a periodic domain shows its repetition, with the positions of the domain.
     ///
     /// Computes nothing but the window and what its samples depend on. Fails when a bounded pattern is too
-    /// small for a block, or a pattern leaves so much uncovered that the samples depend on too much around them.
+    /// small for a block, or a pattern leaves so much uncovered that the samples depend on too much around them and the
+    /// domain is too large to be run as a whole.
     pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
         let parts: Vec<Rect> = self.parts(window).iter().flat_map(pieces).collect();
         let compute = |part: &Rect| {
@@ -199,7 +204,8 @@ impl Plane {
         depth: usize,
         window: &Rect,
     ) -> Result<Counts, SampleError> {
-        if depth > MOST_REPAIRS {
+        let is_last = depth > MOST_REPAIRS;
+        if is_last && self.whole.is_none() {
             return Err(SampleError::Entangled {
                 radii: f64::from(HALO << MOST_REPAIRS),
             });
@@ -209,6 +215,11 @@ impl Plane {
         }
         let region = &mut *scratch.0[depth];
         let frame = Frame::new(&self.domain, window, HALO << depth);
+        if let Some(whole) = &self.whole
+            && (is_last || depth > 0 && whole.is_shorter(&frame))
+        {
+            return whole.show(region, &self.domain, window);
+        }
         region.reset(frame, self.rules.reach());
         self.clipper.blocks(&region.frame, &mut region.blocks)?;
         let turns = Turns::new(self.order, self.touches_itself, &self.ranking);
@@ -361,14 +372,27 @@ mod tests {
     }
 
     #[test]
-    fn repairs_end_with_an_error() {
-        let plane = plane(30.0);
+    fn repairs_end_with_the_whole_run_or_an_error() {
+        let mut plane = plane(30.0);
         let window = Rect {
-            min: Point::new(0, 0),
-            max: Point::new(R, R),
+            min: Point::new(123_456, 0),
+            max: Point::new(123_456 + 40 * R, 30 * R),
         };
-        let mut scratch = Scratch::<false>::default();
-        let refused = plane.compute(&mut scratch, MOST_REPAIRS + 1, &window);
-        assert_eq!(refused, Err(SampleError::Entangled { radii: 768.0 }));
+        let found = |plane: &Plane, depth: usize| {
+            let mut scratch = Scratch::<true>::default();
+            let counts = plane.compute(&mut scratch, depth, &window)?;
+            let (mut points, mut tags, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+            scratch.0[depth].emit(&mut points, &mut tags, &mut rows);
+            Ok((points, tags, rows, counts))
+        };
+        plane.count_blocks();
+        let computed = found(&plane, 0);
+        assert!(
+            matches!(&computed, Ok((points, .., counts)) if points.len() > 800 && counts.eliminated > 0)
+        );
+        assert_eq!(found(&plane, MOST_REPAIRS + 1), computed);
+        plane.whole = None;
+        let refused = Err(SampleError::Entangled { radii: 768.0 });
+        assert_eq!(found(&plane, MOST_REPAIRS + 1), refused);
     }
 }
