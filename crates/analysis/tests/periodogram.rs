@@ -95,6 +95,25 @@ fn the_fast_transform_is_the_direct_sum() {
     }
 }
 
+/// The kernel's error is relative to the number of samples, and a power of a million of them may be a sum that nearly vanishes.
+#[test]
+fn a_million_samples_have_the_powers_of_the_direct_sum() {
+    let mut random = Random::new(8);
+    let jittered: Vec<[f64; 2]> = (0..1_000_000)
+        .map(|i| [i % 1000, i / 1000].map(|cell| (f64::from(cell) + random.uniform()) * 1e-3))
+        .collect();
+    // Powers of a thousandth, of a tenth and of about 1.
+    for (x, y) in [(18..21, -20..-17), (-1..3, 150..153), (900..903, 701..704)] {
+        let window = FrequencyWindow { x, y };
+        let found = Periodogram::of(&jittered, torus(), &window, &go_on).expect("a periodogram");
+        for (k, power) in window.frequencies().zip(&found.power) {
+            let exact = spectrum::power(&jittered, 1.0, 1.0, k);
+            let error = (power / exact - 1.0).abs();
+            assert!(error < 1e-9, "{k:?}: {power:e}, {exact:e}");
+        }
+    }
+}
+
 #[test]
 fn a_moved_sample_shows() {
     let points = Random::new(3).points(500, torus());

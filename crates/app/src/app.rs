@@ -30,6 +30,8 @@ pub struct App {
     shown_manner: Manner,
     /// What had the focus in the frame before.
     focused: Option<egui::Id>,
+    /// Puts a text on the clipboard, if it returns true; otherwise the window does.
+    copier: fn(&str) -> bool,
     /// Files that were dropped on the page, while they are read.
     #[cfg(target_arch = "wasm32")]
     dropped: Option<crate::jobs::Job<crate::files::web::Found>>,
@@ -49,9 +51,15 @@ impl App {
             canvas: Canvas::default(),
             commands: Vec::new(),
             focused: None,
+            copier: |_| false,
             #[cfg(target_arch = "wasm32")]
             dropped: None,
         }
+    }
+
+    /// Has `copier` put texts on the clipboard; where it returns false, the window does, which cannot tell of a failure.
+    pub fn copy_with(&mut self, copier: fn(&str) -> bool) {
+        self.copier = copier;
     }
 
     /// Draws samples on the canvas by instancing on the window's device, which `render_state` holds, from now on.
@@ -180,7 +188,9 @@ impl App {
 
     /// Puts what was copied on the clipboard.
     fn copy(&mut self, ctx: &Context) {
-        if let Some(text) = self.state.copied.take() {
+        if let Some(text) = self.state.copied.take()
+            && !(self.copier)(&text)
+        {
             ctx.copy_text(text);
         }
     }
@@ -249,9 +259,9 @@ impl App {
         if let Some(layout) = layout.and_then(Layout::completed) {
             self.state.layout = layout;
         }
-        if let Some((look, reduced_motion)) = eframe::get_value(storage, LOOK_KEY) {
+        if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
             self.state.look = look;
-            self.state.reduced_motion = reduced_motion;
+            self.state.choose_motion(chosen);
         }
     }
 }
@@ -266,7 +276,7 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LAYOUT_KEY, &self.state.layout);
-        let look = (self.state.look, self.state.reduced_motion);
+        let look = (self.state.look, self.state.motion_chosen());
         eframe::set_value(storage, LOOK_KEY, &look);
     }
 

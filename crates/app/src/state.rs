@@ -111,6 +111,8 @@ pub struct State {
     pub bare: bool,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
+    /// Whether the user decided that, and not the system.
+    motion_is_chosen: bool,
     /// Where the panels stand.
     pub layout: Layout,
     /// What a window shows that is too small for them.
@@ -210,6 +212,7 @@ impl State {
             look: Look::Dark,
             bare: false,
             reduced_motion: false,
+            motion_is_chosen: false,
             layout: Layout::default(),
             drawer: Drawer::default(),
             palette: None,

@@ -4,10 +4,10 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use tilescope_analysis::measures::{PairCorrelation, Periodogram, Spectrum};
+use tilescope_analysis::measures::{PairCorrelation, Periodogram, PowerCurve, Spectrum};
 use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
 use tilescope_app::analysis::brush::FIRST_PEAK;
-use tilescope_app::analysis::measured::{Measured, Part};
+use tilescope_app::analysis::measured::{Measured, Part, Samples};
 use tilescope_app::analysis::{AnalysisCommand, MOST_KEPT};
 use tilescope_app::command::{Field, TimeCommand};
 use tilescope_app::layout::Panel;
@@ -83,6 +83,8 @@ fn assert_is_that_of_the_crate(state: &State) {
     assert_eq!(known.power(), spectrum.power());
     assert_eq!(known.bands, spectrum.bands);
     assert_eq!(known.anisotropy(), spectrum.anisotropy());
+    let curve = PowerCurve::of_samples(&points, region, &go_on).unwrap();
+    assert_eq!(found.curve.as_deref(), curve.as_ref());
 }
 
 #[test]
@@ -257,6 +259,37 @@ fn the_first_peak_of_the_reference_is_in_the_brush_that_is_called_so() {
     let [low, high] = FIRST_PEAK;
     assert!((low..high).contains(&peak[0]), "{peak:?}");
     assert!(peak[1] > 1.5);
+}
+
+#[test]
+fn the_spectrum_that_comes_first_sees_as_far_along_both_axes() {
+    for (width, height) in [(4.0, 1.0), (1.0, 4.0), (1.0, 1.0)] {
+        let region = Region {
+            width,
+            height,
+            boundary: Boundary::Periodic,
+        };
+        // A sheared lattice will do: only frequencies count.
+        let points = (0..20_000).map(|i| {
+            let i = f64::from(i);
+            [
+                (i * 0.618_033_988_75).fract() * width,
+                i / 20_000.0 * height,
+            ]
+        });
+        let set = Samples {
+            points: points.collect(),
+            region,
+            radius: 0.001,
+        };
+        let mut measured = Measured::nothing(&set);
+        measured.measure(Part::Rough, &set, &go_on).unwrap();
+        let [x, y] = measured.rough.unwrap().picture_reach;
+        assert!(
+            (0.55..0.7).contains(&x) && (0.55..0.7).contains(&y),
+            "{width}: {x} {y}"
+        );
+    }
 }
 
 #[test]

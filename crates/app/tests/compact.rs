@@ -295,6 +295,25 @@ fn a_selected_sample_and_two_runs_fit() {
 }
 
 #[test]
+fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    let state = &mut harness.state_mut().state;
+    state.prefer_reduced_motion(true);
+    assert_eq!((state.reduced_motion, state.motion_chosen()), (true, None));
+    // It is not remembered as a choice, and may change while the window is open.
+    state.choose_motion(None);
+    state.prefer_reduced_motion(false);
+    assert!(!state.reduced_motion);
+    state.apply(Command::ToggleReducedMotion);
+    assert_eq!(state.motion_chosen(), Some(true));
+    state.prefer_reduced_motion(false);
+    assert!(state.reduced_motion);
+    state.choose_motion(Some(false));
+    state.prefer_reduced_motion(true);
+    assert!(!state.reduced_motion);
+}
+
+#[test]
 fn reduced_motion_stops_what_moves_by_itself() {
     let mut harness = opened_at([1440.0, 900.0]);
     let moves = |harness: &Harness<'_, App>| {

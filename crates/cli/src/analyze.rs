@@ -1,6 +1,7 @@
 //! `tilescope analyze`: every measure of one or more point sets, as a table, as curves and as a report.
 //! A file that cannot be analysed is named, and the others are analysed all the same.
 
+mod bins;
 mod curves;
 mod differences;
 mod gather;
@@ -41,8 +42,8 @@ pub struct AnalyzeArguments {
     /// printed; given several times, against the average of these
     #[arg(long, value_name = "FILE")]
     against: Vec<PathBuf>,
-    /// The largest frequency that is looked at, as nu = |k| / sqrt(N) [default: 2.5, and 1023
-    /// cycles along a side at most]
+    /// The largest frequency that is looked at, as nu = |k| / sqrt(N) [default: 2.5, or 1023 cycles
+    /// along a side where that takes more than 2 GiB of memory]
     #[arg(long, value_name = "NU")]
     frequencies: Option<f64>,
     #[command(flatten)]
@@ -60,7 +61,7 @@ Sides and boundary that neither a certificate nor an argument tells are those of
 square. Where no radius is known, the smallest distance between two samples stands for it.
 
 Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in the
-hexagonal lattice of as many samples. Shaded bands hold the true mean with probability 0.95.
+hexagonal lattice of as many samples (of sets of one known radius, of as many as the first has). Shaded bands hold the true mean with probability 0.95.
 
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples.
@@ -87,23 +88,31 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let kind = arguments.out.as_deref().map(kind_of).transpose()?;
     check_no_input_is_replaced(arguments)?;
+    check_there_is_a_folder(arguments)?;
     if let Some(nu) = arguments.frequencies {
         // What is too much for one sample is too much for any set.
         Spectrum::window_to(nu, 1.0, UNIT_SQUARE).context("--frequencies")?;
     }
     let mut analysis = Analysis::of(arguments)?;
     let nothing = analysis.held().is_empty();
-    if let (Some(kind), Some(path), false) = (kind, &arguments.out, nothing) {
-        write_whole(path, &bytes(&mut analysis, kind)?)?;
-    }
+    let written = match (kind, &arguments.out, nothing) {
+        (Some(kind), Some(path), false) => {
+            let written =
+                bytes(&mut analysis, kind).and_then(|bytes| Ok(write_whole(path, &bytes)?));
+            written.map(|()| Some(path.as_path()))
+        }
+        _ => Ok(None),
+    };
+    // What was found out is printed, whether or not it could be saved.
+    let saved = written.as_ref().ok().copied().flatten();
     if arguments.json {
-        let saved = arguments.out.as_deref().filter(|_| !nothing);
         let saved = saved.map(|path| path.display().to_string());
         let object = report::json(&analysis, saved.as_deref());
         output::emit(&format!("{object}\n"))?;
     } else if !nothing {
-        output::emit(&to_text(&analysis, arguments.out.as_deref()))?;
+        output::emit(&to_text(&analysis, saved))?;
     }
+    written?;
     Ok(if analysis.failures.is_empty() {
         EXIT_FINE
     } else {
@@ -127,6 +136,18 @@ fn check_no_input_is_replaced(arguments: &AnalyzeArguments) -> Result<()> {
             input.display()
         );
     }
+    Ok(())
+}
+
+/// A report that cannot be saved anywhere is not worth the work.
+fn check_there_is_a_folder(arguments: &AnalyzeArguments) -> Result<()> {
+    let folder = arguments.out.as_deref().and_then(Path::parent);
+    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
+    ensure!(
+        folder.is_none_or(Path::is_dir),
+        "--out: there is no folder {}",
+        folder.unwrap_or(Path::new("")).display()
+    );
     Ok(())
 }
 

@@ -156,15 +156,16 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// Returns an error and its causes in one line, none of them twice: a library's message may name
 /// the file or the cause that its neighbours in the chain name.
 fn describe(error: &anyhow::Error) -> String {
-    let mut line = String::new();
+    let mut parts: Vec<String> = Vec::new();
     for part in error.chain().map(ToString::to_string) {
-        if part.starts_with(&line) {
-            line = part;
-        } else if !line.contains(&part) {
-            line = format!("{line}: {part}");
+        let so_far = parts.join(": ");
+        match parts.last_mut() {
+            Some(last) if part.starts_with(last.as_str()) => *last = part,
+            _ if so_far.contains(&part) => {}
+            _ => parts.push(part),
         }
     }
-    line
+    parts.join(": ")
 }
 
 /// Returns the code of a verdict.
@@ -181,6 +182,8 @@ mod tests {
         let cause = anyhow::anyhow!("no such file");
         let error = cause.context("a.csv: no such file").context("a.csv");
         assert_eq!(describe(&error), "a.csv: no such file");
+        let error = error.context("--against");
+        assert_eq!(describe(&error), "--against: a.csv: no such file");
         let error = anyhow::anyhow!("it is empty").context("a.csv");
         assert_eq!(describe(&error), "a.csv: it is empty");
     }

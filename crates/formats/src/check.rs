@@ -84,6 +84,24 @@ impl Check {
     }
 }
 
+/// What a file holds, where it is to be judged, before any verdict.
+#[derive(Clone, Debug)]
+pub struct Placed {
+    /// The points in domain units, in the file's order.
+    pub set: PointSet,
+    /// The region, as given, or of the certificate, or implied by the format.
+    pub region: Region,
+    /// The radius, as given or of the certificate.
+    pub radius: f64,
+    /// The format and how it was recognised.
+    pub detection: Detection,
+    /// Number type of the file's coordinates.
+    pub precision: Precision,
+    /// The certificate beside or inside the file, if there is one.
+    pub certificate: Option<Certificate>,
+    pub(crate) positions_digest: String,
+}
+
 /// Why there is no verdict.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -130,6 +148,40 @@ pub fn check_bytes(
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Check, CheckError> {
+    let (placed, judged) = place_bytes(data, name, certificate, overrides)?;
+    let report = verify(
+        &placed.set.points,
+        judged.region,
+        judged.radius,
+        &judged.options,
+        control,
+    )?;
+    let differences = placed.certificate.as_ref().map(|stated| {
+        let found = Found {
+            format: placed.detection.format,
+            precision: placed.precision,
+            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
+            positions_digest: placed.positions_digest,
+        };
+        differences(stated, &judged, &found, &report)
+    });
+    Ok(Check {
+        set: placed.set,
+        detection: placed.detection,
+        precision: placed.precision,
+        certificate: placed.certificate,
+        report,
+        differences: differences.unwrap_or_default(),
+    })
+}
+
+/// Returns what [`check_bytes`] would judge, and judges nothing.
+pub(crate) fn place_bytes(
+    data: &[u8],
+    name: &str,
+    certificate: Option<&[u8]>,
+    overrides: &Overrides,
+) -> Result<(Placed, Judged), CheckError> {
     let hint = Hint {
         name,
         format: overrides.format,
@@ -141,42 +193,26 @@ pub fn check_bytes(
             let name = format!("{name}{}", crate::CERTIFICATE_SUFFIX);
             Some(Certificate::from_bytes(bytes, &name)?)
         }
-        None => decoded.certificate.clone(),
+        None => decoded.certificate,
     };
     let (format, precision) = (decoded.detection.format, decoded.precision);
     let judged = Judged::new(format, precision, certificate.as_ref(), overrides)?;
-    let points = &decoded.set.points;
-    let points: Vec<_> = points
-        .iter()
-        .map(|&p| judged.mapping.domain_from_file(p))
-        .collect();
-    let report = verify(
-        &points,
-        judged.region,
-        judged.radius,
-        &judged.options,
-        control,
-    )?;
-    let differences = certificate.as_ref().map(|stated| {
-        let found = Found {
-            format,
-            precision,
-            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
-            positions_digest: positions_digest(&decoded.set.points),
-        };
-        differences(stated, &judged, &found, &report)
-    });
-    Ok(Check {
+    let positions_digest = positions_digest(&decoded.set.points);
+    let points = decoded.set.points.into_iter();
+    let points = points.map(|p| judged.mapping.domain_from_file(p)).collect();
+    let placed = Placed {
         set: PointSet {
             points,
             provenance: decoded.set.provenance,
         },
+        region: judged.region,
+        radius: judged.radius,
         detection: decoded.detection,
-        precision: decoded.precision,
+        precision,
         certificate,
-        report,
-        differences: differences.unwrap_or_default(),
-    })
+        positions_digest,
+    };
+    Ok((placed, judged))
 }
 
 /// What the file is judged against.

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use tilescope_analysis::{Progress, Report};
 
 use crate::certificate::Certificate;
-use crate::check::{Check, CheckError, Overrides, check_bytes};
+use crate::check::{Check, CheckError, Overrides, Placed, check_bytes, place_bytes};
 use crate::codecs::Hint;
 use crate::error::FormatError;
 use crate::export::{ExportContext, ExportError, Warning, export_through};
@@ -72,6 +72,19 @@ pub fn check(
     let certificate = read_certificate(path)?;
     let name = file_name(path)?;
     check_bytes(&data, &name, certificate.as_deref(), overrides, control)
+}
+
+/// Returns what [`check`] would judge, without a verdict: also sets that have none, such as those with equal points.
+///
+/// # Errors
+///
+/// Those of [`check`] but [`CheckError::Verify`].
+pub fn place(path: &Path, overrides: &Overrides) -> Result<Placed, CheckError> {
+    let data = read_file(path)?;
+    let certificate = read_certificate(path)?;
+    let name = file_name(path)?;
+    let (placed, _) = place_bytes(&data, &name, certificate.as_deref(), overrides)?;
+    Ok(placed)
 }
 
 /// Writes `set` (in domain units) to the file `path` and a certificate beside it, after reading back and verifying

@@ -35,14 +35,14 @@ mod text;
 pub use certificate::{
     CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, MAX_CERTIFICATE_BYTES, Rounding,
 };
-pub use check::{Check, CheckError, Difference, MEASURE_TOLERANCE, Overrides, check_bytes};
+pub use check::{Check, CheckError, Difference, MEASURE_TOLERANCE, Overrides, Placed, check_bytes};
 pub use codecs::{Decoded, Hint, Target, decode, encode};
 pub use detect::{Detection, Evidence, detect};
 pub use digest::{bytes_digest, positions_digest};
 pub use error::{FormatError, Place};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
-pub use files::{Exported, check, export, read, write_through, write_whole};
+pub use files::{Exported, check, export, place, read, write_through, write_whole};
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};

@@ -42,7 +42,9 @@ fn maximal_sets_have_the_numbers_of_maximal_sets() {
         within("relative_radius", 0.77, 0.79);
         within("min_distance_r", 1.0, 1.01);
         within("covering_radius_r", 0.9, 1.0 + 1.0 / 32768.0);
-        within("effective_nyquist", 0.6, 0.75);
+        within("effective_nyquist", 0.64, 0.68);
+        within("effective_nyquist_psa", 0.64, 0.68);
+        within("oscillation", 1.4, 1.7);
         within("mean_sides", 5.99, 6.01);
         within("star_discrepancy", 1e-4, 0.01);
         assert_eq!((&file["valid"], &file["gaps"]), (&true.into(), &0.0.into()));
@@ -98,6 +100,115 @@ fn differences_from_a_reference_are_value_less_reference() {
         .assert()
         .success()
         .stdout(contains("reference.npy (reference)").and(contains("less reference.npy")));
+}
+
+/// Sets of one radius differ in their numbers of samples: g(r) rises from 0 at that radius in all of them.
+#[test]
+fn sets_of_one_radius_are_cut_at_that_radius() {
+    let folder = tempdir().unwrap();
+    for (name, seed) in [("a.npy", "1"), ("b.npy", "2"), ("c.npy", "3")] {
+        tilescope(&folder)
+            .args(["sample", "--radius", "0.02", "--seed", seed, "--out", name])
+            .assert()
+            .success();
+    }
+    let at = |found: &Value, index: usize, end: &str| -> Vec<f64> {
+        let values = found["files"][index]["curves"]["pair_correlation"][end].as_array();
+        values.unwrap().iter().map(number).collect()
+    };
+    let found = json(&folder, &["a.npy", "b.npy", "c.npy"], 0);
+    let counts = [0, 1, 2].map(|index| number(&found["files"][index]["samples"]));
+    assert!(counts.iter().any(|count| *count != counts[0]), "{counts:?}");
+    for index in 0..3 {
+        assert_eq!(at(&found, index, "y").len(), 200);
+        let (g, x) = (at(&found, index, "y"), at(&found, index, "x"));
+        assert_eq!(g.iter().position(|g| *g > 0.0), Some(40));
+        for (x, first) in x.iter().zip(at(&found, 0, "x")) {
+            assert!((x - first).abs() < 1e-12, "{x} {first}");
+        }
+    }
+    // One of another radius, or of none, and the unit is each set's own spacing.
+    tilescope(&folder)
+        .args(["sample", "--radius", "0.021", "--out", "d.npy"])
+        .assert()
+        .success();
+    let mixed = json(&folder, &["a.npy", "d.npy"], 0);
+    assert_ne!(at(&mixed, 0, "x"), at(&found, 0, "x"));
+}
+
+/// Nobody can tell cells or gaps of equal samples, but everything else is measured, and others are as they were.
+#[test]
+fn a_set_with_equal_samples_is_measured_without_a_verdict() {
+    let folder = two_sets();
+    let text = fs::read_to_string(folder.path().join("kdrt.csv")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let doubled = [&lines[..], &lines[7..8]].concat().join("\n");
+    write(&folder, "doubled.csv", &doubled);
+    let output = tilescope(&folder)
+        .args([
+            "analyze",
+            "doubled.csv",
+            "kdrt.csv",
+            "--radius",
+            "0.015",
+            "--json",
+        ])
+        .assert()
+        .success()
+        .stderr(contains("doubled.csv: ").and(contains("are the same point")))
+        .get_output()
+        .clone();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let [odd, right] = [0, 1].map(|index| &found["files"][index]);
+    assert_eq!((&odd["valid"], &odd["gaps"]), (&false.into(), &Value::Null));
+    assert_eq!(
+        (&odd["mean_sides"], &odd["min_distance_r"]),
+        (&Value::Null, &0.0.into())
+    );
+    assert!((number(&odd["oscillation"]) - number(&right["oscillation"])).abs() < 0.1);
+    assert!(right["mean_sides"].is_number());
+}
+
+#[test]
+fn two_averages_have_two_names_and_whole_columns() {
+    let folder = tempdir().unwrap();
+    for name in ["k1.npy", "k2.npy", "r1.npy", "r2.npy"] {
+        let seed = &name[1..2];
+        let method = if name.starts_with('k') {
+            "kdrt"
+        } else {
+            "reference"
+        };
+        tilescope(&folder)
+            .args([
+                "sample", "--count", "400", "--method", method, "--seed", seed,
+            ])
+            .args(["--out", name])
+            .assert()
+            .success();
+    }
+    let output = tilescope(&folder)
+        .args(["analyze", "--average", "k1.npy", "k2.npy"])
+        .args(["--against", "r1.npy", "--against", "r2.npy"])
+        .assert()
+        .success()
+        .get_output()
+        .clone();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let heads: Vec<&str> = text
+        .lines()
+        .filter(|line| line.starts_with("measure"))
+        .collect();
+    assert_eq!(heads.len(), 2, "{text}");
+    assert!(
+        heads[0].contains("average of 2 sets: r*.npy (reference)"),
+        "{text}"
+    );
+    assert!(heads[1].contains("average of 2 sets: k*.npy"), "{text}");
+    assert!(
+        heads.iter().all(|head| head.trim_end().ends_with("most")),
+        "{text}"
+    );
 }
 
 #[test]

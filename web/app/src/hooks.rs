@@ -21,39 +21,47 @@ pub fn given(name: &str) -> Option<JsValue> {
     (!value.is_undefined() && !value.is_null()).then_some(value)
 }
 
-fn call(name: &str, text: &str) {
-    if let Some(hook) = given(name).and_then(|value| value.dyn_into::<Function>().ok()) {
+/// Calls a function, if there is one.
+fn call(name: &str, text: &str) -> bool {
+    let hook = given(name).and_then(|value| value.dyn_into::<Function>().ok());
+    if let Some(hook) = &hook {
         // What the page makes of it is the page's business.
         let _ = hook.call1(&JsValue::NULL, &text.into());
     }
+    hook.is_some()
 }
 
 /// A sentence for those who do not see the window.
 pub fn announce(text: &str) {
-    call("announce", text);
+    let _ = call("announce", text);
+}
+
+/// A text for the clipboard; returns whether the page puts it there.
+pub fn copy(text: &str) -> bool {
+    call("copy", text)
 }
 
 /// The link to what is shown has changed.
 pub fn link(fragment: &str) {
-    call("link", fragment);
+    let _ = call("link", fragment);
 }
 
 /// What is shown has changed.
 pub fn state(json: &str) {
-    call("state", json);
+    let _ = call("state", json);
 }
 
 /// The first frame is on the screen.
 pub fn drawn() {
-    call("drawn", "");
+    let _ = call("drawn", "");
 }
 
 /// The device that draws is lost.
 pub fn lost(reason: &str) {
-    call("lost", reason);
+    let _ = call("lost", reason);
 }
 
 /// The program is broken.
 pub fn failed(text: &str) {
-    call("failed", text);
+    let _ = call("failed", text);
 }

@@ -108,6 +108,9 @@ impl Tilescope {
         let Some(mut page) = self.runner.app_mut::<Page>() else {
             return busy.to_owned();
         };
+        // A page that is not shown has no frames in which its work would get on.
+        page.pool.tick();
+        page.app.state.advance(0.0);
         let answer = page.app.state.ask(request);
         // Asking for the state changes nothing.
         let parsed = serde_json::from_str::<serde_json::Value>(request);
@@ -138,6 +141,22 @@ impl Tilescope {
         };
         let page = self.runner.app_mut::<Page>();
         page.is_some_and(|page| tilescope_app::actions::takes_key(&page.app.state, key, modifiers))
+    }
+
+    /// Says that what was to be copied could not be.
+    pub fn copy_failed(&self) {
+        if let Some(mut page) = self.runner.app_mut::<Page>() {
+            page.app.state.tell_not_copied();
+            page.ctx.request_repaint();
+        }
+    }
+
+    /// Takes up whether the system wishes that nothing moves by itself; what the user chose here stays.
+    pub fn prefer_reduced_motion(&self, reduced: bool) {
+        if let Some(mut page) = self.runner.app_mut::<Page>() {
+            page.app.state.prefer_reduced_motion(reduced);
+            page.ctx.request_repaint();
+        }
     }
 
     /// Returns what of the session the link does not hold, empty if it holds all.
@@ -207,6 +226,7 @@ impl Page {
                 .set_device_lost_callback(|_, reason| hooks::lost(&reason));
         }
         app.state.link_base = address();
+        app.copy_with(hooks::copy);
         if let Some(storage) = creation.storage.filter(|_| stores) {
             app.remember(storage);
         }
@@ -306,11 +326,22 @@ impl eframe::App for Page {
     }
 }
 
-/// Returns the address of the page without its fragment.
+/// Returns the address of the page without its fragment and without what is said to a page in a frame: a link leads to the
+/// whole app.
 fn address() -> Option<String> {
-    let address = web_sys::window()?.location().href().ok()?;
-    let end = address.find('#').unwrap_or(address.len());
-    Some(address[..end].to_owned())
+    let location = web_sys::window()?.location();
+    let (origin, path) = (location.origin().ok()?, location.pathname().ok()?);
+    let search = location.search().ok()?;
+    let kept: Vec<&str> = search
+        .trim_start_matches('?')
+        .split('&')
+        .filter(|pair| {
+            let name = pair.split('=').next().unwrap_or_default();
+            !matches!(name, "" | "embed" | "origin")
+        })
+        .collect();
+    let question = if kept.is_empty() { "" } else { "?" };
+    Some(format!("{origin}{path}{question}{}", kept.join("&")))
 }
 
 /// Returns what a backend is called.

@@ -114,25 +114,16 @@ impl Pool {
 
     /// Sees to errands that nobody waits for. Called with every frame.
     pub fn tick(&self) {
-        let mut dropped = Vec::new();
+        self.drop_cancelled();
         let mut graced = Vec::new();
         {
             let mut inner = self.0.borrow_mut();
-            let waiting = std::mem::take(&mut inner.waiting);
-            let (gone, kept) = waiting
-                .into_iter()
-                .partition(|parcel| parcel.monitor.is_cancelled());
-            inner.waiting = kept;
-            dropped.extend::<VecDeque<Parcel>>(gone);
             for busy in inner.slots.iter_mut().filter_map(|slot| slot.busy.as_mut()) {
                 if busy.parcel.monitor.is_cancelled() && !busy.given_grace {
                     busy.given_grace = true;
                     graced.push(busy.id);
                 }
             }
-        }
-        for parcel in dropped {
-            (parcel.answer)(End::GivenUp);
         }
         for id in graced {
             let pool = self.clone();
@@ -141,6 +132,22 @@ impl Pool {
                 let end = end.unchecked_ref();
                 let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(end, GRACE_MS);
             }
+        }
+    }
+
+    /// Gives up the errands that wait though nobody waits for them any more.
+    fn drop_cancelled(&self) {
+        let dropped: VecDeque<Parcel> = {
+            let mut inner = self.0.borrow_mut();
+            let waiting = std::mem::take(&mut inner.waiting);
+            let (gone, kept) = waiting
+                .into_iter()
+                .partition(|parcel| parcel.monitor.is_cancelled());
+            inner.waiting = kept;
+            gone
+        };
+        for parcel in dropped {
+            (parcel.answer)(End::GivenUp);
         }
     }
 
@@ -315,8 +322,9 @@ impl Pool {
         send(worker, busy.id, &busy.parcel)
     }
 
-    /// Gives waiting errands to idle workers.
+    /// Gives waiting errands to idle workers. A page that is not shown has no frames that would see to what was cancelled.
     fn go_on(&self) {
+        self.drop_cancelled();
         loop {
             let mut inner = self.0.borrow_mut();
             if inner.waiting.is_empty() || !inner.is_open {

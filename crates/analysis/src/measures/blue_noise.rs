@@ -1,14 +1,19 @@
 //! Effective Nyquist frequency and oscillation of a radial power curve (Heck, Schloemer and Deussen 2013), and the
 //! curve that follows from g(r). Frequencies are `nu = |k| / sqrt(N)` throughout.
-//! It never looks at samples.
+//! It never looks at samples but through g(r).
 
 use std::f64::consts::{PI, TAU};
 
+use std::ops::ControlFlow;
+
 use serde::Serialize;
 
+use super::distances::largest_min_distance;
 use super::error::MeasureError;
 use super::pair_correlation::PairCorrelation;
 use super::radial::RadialProfile;
+use crate::monitor::Progress;
+use crate::region::Region;
 
 /// Mean power within a disk at which its radius is the effective Nyquist frequency.
 const LOW_POWER: f64 = 0.1;
@@ -24,6 +29,12 @@ const NEARLY_ONE: f64 = 0.98;
 
 /// How far oscillations are looked at, as `nu`: ten times half of `sqrt(N)`.
 const OSCILLATION_RANGE: f64 = 5.0;
+
+/// Pair correlations that curves follow from reach so far, in units of `r_max`, in so many bins each.
+const FARTHEST: f64 = 8.0;
+const BINS_EACH: f64 = 100.0;
+/// They must reach so far: a curve of less is smoothed beyond its features.
+const NEAREST: f64 = 4.0;
 
 /// Power over frequency, without the zero frequency.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
@@ -70,8 +81,32 @@ impl PowerCurve {
         })
     }
 
-    /// Returns the curve of a radial mean. Its scatter adds to the oscillation: average many sets, or use
-    /// [`Self::of_pairs`].
+    /// Returns the curve of a set from which effective Nyquist frequency and oscillation are read: [`Self::of_pairs`]
+    /// with `g(r)` up to eight `r_max`, or half the shorter side, at the frequencies `0.01, 0.02 ... 6`. Unlike a radial mean
+    /// it hardly scatters, and its range is the same for any number of samples; what scatter there is adds to the oscillation of sets of
+    /// a few hundred. None where half the shorter side is below four `r_max`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`PairCorrelation::of`].
+    pub fn of_samples(
+        points: &[[f64; 2]],
+        region: Region,
+        control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+    ) -> Result<Option<Self>, MeasureError> {
+        let r_max = largest_min_distance(points.len(), region.area());
+        let most = (0.499 * region.width.min(region.height) / r_max).min(FARTHEST);
+        if most.is_nan() || most < NEAREST {
+            return Ok(None);
+        }
+        let bins = (BINS_EACH * most).ceil() as usize;
+        let pairs = PairCorrelation::of(points, region, most, bins, control)?;
+        let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
+        Self::of_pairs(&pairs, frequencies).map(Some)
+    }
+
+    /// Returns the curve of a radial mean. Its scatter adds to the oscillation and lifts or lowers the powers next to zero:
+    /// average many sets, or use [`Self::of_samples`].
     ///
     /// # Errors
     ///
@@ -87,6 +122,9 @@ impl PowerCurve {
     /// It smooths by about the inverse of the range of `g` and needs bins far shorter than a wave; eight
     /// `r_max` in 800 bins serve up to `nu = 5`. Unlike psa it takes no absolute value.
     ///
+    /// Among `N` samples `g` tends to `1 + (1 - P(0)) / N`, since all pairs are counted: that is taken off instead of 1, or small sets would
+    /// have power at zero that is none of theirs. [`PairCorrelation::samples`] of 0 stand for any number.
+    ///
     /// # Errors
     ///
     /// Those of [`Self::new`].
@@ -94,13 +132,17 @@ impl PowerCurve {
         // r_max in units of the mean spacing.
         let unit = (2.0 / 3f64.sqrt()).sqrt();
         let (step, reach) = (pairs.bin_width * unit, pairs.g.len() as f64);
-        let weighed: Vec<[f64; 2]> = (pairs.g.iter().enumerate())
-            .map(|(bin, g)| {
+        let rings: Vec<[f64; 2]> = (0..pairs.g.len())
+            .map(|bin| {
                 let s = (bin as f64 + 0.5) * step;
                 let part = PI * (bin as f64 + 0.5) / reach;
                 let window = 0.42 + 0.5 * part.cos() + 0.08 * (2.0 * part).cos();
-                [s, TAU * (g - 1.0) * s * window * step]
+                [s, TAU * s * window * step]
             })
+            .collect();
+        let far = far_excess(pairs, &rings);
+        let weighed: Vec<[f64; 2]> = (rings.iter().zip(&pairs.g))
+            .map(|([s, weight], g)| [*s, weight * (g - 1.0 - far)])
             .collect();
         let power = |nu: &f64| {
             let sum: f64 = (weighed.iter())
@@ -148,7 +190,7 @@ impl PowerCurve {
 
     /// Returns the oscillation `10 sqrt(mean of (P - 1)^2)` over the ring of frequencies from the first at which the
     /// power is nearly 1 to five beyond, or to the end of the curve: compare only curves of one range. Zero for
-    /// noise. None where the power never comes near 1.
+    /// noise, but for its scatter. None where the power never comes near 1.
     #[must_use]
     pub fn oscillation(&self) -> Option<f64> {
         let first = self.powers.iter().position(|power| *power >= NEARLY_ONE)?;
@@ -187,6 +229,21 @@ impl PowerCurve {
         let [low, high] = [below, after].map(|index| self.frequencies[index]);
         low + part.clamp(0.0, 1.0) * (high - low)
     }
+}
+
+/// By how much `g` exceeds 1 far away, `(1 - P(0)) / N`, from the power at zero that follows with it taken off.
+fn far_excess(pairs: &PairCorrelation, rings: &[[f64; 2]]) -> f64 {
+    if pairs.samples == 0 {
+        return 0.0;
+    }
+    let sum = |value: &dyn Fn(usize) -> f64| -> f64 {
+        let weights = rings.iter().enumerate();
+        weights.map(|(bin, [_, weight])| weight * value(bin)).sum()
+    };
+    let raw = 1.0 + sum(&|bin| pairs.g[bin] - 1.0);
+    // The samples that the window holds on the average, over all: at most about a fifth.
+    let share = sum(&|_| 1.0) / pairs.samples as f64;
+    (1.0 - raw) / (1.0 - share) / pairs.samples as f64
 }
 
 /// The Bessel function of the first kind of order 0 of a number that is not negative, to about 1e-10: its

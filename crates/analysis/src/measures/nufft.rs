@@ -20,9 +20,13 @@ use crate::monitor::Monitor;
 /// largest frequency.
 pub const NUFFT_ERROR: f64 = 1e-10;
 
-/// Working memory allowed for a window, 1 GiB: 4096 x 4096 frequencies about zero fit, and so does a
-/// browser's address space.
-pub const MAX_WINDOW_BYTES: u64 = 1 << 30;
+/// Working memory allowed for a window: 4 GiB, where 8192 x 8192 frequencies about zero fit; 1 GiB, where
+/// 4096 x 4096 do, in the address space of a browser.
+pub const MAX_WINDOW_BYTES: u64 = if cfg!(target_pointer_width = "64") {
+    1 << 32
+} else {
+    1 << 30
+};
 
 /// Largest magnitude of a frequency, 2^24: coordinates rounded to 2^-53 then blur a phase by less than 1.2e-8.
 pub const MAX_FREQUENCY: i64 = 1 << 24;

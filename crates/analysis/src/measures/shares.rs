@@ -89,7 +89,7 @@ impl FrequencyShares {
 /// No sample or one that is no place of the region; an inner length that is not between 0 and
 /// [`MAX_FREQUENCY`]; an outer one that is not finite or does not exceed it ([`MeasureError::NotRising`]); a
 /// frequency beyond [`MAX_FREQUENCY`]; more working memory than
-/// [`MAX_WINDOW_BYTES`](super::MAX_WINDOW_BYTES): frequencies up to 3000 along both axes fit, in two parts beyond 2100, and
+/// [`MAX_WINDOW_BYTES`](super::MAX_WINDOW_BYTES): of 4 GiB frequencies up to 6000 along both axes fit, in two parts beyond 4200, and
 /// those shorter than `ring[0]` take their place, too ([`MeasureError::WindowTooLarge`] names the part that does not fit). A
 /// ring without frequencies is no error.
 pub fn frequency_shares(
@@ -282,18 +282,18 @@ mod tests {
         }
     }
 
-    /// A ring too large for one transform has quarters that fit, up to about 3000; an axis without frequencies has none.
+    /// A ring too large for one transform has quarters that fit, up to about 6000; an axis without frequencies has none.
     #[test]
     fn memory_decides_between_the_whole_and_its_quarters() {
-        for (most, plans) in [(100, 1), (2000, 1), (2500, 2), (3000, 2)] {
+        for (most, plans) in [(100, 1), (4000, 1), (5000, 2), (6000, 2)] {
             let found = plans_of(&FrequencyWindow::centered(most)).expect("plans");
             assert_eq!(found.len(), plans, "{most}");
             assert!(found.iter().all(|plan| plan.real == (plans == 1)));
         }
-        let error = plans_of(&FrequencyWindow::centered(4000)).err();
+        let error = plans_of(&FrequencyWindow::centered(8000)).err();
         assert!(matches!(
             error,
-            Some(MeasureError::WindowTooLarge { columns: 4001, .. })
+            Some(MeasureError::WindowTooLarge { columns: 8001, .. })
         ));
         let line = FrequencyWindow {
             x: -50..51,

@@ -3,7 +3,6 @@
 
 use serde::Serialize;
 
-use super::blue_noise::PowerCurve;
 use super::check_range;
 use super::coarse::CoarsePower;
 use super::error::MeasureError;
@@ -21,8 +20,6 @@ pub struct Spectrum {
     /// Ends of the band of each annulus that holds the true mean power with probability [`Self::LEVEL`]; none for bounded sets: their
     /// taper makes neighbouring frequencies depend on each other, and the bands would be too narrow.
     pub bands: Option<Vec<[f64; 2]>>,
-    /// The radial mean as a curve, for effective Nyquist frequency and oscillation; none where it is too short.
-    pub curve: Option<PowerCurve>,
     /// The periodogram on at most [`Self::PICTURE_CELLS`] cells along an axis.
     pub picture: CoarsePower,
     /// Half of the picture's extent along x and y, as `nu`.
@@ -79,7 +76,6 @@ impl Spectrum {
         let scale = periodogram.scale();
         Ok(Self {
             bands: bands(&profile, periodogram.region)?,
-            curve: PowerCurve::of_profile(&profile).ok(),
             picture_reach: [0, 1].map(|axis| half[axis] * scale[axis]),
             profile,
             picture,

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use tilescope_analysis::measures::{
-    FrequencyWindow, MeasureError, PairCorrelation, Periodogram, Spectrum,
+    FrequencyWindow, MeasureError, PairCorrelation, Periodogram, PowerCurve, Spectrum,
 };
 use tilescope_analysis::{Progress, Region, Report, VerifyError, VerifyOptions, verify};
 
@@ -45,6 +45,9 @@ pub struct Measured {
     pub rough: Option<Arc<Spectrum>>,
     /// The spectrum.
     pub spectrum: Option<Arc<Spectrum>>,
+    /// The smooth spectrum that follows from g(r), for effective Nyquist frequency and oscillation: there with the spectrum,
+    /// unless the region is too narrow.
+    pub curve: Option<Arc<PowerCurve>>,
 }
 
 /// A part of what is measured.
@@ -85,6 +88,7 @@ impl Measured {
             report: None,
             rough: None,
             spectrum: None,
+            curve: None,
         }
     }
 
@@ -136,13 +140,19 @@ impl Measured {
             }
             Part::Rough => {
                 let whole = Spectrum::window(points.len() as f64, region);
-                let most = ((whole.x.end - 1) / ROUGHER).max(1) as u32;
-                let window = FrequencyWindow::centered(most);
+                let fewer = |end: i64| ((end - 1) / ROUGHER).max(1);
+                let [x, y] = [&whole.x, &whole.y].map(|axis| fewer(axis.end));
+                let window = FrequencyWindow {
+                    x: -x..x + 1,
+                    y: -y..y + 1,
+                };
                 self.rough = Some(spectrum(points, region, &window, control)?);
             }
             Part::Spectrum => {
                 let window = Spectrum::window(points.len() as f64, region);
-                self.spectrum = Some(spectrum(points, region, &window, control)?);
+                let found = spectrum(points, region, &window, control)?;
+                self.curve = PowerCurve::of_samples(points, region, control)?.map(Arc::new);
+                self.spectrum = Some(found);
                 self.rough = None;
             }
         }

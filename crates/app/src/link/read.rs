@@ -201,19 +201,25 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Returns the layers of a list. Where none of those named exists, the usual ones are nearer to what was meant
+    /// than an empty canvas.
     fn layers(&mut self, names: &str) -> Layers {
-        let mut layers = Layers::none();
+        let (mut layers, mut are_unknown) = (Layers::none(), false);
         for name in names.split(',').filter(|name| !name.is_empty()) {
             let layer = Layer::ALL.into_iter().find(|&l| layer_name(l) == name);
             match layer {
                 Some(layer) if !layers.has(layer) => layers.toggle(layer),
                 Some(_) => {}
                 None => {
+                    are_unknown = true;
                     let name = quoted(name);
                     self.said
                         .say(format!("There is no layer \"{name}\"; it was left out."));
                 }
             }
+        }
+        if are_unknown && layers == Layers::none() {
+            return Layers::default();
         }
         layers
     }

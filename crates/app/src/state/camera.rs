@@ -170,9 +170,35 @@ impl State {
         self.fly_to(center, 9.0);
     }
 
-    /// Has the camera jump from now on, or fly again; a flight at work ends where it leads.
+    /// Has the camera jump from now on, or fly again, as the user chooses.
     pub(super) fn toggle_reduced_motion(&mut self) {
-        self.reduced_motion = !self.reduced_motion;
+        self.choose_motion(Some(!self.reduced_motion));
+    }
+
+    /// Returns what the user chose of motion, if anything.
+    #[must_use]
+    pub fn motion_chosen(&self) -> Option<bool> {
+        self.motion_is_chosen.then_some(self.reduced_motion)
+    }
+
+    /// Takes up what the user chose, now or earlier.
+    pub fn choose_motion(&mut self, chosen: Option<bool>) {
+        if let Some(reduced) = chosen {
+            self.motion_is_chosen = true;
+            self.reduce_motion(reduced);
+        }
+    }
+
+    /// Takes up what the system prefers, which counts until the user chooses.
+    pub fn prefer_reduced_motion(&mut self, reduced: bool) {
+        if !self.motion_is_chosen {
+            self.reduce_motion(reduced);
+        }
+    }
+
+    /// A flight at work ends where it leads.
+    fn reduce_motion(&mut self, reduced: bool) {
+        self.reduced_motion = reduced;
         if self.reduced_motion
             && let Some(flight) = self.flight.take()
         {

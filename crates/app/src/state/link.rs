@@ -125,6 +125,19 @@ impl State {
         self.tell(text, false);
     }
 
+    /// Says that what was to be copied could not be.
+    pub fn tell_not_copied(&mut self) {
+        let whence = if self.embedding.is_some() {
+            "the page around this one may have to allow it"
+        } else {
+            "the address bar holds the link, too"
+        };
+        self.tell(
+            format!("The browser did not let the link be copied: {whence}."),
+            true,
+        );
+    }
+
     /// Opens a link: a fragment with its `#` or without, or a whole address. What cannot be meant, is unknown or too large
     /// is left out and named in a notice. The run is made first, if it is not the one at hand; a run that the user starts
     /// meanwhile counts instead.

@@ -15,7 +15,7 @@ pub struct PageStart {
     pub engine: Engine,
     /// A part of the window that is shown alone.
     pub embedding: Option<Embedding>,
-    /// Whether nothing is to move by itself.
+    /// Whether the system wishes that nothing moves by itself.
     pub reduced_motion: bool,
 }
 
@@ -24,7 +24,7 @@ impl State {
     pub fn begin_on_page(&mut self, start: &PageStart) {
         self.display = Some(start.display.clone());
         self.embedding = start.embedding;
-        self.reduced_motion |= start.reduced_motion;
+        self.prefer_reduced_motion(start.reduced_motion);
         if !start.reason.is_empty() {
             self.notice = Some(Notice {
                 text: start.reason.clone(),

@@ -23,6 +23,18 @@ fn a_window_copies_its_link() {
     harness.step();
     let commands = &harness.output().platform_output.commands;
     assert!(!commands.iter().any(copied), "it is copied once");
+    // Where something else copies, the window does not; what fails there is told.
+    harness.state_mut().copy_with(|text| text == "#v=1");
+    harness.state_mut().state.apply(Command::CopyLink);
+    harness.step();
+    let commands = &harness.output().platform_output.commands;
+    assert!(!commands.iter().any(copied), "{commands:?}");
+    harness.state_mut().state.tell_not_copied();
+    let notice = harness.state().state.notice.clone().expect("a notice");
+    assert!(
+        notice.is_error && notice.text.contains("address bar"),
+        "{notice:?}"
+    );
     harness
         .state_mut()
         .state

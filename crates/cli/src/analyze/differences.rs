@@ -145,6 +145,7 @@ pub fn table(reference: &Subject, subjects: &[Subject], comparisons: &[Compariso
             .map(|subject| subject.label.clone())
             .collect(),
         rows: numbers.chain(curves).collect(),
+        joined: Vec::new(),
     }
 }
 

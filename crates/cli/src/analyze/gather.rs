@@ -44,10 +44,9 @@ impl Analysis {
 
     /// Analyses the files one after another; only Ctrl-C and a useless `--against` end it early.
     pub fn of(arguments: &AnalyzeArguments) -> Result<Self> {
-        let request = Request {
-            arguments: &arguments.set,
-            nu: arguments.frequencies,
-        };
+        let paths = arguments.against.iter().chain(&arguments.files);
+        let paths: Vec<&Path> = paths.map(PathBuf::as_path).collect();
+        let request = Request::new(&arguments.set, arguments.frequencies, &paths);
         let mut analysis = Self {
             subjects: Vec::new(),
             against: !arguments.against.is_empty(),
@@ -66,6 +65,7 @@ impl Analysis {
         }
         analysis.note_shared(arguments);
         analysis.name();
+        analysis.note_domains();
         analysis.note_two_sets();
         if arguments.frequencies.is_none() {
             analysis.note_short_spectra();
@@ -184,6 +184,31 @@ impl Analysis {
         }
     }
 
+    /// Curves of different domains lie in one chart, each over its own frequencies.
+    fn note_domains(&mut self) {
+        let Some(first) = self.subjects.first() else {
+            return;
+        };
+        let (label, region) = (first.label.clone(), first.region);
+        let others: Vec<String> = (self.subjects.iter())
+            .filter(|subject| subject.region != region)
+            .map(|subject| {
+                format!(
+                    "{} ({})",
+                    subject.label,
+                    output::region_text(&subject.region)
+                )
+            })
+            .collect();
+        if !others.is_empty() {
+            self.note(format!(
+                "the domains differ: {} beside {label} ({})",
+                others.join(", "),
+                output::region_text(&region)
+            ));
+        }
+    }
+
     /// Student's quantile of one degree of freedom is 12.7.
     fn note_two_sets(&mut self) {
         let two = |subject: &&Subject| subject.members.len() == 2;
@@ -225,6 +250,21 @@ impl Analysis {
 
     /// Gives every subject names of its own; that of the reference may be a file's as well.
     fn name(&mut self) {
+        // Two averages are told apart by their files.
+        if self
+            .subjects
+            .iter()
+            .filter(|subject| subject.average)
+            .count()
+            > 1
+        {
+            for subject in self.subjects.iter_mut().filter(|subject| subject.average) {
+                let files: Vec<&str> = (subject.members.iter())
+                    .map(|member| member.name.as_str())
+                    .collect();
+                subject.name = format!("{}: {}", subject.name, names::pattern(&files));
+            }
+        }
         let names: Vec<String> = self
             .subjects
             .iter()

@@ -1,16 +1,18 @@
 //! One file, read, verified and measured: plain numbers and curves; its samples are gone.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use tilescope_analysis::measures::{
     Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairCorrelation,
-    Periodogram, Spectrum, largest_min_distance,
+    Periodogram, PowerCurve, Spectrum, largest_min_distance,
 };
 use tilescope_analysis::{Progress, Region, Report, VerifyError};
-use tilescope_formats::{Check, CheckError, StreamReader};
+use tilescope_formats::{CheckError, StreamReader, place};
 
+use super::bins::Bins;
 use super::scalars::{Found, Scalar, scalars};
 use crate::options::{SetArguments, UNIT_SQUARE};
 use crate::output;
@@ -18,6 +20,9 @@ use crate::progress::{measuring, verifying};
 
 /// Numbers of samples that are averaged differ from the first set's by this part of it at most.
 pub const SPREAD_OF_COUNTS: f64 = 0.1;
+
+/// Frequencies that take more memory are looked at only when they are asked for: 2 GiB are those of 1.3 million samples.
+const UNASKED_BYTES: u64 = 1 << 31;
 
 /// What is known of a set beside its curves.
 pub struct Member {
@@ -36,8 +41,12 @@ pub struct Member {
 pub struct Measured {
     pub member: Member,
     pub spectrum: Spectrum,
-    pub pairs: PairCorrelation,
+    /// The smooth spectrum that follows from g(r); none in too narrow a domain.
+    pub curve: Option<PowerCurve>,
+    /// Distance over `r_max`, and g(r).
+    pub pairs: Vec<[f64; 2]>,
     pub periodogram: Periodogram,
+    bins: Bins,
 }
 
 /// What all sets of an average share: decided by the first of them.
@@ -46,38 +55,82 @@ pub struct Common {
     region: Region,
     samples: usize,
     window: FrequencyWindow,
-    /// Largest distance of the pair correlation over `r_max`, and its bins.
-    pairs: (f64, usize),
+    bins: Bins,
 }
 
 /// How files are measured.
 pub struct Request<'a> {
-    pub arguments: &'a SetArguments,
+    arguments: &'a SetArguments,
     /// The largest frequency as nu, where it was given.
-    pub nu: Option<f64>,
+    nu: Option<f64>,
+    /// The radius of all sets, where it is known and the same: their distances begin there, and are cut there.
+    radius: Option<f64>,
+    /// The `r_max` of the first set of one radius, the unit of all their distances.
+    unit: Cell<Option<f64>>,
+}
+
+/// A set that was read, and what the verifier says of it.
+struct Read {
+    points: Vec<[f64; 2]>,
+    region: Region,
+    radius: f64,
+    /// The radius is known; otherwise one stands for it that keeps searches quick.
+    certain: bool,
+    /// None of sets with equal samples.
+    report: Option<Report>,
+    /// What is to be told of it.
+    warnings: Vec<String>,
 }
 
 type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 
-impl Request<'_> {
+impl<'a> Request<'a> {
+    /// Returns how all of `paths` are measured.
+    pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
+        let radii = paths
+            .iter()
+            .filter_map(|path| stated_radius(path, arguments));
+        let radii: Option<Vec<f64>> = radii.collect();
+        let first = radii.as_ref().and_then(|radii| radii.first().copied());
+        let same = |first: &f64| {
+            let near = |radius: &f64| (radius / first - 1.0).abs() <= 1e-9;
+            radii.iter().flatten().all(near)
+        };
+        Self {
+            arguments,
+            nu,
+            radius: first.filter(same),
+            unit: Cell::new(None),
+        }
+    }
+
     /// Reads, verifies and measures a file.
     pub fn measured(&self, path: &Path, common: Option<&Common>) -> Result<Measured> {
         let name = path.display().to_string();
         let measured = || -> Result<Measured> {
             self.refuse_early(path)?;
-            let (check, certain) = read(path, self.arguments)?;
-            for difference in &check.differences {
-                eprint!("{}", output::warning_line(&format!("{name}: {difference}")));
+            let set = read(path, self.arguments)?;
+            for warning in &set.warnings {
+                eprint!("{}", output::warning_line(&format!("{name}: {warning}")));
             }
-            let (samples, region) = (check.report.count, check.report.region);
+            let (samples, region) = (set.points.len(), set.region);
             if let Some(common) = common {
                 common.admit(samples, region)?;
             }
             let window = self.window(samples as f64, region)?;
-            let shared = common.map_or((window, None), |common| {
-                (common.window.clone(), Some(common.pairs))
+            let bins = Bins::of(self.radius, samples, region);
+            let shared = common.map_or((window, bins), |common| {
+                (common.window.clone(), common.bins)
             });
-            let found = measuring(|control| of(&name, check, certain, shared, control))?;
+            let mut found = measuring(|control| of(&name, &set, shared, control))?;
+            if self.radius.is_some() {
+                let own = largest_min_distance(samples, region.area());
+                let unit = self.unit.get().unwrap_or(own);
+                self.unit.set(Some(unit));
+                for place in &mut found.pairs {
+                    place[0] *= own / unit;
+                }
+            }
             Ok(found)
         };
         measured().context(name.clone())
@@ -86,7 +139,16 @@ impl Request<'_> {
     fn window(&self, samples: f64, region: Region) -> Result<FrequencyWindow, MeasureError> {
         match self.nu {
             Some(nu) => Spectrum::window_to(nu, samples, region),
-            None => Ok(Spectrum::window(samples, region)),
+            None => {
+                let wide = Spectrum::window_to(Spectrum::MOST_NU, samples, region);
+                let fits = |window: &FrequencyWindow| {
+                    window.bytes().is_ok_and(|bytes| bytes <= UNASKED_BYTES)
+                };
+                Ok(wide
+                    .ok()
+                    .filter(fits)
+                    .unwrap_or_else(|| Spectrum::window(samples, region)))
+            }
         }
     }
 
@@ -122,10 +184,7 @@ impl Common {
             region: *region,
             samples: *samples,
             window: first.periodogram.window.clone(),
-            pairs: (
-                first.pairs.bin_width * first.pairs.g.len() as f64,
-                first.pairs.g.len(),
-            ),
+            bins: first.bins,
         }
     }
 
@@ -149,52 +208,63 @@ impl Common {
     }
 }
 
-/// Returns the largest distance of the pair correlation over `r_max`, and its bins: 40 to each `r_max`. Sets of fewer samples, as
-/// far as they are averaged with this one, reach as far.
-fn reach_of_pairs(samples: usize, region: Region) -> (f64, usize) {
-    let r_max = largest_min_distance(samples, region.area());
-    let half = 0.499 * region.width.min(region.height) / r_max;
-    let most = (half * (1.0 - SPREAD_OF_COUNTS).sqrt()).min(5.0);
-    (most, (40.0 * most).ceil().max(1.0) as usize)
-}
-
 fn of(
     name: &str,
-    check: Check,
-    certain: bool,
-    (window, pairs): (FrequencyWindow, Option<(f64, usize)>),
+    set: &Read,
+    (window, bins): (FrequencyWindow, Bins),
     control: Control<'_>,
 ) -> Result<Measured, MeasureError> {
-    let points = &check.set.points;
-    let mut report = check.report;
-    let region = report.region;
-    let relative = distances(points, certain, &mut report, control)?;
+    let (points, region, samples) = (&set.points, set.region, set.points.len());
+    let distances = NearestDistances::of(points, region, control)?;
+    let min_distance = distances.summary.least;
+    let radius = if set.certain {
+        set.radius
+    } else {
+        min_distance
+    };
     let discrepancy = discrepancy(points, region, control)?;
     let periodogram = Periodogram::of(points, region, &window, control)?;
     let spectrum = Spectrum::of(&periodogram)?;
-    let (most, bins) = pairs.unwrap_or_else(|| reach_of_pairs(points.len(), region));
-    let pairs = PairCorrelation::of(points, region, most, bins, control)?;
-    let order = Order::of(points, region, control)?;
+    let most = bins.farthest(samples, region);
+    let pairs = PairCorrelation::of(points, region, most, bins.count(), control)?;
+    let curve = PowerCurve::of_samples(points, region, control)?;
+    let report = set.report.as_ref();
+    let order = match report {
+        Some(_) => Some(Order::of(points, region, control)?),
+        None => None,
+    };
+    let judged = report.filter(|_| set.certain);
     let found = Found {
-        report: &report,
-        certain,
-        relative,
-        curve: spectrum.curve.as_ref(),
-        order: &order,
+        samples,
+        radius,
+        density: samples as f64 * radius.powi(2) / region.area(),
+        min_distance,
+        covering_radius: report.map(|report| report.covering_radius),
+        conflicts: judged.map(|report| report.conflicts),
+        gaps: judged.map(|report| report.gaps),
+        relative: [
+            distances.relative_radius(),
+            distances.mean_relative_distance(),
+        ],
+        curve: curve.as_ref(),
+        order: order.as_ref(),
         discrepancy,
     };
     Ok(Measured {
         member: Member {
             name: name.to_owned(),
             region,
-            samples: report.count,
-            certain,
-            valid: certain.then(|| report.valid()),
+            samples,
+            certain: set.certain,
+            // Equal samples are in conflict.
+            valid: (set.certain).then(|| report.is_some_and(Report::valid)),
             scalars: scalars(&found),
         },
         spectrum,
-        pairs,
+        curve,
+        pairs: pairs.places(),
         periodogram,
+        bins,
     })
 }
 
@@ -210,24 +280,16 @@ fn discrepancy(
     }
 }
 
-/// Returns smallest and mean nearest distance over `r_max`; the smallest stands for a radius that is not known.
-fn distances(
-    points: &[[f64; 2]],
-    certain: bool,
-    report: &mut Report,
-    control: Control<'_>,
-) -> Result<[f64; 2], MeasureError> {
-    let region = report.region;
-    let found = NearestDistances::of(points, region, control)?;
-    if !certain {
-        report.radius = found.summary.least;
-        report.density = points.len() as f64 * report.radius.powi(2) / region.area();
-    }
-    Ok([found.relative_radius(), found.mean_relative_distance()])
+/// Returns the radius that the arguments, a file or its certificate state, if any does; `None` for a file that cannot be opened,
+/// which is told when it is read.
+fn stated_radius(path: &Path, arguments: &SetArguments) -> Option<Option<f64>> {
+    let reader = StreamReader::open(path, arguments.format).ok()?;
+    let stated = reader.certificate().map(|stated| stated.radius);
+    Some(arguments.radius.or(stated))
 }
 
 /// Reads and verifies a file; without a radius its spacing stands for one, and nothing is certain.
-fn read(path: &Path, arguments: &SetArguments) -> Result<(Check, bool)> {
+fn read(path: &Path, arguments: &SetArguments) -> Result<Read> {
     let mut overrides = arguments.overrides(path)?;
     let mut certain = true;
     loop {
@@ -246,19 +308,43 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<(Check, bool)> {
                 overrides.radius = Some((region.area() / count as f64).sqrt());
                 certain = false;
             }
-            Err(error) => return Err(reason(error, path, arguments)),
-            Ok(found) => return Ok((found, certain)),
+            Err(CheckError::Verify(error @ VerifyError::Duplicate { .. })) => {
+                let placed = place(path, &overrides)?;
+                if let Some(refusal) = all_equal(&placed.set.points) {
+                    return Err(refusal.into());
+                }
+                return Ok(Read {
+                    points: placed.set.points,
+                    region: placed.region,
+                    radius: placed.radius,
+                    certain,
+                    report: None,
+                    warnings: vec![format!(
+                        "{error}: it is measured without a verdict and without cells"
+                    )],
+                });
+            }
+            Err(error) => return Err(reason(error)),
+            Ok(found) => {
+                let differences = found.differences.iter().map(ToString::to_string);
+                return Ok(Read {
+                    region: found.report.region,
+                    radius: found.report.radius,
+                    certain,
+                    warnings: differences.collect(),
+                    report: Some(found.report),
+                    points: found.set.points,
+                });
+            }
         }
     }
 }
 
 /// Says why a file was not verified: no verdict was asked for, and numbers beyond all limits have hundreds of digits.
-fn reason(error: CheckError, path: &Path, arguments: &SetArguments) -> anyhow::Error {
+fn reason(error: CheckError) -> anyhow::Error {
     match error {
-        CheckError::Verify(VerifyError::Duplicate { .. }) => {
-            let read = arguments.read(path).ok();
-            let equal = read.and_then(|found| all_equal(&found.set.points));
-            equal.map_or_else(|| error.into(), Into::into)
+        CheckError::Verify(error @ VerifyError::OutOfRegion { .. }) => {
+            anyhow::anyhow!("{error}; --width, --height and --boundary state another domain")
         }
         CheckError::Verify(VerifyError::BadRadius { radius }) => anyhow::anyhow!(
             "the radius {radius:?} is not a positive number between 2^-100 and 2^100 times the domain's longer side"

@@ -50,6 +50,35 @@ pub fn short(names: &[String]) -> Vec<String> {
     (0..names.len()).map(label).collect()
 }
 
+/// Returns what the file names of `names` have in common, with an asterisk for the rest.
+pub fn pattern(names: &[&str]) -> String {
+    let files: Vec<Vec<char>> = names
+        .iter()
+        .map(|name| name.rsplit(['/', '\\']).next().unwrap_or(name))
+        .map(|name| name.chars().collect())
+        .collect();
+    let Some((first, rest)) = files.split_first() else {
+        return String::new();
+    };
+    let same = |letters: &dyn Fn(&[char]) -> Vec<char>, file: &[char]| {
+        let pairs = letters(first).into_iter().zip(letters(file));
+        pairs.take_while(|(a, b)| a == b).count()
+    };
+    let shortest = files.iter().map(Vec::len).min().unwrap_or(0);
+    let common = |letters: &dyn Fn(&[char]) -> Vec<char>| {
+        let counts = rest.iter().map(|file| same(letters, file));
+        counts.min().unwrap_or(first.len())
+    };
+    let head = common(&<[char]>::to_vec);
+    if head == first.len() && head == shortest {
+        return first.iter().collect();
+    }
+    let backwards = |file: &[char]| file.iter().rev().copied().collect();
+    let tail = common(&backwards).min(shortest - head.min(shortest));
+    let end = &first[first.len() - tail..];
+    first[..head].iter().chain(&['*']).chain(end).collect()
+}
+
 /// Returns a name in at most `most` letters: its beginning, an ellipsis, its end.
 pub fn cut(name: &str, most: usize) -> String {
     let letters: Vec<char> = name.chars().collect();
@@ -82,6 +111,15 @@ mod tests {
             ["a/x.csv", "b/x.csv"]
         );
         assert_eq!(of(&["x.csv", "b/x.csv"]), ["x.csv", "b/x.csv"]);
+    }
+
+    #[test]
+    fn patterns_keep_what_all_names_have() {
+        assert_eq!(pattern(&["a/s1.npy", "b/s2.npy", "s10.npy"]), "s*.npy");
+        assert_eq!(pattern(&["x.csv", "y.npy"]), "*");
+        assert_eq!(pattern(&["aa.csv", "aaa.csv"]), "aa*.csv");
+        assert_eq!(pattern(&["a/x.csv", "b/x.csv"]), "x.csv");
+        assert_eq!(pattern(&["x.csv"]), "x.csv");
     }
 
     #[test]

@@ -1,17 +1,25 @@
 //! The numbers of the table, in its sequence, with their names and units.
 
-use tilescope_analysis::Report;
 use tilescope_analysis::measures::{Discrepancy, Order, PowerCurve};
 
 /// What the numbers of a set are made from.
 pub struct Found<'a> {
-    pub report: &'a Report,
-    /// The radius is known.
-    pub certain: bool,
+    pub samples: usize,
+    /// The radius, or the smallest distance where it is not known.
+    pub radius: f64,
+    pub density: f64,
+    pub min_distance: f64,
+    /// None where the verifier gives no verdict.
+    pub covering_radius: Option<f64>,
+    /// None also where the radius is not known: of such a one they say nothing.
+    pub conflicts: Option<u64>,
+    pub gaps: Option<u64>,
     /// Smallest and mean nearest distance over `r_max`.
     pub relative: [f64; 2],
+    /// None of sets in too narrow a domain.
     pub curve: Option<&'a PowerCurve>,
-    pub order: &'a Order,
+    /// None of sets with equal samples, which have no cells.
+    pub order: Option<&'a Order>,
     /// None for sets that are too large for it.
     pub discrepancy: Option<Discrepancy>,
 }
@@ -102,18 +110,15 @@ fn named(values: impl Iterator<Item = (Row, Option<f64>)>) -> Vec<Scalar> {
 }
 
 fn verdict(set: &Found<'_>) -> [Option<f64>; SET.len()] {
-    let report = set.report;
-    let r = report.radius;
-    // Of a radius that is not known, conflicts and gaps say nothing.
-    let certain = |count: u64| set.certain.then_some(count as f64);
+    let r = set.radius;
     [
-        Some(report.count as f64),
-        Some(r),
-        Some(report.density),
-        Some(report.min_distance / r),
-        Some(report.covering_radius / r),
-        certain(report.conflicts),
-        certain(report.gaps),
+        Some(set.samples as f64),
+        Some(r).filter(|r| *r > 0.0),
+        Some(set.density),
+        Some(set.min_distance / r),
+        set.covering_radius.map(|covering| covering / r),
+        set.conflicts.map(|count| count as f64),
+        set.gaps.map(|count| count as f64),
     ]
 }
 
@@ -129,15 +134,16 @@ fn curves(set: &Found<'_>) -> [Option<f64>; CURVES.len()] {
 }
 
 fn cells(set: &Found<'_>) -> [Option<f64>; CELLS.len()] {
-    let order = set.order;
-    let all: u64 = order.sides.iter().sum();
-    let six = order.sides.get(6).copied().unwrap_or(0);
+    let of = |value: fn(&Order) -> f64| set.order.map(value);
     [
-        Some(order.relative_areas.deviation),
-        Some(six as f64 / all as f64),
-        Some(order.mean_sides),
-        Some(order.bond_order),
-        Some(order.global_bond_order),
+        of(|order| order.relative_areas.deviation),
+        of(|order| {
+            let all: u64 = order.sides.iter().sum();
+            order.sides.get(6).copied().unwrap_or(0) as f64 / all as f64
+        }),
+        of(|order| order.mean_sides),
+        of(|order| order.bond_order),
+        of(|order| order.global_bond_order),
         set.discrepancy.map(|found| found.star),
         set.discrepancy.map(|found| found.centered),
     ]

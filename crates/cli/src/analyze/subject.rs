@@ -4,7 +4,8 @@
 use anyhow::Result;
 use tilescope_analysis::Region;
 use tilescope_analysis::measures::{
-    Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, RadialProfile, Spectrum,
+    Average, DifferenceCurve, MeanCurve, MeanPeriodogram, MeasureError, PowerCurve, RadialProfile,
+    Spectrum,
 };
 
 use super::measured::{Common, Measured, Member};
@@ -74,7 +75,7 @@ impl Subject {
             pairs,
             ..
         } = measured;
-        let [nu, distances] = [spectrum.power(), pairs.places()];
+        let [nu, distances] = [spectrum.power(), pairs];
         Self {
             name: member.name.clone(),
             label: member.name.clone(),
@@ -151,6 +152,48 @@ pub struct Population {
     periodograms: MeanPeriodogram,
     powers: Option<Average>,
     correlations: Option<Average>,
+    smooth: Smooth,
+}
+
+/// The mean of smooth spectra, while every set has one.
+#[derive(Default)]
+enum Smooth {
+    #[default]
+    Nothing,
+    Mean {
+        frequencies: Vec<f64>,
+        powers: Average,
+    },
+    Missing,
+}
+
+impl Smooth {
+    fn add(&mut self, curve: Option<&PowerCurve>) -> Result<(), MeasureError> {
+        let Some(curve) = curve else {
+            *self = Self::Missing;
+            return Ok(());
+        };
+        if matches!(self, Self::Nothing) {
+            *self = Self::Mean {
+                frequencies: curve.frequencies().to_vec(),
+                powers: Average::new(curve.powers().len()),
+            };
+        }
+        match self {
+            Self::Mean { powers, .. } => powers.add(curve.powers()),
+            Self::Nothing | Self::Missing => Ok(()),
+        }
+    }
+
+    fn mean(self) -> Option<PowerCurve> {
+        match self {
+            Self::Mean {
+                frequencies,
+                powers,
+            } => PowerCurve::new(frequencies, powers.means().to_vec()).ok(),
+            Self::Nothing | Self::Missing => None,
+        }
+    }
 }
 
 impl Population {
@@ -163,23 +206,27 @@ impl Population {
     pub fn add(&mut self, measured: Measured) -> Result<(), MeasureError> {
         if self.common.is_none() {
             self.common = Some(Common::of(&measured));
-            let places = measured.pairs.places().into_iter();
+            let places = measured.pairs.iter();
             self.distances = places.map(|place| place[0]).collect();
         }
         let Measured {
             member,
             spectrum,
+            curve,
             pairs,
             periodogram,
+            ..
         } = measured;
+        self.smooth.add(curve.as_ref())?;
         self.periodograms.add(&periodogram)?;
         let powers = spectrum.profile.powers();
         self.powers
             .get_or_insert_with(|| Average::new(powers.len()))
             .add(&powers)?;
+        let correlation: Vec<f64> = pairs.iter().map(|place| place[1]).collect();
         self.correlations
-            .get_or_insert_with(|| Average::new(pairs.g.len()))
-            .add(&pairs.g)?;
+            .get_or_insert_with(|| Average::new(correlation.len()))
+            .add(&correlation)?;
         self.members.push(member);
         Ok(())
     }
@@ -202,7 +249,7 @@ impl Population {
         };
         let mut numbers = numbers(&self.members)?;
         numbers.extend(
-            of_mean_power(spectrum.curve.as_ref())
+            of_mean_power(self.smooth.mean().as_ref())
                 .into_iter()
                 .map(|scalar| Number {
                     scalar,

@@ -24,6 +24,8 @@ pub struct Table {
     pub head: String,
     pub names: Vec<String>,
     pub rows: Vec<Row>,
+    /// Columns that are never parted from the one before them.
+    pub joined: Vec<usize>,
 }
 
 /// Which of a number's values stands in a column.
@@ -109,6 +111,9 @@ pub fn measures(subjects: &[Subject], against: bool) -> Table {
         head: "measure".to_owned(),
         names: columns.iter().map(|column| column.name.clone()).collect(),
         rows: [domain, origin].into_iter().chain(numbers).collect(),
+        joined: (0..columns.len())
+            .filter(|&column| !columns[column].first)
+            .collect(),
     }
 }
 
@@ -154,6 +159,7 @@ pub fn files(members: &[Member]) -> Table {
                 cells: member.scalars.iter().map(cell).collect(),
             })
             .collect(),
+        joined: Vec::new(),
     }
 }
 
@@ -183,10 +189,7 @@ pub fn text(table: &Table) -> String {
     let mut out = String::new();
     let mut from = 0;
     while from < widths.len() {
-        let mut to = from + 1;
-        while to < widths.len() && first + widths[from..=to].iter().sum::<usize>() <= WIDE {
-            to += 1;
-        }
+        let to = end_of_part(table, &widths, first, from);
         if from > 0 {
             out.push('\n');
         }
@@ -207,9 +210,47 @@ pub fn text(table: &Table) -> String {
     out
 }
 
+/// Returns the end of the part that begins with the column `from`: as many subjects as fit, and at least one.
+fn end_of_part(table: &Table, widths: &[usize], labels: usize, from: usize) -> usize {
+    let ends = (from + 1..=widths.len()).filter(|end| !table.joined.contains(end));
+    let fits = |end: &usize| labels + widths[from..*end].iter().sum::<usize>() <= WIDE;
+    let mut ends = ends.peekable();
+    let least = ends.peek().copied().unwrap_or(widths.len());
+    ends.take_while(fits).last().unwrap_or(least)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_of_one_subject_stay_together() {
+        let row = Row {
+            label: "samples".to_owned(),
+            unit: "",
+            cells: ["1", "2", "3", "4", "5"].map(str::to_owned).to_vec(),
+        };
+        let mut table = Table {
+            head: "measure".to_owned(),
+            names: ["a", "b", "error", "c", "error"]
+                .map(|name| format!("{name:30}"))
+                .to_vec(),
+            rows: vec![row],
+            joined: vec![2, 4],
+        };
+        let parts = |table: &Table| -> Vec<usize> {
+            let found = text(table);
+            let heads = found.split("\n\n").map(|part| part.lines().next().unwrap());
+            heads
+                .map(|head| head.split_whitespace().count() - 1)
+                .collect()
+        };
+        assert_eq!(parts(&table), [3, 2]);
+        table.joined = vec![3, 4];
+        assert_eq!(parts(&table), [2, 3]);
+        table.joined = vec![1, 2, 3, 4];
+        assert_eq!(parts(&table), [5]);
+    }
 
     #[test]
     fn a_later_part_has_no_rows_without_a_word() {
@@ -222,6 +263,7 @@ mod tests {
             head: "measure".to_owned(),
             names: ["a", "b"].map(|name| name.repeat(WIDE / 2)).to_vec(),
             rows: vec![row("domain", ["1 x 1", ""]), row("samples", ["9", "8"])],
+            joined: Vec::new(),
         };
         let found = text(&table);
         let parts: Vec<&str> = found.split("\n\n").collect();

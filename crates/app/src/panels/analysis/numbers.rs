@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use tilescope_analysis::Report;
-use tilescope_analysis::measures::{PowerCurve, Spectrum};
+use tilescope_analysis::measures::PowerCurve;
 
 use super::Sets;
 use crate::analysis::measured::Measured;
@@ -55,13 +55,13 @@ const NUMBERS: [Number; 8] = [
     },
     Number {
         name: "Eff. Nyquist \u{3bd}",
-        explanation: "The largest frequency below which the mean power stays under 0.1; a square lattice has 1.",
+        explanation: "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r); a square lattice has 1.",
         value: |set, _| of_curve(set, PowerCurve::effective_nyquist),
     },
     Number {
         name: "Oscillation",
-        explanation: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, up to \u{3bd} = 2.5; none where the spectrum ends before. The scatter of one set adds to it.",
-        value: |set, _| of_curve(set, oscillation),
+        explanation: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.",
+        value: |set, _| of_curve(set, PowerCurve::oscillation),
     },
 ];
 
@@ -171,12 +171,6 @@ fn row(ui: &mut Ui, sets: &Sets<'_>, name: &str, texts: &[String], faded: bool, 
     }
 }
 
-/// Oscillations are compared over one range only.
-fn oscillation(curve: &PowerCurve) -> Option<f64> {
-    let end = curve.frequencies().last()?;
-    (*end >= 0.95 * Spectrum::MOST_NU).then(|| curve.oscillation())?
-}
-
 fn finite(value: f64) -> String {
     if value.is_finite() {
         format!("{value:.4}")
@@ -185,12 +179,9 @@ fn finite(value: f64) -> String {
     }
 }
 
-/// Returns a number of the whole curve of powers; that of low frequencies alone would be another.
+/// Returns a number of the smooth spectrum, which is there with the spectrum or not at all.
 fn of_curve(set: &Measured, number: fn(&PowerCurve) -> Option<f64>) -> Option<String> {
-    let curve = set.spectrum.as_ref()?.curve.as_ref();
-    Some(
-        curve
-            .and_then(number)
-            .map_or_else(|| "none".to_owned(), finite),
-    )
+    set.spectrum.as_ref()?;
+    let found = set.curve.as_deref().and_then(number);
+    Some(found.map_or_else(|| "none".to_owned(), finite))
 }
