@@ -74,7 +74,7 @@ fn noise_has_no_nyquist_frequency_and_hardly_oscillates() {
     for (count, most) in [(200, 0.6), (1000, 0.35), (4000, 0.17), (20_000, 0.08)] {
         let points = Random::new(5).points(count, region);
         let [nyquist, psa, oscillation] = numbers(&points, region);
-        assert_eq!([nyquist, psa], [0.0; 2]);
+        assert!(nyquist < 1e-9 && psa < 1e-9, "{count}: {nyquist} {psa}");
         assert!(oscillation < most, "{count}: {oscillation}");
     }
 }

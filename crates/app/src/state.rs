@@ -111,8 +111,8 @@ pub struct State {
     pub bare: bool,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
-    /// Whether the user decided that, and not the system.
-    motion_is_chosen: bool,
+    /// What the user chose of that; the system's wish counts otherwise.
+    motion_chosen: Option<bool>,
     /// Where the panels stand.
     pub layout: Layout,
     /// What a window shows that is too small for them.
@@ -212,7 +212,7 @@ impl State {
             look: Look::Dark,
             bare: false,
             reduced_motion: false,
-            motion_is_chosen: false,
+            motion_chosen: None,
             layout: Layout::default(),
             drawer: Drawer::default(),
             palette: None,

@@ -12,14 +12,14 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde_json::json;
 use tilescope_reproduce::{
-    Experiment, Finished, GivenSet, Options, Rates, ReproduceError, Settings, Summary, Verdict,
-    Watch, reproduce,
+    Experiment, Finished, Options, ReproduceError, Settings, Summary, Verdict, Watch, reproduce,
 };
 
 use crate::engine::ThreadArguments;
 use crate::options::SetArguments;
 use crate::progress::Bar;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
+use given::Refused;
 
 /// Arguments of `tilescope reproduce`.
 #[derive(Debug, Args)]
@@ -37,7 +37,8 @@ pub struct ReproduceArguments {
     /// Seed of the first set; every set has its own
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// A set of another method, to stand beside the others in figure 10; may be given several times
+    /// A set of another method, to stand beside the others in figure 10; may be given several times, and those that
+    /// cannot be used are left out
     #[arg(long, value_name = "FILE")]
     file: Vec<PathBuf>,
     #[command(flatten)]
@@ -57,7 +58,7 @@ struct Before {
     /// Forget what an earlier run of these experiments left in the folder
     #[arg(long)]
     fresh: bool,
-    /// Only say how long it will take
+    /// Only say how long it will take, without what --out has already
     #[arg(long)]
     plan: bool,
 }
@@ -74,16 +75,17 @@ Experiments:
   uniformity   whether every place is as likely as any other, by either insertion
   all          all of them
 
-The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). When interrupted, the same
-command goes on where it stopped; what depends on other settings, another machine or another version is made
-anew. Sides, boundary and format, where given, are those of --file.
+The folder receives report.html and REPORT.md, figures (PNG, SVG) and data (CSV, JSON). When
+interrupted, the same command goes on where it stopped; what depends on other settings, another
+machine or another version is made anew. Sides, boundary and format are those of --file.
 
 Examples:
   tilescope reproduce all --quick --out reproduction
   tilescope reproduce fig13 search --out reproduction
   tilescope reproduce fig10 --file bnot.txt --out reproduction
 
-Exit codes: 0 all experiments ended, whatever their verdicts, 2 one could not be carried out, 130 interrupted.";
+Exit codes: 0 all experiments ended, whatever their verdicts, 2 one could not be carried out or a
+file not be used, 130 interrupted.";
 
 /// One experiment, or all.
 #[derive(Clone, Copy, Debug)]
@@ -102,17 +104,23 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
     let experiments = chosen(&arguments.experiments);
-    let given: Result<Vec<GivenSet>> = (arguments.file.iter())
-        .map(|path| given::read(path, &arguments.set))
-        .collect();
+    let (given, refused) = given::read_all(&arguments.file, &arguments.set);
+    for one in &refused {
+        eprintln!("error: {}", one.reason);
+    }
+    if given.is_empty() && !refused.is_empty() {
+        return Ok(EXIT_BAD_INPUT);
+    }
     let settings = Settings {
         quick: arguments.quick,
         seed: arguments.seed,
-        given: given?,
+        given,
+        stated: given::stated(&arguments.set),
     };
     let watch = Told::default();
     let (Some(out), false) = (&arguments.out, arguments.before.plan) else {
-        return plan(&experiments, &settings, arguments.json);
+        plan(&experiments, &settings, arguments)?;
+        return Ok(code(refused.is_empty()));
     };
     ensure!(
         !out.exists() || out.is_dir(),
@@ -130,15 +138,19 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     watch.bar.clear();
     let summary = outcome?;
     if arguments.json {
-        output::emit(&format!("{}\n", json(&summary)))?;
+        output::emit(&format!("{}\n", json(&summary, &refused)))?;
     } else {
-        output::emit(&text(&summary))?;
+        output::emit(&text(&summary, &refused))?;
     }
-    Ok(if summary.failed.is_empty() {
+    Ok(code(summary.failed.is_empty() && refused.is_empty()))
+}
+
+const fn code(all_went_well: bool) -> u8 {
+    if all_went_well {
         EXIT_FINE
     } else {
         EXIT_BAD_INPUT
-    })
+    }
 }
 
 /// Returns the experiments in the sequence of a report, each once.
@@ -149,14 +161,16 @@ fn chosen(wanted: &[Wanted]) -> Vec<Experiment> {
     each.filter(|one| all || named.contains(one)).collect()
 }
 
-fn plan(experiments: &[Experiment], settings: &Settings, as_json: bool) -> Result<u8> {
-    let rates = Rates::measure().context("measuring this machine")?;
-    let each = experiments
-        .iter()
-        .map(|one| (*one, rates.seconds(&one.work(settings))));
-    let each: Vec<(Experiment, f64)> = each.collect();
+fn plan(
+    experiments: &[Experiment],
+    settings: &Settings,
+    arguments: &ReproduceArguments,
+) -> Result<()> {
+    let kept = (arguments.out.as_deref()).filter(|_| !arguments.before.fresh);
+    let each = tilescope_reproduce::expected(experiments, settings, kept);
+    let each = each.context("measuring this machine")?;
     let total: f64 = each.iter().map(|(_, seconds)| seconds).sum();
-    let out = if as_json {
+    let out = if arguments.json {
         let each = each
             .iter()
             .map(|(one, seconds)| json!({ "experiment": one, "seconds": seconds }));
@@ -165,17 +179,24 @@ fn plan(experiments: &[Experiment], settings: &Settings, as_json: bool) -> Resul
     } else {
         expected(total, &each)
     };
-    output::emit(&out)?;
-    Ok(EXIT_FINE)
+    output::emit(&out)
 }
 
 fn expected(total: f64, each: &[(Experiment, f64)]) -> String {
     let mut out = format!("expected on this machine: {}\n", duration(total));
     for (one, seconds) in each {
-        let _ = writeln!(out, "  {:<12} {}", one.name(), duration(*seconds));
+        let told = if *seconds < KEPT {
+            "kept from an earlier run".to_owned()
+        } else {
+            duration(*seconds)
+        };
+        let _ = writeln!(out, "  {:<12} {told}", one.name());
     }
     out
 }
+
+/// Less than this many seconds are no work: sums of works may differ by a hair.
+const KEPT: f64 = 1e-6;
 
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
@@ -228,7 +249,7 @@ impl Watch for Told {
     fn finished(&self, finished: &Finished) {
         self.bar.suspend(|| {
             for claim in &finished.claims {
-                eprintln!("  {:<15} {}", claim.words(), claim.claim);
+                eprintln!("  {:<VERDICT$} {}", finished.words(claim), claim.claim);
             }
         });
     }
@@ -239,22 +260,29 @@ impl Watch for Told {
     }
 }
 
-fn text(summary: &Summary) -> String {
+/// Room for the longest verdict.
+const VERDICT: usize = "not reproduced (quick)".len();
+
+fn text(summary: &Summary, refused: &[Refused]) -> String {
     let mut out = String::new();
     for one in &summary.finished {
         let _ = writeln!(out, "{}", one.experiment.title());
         for claim in &one.claims {
             let _ = writeln!(
                 out,
-                "  {:<15} {}\n{:18}the paper: {}\n{:18}here: {}",
-                claim.words(),
+                "  {:<VERDICT$} {}\n{:indent$}the paper: {}\n{:indent$}here: {}",
+                one.words(claim),
                 claim.claim,
                 "",
                 claim.paper,
                 "",
-                claim.ours
+                claim.ours,
+                indent = VERDICT + 3
             );
         }
+    }
+    for one in refused {
+        let _ = writeln!(out, "left out       {}", one.reason);
     }
     let _ = writeln!(
         out,
@@ -267,16 +295,20 @@ fn text(summary: &Summary) -> String {
     out
 }
 
-fn json(summary: &Summary) -> serde_json::Value {
+fn json(summary: &Summary, refused: &[Refused]) -> serde_json::Value {
     let failed = summary.failed.iter();
     let failed = failed.map(|(one, reason)| json!({ "experiment": one, "reason": reason }));
     let failed: Vec<_> = failed.collect();
+    let refused = refused.iter();
+    let refused = refused.map(|one| json!({ "file": one.path, "reason": one.reason }));
+    let refused: Vec<_> = refused.collect();
     json!({
         "experiments": summary.finished,
         "reproduced": summary.count(Verdict::Reproduced),
         "not_reproduced": summary.count(Verdict::NotReproduced),
         "not_comparable": summary.count(Verdict::NotComparable),
         "failed": failed,
+        "left_out": refused,
         "report": summary.report.display().to_string(),
     })
 }
@@ -303,5 +335,7 @@ mod tests {
         assert_eq!(duration(0.2), "1 s");
         assert_eq!(duration(89.0), "89 s");
         assert_eq!(duration(600.0), "10 min");
+        let told = expected(2.0, &[(Experiment::Fig10, 2.0), (Experiment::Eq4, 0.0)]);
+        assert!(told.contains("fig10        2 s\n") && told.contains("eq4          kept"));
     }
 }

@@ -1,4 +1,4 @@
-//! Groups of horizontal bars, each with its name before it and its value behind: no legend, no axis to read.
+//! Groups of horizontal bars over one axis, each with its name before it and its value behind: no legend.
 //! It draws what it is given and computes nothing of it.
 
 use tilescope_analysis::measures::Summary;
@@ -16,6 +16,10 @@ const HEADING: f64 = 34.0;
 const LINE: f64 = 27.0;
 const THICK: f64 = 17.0;
 const SIZE: f64 = 13.0;
+/// Size of an axis's numbers, the room below groups for them and for the axis's name, and the steps that an axis has at most.
+const TICK: f64 = 12.0;
+const AXIS: f64 = 46.0;
+const STEPS: f64 = 8.0;
 
 /// A bar.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +84,8 @@ pub const fn whisker_columns(rounds: usize) -> [(&'static str, &'static str); 2]
     }
 }
 
-/// Returns the picture of groups that have at least one bar among them.
-pub fn bars_scene(title: &str, groups: &[Bars], palette: &Palette) -> Scene {
+/// Returns the picture of groups that have at least one bar among them; `axis` names their quantity and its unit.
+pub fn bars_scene(title: &str, axis: &str, groups: &[Bars], palette: &Palette) -> Scene {
     let all = || groups.iter().flat_map(|group| &group.bars);
     let widest = |text: fn(&Bar) -> &str| {
         all()
@@ -110,6 +114,13 @@ pub fn bars_scene(title: &str, groups: &[Bars], palette: &Palette) -> Scene {
             y += HEADING;
         }
         let top = y;
+        let bottom = top + LINE * group.bars.len() as f64;
+        let lines = ticks(most).into_iter();
+        let lines = lines.map(|(value, _)| [top, bottom].map(|end| [row.at(value), end]));
+        drawn.shapes.push(Shape::Segments {
+            segments: lines.collect(),
+            stroke: Stroke::new(palette.line, 0.6),
+        });
         for bar in &group.bars {
             row.draw(bar, y + 0.5 * LINE, &mut drawn);
             y += LINE;
@@ -118,9 +129,29 @@ pub fn bars_scene(title: &str, groups: &[Bars], palette: &Palette) -> Scene {
         drawn.shapes.push(Shape::line([left, top], [left, y], axis));
         y += 10.0;
     }
-    scene.groups.extend([head, drawn]);
-    scene.height = y + MARGIN;
+    let below = row.axis(axis, most, y);
+    scene.groups.extend([head, drawn, below]);
+    scene.height = y + AXIS + MARGIN;
     scene
+}
+
+/// Returns round values from zero to `most` and what is written there.
+fn ticks(most: f64) -> Vec<(f64, String)> {
+    let power = 10_f64.powf((most / STEPS).log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power);
+    let step = steps.into_iter().find(|step| most <= STEPS * step);
+    let step = step.unwrap_or(10.0 * power);
+    let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+    let label = |value: f64| {
+        if decimals == 0 {
+            drawn_count(value.round() as usize)
+        } else {
+            format!("{value:.decimals$}")
+        }
+    };
+    let count = (most / step * (1.0 + 1e-9)).floor() as usize;
+    let values = (0..=count).map(|index| step * index as f64);
+    values.map(|value| (value, label(value))).collect()
 }
 
 struct Row<'a> {
@@ -131,9 +162,34 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
+    fn at(&self, value: f64) -> f64 {
+        self.left + self.scale * value.max(0.0)
+    }
+
+    /// Returns the axis below all groups.
+    fn axis(&self, name: &str, most: f64, y: f64) -> Group {
+        let mut group = Group::new("axis");
+        let (color, stroke) = (self.palette.muted, Stroke::new(self.palette.muted, 1.0));
+        let [left, right] = [0.0, most].map(|value| self.at(value));
+        group
+            .shapes
+            .push(Shape::line([left, y], [right, y], stroke));
+        for (value, label) in ticks(most) {
+            let x = self.at(value);
+            group.shapes.push(Shape::line([x, y], [x, y + 5.0], stroke));
+            let mut text = Text::new([x, y + 9.0], label, TICK, color);
+            (text.anchor, text.baseline) = (Anchor::Middle, Baseline::Top);
+            group.shapes.push(Shape::Text(text));
+        }
+        let mut text = Text::new([f64::midpoint(left, right), y + 40.0], name, SIZE, color);
+        text.anchor = Anchor::Middle;
+        group.shapes.push(Shape::Text(text));
+        group
+    }
+
     fn draw(&self, bar: &Bar, middle: f64, group: &mut Group) {
         let colors = self.palette.block_borders;
-        let at = |value: f64| self.left + self.scale * value.max(0.0);
+        let at = |value: f64| self.at(value);
         let [top, bottom] = [-0.5, 0.5].map(|half| middle + half * THICK);
         group.shapes.push(Shape::Rect {
             rect: Rect::new([self.left, top], [at(bar.value), bottom]),
@@ -181,6 +237,31 @@ mod tests {
     use super::*;
 
     #[test]
+    fn an_axis_has_a_few_round_ticks() {
+        let labels = |most: f64| {
+            ticks(most)
+                .into_iter()
+                .map(|tick| tick.1)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(labels(10.0), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(
+            labels(0.31),
+            ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25", "0.30"]
+        );
+        assert_eq!(
+            labels(30_000.0),
+            [
+                "0", "5000", "10 000", "15 000", "20 000", "25 000", "30 000"
+            ]
+        );
+        for most in [1e-3, 0.7, 1.0, 79.0, 80.0, 81.0, 1.7e5] {
+            let count = ticks(most).len();
+            assert!((4..=9).contains(&count), "{most}: {count}");
+        }
+    }
+
+    #[test]
     fn few_values_have_no_quartiles() {
         let of = |values: &[f64]| {
             whisker(&Summary::of(values.iter().copied()).unwrap()).map(|end| end as i32)
@@ -205,7 +286,7 @@ mod tests {
             heading: "group".to_owned(),
             bars: vec![bar(1.0, "1 of something"), bar(4.0, "4 of something")],
         }];
-        let scene = bars_scene("title", &groups, &Palette::LIGHT);
+        let scene = bars_scene("title", "quantity, unit", &groups, &Palette::LIGHT);
         scene.validate().unwrap();
         let width = |shape: &Shape| match shape {
             Shape::Rect { rect, .. } => Some(rect.max[0] - rect.min[0]),

@@ -22,7 +22,7 @@ pub use error::ReproduceError;
 pub use experiment::Experiment;
 pub use machine::Machine;
 pub use outcome::{BEYOND, Cell, Claim, Column, Outcome, Picture, Table, Verdict};
-pub use run::{Finished, Options, Summary, Watch, reproduce};
+pub use run::{Finished, Options, Summary, Watch, expected, reproduce};
 pub use sets::GivenSet;
 pub use study::Settings;
 pub use work::{Rates, Work};

@@ -40,12 +40,6 @@ impl Pages {
     }
 }
 
-/// Returns a verdict in words, marked where small sets gave it.
-fn words(one: &Finished, claim: &Claim) -> String {
-    let quick = if one.quick { " (quick)" } else { "" };
-    format!("{}{quick}", claim.words())
-}
-
 /// Writes `REPORT.md` and `report.html` of a folder.
 pub fn write(out: &Path) -> Result<(), ReproduceError> {
     let mut pages = Pages {

@@ -15,9 +15,8 @@ use crate::machine::Machine;
 use crate::outcome::{Claim, Outcome, Picture, Table, Verdict};
 use crate::parts::Parts;
 use crate::report;
-use crate::sets::GivenSet;
 use crate::study::{Settings, Study};
-use crate::work::Rates;
+use crate::work::{Rates, Work};
 
 /// What is asked for.
 #[derive(Clone, Debug)]
@@ -32,7 +31,7 @@ pub struct Options {
 
 /// Who watches.
 pub trait Watch: Sync {
-    /// Told first: the seconds that everything will take on this machine, and each experiment.
+    /// Told first: the seconds that everything will take on this machine, and each experiment, without what was kept.
     fn expected(&self, _seconds: f64, _each: &[(Experiment, f64)]) {}
 
     /// Told when an experiment begins.
@@ -57,7 +56,7 @@ pub struct Finished {
     pub quick: bool,
     /// Seed of the first set.
     pub seed: u64,
-    /// The arguments of the sets from files that it looked at.
+    /// The arguments that name the sets from files that it looked at.
     pub given: String,
     /// The machine.
     pub machine: Machine,
@@ -74,6 +73,13 @@ pub struct Finished {
 }
 
 impl Finished {
+    /// Returns the verdict of one of its claims in words, marked where small sets gave it.
+    #[must_use]
+    pub fn words(&self, claim: &Claim) -> String {
+        let quick = if self.quick { " (quick)" } else { "" };
+        format!("{}{quick}", claim.words())
+    }
+
     /// Returns the command that makes it again.
     #[must_use]
     pub fn command(&self) -> String {
@@ -111,6 +117,35 @@ impl Summary {
     }
 }
 
+/// Returns the seconds that each experiment will take on this machine, without what was kept in the folder `out` of an earlier run.
+/// Measures the machine and makes nothing.
+pub fn expected(
+    experiments: &[Experiment],
+    settings: &Settings,
+    out: Option<&Path>,
+) -> Result<Vec<(Experiment, f64)>, ReproduceError> {
+    let rates = Rates::measure()?;
+    let made_by = made_by(&Machine::this());
+    let seconds = |one: &Experiment| rates.seconds(&left(*one, settings, out, &made_by));
+    Ok(experiments.iter().map(|one| (*one, seconds(one))).collect())
+}
+
+/// Returns the work of an experiment that is not kept in the folder `out`.
+fn left(experiment: Experiment, settings: &Settings, out: Option<&Path>, made_by: &str) -> Work {
+    let kept = |out| {
+        Parts::kept(
+            &folder(out, experiment),
+            &stamp(experiment, settings, made_by),
+        )
+    };
+    experiment.work(settings) - out.map(kept).unwrap_or_default()
+}
+
+/// Returns where an experiment's parts are kept.
+fn folder(out: &Path, experiment: Experiment) -> PathBuf {
+    out.join("parts").join(experiment.name())
+}
+
 /// Carries out the experiments and writes `report.html`, `REPORT.md`, `figures/` (PNG and SVG) and `data/` (CSV of all
 /// numbers, JSON of each experiment) into the folder. What earlier runs left there of other experiments stays in the report.
 ///
@@ -123,26 +158,22 @@ pub fn reproduce(
 ) -> Result<Summary, ReproduceError> {
     let rates = Rates::measure()?;
     let settings = &options.settings;
-    let seconds = |one: &Experiment| rates.seconds(&one.work(settings));
+    let machine = Machine::this();
+    let made_by = made_by(&machine);
+    let kept = Some(options.out.as_path()).filter(|_| !options.fresh);
+    let seconds = |one: &Experiment| rates.seconds(&left(*one, settings, kept, &made_by));
     let each: Vec<(Experiment, f64)> = experiments.iter().map(|one| (*one, seconds(one))).collect();
     watch.expected(each.iter().map(|(_, seconds)| seconds).sum(), &each);
-    let machine = Machine::this();
     let mut summary = Summary {
         finished: Vec::new(),
         failed: Vec::new(),
         report: options.out.join("report.html"),
     };
     let mut before = 0.0;
-    let program = program();
     for (experiment, seconds) in each {
         watch.begins(experiment);
-        let stamp = stamp(
-            experiment,
-            settings,
-            &format!("{program} {}", machine.line()),
-        );
-        let folder = options.out.join("parts").join(experiment.name());
-        let parts = Parts::open(folder, stamp, options.fresh)?;
+        let stamp = stamp(experiment, settings, &made_by);
+        let parts = Parts::open(folder(&options.out, experiment), stamp, options.fresh)?;
         let study = Study::new(experiment, settings, (rates, before), parts, watch);
         before += seconds;
         let outcome = match experiment.carry_out(&study) {
@@ -162,14 +193,14 @@ pub fn reproduce(
     Ok(summary)
 }
 
-/// What program this is: another build may have other numbers.
-fn program() -> String {
+/// What program and machine this is: another build may have other numbers.
+fn made_by(machine: &Machine) -> String {
     let read = std::env::current_exe().and_then(fs::read);
     let digest = read.map_or_else(
         |_| String::new(),
         |bytes| tilescope_formats::bytes_digest(&bytes),
     );
-    format!("{} {digest}", env!("CARGO_PKG_VERSION"))
+    format!("{} {digest} {}", env!("CARGO_PKG_VERSION"), machine.line())
 }
 
 /// Numbers of another program, machine or setting are no parts of this run.
@@ -218,9 +249,11 @@ fn keep(
         experiment,
         quick: settings.quick,
         seed: settings.seed,
-        given: (settings.given.iter().filter(|_| experiment.takes_files()))
-            .map(GivenSet::arguments)
-            .collect(),
+        given: if experiment.takes_files() {
+            settings.arguments()
+        } else {
+            String::new()
+        },
         machine: machine.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         claims: outcome.claims,
@@ -244,3 +277,6 @@ fn draw(picture: &Picture, folder: &Path, of: Experiment) -> Result<(), Reproduc
     write_whole(&path("svg"), to_svg_with_fonts(&picture.scene)?.as_bytes())?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,6 @@
 //! Sets for experiments: made by either sampler, and verified before anything is concluded from them.
 //! Nothing here measures time or quality.
 
-use std::fmt::Write;
 use std::sync::Arc;
 
 use tilescope_analysis::{Region, Report, VerifyOptions};
@@ -15,8 +14,10 @@ use crate::study::Control;
 /// A set from a file, to stand beside the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenSet {
-    /// Its name in figures.
+    /// Its name in figures, which no other has.
     pub name: String,
+    /// The file, as it was given.
+    pub path: String,
     /// The samples.
     pub points: Vec<[f64; 2]>,
     /// Where they are.
@@ -24,22 +25,10 @@ pub struct GivenSet {
 }
 
 impl GivenSet {
-    /// Returns the arguments that name it.
+    /// Returns the argument that names its file, for a shell.
     #[must_use]
-    pub fn arguments(&self) -> String {
-        let Region {
-            width,
-            height,
-            boundary,
-        } = self.region;
-        let unit = |side: f64| (side - 1.0).abs() < f64::EPSILON;
-        let bounded = boundary == tilescope_analysis::Boundary::Bounded;
-        let mut out = format!(" --file '{}'", self.name.replace('\'', "'\\''"));
-        if !(unit(width) && unit(height)) || bounded {
-            let ends = if bounded { "bounded" } else { "periodic" };
-            let _ = write!(out, " --width {width} --height {height} --boundary {ends}");
-        }
-        out
+    pub fn argument(&self) -> String {
+        format!(" --file '{}'", self.path.replace('\'', "'\\''"))
     }
 }
 

@@ -1,9 +1,10 @@
 //! How long something will take: amounts of work of a few kinds, and this machine's rates of them.
 //! Rates are measured, never assumed.
 
-use std::ops::{Add, Mul};
+use std::ops::{Add, Mul, Sub};
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
 use tilescope_analysis::VerifyOptions;
 use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_core::{Parameters, Pattern, Sweep, Unobserved, radius_estimate, reference_sample};
@@ -12,7 +13,7 @@ use crate::error::ReproduceError;
 use crate::sets::region;
 
 /// Amounts of work.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     /// Samples made by the parallel engine.
     pub tiled: f64,
@@ -54,6 +55,23 @@ impl Mul<f64> for Work {
             verified: self.verified * times,
             transformed: self.transformed * times,
             other: self.other * times,
+        }
+    }
+}
+
+/// What is left of work when some is done; never less than none.
+impl Sub for Work {
+    type Output = Self;
+
+    fn sub(self, done: Self) -> Self {
+        let left = |all: f64, done: f64| (all - done).max(0.0);
+        Self {
+            tiled: left(self.tiled, done.tiled),
+            sequential: left(self.sequential, done.sequential),
+            reference: left(self.reference, done.reference),
+            verified: left(self.verified, done.verified),
+            transformed: left(self.transformed, done.transformed),
+            other: left(self.other, done.other),
         }
     }
 }
@@ -157,6 +175,8 @@ mod tests {
         let twice = work + work;
         assert!((rates.seconds(&twice) - 12.0).abs() < 1e-12);
         assert_eq!(twice, work * 2.0);
+        assert_eq!(twice - work, work);
+        assert_eq!(work - twice, Work::default());
     }
 
     #[test]

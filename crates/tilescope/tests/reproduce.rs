@@ -117,6 +117,15 @@ fn what_was_finished_is_kept_and_only_that_which_is_missing_is_made() {
     assert!(before.len() > 2);
     assert_eq!(reproduced(&folder, &["eq4"]), first);
     assert_eq!(written(&parts), before);
+    let plan = |more: &[&str]| {
+        let mut command = tilescope(&folder);
+        command.args(["reproduce", "eq4", "--quick", "--out", "out", "--plan"]);
+        let told = command.args(more).assert().success().get_output().clone();
+        String::from_utf8(told.stdout).unwrap()
+    };
+    let kept = "kept from an earlier run";
+    assert!(plan(&[]).contains(kept) && !plan(&["--fresh"]).contains(kept));
+    assert!(!plan(&["--seed", "2"]).contains(kept));
     // As after an interruption and a full disk: one part is gone, one is cut short.
     let mut names = before.keys();
     let (gone, short) = (names.next().unwrap(), names.next().unwrap());
@@ -233,14 +242,59 @@ fn what_cannot_be_used_is_named_before_anything_is_made() {
     assert!(predicate::eq("a file").eval(kept.as_str()));
 }
 
+/// A set in the unit square: rows of as many samples.
+fn grid(along: u32) -> String {
+    let at = |index: u32| (f64::from(index) + 0.5) / f64::from(along);
+    let lines = (0..along * along).map(|i| format!("{},{}\n", at(i % along), at(i / along)));
+    format!("x,y\n{}", lines.collect::<String>())
+}
+
+#[test]
+fn files_that_can_be_used_are_whatever_the_others_are_and_can_be_told_apart() {
+    let folder = tempdir().unwrap();
+    for (name, along) in [("a", 30), ("b", 40), ("few", 20)] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        fs::write(folder.path().join(name).join("set.csv"), grid(along)).unwrap();
+    }
+    let mut command = tilescope(&folder);
+    command.args(["reproduce", "fig10", "--quick", "--out", "out", "--json"]);
+    command.args(["--boundary", "bounded"]);
+    for file in ["a/set.csv", "none.csv", "few/set.csv", "b/set.csv"] {
+        command.args(["--file", file]);
+    }
+    let refused = contains("error: none.csv").and(contains("400 samples are too few to compare"));
+    let output = command
+        .assert()
+        .code(2)
+        .stderr(refused)
+        .get_output()
+        .clone();
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let left_out: Vec<&str> = (told["left_out"].as_array().unwrap().iter())
+        .map(|one| one["file"].as_str().unwrap())
+        .collect();
+    assert_eq!(left_out, ["none.csv", "few/set.csv"]);
+    let verdicts = String::from_utf8(output.stderr).unwrap();
+    assert!(verdicts.contains("reproduced (quick)"), "{verdicts}");
+    let text = fs::read_to_string(folder.path().join("out/REPORT.md")).unwrap();
+    assert!(text.contains("a/set.csv: ") && text.contains("b/set.csv: "));
+    // The command that is told makes it again.
+    let (_, rest) = text.split_once("Command: `").unwrap();
+    let (line, _) = rest.split_once('`').unwrap();
+    assert_eq!(
+        line,
+        "tilescope reproduce fig10 --quick --seed 1 --file 'a/set.csv' --file 'b/set.csv' --boundary bounded --out DIR"
+    );
+    let words = line.split(' ').skip(1).map(|word| word.trim_matches('\''));
+    let mut again = tilescope(&folder);
+    again.args(words.map(|word| if word == "DIR" { "out" } else { word }));
+    again.arg("--plan").assert().success();
+    again.assert().stdout(contains("kept from an earlier run"));
+}
+
 #[test]
 fn files_that_nothing_can_be_said_of_are_refused_before_anything_is_made() {
     let folder = tempdir().unwrap();
-    let grid = |along: u32| -> String {
-        let at = |index: u32| (f64::from(index) + 0.5) / f64::from(along);
-        let lines = (0..along * along).map(|i| format!("{},{}\n", at(i % along), at(i / along)));
-        format!("x,y\n{}", lines.collect::<String>())
-    };
     fs::write(folder.path().join("grid.csv"), grid(30)).unwrap();
     fs::write(folder.path().join("few.csv"), grid(20)).unwrap();
     let same = format!("x,y\n{}", "0.5,0.5\n".repeat(100));

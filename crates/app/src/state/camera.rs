@@ -177,21 +177,21 @@ impl State {
 
     /// Returns what the user chose of motion, if anything.
     #[must_use]
-    pub fn motion_chosen(&self) -> Option<bool> {
-        self.motion_is_chosen.then_some(self.reduced_motion)
+    pub const fn motion_chosen(&self) -> Option<bool> {
+        self.motion_chosen
     }
 
     /// Takes up what the user chose, now or earlier.
     pub fn choose_motion(&mut self, chosen: Option<bool>) {
         if let Some(reduced) = chosen {
-            self.motion_is_chosen = true;
+            self.motion_chosen = chosen;
             self.reduce_motion(reduced);
         }
     }
 
     /// Takes up what the system prefers, which counts until the user chooses.
     pub fn prefer_reduced_motion(&mut self, reduced: bool) {
-        if !self.motion_is_chosen {
+        if self.motion_chosen.is_none() {
             self.reduce_motion(reduced);
         }
     }

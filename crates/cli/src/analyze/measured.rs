@@ -89,7 +89,7 @@ impl<'a> Request<'a> {
     pub fn new(arguments: &'a SetArguments, nu: Option<f64>, paths: &[&Path]) -> Self {
         let radii = paths
             .iter()
-            .filter_map(|path| stated_radius(path, arguments));
+            .filter_map(|path| stated_radius(path, arguments).ok());
         let radii: Option<Vec<f64>> = radii.collect();
         let first = radii.as_ref().and_then(|radii| radii.first().copied());
         let same = |first: &f64| {
@@ -137,18 +137,14 @@ impl<'a> Request<'a> {
     }
 
     fn window(&self, samples: f64, region: Region) -> Result<FrequencyWindow, MeasureError> {
-        match self.nu {
-            Some(nu) => Spectrum::window_to(nu, samples, region),
-            None => {
-                let wide = Spectrum::window_to(Spectrum::MOST_NU, samples, region);
-                let fits = |window: &FrequencyWindow| {
-                    window.bytes().is_ok_and(|bytes| bytes <= UNASKED_BYTES)
-                };
-                Ok(wide
-                    .ok()
-                    .filter(fits)
-                    .unwrap_or_else(|| Spectrum::window(samples, region)))
-            }
+        if let Some(nu) = self.nu {
+            return Spectrum::window_to(nu, samples, region);
+        }
+        let wide = Spectrum::window_to(Spectrum::MOST_NU, samples, region);
+        let bytes = wide.as_ref().ok().and_then(|wide| wide.bytes().ok());
+        match wide {
+            Ok(wide) if bytes.is_some_and(|bytes| bytes <= UNASKED_BYTES) => Ok(wide),
+            _ => Ok(Spectrum::window(samples, region)),
         }
     }
 
@@ -280,12 +276,11 @@ fn discrepancy(
     }
 }
 
-/// Returns the radius that the arguments, a file or its certificate state, if any does; `None` for a file that cannot be opened,
-/// which is told when it is read.
-fn stated_radius(path: &Path, arguments: &SetArguments) -> Option<Option<f64>> {
-    let reader = StreamReader::open(path, arguments.format).ok()?;
+/// Returns the radius that the arguments, a file or its certificate state, if any does. Fails for a file that cannot be opened.
+fn stated_radius(path: &Path, arguments: &SetArguments) -> Result<Option<f64>> {
+    let reader = StreamReader::open(path, arguments.format)?;
     let stated = reader.certificate().map(|stated| stated.radius);
-    Some(arguments.radius.or(stated))
+    Ok(arguments.radius.or(stated))
 }
 
 /// Reads and verifies a file; without a radius its spacing stands for one, and nothing is certain.

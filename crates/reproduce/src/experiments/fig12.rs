@@ -199,10 +199,17 @@ fn maximal(found: &[Found], largest: &Found) -> Claim {
         place: "section 4.2, figure 12".to_owned(),
         paper: "nine sets become one".to_owned(),
         ours: format!(
-            "nine sets become one of {} samples; conflicts and gaps in {} layouts: {}",
+            "nine sets become one of {} samples; {} in {}",
             count(largest.after as u64),
-            found.len(),
-            count(faults)
+            match faults {
+                0 => "neither conflict nor gap".to_owned(),
+                1 => "1 conflict or gap".to_owned(),
+                _ => format!("{} conflicts and gaps", count(faults)),
+            },
+            match found.len() {
+                1 => "it".to_owned(),
+                layouts => format!("{layouts} layouts"),
+            }
         ),
         verdict: Verdict::of(faults == 0),
         reason: "Reproduced if the verifier finds neither a conflict nor a gap in any layout."
@@ -341,8 +348,11 @@ mod tests {
     fn verdicts_follow_from_the_numbers() {
         let holds = claims(&[found()]);
         assert_eq!(holds[1].verdict, Verdict::Reproduced);
+        assert!(holds[0].ours.ends_with("neither conflict nor gap in it"));
         let open = Found { gaps: 1, ..found() };
-        assert_eq!(claims(&[open, found()])[0].verdict, Verdict::NotReproduced);
+        let refuted = &claims(&[open, found()])[0];
+        assert_eq!(refuted.verdict, Verdict::NotReproduced);
+        assert!(refuted.ours.ends_with("1 conflict or gap in 2 layouts"));
         let lossy = Found {
             lost: 60_000,
             ..found()

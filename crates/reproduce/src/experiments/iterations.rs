@@ -7,7 +7,7 @@ mod variants;
 use tilescope_core::{Order, Parameters};
 
 use crate::error::ReproduceError;
-use crate::experiments::common::{counted, seed, seeded, square};
+use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::report::number;
 use crate::sets::Set;
@@ -192,7 +192,9 @@ fn rare(way: &Way) -> Claim {
         way.sets.iter().map(late).sum()
     };
     let (late, inserted) = (after(PAPER), after(0));
-    let share = late as f64 / inserted.max(1) as f64;
+    let of_all = |count: f64| count / inserted.max(1) as f64;
+    let share = of_all(late as f64);
+    let [low, high] = poisson_interval(late).map(of_all);
     Claim {
         claim: format!("Gaps that need more iterations are rare ({})", way.name),
         place: way.place.to_owned(),
@@ -203,10 +205,16 @@ fn rare(way: &Way) -> Claim {
             counted(inserted),
             number(100.0 * share, 2)
         ),
-        verdict: Verdict::of(share <= RARE),
+        verdict: if low <= RARE && high > RARE {
+            Verdict::NotComparable
+        } else {
+            Verdict::of(high <= RARE)
+        },
         reason: format!(
-            "Holds if at most {} % of all inserted samples come after iteration {PAPER}. {}",
+            "Holds if at most {} % of all inserted samples come after iteration {PAPER}, and the 99 % interval of a Poisson variable tells \
+             (it ends at {} %). {}",
             100.0 * RARE,
+            number(100.0 * high, 2),
             way.counts
         ),
     }
@@ -263,7 +271,7 @@ mod tests {
         let pair = [two.clone(), two.clone()];
         assert_eq!(verdicts(&pair), [Reproduced, Reproduced]);
         assert_eq!(verdicts(&[two.clone(), three]), [NotReproduced, Reproduced]);
-        let often = found(large, &[1000, 50, 30]);
+        let often = found(large, &[1000, 50, 100]);
         assert_eq!(
             verdicts(&[two.clone(), often]),
             [NotReproduced, NotReproduced]
@@ -279,6 +287,12 @@ mod tests {
         );
         let small = found(10_000, &[1000, 5, 1]);
         assert_eq!(verdicts(&[small]), [NotReproduced, Reproduced]);
+        // None late of a hundred does not say that one in a hundred is too many.
+        let few = Printed {
+            count: 10_000,
+            inserted: vec![95, 5],
+        };
+        assert_eq!(claims(&[], &[few])[1].verdict, NotComparable);
     }
 
     #[test]

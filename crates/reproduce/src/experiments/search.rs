@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use tilescope_core::{Parameters, Search, Sequential, Variant};
 
 use crate::error::ReproduceError;
-use crate::experiments::common::{counted, seed, seeded, square};
+use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
 use crate::outcome::{Claim, Outcome, Verdict};
 use crate::report::number;
 use crate::sets::{Set, pattern};
@@ -227,11 +227,15 @@ fn claim(
         place: place.to_owned(),
         paper: paper.to_owned(),
         ours: format!(
-            "{} gaps in {} sets of {} samples in all ({} a million); covering radius up to {} r",
-            counted(holes),
+            "{} in {} sets of {} samples in all ({}); covering radius up to {} r",
+            match holes {
+                0 => "no gap".to_owned(),
+                1 => "1 gap".to_owned(),
+                _ => format!("{} gaps", counted(holes)),
+            },
             sets.len(),
             counted(samples),
-            number(1e6 * holes as f64 / samples.max(1) as f64, 3),
+            rate(holes, samples),
             number(worst, 7)
         ),
         verdict: if holds && samples < ENOUGH {
@@ -241,6 +245,19 @@ fn claim(
         },
         reason: format!("{rule} {more}").trim_end().to_owned(),
     }
+}
+
+/// Returns how often gaps are; where there is none, how often they may be all the same.
+fn rate(holes: usize, samples: usize) -> String {
+    let a_million = |gaps: f64| number(1e6 * gaps / samples.max(1) as f64, 2);
+    let [low, high] = poisson_interval(holes).map(a_million);
+    if holes == 0 {
+        return format!("with 99 % confidence at most {high} a million");
+    }
+    format!(
+        "{} a million, with 99 % confidence {low} to {high}",
+        a_million(holes as f64)
+    )
 }
 
 #[cfg(test)]

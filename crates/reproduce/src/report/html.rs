@@ -10,7 +10,7 @@ use crate::outcome::{Claim, Table, Verdict};
 use crate::run::Finished;
 
 use super::numbers::readable;
-use super::{INTRODUCTION, Pages, words};
+use super::{INTRODUCTION, Pages};
 
 const STYLE: &str = "body{font:15px/1.55 system-ui,sans-serif;color:#1a1d21;margin:2rem auto;max-width:1240px;padding:0 1rem}\
 h2{margin-top:3rem;border-top:1px solid #d5dae0;padding-top:1.5rem}\
@@ -78,7 +78,7 @@ fn verdict(one: &Finished, claim: &Claim) -> String {
         Verdict::NotReproduced => "no",
         Verdict::NotComparable => "open",
     };
-    format!("<span class=\"v {class}\">{}</span>", words(one, claim))
+    format!("<span class=\"v {class}\">{}</span>", one.words(claim))
 }
 
 fn experiment(out: &mut String, one: &Finished, figures: &Path) {

@@ -6,7 +6,7 @@ use crate::outcome::{Claim, Table};
 use crate::run::Finished;
 
 use super::numbers::readable;
-use super::{INTRODUCTION, Pages, words};
+use super::{INTRODUCTION, Pages};
 
 /// Returns the page.
 pub fn page(pages: &Pages) -> String {
@@ -32,14 +32,9 @@ fn claims(out: &mut String, title: &str, claims: &[(&Finished, &Claim)]) {
         "## {title}\n\n| claim | place | the paper | here | verdict |\n|---|---|---|---|---|\n"
     );
     for (one, claim) in claims {
-        let verdict = words(one, claim);
-        let cells = [
-            &claim.claim,
-            &claim.place,
-            &claim.paper,
-            &claim.ours,
-            &verdict,
-        ];
+        let linked = format!("[{}](#{})", claim.claim, one.experiment);
+        let verdict = one.words(claim);
+        let cells = [&linked, &claim.place, &claim.paper, &claim.ours, &verdict];
         let _ = writeln!(out, "| {} |", cells.map(cell).join(" | "));
     }
     out.push('\n');
@@ -48,7 +43,8 @@ fn claims(out: &mut String, title: &str, claims: &[(&Finished, &Claim)]) {
 fn experiment(out: &mut String, one: &Finished) {
     let _ = write!(
         out,
-        "\n## {}\n\nCommand: `{}`  \nSeed: {}  \nMachine: {}  \nProgram: tilescope {}{}\n",
+        "\n<a id=\"{}\"></a>\n\n## {}\n\nCommand: `{}`  \nSeed: {}  \nMachine: {}  \nProgram: tilescope {}{}\n",
+        one.experiment,
         one.experiment.title(),
         one.command(),
         one.seed,
@@ -68,7 +64,7 @@ fn experiment(out: &mut String, one: &Finished) {
             claim.place,
             claim.paper,
             claim.ours,
-            claim.words(),
+            one.words(claim),
             claim.reason
         );
     }

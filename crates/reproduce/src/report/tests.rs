@@ -58,7 +58,18 @@ fn a_folder_s_report_holds_verdict_command_table_and_picture_and_breaks_no_marku
         "names within pictures must not meet"
     );
     let text = fs::read_to_string(out.join("REPORT.md")).unwrap();
-    assert!(text.contains("Sets \\| combine") && text.contains("figures/fig12-seams.png"));
+    assert!(text.contains("figures/fig12-seams.png"));
+    // Each row leads to its section, which says how it was made.
+    assert!(text.contains("| [Sets \\| combine](#fig12) |"));
+    let (_, section) = text.split_once("<a id=\"fig12\"></a>").unwrap();
+    for line in [
+        "Command: `tilescope reproduce fig12 --quick --seed 3 --file 'a<b.csv' --out DIR`",
+        "Seed: 3",
+        &format!("Machine: {}", Machine::this().line()),
+        "Verdict: **not reproduced (quick)**",
+    ] {
+        assert!(section.contains(line), "{line}");
+    }
     // What the paper does not say stands apart, in other words.
     let beyond = Claim {
         place: BEYOND.to_owned(),

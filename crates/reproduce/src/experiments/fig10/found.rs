@@ -189,6 +189,7 @@ pub mod tests {
                 power: vec![[0.1, low], [1.0, 1.0]],
                 low,
                 picture: vec![0.0, 1.0, 1.0, 0.0],
+                reach: 2.5,
             }),
             plates: (0..3).map(|i| plated(scatter(plate, i), i)).collect(),
             beside: Vec::new(),

@@ -31,6 +31,8 @@ pub struct Look {
     pub low: f64,
     /// Powers in rows of as many, for a picture; that at zero is 0.
     pub picture: Vec<f64>,
+    /// How far the picture reaches from its middle, as a relative frequency.
+    pub reach: f64,
 }
 
 /// A sampler and its sets.
@@ -91,6 +93,7 @@ impl Task {
             sets: self.sets,
             count: mean.samples.round() as usize,
             low: low(&spectrum),
+            reach: spectrum.picture_reach[0],
             power,
             picture: (spectrum.picture.power.iter())
                 .map(|power| if power.is_finite() { *power } else { 0.0 })
@@ -169,6 +172,11 @@ mod tests {
             let kdrt = look(Sampler::Kdrt)?;
             assert!(kdrt.low < 0.2 && kdrt.low > 0.01, "{}", kdrt.low);
             assert_eq!(kdrt.picture.len(), CELLS * CELLS);
+            assert!(
+                (kdrt.reach / Spectrum::MOST_NU - 1.0).abs() < 0.1,
+                "{}",
+                kdrt.reach
+            );
             assert!(kdrt.picture.iter().all(|power| power.is_finite()));
             let task = Task::of(Sampler::Kdrt, &settings).unwrap();
             let corner = task.corner(&settings, control)?;

@@ -4,11 +4,11 @@
 use super::curves;
 use super::found::Found;
 use super::horizon::{Horizon, SHOWN};
-use super::looks::CELLS;
+use super::looks::{CELLS, LOW};
 use super::plate::{EDGE, NYQUIST, Plate};
 use super::samplers::Sampler;
 use super::shades::{ERROR_SHOWN, shade};
-use super::sheet::{Content, Sheet, Tile};
+use super::sheet::{Content, Name, Sheet, Tile};
 use crate::error::ReproduceError;
 use crate::outcome::Picture;
 use crate::report::{count, number};
@@ -21,6 +21,8 @@ const TILE: f64 = 2.0 * CELLS as f64;
 pub const BLACK: f64 = 3.0;
 /// Powers below this are the transform's error.
 const NOTHING: f64 = 1e-9;
+/// Spectra whose edge is further than this part from that of the axis have one of their own.
+const OFF_AXIS: f64 = 0.02;
 /// Side of a zone plate's tile.
 const PLATE: f64 = 512.0;
 /// Side of a horizon's tile.
@@ -79,7 +81,8 @@ fn whole(all: &[Found], corners: &[Vec<[f64; 2]>]) -> Result<Picture, ReproduceE
         let note = format!("{} samples", places.len());
         tile(&one.name, note, Content::Samples(places.clone()))
     });
-    let spectra = all.iter().map(spectrum);
+    let shown = reach(all);
+    let spectra = all.iter().map(|one| spectrum(one, shown));
     let images = all
         .iter()
         .map(|one| tile("", error_note(one), plate(one, 0)));
@@ -94,6 +97,8 @@ fn whole(all: &[Found], corners: &[Vec<[f64; 2]>]) -> Result<Picture, ReproduceE
     let sheet = Sheet {
         title: "Quality of integration".to_owned(),
         side: TILE,
+        names: row_names(shown),
+        ramp: Some(BLACK),
         rows: vec![
             samples.collect(),
             spectra.collect(),
@@ -108,6 +113,34 @@ fn whole(all: &[Found], corners: &[Vec<[f64; 2]>]) -> Result<Picture, ReproduceE
     })
 }
 
+/// Returns how far the first spectrum reaches, as nu.
+fn reach(all: &[Found]) -> f64 {
+    let mut looks = all.iter().filter_map(|one| one.look.as_ref());
+    looks.next().map_or(Spectrum::MOST_NU, |look| look.reach)
+}
+
+/// Names of the figure's rows, and the frequencies of the second.
+fn row_names(reach: f64) -> Vec<Name> {
+    let most = reach as i32;
+    let tick = |nu: i32| {
+        let label = nu.to_string().replace('-', "\u{2212}");
+        (0.5 + 0.5 * f64::from(nu) / reach, label)
+    };
+    let name = |name: &str, ticks| Name {
+        name: name.to_owned(),
+        ticks,
+    };
+    vec![
+        name("samples", Vec::new()),
+        name(
+            "power spectrum, \u{3bd}",
+            (-most..=most).map(tick).collect(),
+        ),
+        name("zone plate", Vec::new()),
+        name("horizon", Vec::new()),
+    ]
+}
+
 fn whole_caption(all: &[Found]) -> String {
     let looks = all.iter().filter_map(|one| one.look.as_ref());
     let sets = looks.map(|look| look.sets).max().unwrap_or(0);
@@ -115,7 +148,8 @@ fn whole_caption(all: &[Found]) -> String {
     format!(
         "Rows: a part of a set; the mean power spectrum of up to {sets} sets to \u{3bd} = {}, white 0, black {BLACK} and above; the lower \
          left part of the zone plate from {} samples, Gaussian filter; a horizon at {SHOWN} samples per pixel, mean of each pixel. RMSE \
-         is that of the whole image from the first set, the one shown; the tables have means over sets.",
+         is that of the whole image from the first set, the one shown; SNR is the exact image's mean square over that of the error. The tables \
+         have means over sets.",
         Spectrum::MOST_NU,
         first.map_or_else(String::new, |one| count(one.count as u64))
     )
@@ -125,7 +159,7 @@ fn error_note(one: &Found) -> String {
     let first = one.plates.first();
     first.map_or_else(String::new, |plate| {
         format!(
-            "RMSE {}, {} dB",
+            "RMSE {}, SNR {} dB",
             number(plate.rmse, 3),
             number(plate.signal_db, 3)
         )
@@ -147,16 +181,19 @@ fn shown_horizon(one: &Found) -> Option<(f64, &[u8])> {
     images.next()
 }
 
-/// A spectrum, low powers white.
-fn spectrum(one: &Found) -> Tile {
+/// A spectrum, low powers white; it says so if it does not reach as far as the axis.
+fn spectrum(one: &Found, shown: f64) -> Tile {
     let Some(look) = &one.look else {
         return tile("", String::new(), Content::Empty);
     };
-    let note = if look.low < NOTHING {
-        "no power at low \u{3bd}".to_owned()
+    let mut note = if look.low < NOTHING {
+        format!("no power to \u{3bd} = {LOW}")
     } else {
-        format!("power at low \u{3bd}: {}", number(look.low, 2))
+        format!("power to \u{3bd} = {LOW}: {}", number(look.low, 2))
     };
+    if (look.reach / shown - 1.0).abs() > OFF_AXIS {
+        note = format!("{note}; edge at \u{3bd} = {}", number(look.reach, 3));
+    }
     let powers = look.picture.chunks(CELLS).rev().flatten();
     let shades = powers.map(|power| shade(1.0 - 2.0 * power / BLACK));
     let content = Content::Shades {
@@ -190,6 +227,8 @@ fn plates(all: &[Found], size: Plate) -> Result<Picture, ReproduceError> {
     let sheet = Sheet {
         title: "Zone plate sin(x\u{b2} + y\u{b2})".to_owned(),
         side: PLATE,
+        names: Vec::new(),
+        ramp: None,
         rows: rows(std::iter::once(exact(size)).chain(each).collect(), 2),
     };
     Ok(Picture {
@@ -220,6 +259,8 @@ fn errors(all: &[Found], size: Plate) -> Result<Picture, ReproduceError> {
     let sheet = Sheet {
         title: "Zone plate: difference from the exact image".to_owned(),
         side: PLATE,
+        names: Vec::new(),
+        ramp: None,
         rows: rows(std::iter::once(exact(size)).chain(each).collect(), 2),
     };
     Ok(Picture {
@@ -243,6 +284,8 @@ fn horizons(all: &[Found], horizon: Horizon) -> Result<Picture, ReproduceError> 
     let sheet = Sheet {
         title: format!("Horizon at {SHOWN} samples per pixel"),
         side: HORIZON,
+        names: Vec::new(),
+        ramp: None,
         rows: rows(std::iter::once(exact).chain(each).collect(), 2),
     };
     Ok(Picture {

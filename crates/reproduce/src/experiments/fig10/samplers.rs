@@ -231,6 +231,7 @@ pub mod tests {
     pub fn given(name: &str, points: &[[f64; 2]]) -> GivenSet {
         GivenSet {
             name: name.to_owned(),
+            path: name.to_owned(),
             points: points.iter().map(|p| p.map(|v| 3.0 * v)).collect(),
             region: Region {
                 width: 3.0,

@@ -1,12 +1,13 @@
-//! Pictures side by side under headings: a grid of square tiles, pixel by pixel.
+//! Pictures side by side under headings: a grid of square tiles, pixel by pixel, whose rows may have names and an axis.
 //! It never scales a picture by anything but a whole number.
 
 use tilescope_figures::{
-    Anchor, Bitmap, Font, Group, Marker, Palette, Rect, Scene, Shape, Stroke, Style, Text,
-    text_width,
+    Anchor, Baseline, Bitmap, Font, Group, Marker, Palette, Rect, Scene, Shape, Stroke, Style,
+    Text, text_width,
 };
 
 use crate::error::ReproduceError;
+use crate::experiments::common::ramp;
 
 const PALETTE: Palette = Palette::LIGHT;
 const MARGIN: f64 = 18.0;
@@ -14,6 +15,9 @@ const GAP: f64 = 10.0;
 const TITLE: f64 = 56.0;
 const HEADING: f64 = 15.0;
 const NOTE: f64 = 12.0;
+/// Room left of rows that have names, and of the name itself.
+const NAMES: f64 = 52.0;
+const NAME: f64 = 13.0;
 
 /// What a tile shows.
 pub enum Content {
@@ -39,11 +43,23 @@ pub struct Tile {
     pub content: Content,
 }
 
+/// What stands left of a row.
+#[derive(Default)]
+pub struct Name {
+    pub name: String,
+    /// Places along the side of its tiles, from 0 below to 1, and what is written there.
+    pub ticks: Vec<(f64, String)>,
+}
+
 /// Rows of tiles.
 pub struct Sheet {
     pub title: String,
     /// Side of a tile in pixels.
     pub side: f64,
+    /// Names of the rows, or none at all.
+    pub names: Vec<Name>,
+    /// What power is black, if shades of it are to be explained.
+    pub ramp: Option<f64>,
     pub rows: Vec<Vec<Tile>>,
 }
 
@@ -51,7 +67,8 @@ impl Sheet {
     /// Returns the scene.
     pub fn scene(self) -> Result<Scene, ReproduceError> {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0) as f64;
-        let wide = 2.0 * MARGIN + columns * (self.side + GAP) - GAP;
+        let margin = if self.names.is_empty() { 0.0 } else { NAMES };
+        let wide = 2.0 * MARGIN + margin + columns * (self.side + GAP) - GAP;
         let titled = 2.0 * MARGIN + text_width(&self.title, Font::SemiBold, 20.0);
         let mut scene = Scene::new(wide.max(titled).ceil(), 1.0, PALETTE.background);
         scene.title.clone_from(&self.title);
@@ -59,7 +76,12 @@ impl Sheet {
         title.font = Font::SemiBold;
         let mut words = Group::new("words");
         words.shapes.push(Shape::Text(title));
+        let ramp = self
+            .ramp
+            .map(|black| ramp(scene.width - MARGIN, black, &PALETTE));
+        scene.groups.extend(ramp);
         let mut top = TITLE;
+        let mut names = self.names.into_iter();
         for row in self.rows {
             let some = |text: fn(&Tile) -> &str| row.iter().any(|tile| !text(tile).is_empty());
             let head = if some(|tile| &tile.heading) {
@@ -69,7 +91,7 @@ impl Sheet {
             };
             let foot = if some(|tile| &tile.note) { 26.0 } else { GAP };
             for (column, tile) in row.into_iter().enumerate() {
-                let left = MARGIN + column as f64 * (self.side + GAP);
+                let left = MARGIN + margin + column as f64 * (self.side + GAP);
                 let frame = Rect::new(
                     [left, top + head],
                     [left + self.side, top + head + self.side],
@@ -77,11 +99,39 @@ impl Sheet {
                 words.shapes.extend(tile.words(frame));
                 scene.groups.push(tile.content.group(frame)?);
             }
+            if let Some(name) = names.next() {
+                let corner = [MARGIN + margin, top + head];
+                words.shapes.extend(name.shapes(corner, self.side));
+            }
             top += head + self.side + foot;
         }
         scene.height = (top + MARGIN).ceil();
         scene.groups.push(words);
         Ok(scene)
+    }
+}
+
+impl Name {
+    /// Returns what stands left of a tile with this upper left corner.
+    fn shapes(self, [left, top]: [f64; 2], side: f64) -> Vec<Shape> {
+        let mut name = Text::new(
+            [MARGIN + NAME, top + 0.5 * side],
+            self.name,
+            NAME,
+            PALETTE.text,
+        );
+        (name.anchor, name.quarter_turns) = (Anchor::Middle, 3);
+        let ticks = self.ticks.into_iter().flat_map(|(place, label)| {
+            let at = [left - 1.0, top + side * (1.0 - place)];
+            let mut text = Text::new([at[0] - 8.0, at[1]], label, NOTE, PALETTE.muted);
+            (text.anchor, text.baseline) = (Anchor::End, Baseline::Middle);
+            let stroke = Stroke::new(PALETTE.muted, 1.0);
+            [
+                Shape::line([at[0] - 5.0, at[1]], at, stroke),
+                Shape::Text(text),
+            ]
+        });
+        std::iter::once(Shape::Text(name)).chain(ticks).collect()
     }
 }
 
@@ -211,6 +261,8 @@ mod tests {
         let sheet = Sheet {
             title: String::new(),
             side: 100.0,
+            names: Vec::new(),
+            ramp: None,
             rows: vec![vec![tile(), tile()], vec![tile()]],
         };
         let scene = sheet.scene().unwrap();
@@ -222,5 +274,37 @@ mod tests {
         assert_eq!(at(left + 49.0, top + 49.0), Some(0));
         assert_eq!(at(left + 50.0, top + 49.0), Some(255));
         assert_eq!(at(left + 50.0, top + 50.0), Some(0));
+    }
+
+    #[test]
+    fn names_of_rows_and_their_ticks_stand_left_of_the_tiles() {
+        let tile = Tile {
+            heading: String::new(),
+            note: String::new(),
+            content: Content::Empty,
+        };
+        let sheet = Sheet {
+            title: String::new(),
+            side: 100.0,
+            names: vec![Name {
+                name: "row".to_owned(),
+                ticks: vec![(0.0, "low".to_owned()), (1.0, "high".to_owned())],
+            }],
+            ramp: Some(3.0),
+            rows: vec![vec![tile]],
+        };
+        let scene = sheet.scene().unwrap();
+        assert!((scene.width - (2.0 * MARGIN + NAMES + 100.0)).abs() < 1e-9);
+        let texts = scene.groups.iter().flat_map(|group| &group.shapes);
+        let place = |name: &str| {
+            let mut texts = texts.clone();
+            texts.find_map(|shape| match shape {
+                Shape::Text(text) if text.text == name => Some(text.at),
+                _ => None,
+            })
+        };
+        let [low, high] = ["low", "high"].map(|name| place(name).unwrap());
+        assert!((low[1] - high[1] - 100.0).abs() < 1e-9 && low[0] < MARGIN + NAMES);
+        assert!(place("row").is_some() && place("power 0").is_some());
     }
 }

@@ -25,7 +25,12 @@ pub fn shares(rows: &[Row], plan: &Plan) -> Picture {
             plan.rounds,
             whisker_words(plan.rounds as usize)
         ),
-        scene: bars_scene(&title, &groups, &Palette::LIGHT),
+        scene: bars_scene(
+            &title,
+            "share of the run's time, %",
+            &groups,
+            &Palette::LIGHT,
+        ),
     }
 }
 

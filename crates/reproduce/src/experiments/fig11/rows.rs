@@ -23,14 +23,21 @@ impl Row {
         format!("leaf {} r{printed}", self.leaf)
     }
 
-    /// Returns the median share of elimination and first insertion, and the largest one of any other procedure.
+    /// Returns the median share of elimination and first insertion together, and the largest one of any other procedure.
     pub fn shares(&self) -> [f64; 2] {
-        let shares = |first: bool| {
-            let each = self.procedures.iter();
-            each.filter(move |(of, _, _)| of.is_first() == first)
-                .map(|(_, _, share)| share.quartiles[1])
-        };
-        [shares(true).sum(), shares(false).fold(0.0, f64::max)]
+        let others = self.medians(false).into_iter();
+        [self.first_shares().iter().sum(), others.fold(0.0, f64::max)]
+    }
+
+    /// Returns the median shares of elimination and of the first insertion, or of the loop that does both.
+    pub fn first_shares(&self) -> Vec<f64> {
+        self.medians(true)
+    }
+
+    fn medians(&self, first: bool) -> Vec<f64> {
+        let each = self.procedures.iter();
+        let each = each.filter(|(of, _, _)| of.is_first() == first);
+        each.map(|(_, _, share)| share.quartiles[1]).collect()
     }
 }
 

@@ -4,7 +4,8 @@ use std::collections::HashSet;
 
 use tilescope_core::{Boundary, Point, Rect as Cells, Source};
 use tilescope_figures::{
-    Group, Marker, PictureOptions, Rect, Scene, SetPicture, Shape, Stroke, Style, set_scene,
+    Baseline, Font, Group, Marker, Palette, PictureOptions, Rect, Scene, SetPicture, Shape, Stroke,
+    Style, Text, set_scene, text_width,
 };
 
 use super::Glued;
@@ -78,14 +79,51 @@ fn scene(glued: &Glued, rects: &[Cells], window: Option<Rect>) -> Scene {
         },
     };
     let mut scene = set_scene(&set, &options);
-    let style = Style::default().with_stroke(Stroke::new(options.palette.eliminated, 1.2));
+    let style = Style::filled(options.palette.eliminated);
     if let Some(part) = window {
         // Positions of a picture point down, within the part that is shown.
         let flip = |[x, y]: [f64; 2]| [x, part.min[1] + part.max[1] - y];
         let places: Vec<[f64; 2]> = points_of(glued).into_iter().map(flip).collect();
         crosses(&mut scene, &places, style);
     }
+    legend(&mut scene, &options.palette, window.is_some());
     scene
+}
+
+/// Side of a legend's mark, its line and its text.
+const MARK: f64 = 12.0;
+const LINE: f64 = 34.0;
+const TEXT: f64 = 14.0;
+
+/// Adds a line below the picture that says what its marks are.
+fn legend(scene: &mut Scene, palette: &Palette, close: bool) {
+    let at = scene.height + 0.5 * LINE - 8.0;
+    let piece = palette.block_borders[0];
+    let mark = |kind, color| move |x: f64| Shape::marker(kind, [x, at], MARK, Style::filled(color));
+    let disk = Style::default().with_stroke(Stroke::new(palette.disk, 1.4));
+    let circle = |x: f64| Shape::marker(Marker::Dot, [x, at], 1.6 * MARK, disk);
+    let dot = mark(Marker::Dot, piece);
+    let diamond = mark(Marker::Diamond, palette.inserted);
+    let cross = mark(Marker::Cross, palette.eliminated);
+    let mut entries: Vec<(&str, &dyn Fn(f64) -> Shape)> = vec![
+        ("sample, in the colour of its set", &dot),
+        ("inserted", &diamond),
+    ];
+    if close {
+        entries.push(("eliminated", &cross));
+        entries.push(("disk of radius r", &circle));
+    }
+    let mut group = Group::new("legend");
+    let mut x = 20.0 + 0.5 * MARK;
+    for (name, shape) in entries {
+        group.shapes.push(shape(x));
+        let mut text = Text::new([x + MARK + 4.0, at], name, TEXT, palette.text);
+        text.baseline = Baseline::Middle;
+        x += MARK + 4.0 + text_width(name, Font::Regular, TEXT) + 2.5 * MARK;
+        group.shapes.push(Shape::Text(text));
+    }
+    scene.groups.push(group);
+    scene.height += LINE;
 }
 
 /// Places of eliminated samples that lay in their own set's rectangle, each once.

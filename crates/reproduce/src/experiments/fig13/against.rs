@@ -14,9 +14,11 @@ pub struct Against {
     pub difference: f64,
     pub chance: f64,
     pub left: f64,
-    /// Anisotropy above that of reference sets, in decibels; and how far two groups of them lie apart.
+    /// Anisotropy above that of reference sets, in decibels; how far two groups of them lie apart; and how far it is from zero by chance
+    /// with probability 99 %.
     pub excess: f64,
     pub apart: f64,
+    pub reach: f64,
     /// Highest power over what chance allows.
     pub peak: f64,
 }
@@ -30,6 +32,11 @@ impl Against {
     /// Whether there is a tiling to judge.
     pub fn tiled(&self) -> bool {
         self.method.tiles(self.radius)
+    }
+
+    /// Whether there are enough blocks for a good tiling to be told from a bad one: the more share a pattern, the more regular they are.
+    pub fn tiled_often(&self) -> bool {
+        self.method.tiles_often(self.radius)
     }
 }
 
@@ -54,6 +61,10 @@ pub fn against(found: &[Found]) -> Vec<Against> {
             left: (square - chance.powi(2)).max(0.0).sqrt(),
             excess: one.excess - 0.5 * (a.excess + b.excess),
             apart: (a.excess - b.excess).abs(),
+            // Of a difference from the mean of two.
+            reach: one
+                .excess_reach
+                .hypot(0.5 * a.excess_reach.hypot(b.excess_reach)),
             peak: one.peaks.over(),
         })
     };
@@ -75,6 +86,7 @@ pub mod tests {
             left: 0.02,
             excess: 0.3,
             apart: 0.03,
+            reach: 0.05,
             peak: 0.9,
         }
     }

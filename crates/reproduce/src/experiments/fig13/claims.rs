@@ -1,5 +1,5 @@
 //! Verdicts on figure 13's spectra: radial mean powers, and regularity with patterns that hold the largest block and with smaller ones.
-//! Sets of a single block are no evidence of a tiling. Numbers in, claims out.
+//! Sets of a single block are no evidence of a tiling, and those of few blocks no evidence of a good one. Numbers in, claims out.
 
 use super::against::Against;
 use super::method::Method;
@@ -101,8 +101,7 @@ fn level([holding, close]: [&[Against]; 2], apart: f64, control: Option<&Against
         "The anisotropy is the variance of the power within a ring, over the mean squared; blocks repeat parts of one pattern, and repetition \
          shows here first. It counts as serious where tiling makes as much of the variance as chance does: reproduced if it is at most {} dB above \
          that of reference sets at every radius and leaf size. That limit is about what is serious, not about what is there: anything beyond what \
-         two groups of reference sets differ by is detectable, and is named. The more blocks share a pattern, the more there is: sets of few blocks \
-         say less.",
+         two groups of reference sets differ by is detectable, and is named.",
         number(measure.limit, 2)
     );
     let claim = |each: &[Against], claim: &str, paper: &str| Claim {
@@ -110,13 +109,14 @@ fn level([holding, close]: [&[Against]; 2], apart: f64, control: Option<&Against
         place: "section 4.1.2".to_owned(),
         paper: paper.to_owned(),
         ours: format!(
-            "anisotropy above reference sets', in dB: {}{}{}",
+            "anisotropy above reference sets', in dB: {}{}{}{}",
             by_leaf(each, &measure),
+            chance(each),
             detectable(each, apart),
             beside(control, &measure)
         ),
         verdict: verdict(each, &measure),
-        reason: reason.clone(),
+        reason: format!("{reason} {}", floor(each)),
     };
     [
         claim(
@@ -149,7 +149,8 @@ fn spikes(holding: &[Against], close: &[Against], control: Option<&Against>) -> 
         reason: format!(
             "A regular repetition is a spike: a frequency whose power is far above the radial mean. Powers of irregular sets are \
              exponentially distributed, so what chance allows is known; above it a spike is detectable. It is seen beside chance's own highest ones where it is as \
-             much again: reproduced if no frequency has more than {SERIOUS} times what chance allows."
+             much again: reproduced if no frequency has more than {SERIOUS} times what chance allows. {}",
+            floor(each)
         ),
     };
     [
@@ -158,18 +159,51 @@ fn spikes(holding: &[Against], close: &[Against], control: Option<&Against>) -> 
     ]
 }
 
-/// Any tiling may refute a claim; it holds only if there was a tiling of every leaf size.
+/// Any tiling may refute a claim; it holds only if there was one of enough blocks of every leaf size.
 fn verdict(each: &[Against], measure: &Measure) -> Verdict {
-    let tiled = || each.iter().filter(|one| one.tiled());
-    if tiled().any(|one| (measure.of)(one) > measure.limit) {
+    let mut tiled = each.iter().filter(|one| one.tiled());
+    if tiled.any(|one| (measure.of)(one) > measure.limit) {
         return Verdict::NotReproduced;
     }
-    let of_leaf = |leaf: &f64| tiled().any(|one| one.method.leaf() == Some(*leaf));
-    let leaves = leaves(each);
-    if leaves.is_empty() || !leaves.iter().all(of_leaf) {
+    if each.is_empty() || !coarse(each).is_empty() {
         return Verdict::NotComparable;
     }
     Verdict::Reproduced
+}
+
+/// Returns the leaf sizes of which no radius has enough blocks.
+fn coarse(each: &[Against]) -> Vec<f64> {
+    let often = |leaf: f64| {
+        each.iter()
+            .any(|one| one.tiled_often() && one.method.leaf() == Some(leaf))
+    };
+    leaves(each)
+        .into_iter()
+        .filter(|leaf| !often(*leaf))
+        .collect()
+}
+
+/// Tells what sets of few blocks count for, and which leaf sizes have no others.
+fn floor(each: &[Against]) -> String {
+    let rule = "The more blocks share a pattern, the more regular they are: sets of fewer than nine blocks can refute it but not confirm it";
+    let coarse: Vec<String> = (coarse(each).iter())
+        .map(|leaf| format!("{leaf} r"))
+        .collect();
+    if coarse.is_empty() {
+        return format!("{rule}.");
+    }
+    format!(
+        "{rule}, and leaves of {} have no others here.",
+        coarse.join(", ")
+    )
+}
+
+/// Tells how far from zero these numbers are by chance alone.
+fn chance(each: &[Against]) -> String {
+    let tiled: Vec<Against> = each.iter().filter(|one| one.tiled()).copied().collect();
+    largest(&tiled, |one| one.reach).map_or_else(String::new, |(reach, _)| {
+        format!("; chance alone stays within {} dB (99 %)", number(reach, 2))
+    })
 }
 
 /// Tells whether the anisotropy is beyond what groups of reference sets lie apart by at any radius.

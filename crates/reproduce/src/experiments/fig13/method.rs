@@ -81,6 +81,12 @@ impl Method {
         }
     }
 
+    /// Whether sets of this radius on the unit square have at least nine blocks: a side of four leaves, each part of which is shorter
+    /// than two.
+    pub fn tiles_often(self, radius: f64) -> bool {
+        self.leaf().is_some_and(|leaf| 4.0 * leaf * radius <= 1.0)
+    }
+
     pub const fn leaf(self) -> Option<f64> {
         match self {
             Self::Kdrt { leaf, .. } | Self::OnePattern { leaf } => Some(leaf),
@@ -208,6 +214,9 @@ mod tests {
                     let (_, summary) = Set::kdrt(&parameters, control)?;
                     let tiles = Method::kdrt(leaf).tiles(radius);
                     assert_eq!(tiles, summary.blocks > 1, "leaf {leaf}, radius {radius}");
+                    if Method::kdrt(leaf).tiles_often(radius) {
+                        assert!(summary.blocks >= 9, "leaf {leaf}, radius {radius}");
+                    }
                 }
             }
             Ok(())

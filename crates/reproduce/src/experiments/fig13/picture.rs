@@ -2,10 +2,10 @@
 
 use tilescope_analysis::measures::anisotropy_reference_db;
 use tilescope_figures::chart::{
-    Axis, Figure, ImageChart, Level, LineChart, Look, Panel, Series, figure_scene,
+    Axis, Figure, ImageChart, LineChart, Look, Panel, Series, figure_scene,
 };
 use tilescope_figures::{
-    Anchor, Font, Group, Marker, Palette, Rect, Scene, Shape, Style, Text, View,
+    Font, Group, Marker, Palette, Rect, Scene, Shape, Style, Text, View, text_width,
 };
 
 use super::SHARED;
@@ -14,6 +14,7 @@ use super::rates::Row;
 use super::spectra::Found;
 use crate::bars::{Bar, Bars, bars_scene, drawn_number as number, whisker, whisker_words};
 use crate::error::ReproduceError;
+use crate::experiments::common::ramp;
 use crate::outcome::Picture;
 use crate::sets::Set;
 
@@ -29,6 +30,8 @@ const RIGHT: f64 = 18.0;
 /// Room above and below a square of samples.
 const ABOVE: f64 = 34.0;
 const BELOW: f64 = 16.0;
+/// Size of a column's heading.
+const HEADING: f64 = 15.0;
 /// Power that is black: between the mean and what rings of ten sets reach.
 const BLACK: f64 = 2.5;
 
@@ -102,9 +105,9 @@ pub fn spectra(
         scene.groups.push(border(at, side, &palette));
         scene
             .groups
-            .push(heading(&columns[index].0.method, at, &palette));
+            .push(heading(&columns[index].0.method, at, side, &palette));
     }
-    scene.groups.push(ramp(&palette));
+    scene.groups.push(ramp(WIDTH - MARGIN, BLACK, &palette));
     Ok(Picture {
         name: format!("{name}-{}", reference.radius.to_string().replace('.', "-")),
         caption: caption(title, reference, columns),
@@ -121,7 +124,8 @@ fn caption(title: &str, first: &Found, columns: &[Column<'_>]) -> String {
     format!(
         "{title}, radius {}: a part of one set {SHOWN} r wide; mean periodogram of {} sets, each cell the mean of {side} x {side} frequencies, white none, \
          black {BLACK} and more; its radial mean, with the band that holds the true one with 95 % probability; its anisotropy, frequency by \
-         frequency, about the level of noise for sets without preferred directions. Dashed: the reference sets{}.",
+         frequency, beside the level of noise, which sets without preferred directions have, \
+         and the band that holds 95 % of their rings. Dashed: the reference sets{}.",
         first.radius,
         first.sets,
         if second {
@@ -172,8 +176,11 @@ fn samples(set: &Set, at: [f64; 2], side: f64, palette: &Palette) -> Group {
     }
 }
 
-fn heading(method: &Method, at: [f64; 2], palette: &Palette) -> Group {
-    let mut text = Text::new([at[0], at[1] - 12.0], method.name(), 15.0, palette.text);
+/// A method's name, no wider than its column.
+fn heading(method: &Method, at: [f64; 2], side: f64, palette: &Palette) -> Group {
+    let name = method.name();
+    let size = HEADING * (side / text_width(&name, Font::SemiBold, HEADING)).min(1.0);
+    let mut text = Text::new([at[0], at[1] - 12.0], name, size, palette.text);
     text.font = Font::SemiBold;
     let mut group = Group::new("heading");
     group.shapes.push(Shape::Text(text));
@@ -210,13 +217,29 @@ fn image(one: &Found, _: &Found) -> Panel {
     let middle = values.len() / 2;
     Panel::Image(ImageChart {
         title: "Mean periodogram".to_owned(),
-        x: axis("kx / sqrt(N)"),
-        y: axis("ky / sqrt(N)"),
+        x: axis("kx / \u{221a}N").with_ticks(whole(reach)),
+        y: axis("ky / \u{221a}N").with_ticks(whole(reach)),
         columns: shown,
         absent: (values[middle] == 0.0).then_some(middle),
         values,
         clamp: [0.0, BLACK],
     })
+}
+
+/// Ticks at whole numbers.
+fn whole(reach: f64) -> Vec<(f64, String)> {
+    let most = reach as i32;
+    let label = |value: i32| value.to_string().replace('-', "\u{2212}");
+    (-most..=most)
+        .map(|value| (f64::from(value), label(value)))
+        .collect()
+}
+
+/// The axis of curves by frequency.
+fn frequencies() -> Axis {
+    Axis::new("\u{3bd} = |k| / \u{221a}N")
+        .with_range(0.0, NU)
+        .with_ticks(whole(NU))
 }
 
 /// Look of a method's curve: by the leaf, so that one leaf looks the same in all figures.
@@ -242,7 +265,7 @@ fn power(one: &Found, below: &Found) -> Panel {
     };
     Panel::Lines(LineChart {
         title: "Radial mean power".to_owned(),
-        x: Axis::new("nu = |k| / sqrt(N)").with_range(0.0, NU),
+        x: frequencies(),
         y: Axis::new("power").with_range(0.0, 2.0),
         series: vec![series(below, false), series(one, true)],
         levels: Vec::new(),
@@ -268,33 +291,7 @@ fn decibels(columns: &[Column<'_>]) -> [f64; 2] {
     [low - room, high + room]
 }
 
-/// What shades of periodograms mean, beside the title.
-fn ramp(palette: &Palette) -> Group {
-    let (steps, wide, at) = (32_u8, 4.0, [WIDTH - MARGIN - 170.0, 20.0]);
-    let mut group = Group::new("ramp");
-    for step in 0..steps {
-        let x = at[0] + wide * f64::from(step);
-        let level = 255 - (255 * u16::from(step) / u16::from(steps - 1)) as u8;
-        group.shapes.push(Shape::Rect {
-            rect: Rect::new([x, at[1]], [x + wide, at[1] + 14.0]),
-            style: Style::filled([level, level, level, 255]),
-        });
-    }
-    let right = at[0] + wide * f64::from(steps);
-    group.shapes.push(Shape::Rect {
-        rect: Rect::new(at, [right, at[1] + 14.0]),
-        style: Style::stroked(palette.muted, 1.0),
-    });
-    let base = at[1] + 12.0;
-    let mut zero = Text::new([at[0] - 8.0, base], "power 0", 13.0, palette.text);
-    zero.anchor = Anchor::End;
-    let most = Text::new([right + 8.0, base], format!("{BLACK}"), 13.0, palette.text);
-    group.shapes.extend([zero, most].map(Shape::Text));
-    group
-}
-
 fn anisotropy(one: &Found, below: &Found, [low, high]: [f64; 2]) -> Panel {
-    let noise = anisotropy_reference_db(one.sets);
     let series = |of: &Found| Series {
         name: of.method.name(),
         look: look(of.method),
@@ -303,14 +300,26 @@ fn anisotropy(one: &Found, below: &Found, [low, high]: [f64; 2]) -> Panel {
     };
     Panel::Lines(LineChart {
         title: "Anisotropy".to_owned(),
-        x: Axis::new("nu = |k| / sqrt(N)").with_range(0.0, NU),
-        y: Axis::new("decibels").with_range(low, high),
-        series: vec![series(below), series(one)],
-        levels: vec![Level {
-            name: "noise".to_owned(),
-            y: noise,
-        }],
+        x: frequencies(),
+        y: Axis::new("anisotropy, dB").with_range(low, high),
+        // The reference's curve runs along it: on top it is seen.
+        series: vec![series(below), series(one), noise(one)],
+        levels: Vec::new(),
     })
+}
+
+/// The level of sets without preferred directions, and where chance takes their rings.
+fn noise(one: &Found) -> Series {
+    let level = anisotropy_reference_db(one.sets);
+    let rings = one.curves.nu.iter().zip(&one.curves.noise);
+    let rings = rings.filter_map(|(nu, ends)| Some((*nu, (*ends)?)));
+    let (points, band) = rings.map(|(nu, ends)| ([nu, level], ends)).unzip();
+    Series {
+        name: "noise, 95 % of its rings".to_owned(),
+        look: Look::Numbered(11),
+        points,
+        band: Some(band),
+    }
 }
 
 fn places(of: &Found, value: impl Fn(usize) -> Option<f64>) -> Vec<[f64; 2]> {
@@ -348,7 +357,12 @@ pub fn rates(rows: &[Row], samples: u64, rounds: u64) -> Picture {
              the reference sampler on one thread in the same round.",
             whisker_words(rounds as usize)
         ),
-        scene: bars_scene(&title, &groups, &Palette::LIGHT),
+        scene: bars_scene(
+            &title,
+            "rate, millions of samples a second",
+            &groups,
+            &Palette::LIGHT,
+        ),
     }
 }
 

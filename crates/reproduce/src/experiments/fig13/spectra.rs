@@ -38,6 +38,8 @@ pub struct Found {
     /// How far the anisotropy lies above that of noise, in decibels: of the mean periodogram, and of single ones in the mean.
     pub excess: f64,
     pub excess_alone: f64,
+    /// How far the first of sets without preferred directions may be from zero, with probability 99 %.
+    pub excess_reach: f64,
     pub peaks: Peaks,
     pub picture: Grid,
 }
@@ -66,6 +68,8 @@ pub struct Curves {
     pub band: Vec<[f64; 2]>,
     /// In decibels; none where there are too few frequencies.
     pub anisotropy: Vec<Option<f64>>,
+    /// Where the anisotropy of sets without preferred directions lies with probability 95 %, in decibels.
+    pub noise: Vec<Option<[f64; 2]>>,
 }
 
 /// The periodogram to be looked at, rows of equal ky.
@@ -150,6 +154,7 @@ impl Sums {
             oscillation: smooth.oscillation(),
             excess: excess(&spectrum.profile),
             excess_alone: alone.mean,
+            excess_reach: excess_reach(&spectrum.profile),
             peaks: Peaks::of(&mean),
             picture: grid(&spectrum),
             curves: curves(&spectrum),
@@ -177,25 +182,53 @@ fn of_correlation(g: &[f64]) -> Result<PowerCurve, ReproduceError> {
 
 /// How far the anisotropy lies above that of noise, in decibels: all annuli alike.
 pub fn excess(profile: &RadialProfile) -> f64 {
-    let many =
-        |annulus: &&Annulus| annulus.count >= 2 * LEAST_PAIRS && annulus.anisotropy_db.is_finite();
-    let ratios = profile.annuli.iter().filter(many);
+    let ratios = profile.annuli.iter().filter(|annulus| many(annulus));
     let ratios = ratios.map(|annulus| 10_f64.powf(0.1 * annulus.anisotropy_db));
     let mean = Summary::of(ratios).map_or(f64::NAN, |summary| summary.mean);
     10.0 * mean.log10() - anisotropy_reference_db(profile.sets)
 }
 
+/// Whether an annulus has frequencies enough for its anisotropy to count.
+fn many(annulus: &Annulus) -> bool {
+    annulus.count >= 2 * LEAST_PAIRS && annulus.anisotropy_db.is_finite()
+}
+
+/// Standard deviation of variance over squared mean, in parts of it, among so many independent means of `sets` exponential values: by
+/// the moments of the gamma distribution, to first order.
+fn noise_deviation(pairs: f64, sets: u64) -> f64 {
+    ((2.0 + 2.0 / sets as f64) / pairs).sqrt()
+}
+
+/// How many standard deviations hold a normal variable with probability 95 %, and 99 %.
+const NORMAL: [f64; 2] = [1.959_964, 2.575_829];
+
+/// Returns where the anisotropy of an annulus of sets without preferred directions lies with probability 95 %, in decibels.
+fn noise(annulus: &Annulus, sets: u64) -> [f64; 2] {
+    let reach = NORMAL[0] * noise_deviation(0.5 * annulus.count as f64, sets);
+    [-reach, reach].map(|off| 10.0 * (1.0 + off).log10() + anisotropy_reference_db(sets))
+}
+
+/// Returns how far [`excess`] may be from zero by chance alone, in decibels.
+fn excess_reach(profile: &RadialProfile) -> f64 {
+    let annuli = profile.annuli.iter().filter(|annulus| many(annulus));
+    let [sum, count] = annuli.fold([0.0; 2], |[sum, count], annulus| {
+        let deviation = noise_deviation(0.5 * annulus.count as f64, profile.sets);
+        [sum + deviation * deviation, count + 1.0]
+    });
+    10.0 * (1.0 + NORMAL[1] * sum.sqrt() / count).log10()
+}
+
 fn curves(spectrum: &Spectrum) -> Curves {
-    let anisotropy = |annulus: &Annulus| {
-        let many = annulus.count >= 2 * LEAST_PAIRS && annulus.anisotropy_db.is_finite();
-        many.then_some(annulus.anisotropy_db)
-    };
+    let (profile, sets) = (&spectrum.profile, spectrum.profile.sets);
+    let anisotropy = |annulus: &Annulus| many(annulus).then_some(annulus.anisotropy_db);
+    let noise = |annulus: &Annulus| many(annulus).then(|| noise(annulus, sets));
     let [nu, power] = [0, 1].map(|axis| spectrum.power().iter().map(|p| p[axis]).collect());
     Curves {
         nu,
         power,
         band: spectrum.bands.clone().unwrap_or_default(),
-        anisotropy: spectrum.profile.annuli.iter().map(anisotropy).collect(),
+        anisotropy: profile.annuli.iter().map(anisotropy).collect(),
+        noise: profile.annuli.iter().map(noise).collect(),
     }
 }
 
@@ -248,6 +281,19 @@ mod tests {
             assert!(reference.excess.abs() < 0.2, "{}", reference.excess);
             assert!(copied.peaks.over() > 1.5, "{:?}", copied.peaks);
             assert!(reference.peaks.over() < 1.2, "{:?}", reference.peaks);
+            // Chance holds reference sets as it says, and copies not at all.
+            let reach = reference.excess_reach;
+            assert!(reach < 0.2 && reference.excess.abs() <= reach, "{reach}");
+            let within = |found: &Found| {
+                let rings = found.curves.anisotropy.iter().zip(&found.curves.noise);
+                let rings = rings.filter_map(|(db, ends)| Some(((*db)?, (*ends)?)));
+                let inside =
+                    rings.map(|(db, [low, high])| f64::from(u8::from(low <= db && db <= high)));
+                Summary::of(inside).unwrap().mean
+            };
+            let share = within(&reference);
+            assert!((0.9..1.0).contains(&share), "{share}");
+            assert!(within(&copied) < 0.01);
             assert!(copied.min_distance > 1.0 && copied.covering_radius < 1.001);
             Ok(())
         });

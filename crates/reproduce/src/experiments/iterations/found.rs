@@ -181,7 +181,7 @@ fn inserted(found: &[Found], cases: &[Case]) -> Picture {
                 spread: Some([low, high].map(|count| count as f64)),
                 text: format!(
                     "{} ({} to {})",
-                    drawn_number(mean, 4),
+                    drawn_mean(mean),
                     drawn_count(low),
                     drawn_count(high)
                 ),
@@ -204,8 +204,16 @@ fn inserted(found: &[Found], cases: &[Case]) -> Picture {
             found.len(),
             counted(largest)
         ),
-        scene: bars_scene(title, &groups, &Palette::LIGHT),
+        scene: bars_scene(title, "samples inserted in a set", &groups, &Palette::LIGHT),
     }
+}
+
+/// Returns a mean of counts with no more digits than a few sets tell: tenths of small ones alone.
+fn drawn_mean(mean: f64) -> String {
+    if mean >= 10.0 || mean.fract() == 0.0 {
+        return drawn_count(mean.round() as usize);
+    }
+    drawn_number(mean, if mean < 1.0 { 1 } else { 2 })
 }
 
 /// Returns bars of the sets by the iterations that they need.
@@ -237,6 +245,6 @@ fn needed(found: &[Found], cases: &[Case]) -> Picture {
         name: "needed".to_owned(),
         caption: "How many iterations of insertion in stages sets need, by order and leaf."
             .to_owned(),
-        scene: bars_scene(title, &groups, &Palette::LIGHT),
+        scene: bars_scene(title, "sets", &groups, &Palette::LIGHT),
     }
 }

@@ -2,13 +2,13 @@
 //! No verdict is decided here.
 
 use serde::{Deserialize, Serialize};
-use tilescope_analysis::measures::chi_square_quantile;
 use tilescope_analysis::{Report, Tessellation, VerifyOptions};
 use tilescope_figures::Palette;
 
 use super::witness::{HAIR, Near, Witness};
 use crate::bars::{Bar, Bars, bars_scene, drawn_count, drawn_number};
 use crate::error::ReproduceError;
+use crate::experiments::common::poisson_interval;
 use crate::outcome::{Cell, Column, Picture, Table};
 use crate::sets::Set;
 use crate::study::Control;
@@ -19,8 +19,6 @@ const PLACES: usize = 100_000;
 const KEPT: usize = 4;
 /// Whether to go on is asked after so many places.
 const ASK: usize = 1024;
-/// What an interval of a count misses.
-const MISSED: f64 = 0.01;
 
 /// What the verifier says of one set, and more about its gaps.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -152,17 +150,6 @@ fn leaves(found: &[Found]) -> Vec<f64> {
     leaves
 }
 
-/// Returns where the mean of a Poisson variable is, with 99 % confidence, of which `count` was seen.
-fn poisson_interval(count: usize) -> [f64; 2] {
-    let bound = |tail: f64, events: usize| 0.5 * chi_square_quantile(tail, 2.0 * events as f64);
-    let low = if count == 0 {
-        0.0
-    } else {
-        bound(1.0 - 0.5 * MISSED, count)
-    };
-    [low, bound(0.5 * MISSED, count + 1)]
-}
-
 type Kind = (&'static str, bool, fn(&Found) -> &Judged);
 
 const KINDS: [Kind; 4] = [
@@ -206,7 +193,7 @@ pub fn bars(found: &[Found]) -> Picture {
         caption: "Gaps in a million samples that runs leave when detectors look 2 r and 4 r far, by the shortest edge of a block, as \
                   printed and in stages. Whiskers: 99 % intervals of a Poisson variable; behind each bar what was counted."
             .to_owned(),
-        scene: bars_scene(title, &groups, &Palette::LIGHT),
+        scene: bars_scene(title, "gaps in a million samples", &groups, &Palette::LIGHT),
     }
 }
 

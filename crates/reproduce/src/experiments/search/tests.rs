@@ -45,6 +45,18 @@ fn one_gap_decides_and_only_where_it_is() {
         .collect();
     assert_eq!(places[..2], ["section 3.2.2"; 2]);
     assert_eq!(places[2..], ["beyond the paper"; 2]);
+    let ours = |found: &[Found]| claims(found)[2].ours.clone();
+    assert!(
+        ours(&clean).starts_with("no gap in 1 sets of 1"),
+        "{}",
+        ours(&clean)
+    );
+    assert!(
+        ours(&clean).contains("at most 5.3 a million"),
+        "{}",
+        ours(&clean)
+    );
+    assert!(ours(&staged).starts_with("1 gap in"), "{}", ours(&staged));
     // Too few to say that there is none.
     let mut few = found(false, 0, 1);
     few.two.count = ENOUGH - 1;

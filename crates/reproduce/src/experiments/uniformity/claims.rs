@@ -10,6 +10,10 @@ use crate::report::number;
 const INTERIOR: f64 = 3.0;
 /// A density this far from the reference sampler's is none at all, whatever the number of sets.
 const NEGLIGIBLE: f64 = 0.005;
+/// An interval that reaches further than this to either side contains too much to say that two densities are alike.
+const TELLING: f64 = 0.02;
+/// Of fewer inserted samples ranks do not say that none is preferred.
+const RANKED: u64 = 1000;
 /// Below this probability counts are not uniform.
 const UNLIKELY: f64 = 1e-3;
 /// Places whose true densities vary by no more than this have a very small bias.
@@ -184,15 +188,17 @@ fn frame(reference: &Subject, ours: &Subject) -> Claim {
             "density within 1 r of the domain's border: {} from the reference sampler's",
             told(&here)
         ),
-        if control.around_zero() {
+        if control.around_zero() && (here.tells(TELLING) || !here.around_zero()) {
             Verdict::of(here.around_zero())
         } else {
             Verdict::NotComparable
         },
         format!(
-            "Confirmed if the interval contains zero, as it must for the reference sampler ({}). The KD tree begins with the \
-             domain, so that its border is a border of blocks in every run; other places are one only in some runs.",
-            between(control.interval)
+            "Confirmed if the interval contains zero, as it must for the reference sampler ({}), and reaches no further than {} \
+             to either side; refuted if it does not contain zero. The KD tree begins with the domain, so that its border \
+             is a border of blocks in every run; other places are one only in some runs.",
+            between(control.interval),
+            percent(TELLING)
         ),
     )
 }
@@ -211,14 +217,19 @@ fn sides(order: &str, reference: &Subject, ours: &Subject) -> Claim {
             told(&after),
             told(&before)
         ),
-        if even(reference) {
+        if even(reference)
+            && ([after, before].iter().all(|side| side.tells(TELLING)) || !even(ours))
+        {
             Verdict::of(even(ours))
         } else {
             Verdict::NotComparable
         },
-        "Confirmed if the two intervals meet, as they must for the reference sampler. By index, of two samples in conflict the one of \
-         the block with the lower index stays; indices rise with the coordinates in every split."
-            .to_owned(),
+        format!(
+            "Confirmed if the two intervals meet, as they must for the reference sampler, and reach no further than {} to either side; refuted \
+             if they do not meet. By index, of two samples in conflict the one of the block with the lower index stays; indices rise with \
+             the coordinates in every split.",
+            percent(TELLING)
+        ),
     )
 }
 
@@ -226,7 +237,7 @@ fn sides(order: &str, reference: &Subject, ours: &Subject) -> Claim {
 fn interior(reference: &Subject, ours: &Subject) -> Claim {
     let [.., deep] = ours.bands();
     let [.., control] = reference.bands();
-    let holds = |deviation: &Off| deviation.relative.abs() <= NEGLIGIBLE || deviation.around_zero();
+    let even = control.around_zero() || control.within(NEGLIGIBLE);
     claim(
         "The method is biased in the conflict area only",
         "bias in the conflict area",
@@ -234,16 +245,19 @@ fn interior(reference: &Subject, ours: &Subject) -> Claim {
             "density deeper than {INTERIOR} r in a block: {} from the reference sampler's",
             told(&deep)
         ),
-        if holds(&control) {
-            Verdict::of(holds(&deep))
+        if even && deep.within(NEGLIGIBLE) {
+            Verdict::Reproduced
+        } else if even && deep.beyond(NEGLIGIBLE) {
+            Verdict::NotReproduced
         } else {
             Verdict::NotComparable
         },
         format!(
-            "Reproduced if that deviation is below {} or its interval contains zero, and so it is for the reference sampler, \
-             which knows no blocks ({}). Clips overlap up to 1 r from a border; elimination and insertion reach a little further.",
-            percent(NEGLIGIBLE),
-            signed(control.relative)
+            "Reproduced if the interval lies within {limit}, not reproduced if it lies beyond. Needs an interval of the reference sampler, which \
+             knows no blocks, that contains zero or lies within {limit} ({}). Clips overlap up to 1 r from a border; \
+             elimination and insertion reach a little further.",
+            signed(control.relative),
+            limit = percent(NEGLIGIBLE)
         ),
     )
 }
@@ -262,10 +276,24 @@ fn border(how: &str, ours: &Subject) -> Claim {
             told(&middle),
             signed(worst)
         ),
-        Verdict::of(!near.around_zero() || !middle.around_zero()),
-        "Reproduced if one of the two intervals does not contain zero; both hold together with 99 % confidence (99.5 % each)."
-            .to_owned(),
+        there(&[near, middle]),
+        format!(
+            "Reproduced if one of the two intervals does not contain zero; both hold together with 99 % confidence (99.5 % each). Not \
+             reproduced if both contain it and reach no further than {} to either side.",
+            percent(TELLING)
+        ),
     )
+}
+
+/// Whether there is a deviation: intervals that contain zero deny it only if they are not wide.
+fn there(each: &[Off]) -> Verdict {
+    if each.iter().any(|off| !off.around_zero()) {
+        Verdict::Reproduced
+    } else if each.iter().all(|off| off.tells(TELLING)) {
+        Verdict::NotReproduced
+    } else {
+        Verdict::NotComparable
+    }
 }
 
 /// What the place of an inserted sample adds to the bias in density.
@@ -281,10 +309,13 @@ fn deterministic(found: &Found) -> Claim {
             number(pair.effect, 3),
             found.circumcentre.sets
         ),
-        Verdict::of(!pair.difference.around_zero()),
-        "Reproduced if the interval of the paired difference does not contain zero: same seeds, patterns and blocks, of which only \
-         the insertion differs. In shares of the reference sampler's density."
-            .to_owned(),
+        there(&[pair.difference]),
+        format!(
+            "Reproduced if the interval of the paired difference does not contain zero: same seeds, patterns and blocks, of which only \
+             the insertion differs; not reproduced if it contains it and reaches no further than {} to either side. In shares of the reference \
+             sampler's density.",
+            percent(TELLING)
+        ),
     )
 }
 
@@ -339,9 +370,13 @@ fn unbiased(ours: &Subject) -> Claim {
     beyond(
         "Uniform insertion has no bias within gaps",
         rank_words(ours),
-        Verdict::of(probability >= UNLIKELY),
+        if probability >= UNLIKELY && ours.rank_count() < RANKED {
+            Verdict::NotComparable
+        } else {
+            Verdict::of(probability >= UNLIKELY)
+        },
         format!(
-            "Confirmed if uniform ranks have a probability of at least {UNLIKELY} (it is {}); the effect is V = {}.",
+            "Confirmed if uniform ranks of at least {RANKED} samples have a probability of at least {UNLIKELY} (it is {}); the effect is V = {}.",
             chance(probability),
             number(effect, 3)
         ),
@@ -361,6 +396,26 @@ fn rank_words(ours: &Subject) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn wide_intervals_around_zero_deny_nothing() {
+        let off = |relative: f64, reach: f64| Off {
+            relative,
+            interval: [relative - reach, relative + reach],
+        };
+        assert_eq!(
+            there(&[off(0.03, 0.02), off(0.0, 0.1)]),
+            Verdict::Reproduced
+        );
+        assert_eq!(
+            there(&[off(0.001, 0.01), off(0.0, 0.01)]),
+            Verdict::NotReproduced
+        );
+        assert_eq!(
+            there(&[off(0.001, 0.01), off(0.0, 0.1)]),
+            Verdict::NotComparable
+        );
+    }
 
     #[test]
     fn deviations_have_signs_and_small_chances_words() {

@@ -84,6 +84,11 @@ impl Off {
         self.interval[0] > limit || self.interval[1] < -limit
     }
 
+    /// Returns whether the interval reaches no further than `limit` from its middle.
+    pub fn tells(&self, limit: f64) -> bool {
+        0.5 * (self.interval[1] - self.interval[0]) <= limit
+    }
+
     /// Returns it with the interval that it has as one of several of `sets`, which together hold with 99 % confidence.
     pub fn among(self, several: usize, sets: u64) -> Self {
         let reach = |missed: f64| student_quantile(missed, sets as f64 - 1.0);

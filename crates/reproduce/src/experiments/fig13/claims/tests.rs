@@ -7,6 +7,7 @@ use super::*;
 /// A leaf close to its pattern's size.
 fn close() -> Against {
     Against {
+        radius: 0.0025,
         method: Method::Kdrt {
             leaf: 80.0,
             side: 100.0,
@@ -133,10 +134,47 @@ fn a_single_block_is_no_evidence_for_tiles_or_against_them() {
         assert_eq!(similar(&[whole(excess)]).verdict, Verdict::NotComparable);
         // With a tiling of that leaf at another radius there is something to judge.
         let tiled = Against {
-            radius: 0.005,
+            radius: 0.0025,
             ..whole(0.5)
         };
         let [claim, _] = level([&[one(), whole(excess), tiled], &[]], 0.03, None);
+        assert_eq!(claim.verdict, Verdict::Reproduced);
+    }
+}
+
+#[test]
+fn a_few_blocks_may_refute_and_do_not_confirm() {
+    let few = |excess, peak| Against {
+        radius: 0.005,
+        excess,
+        peak,
+        ..close()
+    };
+    let verdicts = |one: Against| {
+        [
+            level([&[], &[one]], 0.03, None)[1].clone(),
+            spikes(&[], &[one], None)[1].clone(),
+        ]
+    };
+    for claim in verdicts(few(2.25, 1.64)) {
+        assert_eq!(claim.verdict, Verdict::NotComparable);
+        assert!(
+            claim
+                .reason
+                .ends_with("leaves of 80 r have no others here."),
+            "{}",
+            claim.reason
+        );
+    }
+    for claim in verdicts(few(3.8, 2.6)) {
+        assert_eq!(claim.verdict, Verdict::NotReproduced);
+    }
+    // As much of enough blocks is an answer.
+    let many = Against {
+        radius: 0.0025,
+        ..few(2.25, 1.64)
+    };
+    for claim in verdicts(many) {
         assert_eq!(claim.verdict, Verdict::Reproduced);
     }
 }
