@@ -48,6 +48,9 @@ fn maximal_sets_have_the_numbers_of_maximal_sets() {
         within("mean_sides", 5.99, 6.01);
         within("star_discrepancy", 1e-4, 0.01);
         assert_eq!((&file["valid"], &file["gaps"]), (&true.into(), &0.0.into()));
+        let name = file["file"].as_str().unwrap();
+        let format = if name == "kdrt.csv" { "CSV" } else { "NumPy array" };
+        assert_eq!(file["format"], format, "{name}");
         curves_of_a_maximal_set(&file["curves"]);
     }
     assert_eq!(found["against"], Value::Null);

@@ -10,7 +10,7 @@ use tilescope_analysis::measures::{
     Periodogram, PowerCurve, Spectrum, largest_min_distance,
 };
 use tilescope_analysis::{Progress, Region, Report, VerifyError};
-use tilescope_formats::{CheckError, StreamReader, place};
+use tilescope_formats::{CheckError, Format, StreamReader, place};
 
 use super::bins::Bins;
 use super::scalars::{Found, Scalar, scalars};
@@ -29,6 +29,8 @@ pub struct Member {
     /// The file as it was given.
     pub name: String,
     pub region: Region,
+    /// As it was recognised.
+    pub format: Format,
     pub samples: usize,
     /// The radius is known; otherwise it is the smallest distance.
     pub certain: bool,
@@ -72,6 +74,7 @@ pub struct Request<'a> {
 /// A set that was read, and what the verifier says of it.
 struct Read {
     points: Vec<[f64; 2]>,
+    format: Format,
     region: Region,
     radius: f64,
     /// The radius is known; otherwise one stands for it that keeps searches quick.
@@ -250,6 +253,7 @@ fn of(
         member: Member {
             name: name.to_owned(),
             region,
+            format: set.format,
             samples,
             certain: set.certain,
             // Equal samples are in conflict.
@@ -310,6 +314,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<Read> {
                 }
                 return Ok(Read {
                     points: placed.set.points,
+                    format: placed.detection.format,
                     region: placed.region,
                     radius: placed.radius,
                     certain,
@@ -323,6 +328,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<Read> {
             Ok(found) => {
                 let differences = found.differences.iter().map(ToString::to_string);
                 return Ok(Read {
+                    format: found.detection.format,
                     region: found.report.region,
                     radius: found.report.radius,
                     certain,

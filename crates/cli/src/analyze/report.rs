@@ -151,6 +151,7 @@ fn member_json(member: &Member) -> Map<String, Value> {
     map.insert("file".to_owned(), json!(member.name));
     map.insert("samples".to_owned(), json!(member.samples));
     map.insert("region".to_owned(), json!(member.region));
+    map.insert("format".to_owned(), json!(member.format.to_string()));
     map.insert("radius_known".to_owned(), json!(member.certain));
     map.insert("valid".to_owned(), json!(member.valid));
     map

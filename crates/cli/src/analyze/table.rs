@@ -99,6 +99,7 @@ pub fn measures(subjects: &[Subject], against: bool) -> Table {
         cells: columns.iter().map(|column| column.words(word)).collect(),
     };
     let domain = words("domain", &|subject| region_text(&subject.region));
+    let format = words("format", &|subject| format(&subject.members));
     let origin = words("radius is", &|subject| origin(&subject.members));
     let numbers = keys(subjects).into_iter().map(|scalar| Row {
         label: scalar.label.to_owned(),
@@ -110,7 +111,10 @@ pub fn measures(subjects: &[Subject], against: bool) -> Table {
     Table {
         head: "measure".to_owned(),
         names: columns.iter().map(|column| column.name.clone()).collect(),
-        rows: [domain, origin].into_iter().chain(numbers).collect(),
+        rows: [format, domain, origin]
+            .into_iter()
+            .chain(numbers)
+            .collect(),
         joined: (0..columns.len())
             .filter(|&column| !columns[column].first)
             .collect(),
@@ -124,6 +128,14 @@ fn keys(subjects: &[Subject]) -> Vec<&Scalar> {
         let numbers = subject.numbers.iter();
         numbers.map(|number| &number.scalar).collect()
     })
+}
+
+fn format(members: &[Member]) -> String {
+    let first = members.first().map(|member| member.format);
+    match first {
+        Some(first) if members.iter().all(|member| member.format == first) => first.to_string(),
+        _ => "several".to_owned(),
+    }
 }
 
 fn origin(members: &[Member]) -> String {
