@@ -1,19 +1,29 @@
 // @ts-check
 // A lecture page that leads a run of Tilescope. Copy it; all that it needs to know is where the player lies.
 
-/** Where Tilescope is served: `?player=` for another place than beside this page. */
+/** Where Tilescope is served: beside this page. */
+const PLAYER = "../";
+/** `?player=` shows one of another place. */
 const asked = new URLSearchParams(location.search).get("player");
-const player = new URL(asked ?? "../", location.href);
-if (!["http:", "https:"].includes(player.protocol)) {
-  throw new Error(`the player's address must begin with http: or https:, not ${player.protocol}`);
-}
+const player = new URL(asked ?? PLAYER, location.href);
 player.searchParams.set("embed", "player");
 // The player speaks with its own origin and with the one that is named here.
 player.searchParams.set("origin", location.origin);
 
+/** So long the player may be silent before it is said. */
+const SILENT_MS = 30_000;
+
 const frame = /** @type {HTMLIFrameElement} */ (document.getElementById("tilescope"));
 const log = /** @type {HTMLElement} */ (document.getElementById("log"));
 const sentence = /** @type {HTMLElement} */ (document.getElementById("sentence"));
+const controls = /** @type {HTMLFieldSetElement} */ (document.getElementById("controls"));
+
+/** Whether the player may be shown: anybody can make a link with `?player=`, and what it shows would seem to be this page's. */
+function isTrusted() {
+  const isOfWeb = ["http:", "https:"].includes(player.protocol);
+  const isNear = player.origin === location.origin || ["localhost", "127.0.0.1"].includes(player.hostname);
+  return isOfWeb && (asked === null || isNear);
+}
 
 /** Requests that wait for their answers, by id. @type {Map<number, (answer: any) => void>} */
 const waiting = new Map();
@@ -38,13 +48,24 @@ function ask(request) {
   });
 }
 
+const silent = setTimeout(() => {
+  sentence.textContent = `Nothing was heard of a player at ${player.origin} yet.`;
+}, SILENT_MS);
+
 window.addEventListener("message", ({ source, origin, data }) => {
   if (source !== frame.contentWindow || origin !== player.origin || data?.tilescope !== 1) {
     return;
   }
+  clearTimeout(silent);
   if (data.event === "state") {
     sentence.textContent = data.state.sentence ?? "";
     return;
+  }
+  if (data.event === "ready") {
+    controls.disabled = false;
+  } else if (data.event === "failed") {
+    controls.disabled = true;
+    sentence.textContent = data.error;
   }
   note(data.event ? "event" : "answer", data);
   waiting.get(data.id)?.(data);
@@ -70,4 +91,9 @@ button("play", { do: "play", speed: 2 });
 button("pause", { do: "pause" });
 button("state", { do: "state" });
 
-frame.src = player.href;
+if (isTrusted()) {
+  frame.src = player.href;
+} else {
+  clearTimeout(silent);
+  sentence.textContent = `This page shows players of its own server and of this machine, not ${player.href}`;
+}

@@ -82,8 +82,13 @@ export function bridge(origin, ask) {
     if (window.parent === window || source !== window.parent || !allowed.includes(message.origin) || !isRequest) {
       return;
     }
-    const reply = { tilescope: VERSION, id: data.id, ...answer(data, ask) };
-    window.parent.postMessage(reply, message.origin);
+    const reply = { tilescope: VERSION, ...answer(data, ask) };
+    try {
+      window.parent.postMessage({ id: data.id, ...reply }, message.origin);
+    } catch {
+      // What was handed over, as a port, cannot be sent back.
+      window.parent.postMessage(reply, message.origin);
+    }
   });
   const tell = (/** @type {object} */ event) => {
     if (hears) {

@@ -21,6 +21,9 @@ const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
 /** The address changes at most once in so long: some browsers allow but a hundred changes in half a minute. */
 const LINK_MS = 400;
 
+/** Whether the system wishes that nothing moves by itself. */
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+
 /** @type {any} The running program. */
 let app = null;
 /** @type {string | null} The link that the address is to hold. */
@@ -54,7 +57,11 @@ function ask(request) {
     return JSON.stringify({ ok: false, error: failed });
   }
   if (!app) {
-    return JSON.stringify({ ok: false, error: 'The program is still loading; wait for the event "ready".' });
+    const isReplaced = restarted_ms > -Infinity;
+    const error = isReplaced
+      ? "The display was lost and is being replaced; ask again in a moment."
+      : 'The program is still loading; wait for the event "ready".';
+    return JSON.stringify({ ok: false, error });
   }
   return app.ask(request);
 }
@@ -96,9 +103,37 @@ function takeKey(event) {
   }
 }
 
+/** Puts a text on the clipboard, or has the program say that it could not. @param {string} text */
+async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    // Pages that do not come by https or from this machine have no clipboard but the old one.
+    if (!copyAsOfOld(text)) {
+      app?.copy_failed();
+    }
+  }
+}
+
+/** Copies what is selected in a field made for it. @param {string} text @returns {boolean} Whether the browser did. */
+function copyAsOfOld(text) {
+  const field = document.createElement("textarea");
+  field.className = "unseen";
+  field.value = text;
+  document.body.append(field);
+  field.select();
+  const isCopied = document.execCommand("copy");
+  field.remove();
+  element("canvas").focus();
+  return isCopied;
+}
+
 /** What the program tells the page. */
 const hooks = {
   announce,
+  // Like what is lost: a moment later, when the program no longer holds its own state.
+  /** @param {string} text */
+  copy: (text) => setTimeout(() => copy(text)),
   link: keepLink,
   /** @param {string} json */
   state: (json) => (frame ? frame.state(json) : entitle(JSON.parse(json))),
@@ -122,15 +157,26 @@ function fail(reason) {
   frame?.failed(failed);
 }
 
+/** Has the focus stay where it is: in a frame the program would take it from whoever reads beside. @param {boolean} stays */
+function keepFocus(stays) {
+  const fields = HTMLInputElement.prototype;
+  if (stays) {
+    fields.focus = () => {};
+  } else {
+    Reflect.deleteProperty(fields, "focus");
+  }
+}
+
 /** Starts the program. @param {string} display @param {string} reason */
 async function begin(display, reason) {
+  const link = fragment();
   const options = {
-    link: fragment(),
+    link,
     embed,
     display,
     engine: asked.get("engine") ?? "auto",
     reason,
-    reduced_motion: matchMedia("(prefers-reduced-motion: reduce)").matches,
+    reduced_motion: still.matches,
     worker: WORKER,
     bindings: BINDINGS,
   };
@@ -138,17 +184,28 @@ async function begin(display, reason) {
   // WebGPU tells the program that it is lost, WebGL the canvas.
   canvas.addEventListener("webglcontextlost", () => canvas.isConnected && restart("WebGL's context was lost."), { once: true });
   const { start } = await import("./{{asset:tilescope.js}}");
-  app = await start(canvas, JSON.stringify(options), { ...hooks, module });
+  // A ring around all of it is for those who come by keyboard, not for when it has the focus back from a field of text.
+  canvas.focus = (how) => HTMLElement.prototype.focus.call(canvas, /** @type {any} */ ({ ...how, focusVisible: false }));
+  keepFocus(embed !== null);
+  try {
+    app = await start(canvas, JSON.stringify(options), { ...hooks, module });
+  } finally {
+    keepFocus(false);
+  }
+  // A link that was followed meanwhile.
+  if (fragment() !== link) {
+    app.open_link(fragment());
+  }
   // For whoever looks from the browser's console.
   /** @type {any} */ (window).tilescope = app;
   // What takes in text is beside the canvas; Tab does not stop there.
-  for (const field of document.querySelectorAll("body > input")) {
-    /** @type {HTMLInputElement} */ (field).tabIndex = -1;
+  for (const field of document.querySelectorAll("input")) {
+    field.tabIndex = -1;
   }
   loaded();
   if (!embed) {
-    // Keys are the program's from the start; a ring around the whole page is for those who came by keyboard.
-    canvas.focus(/** @type {any} */ ({ focusVisible: false }));
+    // Keys are the program's from the start.
+    canvas.focus();
   }
   frame?.ready();
 }
@@ -262,6 +319,11 @@ window.addEventListener("hashchange", () => {
   nextLink = null;
   app?.open_link(fragment());
 });
+still.addEventListener("change", () => app?.prefer_reduced_motion(still.matches));
+// The canvas takes what is dropped on it. Beside it the browser would show the file in place of the page.
+for (const type of ["dragover", "drop"]) {
+  window.addEventListener(type, (event) => event.preventDefault());
+}
 window.addEventListener("error", (event) => noticeTrap(event.error));
 window.addEventListener("unhandledrejection", (event) => noticeTrap(event.reason));
 main();

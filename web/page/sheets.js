@@ -62,6 +62,8 @@ export function offer(accept) {
     element("canvas").focus();
   };
   notice.hidden = false;
+  // Not by the announcer: the program would soon speak in its place.
+  element("notice-said").textContent = element("notice-text").textContent;
 }
 
 /** Has a sentence read out by screen readers. @param {string} text */

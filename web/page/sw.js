@@ -8,9 +8,12 @@ const PREFIX = "tilescope-";
 // Caches belong to an origin, on which other copies of the page may lie under other paths.
 const CACHE = `${PREFIX}${new URL(registration.scope).pathname}-${VERSION}`;
 const HASHED = /-[0-9a-f]{12}\.[a-z]+$/;
+const NAMES = /[\w.-]+-[0-9a-f]{12}\.[a-z]+/g;
 
 const address = (path) => new URL(path, registration.scope).href;
 const page = address("./");
+/** Is in the cache of a version that has served pages; others were fetched and never used. */
+const SERVED = address("served");
 
 self.addEventListener("install", (event) => event.waitUntil(keep()));
 self.addEventListener("activate", (event) => event.waitUntil(forgetOthers()));
@@ -33,15 +36,22 @@ self.addEventListener("fetch", (event) => {
   }
 });
 
-/** Fetches what the versions before have not: a file's name says what it holds. */
+/** Keeps all files, or none: a part of a version would take space and help nobody. */
 async function keep() {
   const cache = await caches.open(CACHE);
-  const one = async (path) => {
-    const url = address(path);
-    const earlier = HASHED.test(path) ? await caches.match(url) : undefined;
-    await cache.put(url, earlier ?? (await fetched(path, url)));
-  };
-  await Promise.all(FILES.map(one));
+  const done = await Promise.allSettled(FILES.map((path) => keepOne(cache, path)));
+  const failed = done.find(({ status }) => status === "rejected");
+  if (failed) {
+    await caches.delete(CACHE);
+    throw failed.reason;
+  }
+}
+
+/** Fetches what the versions before have not: a file's name says what it holds. */
+async function keepOne(cache, path) {
+  const url = address(path);
+  const earlier = HASHED.test(path) ? await caches.match(url) : undefined;
+  await cache.put(url, earlier ?? (await fetched(path, url)));
 }
 
 /** What the page has just fetched is not fetched again: a hashed name never holds anything else. */
@@ -50,15 +60,32 @@ async function fetched(path, url) {
   if (!response.ok) {
     throw new Error(`the server answered ${response.status} when asked for ${path}`);
   }
+  if (url === page) {
+    await checkPage(response.clone());
+  } else if (/^text\/html\b/i.test(response.headers.get("Content-Type") ?? "")) {
+    // Some servers answer so when asked for what they do not have.
+    throw new Error(`the server answered with a page when asked for ${path}`);
+  }
   // A page may not be answered with what was redirected.
   return response.redirected ? new Response(response.body, { headers: response.headers }) : response;
 }
 
-/** Removes the caches of this page's older versions but the one before: another tab may still show it. */
+/** Refuses a page that leads to other files than these: one of another version, or of a network's own sign-in. */
+async function checkPage(response) {
+  const names = (await response.text()).match(NAMES) ?? [];
+  if (names.length === 0 || !names.every((name) => FILES.includes(name))) {
+    throw new Error("the server answered with a page of another version");
+  }
+}
+
+/** Removes the caches of this page's older versions but the one that served before: another tab may still show it. */
 async function forgetOthers() {
   const start = CACHE.slice(0, -VERSION.length);
-  const old = (await caches.keys()).filter((name) => name.startsWith(start) && name !== CACHE);
-  await Promise.all(old.slice(0, -1).map((name) => caches.delete(name)));
+  const others = (await caches.keys()).filter((name) => name.startsWith(start) && name !== CACHE);
+  const served = await Promise.all(others.map((name) => caches.match(SERVED, { cacheName: name })));
+  const before = others.findLast((_, place) => served[place]);
+  await Promise.all(others.filter((name) => name !== before).map((name) => caches.delete(name)));
+  await (await caches.open(CACHE)).put(SERVED, new Response());
 }
 
 async function kept(url, request) {

@@ -7,6 +7,7 @@ import { existsSync } from "node:fs";
 import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
+import { setTimeout as delay } from "node:timers/promises";
 import { fileURLToPath } from "node:url";
 import { promisify } from "node:util";
 import { chromium } from "playwright-core";
@@ -38,12 +39,14 @@ const FLAGS = [
   "--disable-sync",
 ];
 
+/** Returns where the browser is, as a shell would find it. */
 function browserPath() {
   const named = process.env.TILESCOPE_CHROMIUM;
-  const known = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-  const paths = named ? [named] : known.map((name) => `/usr/bin/${name}`);
+  const names = named ? [named] : ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+  const folders = (process.env.PATH ?? "").split(path.delimiter);
+  const paths = names.flatMap((name) => (name.includes(path.sep) ? [name] : folders.map((at) => path.join(at, name))));
   const found = paths.find((file) => existsSync(file));
-  assert.ok(found, `no browser: none of ${paths.join(", ")}`);
+  assert.ok(found, `no browser: there is no ${names.join(", ")}`);
   return found;
 }
 
@@ -80,11 +83,41 @@ export async function serve(folder = DIST, port = 0) {
 /** Within the canvas of the layout for desktops. */
 export const MIDDLE = { x: 420, y: 200, width: 400, height: 350 };
 
-/** Asserts that a page shows a picture: of more than a few colours, and not even. @param {import("playwright-core").Page} page */
+/** Tries until something is there, and returns it. @template T @param {string} what @param {() => Promise<T>} attempt */
+export async function until(what, attempt) {
+  const end = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const found = await attempt();
+    if (found) {
+      return found;
+    }
+    assert.ok(Date.now() < end, `it was waited for in vain: ${what}`);
+    await delay(50);
+  }
+}
+
+/**
+ * Waits until a page shows a picture, of more than a few colours and not even, and returns its mean brightness. A frame may
+ * be drawn later than what it shows is told.
+ * @param {import("playwright-core").Page} page
+ */
 export async function shows(page, clip = MIDDLE) {
-  const { mean, variance, colours } = await pixels(page, clip);
-  assert.ok(variance > 100 && colours > 50, `variance ${variance}, ${colours} colours`);
-  return mean;
+  return until("a picture", async () => {
+    const { mean, variance, colours } = await pixels(page, clip);
+    return variance > 100 && colours > 50 ? mean : undefined;
+  });
+}
+
+/**
+ * Waits until a part of a page looks otherwise than in a picture, and returns how.
+ * @param {import("playwright-core").Page} page
+ * @param {Buffer} before
+ */
+export async function changed(page, before, clip = MIDDLE) {
+  return until("another picture", async () => {
+    const now = await page.screenshot({ clip });
+    return now.equals(before) ? undefined : now;
+  });
 }
 
 /** Runs the native program and returns what it prints. @param {string[]} args */
@@ -101,34 +134,44 @@ export async function folder(t) {
 }
 
 /**
- * Opens a page that notes errors, and requests to anywhere else than its server.
+ * Notes what goes wrong on the pages of a context, and requests to anywhere else than to some origins.
  * @param {import("playwright-core").BrowserContext} context
- * @param {string} url
+ * @param {string[]} origins
  */
-export async function open(context, url) {
-  const page = await context.newPage();
-  const wrong = watch(page, new URL(url).origin);
-  await page.goto(url);
-  return { page, wrong };
-}
-
-/** Notes what goes wrong on a page. @param {import("playwright-core").Page} page @param {string} origin */
-export function watch(page, origin) {
+export function watch(context, origins) {
   /** @type {string[]} */
   const wrong = [];
-  page.on("console", (message) => {
+  context.on("console", (message) => {
     if (["error", "warning"].includes(message.type()) && !isOfTheBrowser(message.text())) {
       wrong.push(`console: ${message.text()}`);
     }
   });
-  page.on("pageerror", (error) => wrong.push(`page: ${error.stack ?? error}`));
-  page.on("request", (request) => {
-    const { origin: other, protocol } = new URL(request.url());
-    if (other !== origin && !["data:", "blob:"].includes(protocol)) {
+  context.on("weberror", (error) => {
+    // The scripts of tests run on the empty page too, which comes first and has no WebGPU.
+    if (error.page()?.url() !== "about:blank") {
+      wrong.push(`page: ${error.error().stack ?? error.error()}`);
+    }
+  });
+  context.on("request", (request) => {
+    const { origin, protocol } = new URL(request.url());
+    if (!origins.includes(origin) && !["data:", "blob:"].includes(protocol)) {
       wrong.push(`request: ${request.url()}`);
     }
   });
   return wrong;
+}
+
+/**
+ * Asserts that nothing went wrong but what was expected, and that all of that did.
+ * @param {string[]} wrong
+ * @param {RegExp[]} expected
+ */
+export function nothingElse(wrong, expected) {
+  const others = wrong.filter((line) => !expected.some((pattern) => pattern.test(line)));
+  assert.deepEqual(others, []);
+  for (const pattern of expected) {
+    assert.ok(wrong.some((line) => pattern.test(line)), `${pattern} was expected of ${JSON.stringify(wrong)}`);
+  }
 }
 
 /** What software renderers say of themselves is not the page's. @param {string} text */
@@ -136,9 +179,11 @@ function isOfTheBrowser(text) {
   return /GPU stall due to ReadPixels|Automatic fallback to software WebGL|powerPreference option is currently ignored/.test(text);
 }
 
-/** Waits until the program runs on a page and its session is there. @param {import("playwright-core").Page} page */
-export async function ready(page) {
+/** Waits until the program runs on a page, its session is there and is seen. @param {import("playwright-core").Page} page */
+export async function ready(page, clip = MIDDLE) {
   await state(page, (told) => told.ready && told.verified !== null);
+  assert.equal(await page.isHidden("#loading"), true);
+  await shows(page, clip);
 }
 
 /** Asks the program on a page. @param {import("playwright-core").Page} page @param {object} request */
@@ -153,20 +198,15 @@ export async function ask(page, request) {
  * @param {(told: any) => boolean} wished
  */
 export async function state(page, wished = () => true) {
-  const end = Date.now() + PATIENCE_MS;
-  let told;
-  do {
-    if (await page.evaluate(() => Boolean(window.tilescope))) {
-      told = (await ask(page, { do: "state" })).state;
-      if (told && wished(told)) {
-        return told;
-      }
-    }
+  return until("a state as wished", async () => {
     const failed = await page.evaluate(() => document.getElementById("failure")?.hidden === false);
     assert.ok(!failed, "the page has failed: " + (await page.textContent("#failure-text")));
-    await page.waitForTimeout(50);
-  } while (Date.now() < end);
-  throw new Error(`the state did not come to be as wished; it is ${JSON.stringify(told)}`);
+    if (!(await page.evaluate(() => Boolean(window.tilescope)))) {
+      return undefined;
+    }
+    const told = (await ask(page, { do: "state" })).state;
+    return told && wished(told) ? told : undefined;
+  });
 }
 
 /** Waits until a text field takes what is typed. @param {import("playwright-core").Page} page */

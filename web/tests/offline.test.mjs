@@ -1,59 +1,168 @@
-// After the first visit the page needs no network; a new version is offered, not forced.
+// After the first visit the page needs no network; a new version is offered, not forced, and one that is not whole is refused.
 
 import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
+import { once } from "node:events";
 import { cp, readFile, rm, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
 import path from "node:path";
 import { test } from "node:test";
-import { DIST, folder, launch, open, ready, serve, state } from "./harness.mjs";
+import { DIST, folder, ready, serve, state } from "./harness.mjs";
+import { contextOf } from "./shared.mjs";
 
-async function controlled(page) {
+const LINK = "#v=1&seed=6&radius=0.02";
+
+/** Opens the page at a server, and waits until it has a service worker. */
+async function visited(t, server) {
+  const { context } = await contextOf(t, { server });
+  const page = await context.newPage();
+  await page.goto(`${server.address}/${LINK}`);
+  await ready(page);
   await page.evaluate(async () => {
     const registration = await navigator.serviceWorker.ready;
     if (registration.active.state !== "activated") {
       await new Promise((resolve) => registration.active.addEventListener("statechange", resolve));
     }
   });
+  return { context, page };
 }
 
-test("the page works without a network after the first visit", async (t) => {
-  const server = await serve();
-  const browser = await launch();
-  t.after(() => browser.close());
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
-  const { page } = await open(context, `${server.address}/#v=1&seed=6&radius=0.02`);
-  await ready(page);
-  await controlled(page);
-  await server.stop();
-  const again = await open(context, `${server.address}/#v=1&seed=6&radius=0.02`);
-  await ready(again.page);
-  const told = await state(again.page);
-  assert.equal(told.verified, true);
-  assert.equal(told.seed, 6);
-  assert.deepEqual(again.wrong, []);
-});
-
-test("a new version is offered, and comes with the user's consent", async (t) => {
+/** A copy of the page that may be changed, and its server. */
+async function copied(t) {
   const copy = await folder(t);
   await cp(DIST, copy, { recursive: true });
   const server = await serve(copy);
   t.after(server.stop);
-  const browser = await launch();
-  t.after(() => browser.close());
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
-  const first = await open(context, `${server.address}/#v=1&seed=6&radius=0.02`);
-  await ready(first.page);
-  await controlled(first.page);
-  assert.equal(await first.page.isHidden("#notice"), true);
-  // Another version: its worker differs.
-  const worker = path.join(copy, "sw.js");
-  await writeFile(worker, `${await readFile(worker, "utf8")}\n// another version\n`);
-  await Promise.all([".br", ".gz"].map((ending) => rm(worker + ending)));
-  await first.page.reload();
-  await first.page.waitForSelector("#notice:not([hidden])");
-  assert.match(await first.page.textContent("#notice"), /new version/i);
-  await Promise.all([first.page.waitForEvent("load"), first.page.click("#notice-reload")]);
-  await ready(first.page);
-  const told = await state(first.page);
-  assert.equal(told.seed, 6, "the address was kept");
-  assert.deepEqual(first.wrong, []);
+  return { copy, server };
+}
+
+/** Changes a file of a copy. @param {(text: string) => string} change */
+async function edit(copy, name, change) {
+  const file = path.join(copy, name);
+  const text = await readFile(file, "utf8");
+  await writeFile(file, change(text));
+  // What they hold is no longer the same.
+  await Promise.all([".br", ".gz"].map((ending) => rm(file + ending, { force: true })));
+}
+
+/** Makes another version of a copy: its stylesheet has other bytes and another name. Returns what has changed. */
+async function renew(copy, colour) {
+  const worker = await readFile(path.join(copy, "sw.js"), "utf8");
+  const [before] = worker.match(/style-[0-9a-f]{12}\.css/);
+  const [, version] = worker.match(/VERSION = "([0-9a-f]{12})"/);
+  const css = `${await readFile(path.join(copy, before), "utf8")}\n:root { --outside: ${colour}; }\n`;
+  const hash = createHash("sha256").update(css).digest("hex").slice(0, 12);
+  const name = `style-${hash}.css`;
+  await writeFile(path.join(copy, name), css);
+  await Promise.all(["", ".br", ".gz"].map((ending) => rm(path.join(copy, before + ending), { force: true })));
+  await edit(copy, "index.html", (text) => text.replace(before, name));
+  await edit(copy, "sw.js", (text) => text.replace(before, name).replace(version, hash));
+  return { name, before, version: hash };
+}
+
+/** The versions whose files a page keeps. */
+async function kept(page) {
+  const names = await page.evaluate(() => caches.keys());
+  return names.map((name) => name.match(/^tilescope-\/-([0-9a-f]{12})$/)[1]);
+}
+
+const colour = (page) => page.evaluate(() => getComputedStyle(document.documentElement).getPropertyValue("--outside"));
+
+test("the page works without a network after the first visit", async (t) => {
+  const server = await serve();
+  const { context, page } = await visited(t, server);
+  await page.close();
+  await server.stop();
+  const again = await context.newPage();
+  // What the browser has kept by itself would hide what the page has not.
+  const session = await context.newCDPSession(again);
+  await session.send("Network.clearBrowserCache");
+  await again.goto(`${server.address}/${LINK}`);
+  await ready(again);
+  const told = await state(again);
+  assert.equal(told.verified, true);
+  assert.equal(told.seed, 6);
 });
+
+test("a new version is offered, and comes with the user's consent", async (t) => {
+  const { copy, server } = await copied(t);
+  const { page } = await visited(t, server);
+  assert.equal(await page.isHidden("#notice"), true);
+  const [first] = await kept(page);
+  const versions = [first];
+  for (const [number, wanted] of ["#102030", "#203010"].entries()) {
+    const { version } = await renew(copy, wanted);
+    const old = await colour(page);
+    await page.reload();
+    await page.waitForSelector("#notice:not([hidden])");
+    assert.match(await page.textContent("#notice"), /new version.*Escape, then Tab/is);
+    assert.match(await page.textContent("#notice-said"), /new version/i);
+    assert.equal(await colour(page), old, "it has come before it was accepted");
+    // As the notice says.
+    await ready(page);
+    await page.focus("#canvas");
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Tab");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "notice-reload");
+    await Promise.all([page.waitForEvent("load"), page.keyboard.press("Enter")]);
+    await ready(page);
+    assert.equal((await state(page)).seed, 6, "the address was kept");
+    assert.equal((await colour(page)).trim(), wanted);
+    versions.push(version);
+    // The one before may still be shown in another tab.
+    assert.deepEqual(await kept(page), versions.slice(-2), `after change ${number}`);
+  }
+});
+
+/** Serves what another server does, and its page for all that it has not, as some servers do. */
+async function pageForAll(t, server) {
+  const pass = async (url, response) => {
+    let answer = await fetch(server.address + url);
+    if (answer.status === 404) {
+      answer = await fetch(`${server.address}/`);
+    }
+    response.setHeader("Content-Type", answer.headers.get("Content-Type"));
+    response.end(Buffer.from(await answer.arrayBuffer()));
+  };
+  // The page may still ask when the other server has ended.
+  const own = createServer(({ url }, response) => pass(url, response).catch(() => response.destroy()));
+  own.listen(0, "127.0.0.1");
+  await once(own, "listening");
+  t.after(() => own.close());
+  return { address: `http://127.0.0.1:${own.address().port}` };
+}
+
+/** How a new version may be broken, and who serves it. */
+const BROKEN = {
+  "lacks a file": [(copy, { name }) => rm(path.join(copy, name)), (_, server) => server],
+  "lacks a file, for which the server gives its page": [(copy, { name }) => rm(path.join(copy, name)), pageForAll],
+  "has the page of another one": [
+    (copy, { name, before }) => edit(copy, "index.html", (text) => text.replace(name, before)),
+    (_, server) => server,
+  ],
+};
+
+for (const [name, [spoil, servedBy]] of Object.entries(BROKEN)) {
+  test(`a new version that ${name} is refused, and the one at hand stays`, async (t) => {
+    const { copy, server } = await copied(t);
+    const { page } = await visited(t, await servedBy(t, server));
+    const before = await kept(page);
+    await spoil(copy, await renew(copy, "#102030"));
+    const outcome = await page.evaluate(async () => {
+      const registration = await navigator.serviceWorker.ready;
+      const coming = new Promise((resolve) =>
+        registration.addEventListener("updatefound", () => {
+          const { installing } = registration;
+          installing.addEventListener("statechange", () => resolve(installing.state));
+        }),
+      );
+      await registration.update();
+      return coming;
+    });
+    assert.equal(outcome, "redundant");
+    assert.deepEqual(await kept(page), before);
+    await page.reload();
+    await ready(page);
+    assert.equal(await page.isHidden("#notice"), true);
+  });
+}

@@ -2,7 +2,7 @@
 
 import path from "node:path";
 import { argv, exit } from "node:process";
-import { PATIENCE_MS, ask, launch, open, ready, serve } from "./harness.mjs";
+import { PATIENCE_MS, ask, launch, ready, serve, watch } from "./harness.mjs";
 
 const into = argv[2];
 if (!into) {
@@ -15,7 +15,7 @@ const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, has
 /** Who is shown, where, and what is done before. */
 const PICTURES = {
   "web-phone": [PHONE, "/?engine=cpu#v=1&seed=3&radius=0.02&leaf=12", async (page) => {
-    await ready(page);
+    await ready(page, { x: 20, y: 120, width: 350, height: 250 });
     await ask(page, { do: "seek", stage: "iterate-1" });
   }],
   "web-lecture": [{ viewport: { width: 1000, height: 880 } }, "/example/lecture.html", async (page) => {
@@ -31,7 +31,9 @@ const server = await serve();
 const browser = await launch();
 for (const [name, [settings, query, prepare]] of Object.entries(PICTURES)) {
   const context = await browser.newContext({ ...settings, reducedMotion: "reduce" });
-  const { page, wrong } = await open(context, server.address + query);
+  const wrong = watch(context, [server.address]);
+  const page = await context.newPage();
+  await page.goto(server.address + query);
   await prepare(page);
   // The frame that shows what was prepared.
   await page.waitForTimeout(3_000);

@@ -10,9 +10,9 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
     img-src 'self' data: blob:; connect-src 'self'; worker-src 'self'; manifest-src 'self'; font-src 'self' data:; \
     base-uri 'none'; form-action 'none'";
 
-/// The same for the example, which shows a page of any place in a frame.
+/// The same for the example, which shows the page of this place, or of this machine, in a frame.
 const EXAMPLE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; \
-    frame-src 'self' http: https:; base-uri 'none'; form-action 'none'";
+    frame-src 'self' http://localhost:* https://localhost:* http://127.0.0.1:* https://127.0.0.1:*; base-uri 'none'; form-action 'none'";
 
 /// Asked for again each time; a server's answer that nothing has changed is short.
 const CHECK: HeaderValue = HeaderValue::from_static("no-cache");
