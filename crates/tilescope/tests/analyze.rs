@@ -49,7 +49,11 @@ fn maximal_sets_have_the_numbers_of_maximal_sets() {
         within("star_discrepancy", 1e-4, 0.01);
         assert_eq!((&file["valid"], &file["gaps"]), (&true.into(), &0.0.into()));
         let name = file["file"].as_str().unwrap();
-        let format = if name == "kdrt.csv" { "CSV" } else { "NumPy array" };
+        let format = if name == "kdrt.csv" {
+            "CSV"
+        } else {
+            "NumPy array"
+        };
         assert_eq!(file["format"], format, "{name}");
         curves_of_a_maximal_set(&file["curves"]);
     }
