@@ -266,6 +266,20 @@ test("a frame may begin hidden, as on a slide that is not shown yet", async (t) 
   const slide = await context.newPage();
   await slide.goto(own);
   await heard(slide, ({ event }) => event === "ready");
+  let id = 0;
+  const asked = async (request) => {
+    id += 1;
+    const message = { tilescope: 1, id, ...request };
+    const post = ([message, origin]) => document.querySelector("iframe").contentWindow.postMessage(message, origin);
+    await slide.evaluate(post, [message, address]);
+    return heard(slide, (message) => message.id === id);
+  };
+  // A run is made there, too, though nothing is drawn that would notice.
+  assert.equal((await asked({ do: "load", parameters: { seed: 9, radius: 0.02 } })).ok, true);
+  await until("a run made out of sight", async () => {
+    const { state } = await asked({ do: "state" });
+    return state.ready && state.seed === 9;
+  });
   await slide.evaluate(() => (document.querySelector("iframe").style.display = "block"));
   await shows(slide, { x: 100, y: 60, width: 400, height: 200 });
 });
