@@ -1,7 +1,7 @@
 // @ts-check
 // A lecture page that leads a run of Tilescope. Copy it; all that it needs to know is where the player lies.
 
-/** Where Tilescope is served: beside this page. */
+/** Where Tilescope is served: beside this page. An origin elsewhere must stand in the `frame-src` of the page's policy, too. */
 const PLAYER = "../";
 /** `?player=` shows one of another place. */
 const asked = new URLSearchParams(location.search).get("player");

@@ -38,11 +38,15 @@ self.addEventListener("fetch", (event) => {
 
 /** Keeps all files, or none: a part of a version would take space and help nobody. */
 async function keep() {
+  // A version that is rolled back to may be the one that a tab shows.
+  const wasKept = await caches.has(CACHE);
   const cache = await caches.open(CACHE);
   const done = await Promise.allSettled(FILES.map((path) => keepOne(cache, path)));
   const failed = done.find(({ status }) => status === "rejected");
   if (failed) {
-    await caches.delete(CACHE);
+    if (!wasKept) {
+      await caches.delete(CACHE);
+    }
     throw failed.reason;
   }
 }
@@ -82,10 +86,16 @@ async function checkPage(response) {
 async function forgetOthers() {
   const start = CACHE.slice(0, -VERSION.length);
   const others = (await caches.keys()).filter((name) => name.startsWith(start) && name !== CACHE);
-  const served = await Promise.all(others.map((name) => caches.match(SERVED, { cacheName: name })));
-  const before = others.findLast((_, place) => served[place]);
+  const served_ms = await Promise.all(others.map(servedLast));
+  const before = others[served_ms.lastIndexOf(Math.max(...served_ms))];
   await Promise.all(others.filter((name) => name !== before).map((name) => caches.delete(name)));
-  await (await caches.open(CACHE)).put(SERVED, new Response());
+  await (await caches.open(CACHE)).put(SERVED, new Response(String(Date.now())));
+}
+
+/** Returns when a cache's version began to serve pages last; 0 for one that never did. */
+async function servedLast(cacheName) {
+  const mark = await caches.match(SERVED, { cacheName });
+  return mark ? Number(await mark.text()) : 0;
 }
 
 async function kept(url, request) {

@@ -108,6 +108,17 @@ export async function shows(page, clip = MIDDLE) {
   });
 }
 
+/** Waits until a page looks twice the same, and returns how. @param {import("playwright-core").Page} page */
+export async function rests(page) {
+  let before = await page.screenshot();
+  return until("a picture that stays", async () => {
+    const now = await page.screenshot();
+    const same = now.equals(before);
+    before = now;
+    return same ? now : undefined;
+  });
+}
+
 /**
  * Waits until a part of a page looks otherwise than in a picture, and returns how.
  * @param {import("playwright-core").Page} page

@@ -31,6 +31,7 @@ const server = await serve();
 const browser = await launch();
 for (const [name, [settings, query, prepare]] of Object.entries(PICTURES)) {
   const context = await browser.newContext({ ...settings, reducedMotion: "reduce" });
+  context.setDefaultTimeout(PATIENCE_MS);
   const wrong = watch(context, [server.address]);
   const page = await context.newPage();
   await page.goto(server.address + query);

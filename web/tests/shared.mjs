@@ -1,7 +1,7 @@
 // The server and the browser that the tests of one file share, and the contexts in which each test opens its pages.
 
 import { after } from "node:test";
-import { launch, nothingElse, ready, serve, watch } from "./harness.mjs";
+import { PATIENCE_MS, launch, nothingElse, ready, serve, watch } from "./harness.mjs";
 
 /** Begun by the first test. */
 const shared = {};
@@ -36,6 +36,7 @@ export async function contextOf(t, { server, settings = {}, prepare, expected = 
   shared.browser ??= launch();
   const browser = await shared.browser;
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...settings });
+  context.setDefaultTimeout(PATIENCE_MS);
   const wrong = watch(context, [server.address, ...origins]);
   t.after(async () => {
     // What goes wrong when it ends is nobody's.

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { PATIENCE_MS, ask, changed, pixels, shows, state, until } from "./harness.mjs";
+import { PATIENCE_MS, ask, changed, pixels, rests, shows, state, until } from "./harness.mjs";
 import { contextOf, opened, started } from "./shared.mjs";
 
 /** The whole page. */
@@ -245,7 +245,7 @@ test("the system's wish for less motion counts from the moment it changes", asyn
 test("where the keyboard is can be seen", async (t) => {
   const { page } = await started(t, "?engine=cpu#v=1&radius=0.02");
   for (let k = 0; k < 3; k += 1) {
-    const before = await page.screenshot();
+    const before = await rests(page);
     await page.keyboard.press("Tab");
     await changed(page, before, WHOLE);
   }

@@ -262,6 +262,9 @@ impl App {
         if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
             self.state.look = look;
             self.state.choose_motion(chosen);
+        } else if let Some((look, _)) = eframe::get_value::<(Look, bool)>(storage, LOOK_KEY) {
+            // Once it did not say who had decided on motion.
+            self.state.look = look;
         }
     }
 }

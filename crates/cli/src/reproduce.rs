@@ -183,7 +183,12 @@ fn plan(
 }
 
 fn expected(total: f64, each: &[(Experiment, f64)]) -> String {
-    let mut out = format!("expected on this machine: {}\n", duration(total));
+    let whole = if total < KEPT {
+        "nothing is left to compute".to_owned()
+    } else {
+        duration(total)
+    };
+    let mut out = format!("expected on this machine: {whole}\n");
     for (one, seconds) in each {
         let told = if *seconds < KEPT {
             "kept from an earlier run".to_owned()
@@ -337,5 +342,7 @@ mod tests {
         assert_eq!(duration(600.0), "10 min");
         let told = expected(2.0, &[(Experiment::Fig10, 2.0), (Experiment::Eq4, 0.0)]);
         assert!(told.contains("fig10        2 s\n") && told.contains("eq4          kept"));
+        let told = expected(0.0, &[(Experiment::Eq4, 0.0)]);
+        assert!(told.starts_with("expected on this machine: nothing"));
     }
 }

@@ -137,13 +137,24 @@ fn sets_of_one_radius_are_cut_at_that_radius() {
             assert!((x - first).abs() < 1e-12, "{x} {first}");
         }
     }
-    // One of another radius, or of none, and the unit is each set's own spacing.
-    tilescope(&folder)
-        .args(["sample", "--radius", "0.021", "--out", "d.npy"])
-        .assert()
-        .success();
-    let mixed = json(&folder, &["a.npy", "d.npy"], 0);
-    assert_ne!(at(&mixed, 0, "x"), at(&found, 0, "x"));
+    // One of another radius, or of none, and the unit is each set's own spacing, whatever the formats.
+    for name in ["d.npy", "d.json", "d.xyz"] {
+        tilescope(&folder)
+            .args(["sample", "--radius", "0.021", "--out", name])
+            .assert()
+            .success();
+    }
+    fs::copy(folder.path().join("d.xyz"), folder.path().join("bare.xyz")).unwrap();
+    for other in ["d.npy", "d.json", "d.xyz", "bare.xyz"] {
+        let mixed = json(&folder, &["a.npy", other], 0);
+        assert_ne!(at(&mixed, 0, "x"), at(&found, 0, "x"), "{other}");
+    }
+    // Formats that are not read in pieces have radii, too.
+    let whole = json(&folder, &["d.json", "d.xyz"], 0);
+    for index in 0..2 {
+        let g = at(&whole, index, "y");
+        assert_eq!(g.iter().position(|g| *g > 0.0), Some(40));
+    }
 }
 
 /// Nobody can tell cells or gaps of equal samples, but everything else is measured, and others are as they were.

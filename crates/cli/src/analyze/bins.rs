@@ -27,7 +27,7 @@ impl Bins {
     pub fn of(radius: Option<f64>, samples: usize, region: Region) -> Self {
         let r_max = largest_min_distance(samples, region.area());
         let half = 0.499 * region.width.min(region.height);
-        if let Some(radius) = radius {
+        if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
             // A radius that is none of the set's may hold all of it.
             let reach = half.min(PairCorrelation::FARTHEST * r_max) / radius;
             let count = (EACH * reach.min(MOST)).floor();

@@ -236,7 +236,7 @@ fn of(
     let found = Found {
         samples,
         radius,
-        density: samples as f64 * radius.powi(2) / region.area(),
+        density: (radius > 0.0).then(|| samples as f64 * radius.powi(2) / region.area()),
         min_distance,
         covering_radius: report.map(|report| report.covering_radius),
         conflicts: judged.map(|report| report.conflicts),
@@ -280,11 +280,21 @@ fn discrepancy(
     }
 }
 
-/// Returns the radius that the arguments, a file or its certificate state, if any does. Fails for a file that cannot be opened.
+/// Returns the radius that the arguments, a file or its certificate state, if any does. Fails for a file that cannot be read.
 fn stated_radius(path: &Path, arguments: &SetArguments) -> Result<Option<f64>> {
-    let reader = StreamReader::open(path, arguments.format)?;
-    let stated = reader.certificate().map(|stated| stated.radius);
-    Ok(arguments.radius.or(stated))
+    if arguments.radius.is_some() {
+        return Ok(arguments.radius);
+    }
+    // What is no file can be read but once.
+    if !path.metadata()?.is_file() {
+        return Ok(None);
+    }
+    let certificate = match StreamReader::open(path, arguments.format) {
+        Ok(reader) => reader.certificate().cloned(),
+        // Not all formats are read in pieces.
+        Err(_) => arguments.read(path)?.certificate,
+    };
+    Ok(certificate.map(|stated| stated.radius))
 }
 
 /// Reads and verifies a file; without a radius its spacing stands for one, and nothing is certain.

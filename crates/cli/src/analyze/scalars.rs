@@ -7,7 +7,8 @@ pub struct Found<'a> {
     pub samples: usize,
     /// The radius, or the smallest distance where it is not known.
     pub radius: f64,
-    pub density: f64,
+    /// None where there is no radius: equal samples, and none is known.
+    pub density: Option<f64>,
     pub min_distance: f64,
     /// None where the verifier gives no verdict.
     pub covering_radius: Option<f64>,
@@ -114,7 +115,7 @@ fn verdict(set: &Found<'_>) -> [Option<f64>; SET.len()] {
     [
         Some(set.samples as f64),
         Some(r).filter(|r| *r > 0.0),
-        Some(set.density),
+        set.density,
         Some(set.min_distance / r),
         set.covering_radius.map(|covering| covering / r),
         set.conflicts.map(|count| count as f64),
