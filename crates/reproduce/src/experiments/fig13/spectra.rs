@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 use tilescope_analysis::Report;
 use tilescope_analysis::measures::{
-    Annulus, Average, FrequencyWindow, MeanPeriodogram, PairCorrelation, Periodogram, PowerCurve,
-    RadialProfile, Spectrum, Summary, anisotropy_reference_db,
+    Annulus, Average, FrequencyWindow, MeanPeriodogram, Periodogram, PowerCurve, RadialProfile,
+    Spectrum, Summary, anisotropy_reference_db,
 };
 
 use super::method::{Group, Method};
@@ -16,9 +16,6 @@ use crate::study::Control;
 
 /// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few is biased.
 const LEAST_PAIRS: u64 = 100;
-/// Pair correlations reach so far, in units of the largest possible minimum distance, in so many bins.
-const REACH: f64 = 8.0;
-const BINS: usize = 800;
 
 /// What is kept of the sets of one method and radius.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -31,7 +28,8 @@ pub struct Found {
     /// The smallest distance and the largest covering radius of any set, in radii.
     pub min_distance: f64,
     pub covering_radius: f64,
-    /// Effective Nyquist frequency by psa's variant, which noise near zero does not end, and oscillation of the mean pair correlation.
+    /// Effective Nyquist frequency by psa's variant, which noise near zero does not end, and oscillation, of the mean of the
+    /// smooth spectra.
     pub nyquist: Option<f64>,
     pub oscillation: Option<f64>,
     pub curves: Curves,
@@ -97,22 +95,13 @@ pub fn measure(
     sums.found(group, method)
 }
 
+#[derive(Default)]
 struct Sums {
     mean: MeanPeriodogram,
     reports: Vec<Report>,
-    correlation: Average,
+    /// Frequencies and mean power of the spectra that follow from g(r).
+    smooth: Option<(Vec<f64>, Average)>,
     excess: Vec<f64>,
-}
-
-impl Default for Sums {
-    fn default() -> Self {
-        Self {
-            mean: MeanPeriodogram::default(),
-            reports: Vec::new(),
-            correlation: Average::new(BINS),
-            excess: Vec::new(),
-        }
-    }
 }
 
 impl Sums {
@@ -128,8 +117,13 @@ impl Sums {
         self.excess
             .push(excess(&Spectrum::of(&periodogram)?.profile));
         self.mean.add(&periodogram)?;
-        let pairs = PairCorrelation::of(&set.points, set.region, REACH, BINS, &go_on)?;
-        self.correlation.add(&pairs.g)?;
+        if let Some(curve) = PowerCurve::of_samples(&set.points, set.region, &go_on)? {
+            let powers = curve.powers();
+            self.smooth
+                .get_or_insert_with(|| (curve.frequencies().to_vec(), Average::new(powers.len())))
+                .1
+                .add(powers)?;
+        }
         self.reports.push(report.clone());
         Ok(())
     }
@@ -142,7 +136,8 @@ impl Sums {
         let least = self.reports.iter().map(|report| report.min_distance);
         let most = self.reports.iter().map(|report| report.covering_radius);
         let alone = Summary::of(self.excess.iter().copied()).ok_or_else(nothing)?;
-        let smooth = of_correlation(self.correlation.means())?;
+        let (frequencies, powers) = self.smooth.as_ref().ok_or_else(nothing)?;
+        let smooth = PowerCurve::new(frequencies.clone(), powers.means().to_vec())?;
         Ok(Found {
             radius: group.radius,
             method,
@@ -165,19 +160,6 @@ impl Sums {
 /// Mean and standard deviation.
 fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     Summary::of(values).map(|summary| [summary.mean, summary.deviation])
-}
-
-/// The power that follows from a pair correlation, which is all that it reads of one.
-fn of_correlation(g: &[f64]) -> Result<PowerCurve, ReproduceError> {
-    let pairs = PairCorrelation {
-        samples: 0,
-        r_max: 1.0,
-        bin_width: REACH / BINS as f64,
-        counts: Vec::new(),
-        g: g.to_vec(),
-    };
-    let frequencies = (1..=600).map(|i| 0.01 * f64::from(i)).collect();
-    Ok(PowerCurve::of_pairs(&pairs, frequencies)?)
 }
 
 /// How far the anisotropy lies above that of noise, in decibels: all annuli alike.
