@@ -8,22 +8,29 @@ const VERSION = 1;
 const MOST_CHARACTERS = 65_536;
 
 /**
- * Returns the origin that an address names, if it is one.
+ * Returns the origin that an address names, as browsers write it. What is none is said in the console: the page around
+ * would wait in vain.
  * @param {string | null} text
  * @returns {string | null}
  */
 export function namedOrigin(text) {
-  if (!text) {
+  if (text === null) {
     return null;
   }
   try {
-    const { origin, protocol } = new URL(text);
-    // Only an origin as browsers write it: nothing behind the port, and not the "null" of files and sandboxes.
-    const isWeb = protocol === "https:" || protocol === "http:";
-    return isWeb && origin === text ? origin : null;
+    const { href, origin, protocol } = new URL(text);
+    // Nothing behind the port but a slash, and not the "null" of files and sandboxes.
+    if (["https:", "http:"].includes(protocol) && href === `${origin}/`) {
+      return origin;
+    }
   } catch {
-    return null;
+    // It is said below.
   }
+  console.warn(
+    `Tilescope: origin=${text} names no origin, so that the page around gets no answers unless it is of ${location.origin}. ` +
+      "An origin is scheme, host and port, as https://lecture.example.",
+  );
+  return null;
 }
 
 /**
@@ -76,10 +83,19 @@ function answer(data, ask) {
 export function bridge(origin, ask) {
   const allowed = [location.origin, ...(origin ? [origin] : [])];
   const hears = window.parent === window ? undefined : listener(allowed);
+  /** @type {Set<string>} */
+  const refused = new Set();
   window.addEventListener("message", (message) => {
     const { data, source } = message;
     const isRequest = typeof data === "object" && data !== null && "tilescope" in data;
-    if (window.parent === window || source !== window.parent || !allowed.includes(message.origin) || !isRequest) {
+    if (window.parent === window || source !== window.parent || !isRequest) {
+      return;
+    }
+    if (!allowed.includes(message.origin)) {
+      if (!refused.has(message.origin)) {
+        refused.add(message.origin);
+        console.warn(`Tilescope answers ${allowed.join(" and ")}, not ${message.origin}: the frame's address names the origin by origin=.`);
+      }
       return;
     }
     const reply = { tilescope: VERSION, ...answer(data, ask) };

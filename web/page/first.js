@@ -15,7 +15,8 @@
       var asked = new URLSearchParams(location.search);
       var named = asked.get("origin");
       // Nothing else than an origin, so not "*" either.
-      var origin = named && new URL(named).origin === named ? named : location.origin;
+      var address = named && new URL(named);
+      var origin = address && address.href === address.origin + "/" ? address.origin : location.origin;
       if (window.parent !== window && asked.get("embed")) {
         window.parent.postMessage({ tilescope: 1, event: "failed", error: reason }, origin);
       }

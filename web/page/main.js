@@ -6,6 +6,7 @@ import { bridge, namedOrigin } from "./{{asset:embed.js}}";
 import { load } from "./{{asset:load.js}}";
 import { missing, showMissing } from "./{{asset:missing.js}}";
 import { keepOffline } from "./{{asset:offline.js}}";
+import { comesIntoView, goOn, inView } from "./{{asset:view.js}}";
 import { announce, element, failure, hasFailed, loaded, loading, progress } from "./{{asset:sheets.js}}";
 
 const WORKER = new URL("./{{asset:worker.js}}", import.meta.url).href;
@@ -21,6 +22,9 @@ const embed = oneOf(asked.get("embed"), ["canvas", "player"]);
 /** The address changes at most once in so long: some browsers allow but a hundred changes in half a minute. */
 const LINK_MS = 400;
 
+/** What takes in text is called so while no field does. */
+const FIELD = "Text for Tilescope";
+
 /** Whether the system wishes that nothing moves by itself. */
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -32,6 +36,8 @@ let nextLink = null;
 let linkTimer;
 /** Whether the next Tab leaves the program. */
 let leaves = false;
+/** Whether the touch at hand began where one finger scrolls the page around. */
+let scrolls = false;
 /** @type {WebAssembly.Module | undefined} */
 let module;
 /** When a lost display was replaced last. */
@@ -46,6 +52,11 @@ function oneOf(value, known) {
   return value !== null && known.includes(value) ? value : null;
 }
 
+/** Returns the field beside the canvas that the program has made to take in text. */
+function textField() {
+  return document.querySelector("main > input");
+}
+
 /** Returns the fragment of the address, without its mark. */
 function fragment() {
   return location.hash.slice(1);
@@ -57,6 +68,7 @@ function ask(request) {
     return JSON.stringify({ ok: false, error: failed });
   }
   if (!app) {
+    goOn();
     const isReplaced = restarted_ms > -Infinity;
     const error = isReplaced
       ? "The display was lost and is being replaced; ask again in a moment."
@@ -90,9 +102,14 @@ function writeLink() {
   linkTimer = setTimeout(writeLink, wait);
 }
 
-/** The program's own keys are not the browser's; Escape and then Tab lead out of it. @param {KeyboardEvent} event */
+/**
+ * The program's own keys are not the browser's. Escape and then Tab lead out of it; out of a frame Tab leads by itself,
+ * behind the last control.
+ * @param {KeyboardEvent} event
+ */
 function takeKey(event) {
-  if (event.key === "Tab" && leaves) {
+  const isTab = event.key === "Tab" && !(event.ctrlKey || event.metaKey || event.altKey);
+  if (isTab && (leaves || (embed && app?.leaves_by_tab(event.shiftKey)))) {
     leaves = false;
     event.stopImmediatePropagation();
     return;
@@ -101,6 +118,41 @@ function takeKey(event) {
   if (app?.takes_key(event.key, event.ctrlKey || event.metaKey, event.shiftKey, event.altKey)) {
     event.preventDefault();
   }
+}
+
+/**
+ * In a frame one finger on the run is left to the page around, which scrolls; two are the program's.
+ * @param {TouchEvent} event
+ */
+function shareTouch({ type, touches, cancelable }) {
+  if (type === "touchstart" && touches.length === 1) {
+    scrolls = app?.scrolls_at(touches[0].clientX, touches[0].clientY) ?? true;
+  }
+  // A scroll that is under way takes the rest of the touch; the end of a tap is kept from becoming that of a mouse, too.
+  app?.yield_touch(!cancelable || (scrolls && touches.length === 1 && type !== "touchend"));
+}
+
+/**
+ * Has Tab lead into the first control of a frame, and backwards into the last one, as in any other page. While the focus is
+ * within, nothing else of the page takes it.
+ */
+function joinTabs() {
+  const main = element("canvas").parentElement;
+  const ends = [false, true].map((isLast) => {
+    const end = document.createElement("span");
+    end.className = "unseen";
+    end.tabIndex = 0;
+    end.addEventListener("focus", () => {
+      element("canvas").focus();
+      app?.enter_by_tab(isLast);
+    });
+    return end;
+  });
+  main?.prepend(ends[0]);
+  main?.append(ends[1]);
+  const reach = (/** @type {number} */ tabIndex) => () => ends.forEach((end) => (end.tabIndex = tabIndex));
+  main?.addEventListener("focusin", reach(-1));
+  main?.addEventListener("focusout", reach(0));
 }
 
 /** Puts a text on the clipboard, or has the program say that it could not. @param {string} text */
@@ -128,12 +180,25 @@ function copyAsOfOld(text) {
   return isCopied;
 }
 
+/** Shows the page on the full screen, or no longer. */
+async function turnFullScreen() {
+  try {
+    await (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen());
+  } catch (error) {
+    console.warn("Tilescope cannot have the full screen:", error);
+  }
+}
+
 /** What the program tells the page. */
 const hooks = {
   announce,
+  // What takes in text is one element for all fields, so its name is that of the field.
+  /** @param {string} name */
+  field: (name) => textField()?.setAttribute("aria-label", name || FIELD),
   // Like what is lost: a moment later, when the program no longer holds its own state.
   /** @param {string} text */
   copy: (text) => setTimeout(() => copy(text)),
+  full_screen: turnFullScreen,
   link: keepLink,
   /** @param {string} json */
   state: (json) => (frame ? frame.state(json) : entitle(JSON.parse(json))),
@@ -177,6 +242,7 @@ async function begin(display, reason) {
     engine: asked.get("engine") ?? "auto",
     reason,
     reduced_motion: still.matches,
+    full_screen: document.fullscreenEnabled === true,
     worker: WORKER,
     bindings: BINDINGS,
   };
@@ -199,8 +265,10 @@ async function begin(display, reason) {
   // For whoever looks from the browser's console.
   /** @type {any} */ (window).tilescope = app;
   // What takes in text is beside the canvas; Tab does not stop there.
-  for (const field of document.querySelectorAll("input")) {
+  const field = textField();
+  if (field) {
     field.tabIndex = -1;
+    field.setAttribute("aria-label", FIELD);
   }
   loaded();
   if (!embed) {
@@ -217,19 +285,26 @@ async function restart(reason) {
   if (hasFailed()) {
     return;
   }
-  if (!ended || performance.now() < restarted_ms + SOON_MS) {
+  // Out of view it was taken for others, as may be expected; in view it would be taken again at once.
+  const isExpected = embed !== null && !inView();
+  if (!ended || (!isExpected && performance.now() < restarted_ms + SOON_MS)) {
     fail(`The display was lost and could not be replaced: ${reason}`);
     return;
   }
   restarted_ms = performance.now();
   writeLink();
-  announce("The display was lost; starting again.");
   try {
     const lacking = ended.left_out();
     const again = lacking ? ` What the address cannot hold has to be opened again: ${lacking}.` : "";
     renewCanvas();
     ended.destroy();
-    await begin("webgl", `The display's device was lost: ${reason}${again}`);
+    if (isExpected) {
+      await comesIntoView();
+      restarted_ms = performance.now();
+    } else {
+      announce("The display was lost; starting again.");
+    }
+    await begin("webgl", isExpected && !lacking ? "" : `The display's device was lost: ${reason}${again}`);
   } catch (error) {
     fail(`The display was lost, and the program did not start again: ${told(error)}`);
   }
@@ -290,6 +365,9 @@ async function beginAnyhow(display) {
 
 async function main() {
   document.documentElement.setAttribute("data-runs", "");
+  if (embed) {
+    await comesIntoView();
+  }
   const lacks = await missing();
   if (lacks.length > 0) {
     showMissing(lacks);
@@ -315,6 +393,14 @@ async function main() {
 }
 
 window.addEventListener("keydown", takeKey, { capture: true });
+if (embed) {
+  document.documentElement.setAttribute("data-embed", embed);
+  element("canvas").setAttribute("aria-label", "Tilescope: a run of maximal Poisson-disk sampling. Tab leads through it.");
+  joinTabs();
+  for (const type of /** @type {const} */ (["touchstart", "touchmove", "touchend"])) {
+    window.addEventListener(type, shareTouch, { capture: true, passive: true });
+  }
+}
 window.addEventListener("hashchange", () => {
   nextLink = null;
   app?.open_link(fragment());

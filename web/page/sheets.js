@@ -22,10 +22,9 @@ export function loading(text) {
 /** Shows how much has come. @param {number} bytes @param {number} total */
 export function progress(bytes, total) {
   const share = Math.min(bytes / total, 1);
-  const megabytes = (/** @type {number} */ count) => (count / 1e6).toFixed(1);
   element("loading-bar").setAttribute("value", String(share));
-  element("loading-size").textContent =
-    `${megabytes(Math.min(bytes, total))} of ${megabytes(total)} MB, ${Math.floor(100 * share)}%`;
+  // No sizes: less travels than is counted here, where it is unpacked.
+  element("loading-size").textContent = `${Math.floor(100 * share)}%`;
 }
 
 export function loaded() {
@@ -66,7 +65,18 @@ export function offer(accept) {
   element("notice-said").textContent = element("notice-text").textContent;
 }
 
-/** Has a sentence read out by screen readers. @param {string} text */
+/** What is to be read out. @type {string[]} */
+let said = [];
+
+/** Has a sentence read out by screen readers; several of one moment together. @param {string} text */
 export function announce(text) {
-  element("announcer").textContent = text;
+  said.push(text);
+  if (said.length === 1) {
+    queueMicrotask(() => {
+      const [announcer, text] = [element("announcer"), said.filter(Boolean).join(" ")];
+      // The same again is read out only if it differs.
+      announcer.textContent = text && announcer.textContent === text ? `${text}\u00a0` : text;
+      said = [];
+    });
+  }
 }

@@ -3,25 +3,27 @@
 import assert from "node:assert/strict";
 import { createServer } from "node:http";
 import { once } from "node:events";
-import { test } from "node:test";
-import { PATIENCE_MS, changed, ready, serve, shows, state, until } from "./harness.mjs";
-import { contextOf, host, opened as openedAt } from "./shared.mjs";
+import { after, test } from "node:test";
+import { PATIENCE_MS, changed, nothingElse, ready, serve, shows, state, until } from "./harness.mjs";
+import { contextOf, host, makeContext, opened as openedAt } from "./shared.mjs";
 
-/** Serves one page on an origin of its own, which it may hold. */
-async function lecture(t, html) {
+/** Serves one page on an origin of its own, which it may hold; returns the origin and how to end it. */
+async function lecture(html) {
   const server = createServer((request, response) => {
     response.setHeader("Content-Type", "text/html; charset=utf-8");
     response.end(html(`http://${request.headers.host}`));
   });
   server.listen(0, "127.0.0.1");
   await once(server, "listening");
-  t.after(() => server.close());
-  return `http://127.0.0.1:${server.address().port}`;
+  return { own: `http://127.0.0.1:${server.address().port}`, stop: () => server.close() };
 }
 
 /** A page that keeps what it hears, and asks by `ask`. */
 const PAGE = (frame) => `<!doctype html><title>Lecture</title><link rel="icon" href="data:,">
+<style>a { position: fixed; top: 650px; } #after { left: 200px; }</style>
+<a id="before" href="#">Before</a>
 <iframe id="frame" src="${frame}" width="900" height="600"></iframe>
+<a id="after" href="#">After</a>
 <script>
   window.heard = [];
   addEventListener("message", (message) => heard.push({ origin: message.origin, ...message.data }));
@@ -36,18 +38,31 @@ const PAGE = (frame) => `<!doctype html><title>Lecture</title><link rel="icon" h
 /** Where the run is seen on that page. */
 const WITHIN = { x: 100, y: 60, width: 600, height: 350 };
 
-/** Opens that page; `query` is the end of the frame's query, given the page's own origin. */
-async function opened(t, query, wishes = {}) {
+/** How that page is seen. */
+const SETTINGS = { viewport: { width: 1000, height: 700 }, hasTouch: true };
+const named = (own) => `&origin=${encodeURIComponent(own)}`;
+
+/** Serves that page; `query` is the end of the frame's query, given the page's own origin. */
+async function player(query) {
   const { address: origin } = await host();
   const frame = (own) => `${origin}/?embed=player&engine=cpu${query(own)}#v=1&radius=0.02`;
-  const own = await lecture(t, (own) => PAGE(frame(own)));
-  const { context } = await contextOf(t, { settings: { viewport: { width: 1000, height: 700 } }, origins: [own], ...wishes });
+  return { origin, ...(await lecture((own) => PAGE(frame(own)))) };
+}
+
+/** Opens that page in a context. */
+async function openIn(context, { own, origin }) {
   const page = await context.newPage();
   await page.goto(own);
   return { page, frame: page.frames().find((frame) => frame.url().startsWith(origin)), origin };
 }
 
-const named = (own) => `&origin=${encodeURIComponent(own)}`;
+/** Opens that page in a context of its own. */
+async function opened(t, query, wishes = {}) {
+  const served = await player(query);
+  t.after(served.stop);
+  const { context } = await contextOf(t, { settings: SETTINGS, origins: [served.own], ...wishes });
+  return openIn(context, served);
+}
 
 /** Waits until a page has heard something. @param {(message: any) => boolean} wanted */
 function heard(page, wanted) {
@@ -60,23 +75,65 @@ async function answer(page, request, origin) {
   return heard(page, (message) => message.id === id);
 }
 
-/** As `opened`, once the run is there; also how to ask, and to wait for a state. */
-async function asking(t, query = "") {
-  const { page, frame, origin } = await opened(t, (own) => named(own) + query);
-  await heard(page, ({ event }) => event === "ready");
+/** How a page asks, and waits for a state. */
+function speaking({ page, frame, origin }) {
   const told = (wished) =>
     until("a state as wished", async () => {
       const { state } = await answer(page, { do: "state" }, origin);
       return wished(state) && state;
     });
   const done = async (request) => assert.equal((await answer(page, request, origin)).ok, true, JSON.stringify(request));
-  await told((state) => state.ready);
-  await shows(page, WITHIN);
   return { page, frame, origin, told, done };
 }
 
+const focused = (page) => page.evaluate(() => document.activeElement?.id);
+const isMade = (state) => state?.ready && state.verified !== null;
+
+/** As `opened`, once the run is there; also how to ask, and to wait for a state. */
+async function asking(made) {
+  const speaks = speaking(made);
+  await heard(made.page, ({ event }) => event === "ready");
+  const fresh = await speaks.told(isMade);
+  await shows(made.page, WITHIN);
+  assert.notEqual(await focused(made.page), "frame", "it takes the focus from the page");
+  return { ...speaks, fresh };
+}
+
+/** The page that most tests share, if it is open. */
+let kept;
+after(() => kept?.then(({ stop }) => stop()));
+
+async function openKept() {
+  const served = await player(named);
+  const { context, wrong } = await makeContext({ settings: SETTINGS, origins: [served.own] });
+  return { ...(await asking(await openIn(context, served))), stop: served.stop, context, wrong };
+}
+
+/**
+ * Returns the page that most tests share: it has heard nothing yet, and the program in its frame is in the state in which it
+ * was opened. A test that fails takes it with it.
+ */
+async function reused(t) {
+  const made = await (kept ??= openKept());
+  t.after(async () => {
+    if (!t.passed) {
+      kept = undefined;
+      await made.context.close();
+      made.stop();
+    }
+    nothingElse(made.wrong.splice(0), []);
+  });
+  await made.done({ do: "load", link: made.fresh.link });
+  assert.deepEqual(await made.told(isMade), made.fresh);
+  await made.page.evaluate(() => {
+    document.activeElement?.blur();
+    window.heard.length = 0;
+  });
+  return made;
+}
+
 test("a page of another origin loads, steps, seeks and asks", async (t) => {
-  const { page, origin, told, done } = await asking(t);
+  const { page, origin, told, done } = await reused(t);
   await done({ do: "load", parameters: { seed: 21, radius: 0.03 } });
   const loaded = await told((state) => state.ready && state.seed === 21);
   assert.ok(loaded.samples > 0);
@@ -97,15 +154,15 @@ test("a page of another origin loads, steps, seeks and asks", async (t) => {
 });
 
 test("a page of another origin opens a link, plays and pauses", async (t) => {
-  const { page, origin, told, done } = await asking(t);
-  const { ok, dropped } = await answer(page, { do: "load", link: "v=1&seed=22&radius=0.03&at=50&clock=event&hologram=yes" }, origin);
+  const { page, origin, told, done } = await reused(t);
+  const { ok, dropped } = await answer(page, { do: "load", link: "v=1&seed=22&radius=0.03&at=900&clock=event&hologram=yes" }, origin);
   assert.equal(ok, true);
   assert.match(dropped.join(), /hologram/);
-  await told((state) => state.ready && state.seed === 22 && state.cursor === 50 && !state.playing);
+  await told((state) => state.ready && state.seed === 22 && state.cursor === 900 && !state.playing);
   await shows(page, WITHIN);
   const before = await page.screenshot({ clip: WITHIN });
   await done({ do: "play", speed: 2 });
-  const playing = await told((state) => state.cursor > 50);
+  const playing = await told((state) => state.cursor > 900);
   assert.equal(playing.playing, true);
   await changed(page, before, WITHIN);
   await done({ do: "pause" });
@@ -133,7 +190,7 @@ for (const [name, query] of [
   ["other than the one that is named", () => `&origin=${encodeURIComponent("https://other.example")}`],
 ]) {
   test(`a page of an origin ${name} hears nothing`, async (t) => {
-    const { page, frame, origin } = await opened(t, query);
+    const { page, frame, origin } = await opened(t, query, { expected: [/Tilescope answers .*, not http/] });
     const before = await state(frame, (told) => told.ready && told.verified !== null);
     await shows(page, WITHIN);
     await listen(frame);
@@ -146,7 +203,7 @@ for (const [name, query] of [
 }
 
 test("a window that does not hold the frame is not listened to", async (t) => {
-  const { page, frame, origin, told } = await asking(t);
+  const { page, frame, origin, told } = await reused(t);
   const { cursor } = await told(() => true);
   await listen(frame);
   // It has the origin that is named, and may reach the frame by the page that both are on.
@@ -165,10 +222,11 @@ test("a window that does not hold the frame is not listened to", async (t) => {
   assert.equal((await told(() => true)).cursor, cursor);
   const answers = await page.evaluate(() => [...window.heard, ...window.frames[1].heard].map(({ id }) => id));
   assert.ok(!answers.includes("other") && !answers.includes("own"), answers.join());
+  await page.evaluate(() => document.querySelectorAll("iframe")[1].remove());
 });
 
 test("an id that cannot be sent back is left out of the answer", async (t) => {
-  const { page, origin } = await asking(t);
+  const { page, origin } = await reused(t);
   await page.evaluate((origin) => {
     const { port1 } = new MessageChannel();
     const request = { tilescope: 1, id: port1, do: "step", by: 3, unit: "event" };
@@ -180,7 +238,7 @@ test("an id that cannot be sent back is left out of the answer", async (t) => {
 });
 
 test("while a lost display is replaced, requests are told to come again", async (t) => {
-  const { page, frame, told } = await asking(t, "&display=webgl");
+  const { page, frame, told } = await asking(await opened(t, (own) => `${named(own)}&display=webgl`));
   const own = new URL(page.url()).origin;
   await frame.evaluate((origin) => {
     const canvas = document.getElementById("canvas");
@@ -212,7 +270,7 @@ async function example(t, query = "", wishes = {}) {
 }
 
 test("the example page works", async (t) => {
-  const { page, said } = await example(t);
+  const { page, said } = await example(t, `?player=${encodeURIComponent("../?engine=cpu")}`);
   await said(/^Finish/);
   await shows(page, LECTURE);
   await page.click("#load");
@@ -229,7 +287,7 @@ test("the example page works", async (t) => {
 test("the example page shows a player of this machine, and of no other place", async (t) => {
   const other = await serve();
   t.after(other.stop);
-  const near = await example(t, `?player=${encodeURIComponent(other.address)}`, { origins: [other.address] });
+  const near = await example(t, `?player=${encodeURIComponent(`${other.address}/?engine=cpu`)}`, { origins: [other.address] });
   await near.said(/^Finish/);
   await shows(near.page, LECTURE);
   assert.equal(await near.page.isEnabled("#step"), true);
@@ -261,7 +319,8 @@ test("a frame may begin hidden, as on a slide that is not shown yet", async (t) 
   const html = `<!doctype html><title>Slides</title><link rel="icon" href="data:,">
 <script>window.heard = []; addEventListener("message", ({ data }) => heard.push(data));</script>
 <iframe src="${address}/?embed=player&engine=cpu&origin=ORIGIN" width="600" height="400" style="display:none"></iframe>`;
-  const own = await lecture(t, (own) => html.replace("ORIGIN", encodeURIComponent(own)));
+  const { own, stop } = await lecture((own) => html.replace("ORIGIN", encodeURIComponent(own)));
+  t.after(stop);
   const { context } = await contextOf(t, { settings: { viewport: { width: 800, height: 600 } }, origins: [own] });
   const slide = await context.newPage();
   await slide.goto(own);
@@ -284,22 +343,139 @@ test("a frame may begin hidden, as on a slide that is not shown yet", async (t) 
   await shows(slide, { x: 100, y: 60, width: 400, height: 200 });
 });
 
-test("Tab leads into a frame, with a ring, and Escape and then Tab lead out of it", async (t) => {
-  const { page, frame } = await asking(t);
-  const at = () => page.evaluate(() => document.activeElement?.id);
-  assert.notEqual(await at(), "frame", "it takes the focus from the page");
+test("Tab leads through a frame, with a ring, and out of it", async (t) => {
+  const { page, frame } = await reused(t);
+  await page.focus("#before");
+  const press = async (key) => {
+    const said = await frame.textContent("#announcer");
+    await page.keyboard.press(key);
+    const at = await focused(page);
+    if (at === "frame") {
+      await until("what has the focus now", async () => (await frame.textContent("#announcer")) !== said);
+    }
+    return at;
+  };
   // The left edge of the frame.
   const edge = { x: 8, y: 100, width: 6, height: 200 };
   const before = await page.screenshot({ clip: edge });
-  await page.keyboard.press("Tab");
-  assert.equal(await at(), "frame");
+  assert.equal(await press("Tab"), "frame");
   assert.equal(await frame.evaluate(() => document.activeElement?.id), "canvas");
+  assert.match(await frame.textContent("#announcer"), /^Canvas of samples, picture/);
   await changed(page, before, edge);
-  for (let k = 0; k < 3; k += 1) {
-    await page.keyboard.press("Tab");
-  }
-  assert.equal(await at(), "frame", "Tab goes round within");
+  const through = async (key) => {
+    let count = 1;
+    while ((await press(key)) === "frame") {
+      count += 1;
+      assert.ok(count < 40, `${key} does not lead out`);
+    }
+    return count;
+  };
+  const count = await through("Tab");
+  assert.ok(count > 6, `${count} stops`);
+  assert.equal(await focused(page), "after");
+  // Where it was left it is entered again, and that has been read out.
+  const enter = async (key) => {
+    await page.keyboard.press(key);
+    assert.equal(await focused(page), "frame");
+  };
+  await enter("Shift+Tab");
+  assert.equal(await through("Shift+Tab"), count);
+  assert.equal(await focused(page), "before");
+  // Escape first leads out from anywhere.
+  await enter("Tab");
+  await press("Tab");
   await page.keyboard.press("Escape");
   await page.keyboard.press("Shift+Tab");
-  assert.notEqual(await at(), "frame");
+  assert.notEqual(await focused(page), "frame");
+});
+
+test("the page around a frame scrolls by the wheel and by one finger; with Ctrl and by two fingers the run is zoomed", async (t) => {
+  const { page, told } = await reused(t);
+  await page.evaluate(() => (document.body.style.height = "3000px"));
+  const scroll = () => page.evaluate(() => scrollY);
+  const scale = async () => Number(new URLSearchParams((await told(() => true)).link).get("camera")?.split(",")[2] ?? 0);
+  await page.mouse.move(400, 200);
+  await page.mouse.wheel(0, 120);
+  await until("a page that has scrolled", async () => (await scroll()) > 60);
+  assert.equal(await scale(), 0, "the run stays as it was");
+  await page.keyboard.down("Control");
+  const before = await scroll();
+  await page.mouse.wheel(0, -240);
+  await until("a run that is nearer", async () => (await scale()) > 0);
+  await page.keyboard.up("Control");
+  assert.equal(await scroll(), before);
+  // Fingers, by the browser's own input.
+  const session = await page.context().newCDPSession(page);
+  const fingers = async (tracks) => {
+    const at = (k) => tracks.map(([[x, y], [dx, dy]], id) => ({ x: x + k * dx, y: y + k * dy, id }));
+    await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: at(0) });
+    for (let k = 1; k <= 8; k += 1) {
+      await session.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: at(k) });
+    }
+    await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  };
+  const nearer = await scale();
+  await fingers([[[400, 250], [0, -15]]]);
+  await until("a page that has scrolled on", async () => (await scroll()) > before + 50);
+  assert.equal(await scale(), nearer);
+  const now = await scroll();
+  await fingers([
+    [[380, 150], [-12, 0]],
+    [[420, 150], [12, 0]],
+  ]);
+  await until("a run that is nearer still", async () => (await scale()) > 1.5 * nearer);
+  assert.equal(await scroll(), now);
+  // The line of time takes a finger.
+  const { y } = await page.locator("#frame").boundingBox();
+  const { cursor } = await told(() => true);
+  await fingers([[[700, y + 560], [-20, 0]]]);
+  await told((state) => state.cursor < cursor);
+  await page.evaluate(() => (document.body.style.height = ""));
+});
+
+test("frames out of view begin when they are asked or come into view, and so they do after a loss", async (t) => {
+  const { address } = await host();
+  const frames = [0, 3_000, 6_000].map(
+    (top) => `<iframe src="${address}/?embed=player&engine=cpu&display=webgl&origin=ORIGIN#v=1&radius=0.04"
+      style="position:absolute;top:${top}px;width:600px;height:400px"></iframe>`,
+  );
+  const html = `<!doctype html><title>Many</title><link rel="icon" href="data:,">
+<script>
+  window.heard = [];
+  addEventListener("message", ({ data, source }) => heard.push({ from: [0, 1, 2].find((k) => frames[k] === source), ...data }));
+</script>${frames.join("")}`;
+  const { own, stop } = await lecture((own) => html.replaceAll("ORIGIN", encodeURIComponent(own)));
+  t.after(stop);
+  const { context } = await contextOf(t, { settings: { viewport: { width: 700, height: 500 } }, origins: [own] });
+  const page = await context.newPage();
+  await page.goto(own);
+  const ready = (k) => heard(page, ({ event, from }) => event === "ready" && from === k);
+  await ready(0);
+  const loads = (frame) =>
+    frame.evaluate(() => performance.getEntriesByType("resource").some(({ name }) => name.endsWith(".wasm")));
+  const [, first, second, third] = page.frames();
+  assert.deepEqual(await Promise.all([first, second, third].map(loads)), [true, false, false]);
+  await page.evaluate((origin) => window.frames[1].postMessage({ tilescope: 1, id: 1, do: "state" }, origin), address);
+  await ready(1);
+  assert.equal(await loads(third), false);
+  await page.evaluate(() => scrollTo(0, 6_000));
+  await ready(2);
+  await state(third, (told) => told.ready);
+  await page.evaluate(() => scrollTo(0, 0));
+  // What the page observes is told before what is observed later.
+  await third.evaluate(
+    () =>
+      new Promise((resolve) => {
+        const observer = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || resolve());
+        observer.observe(document.documentElement);
+      }),
+  );
+  await third.evaluate(() => {
+    window.lost = window.tilescope;
+    document.getElementById("canvas").getContext("webgl2").getExtension("WEBGL_lose_context").loseContext();
+  });
+  await page.evaluate(() => scrollTo(0, 6_000));
+  await third.waitForFunction(() => window.tilescope !== window.lost, null, { timeout: PATIENCE_MS });
+  const { notice } = await state(third, (told) => told.ready);
+  assert.equal(notice, null, "nothing was lost that the link does not hold");
 });

@@ -4,14 +4,9 @@ import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { test } from "node:test";
-import { PATIENCE_MS, ask, folder, native, shows, state, stored, typing } from "./harness.mjs";
-import { started as startedAt } from "./shared.mjs";
+import { PATIENCE_MS, ask, folder, load, native, shows, state, stored, typing } from "./harness.mjs";
+import { reused } from "./shared.mjs";
 
-async function started(t) {
-  const { page } = await startedAt(t, "?engine=cpu#v=1&radius=0.02", { settings: { acceptDownloads: true } });
-  await page.click("#canvas", { position: { x: 620, y: 400 } });
-  return page;
-}
 
 /** Drops files on the middle of the canvas. */
 async function drop(page, files) {
@@ -29,7 +24,7 @@ async function drop(page, files) {
 
 test("the result is downloaded with its certificate, and the native program verifies it", async (t) => {
   const made = await folder(t);
-  const page = await started(t);
+  const { page } = await reused(t);
   const told = await state(page);
   const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
   await page.keyboard.press("Control+e");
@@ -52,7 +47,7 @@ test("the result is downloaded with its certificate, and the native program veri
 });
 
 test("a session is saved, dropped and opened where it was left", async (t) => {
-  const page = await started(t);
+  const { page } = await reused(t);
   await ask(page, { do: "seek", event: 4321 });
   const left = await state(page, (told) => told.cursor === 4321);
   const coming = page.waitForEvent("download", { timeout: PATIENCE_MS });
@@ -62,8 +57,7 @@ test("a session is saved, dropped and opened where it was left", async (t) => {
   const download = await coming;
   const text = await readFile(await download.path(), "utf8");
   assert.equal(JSON.parse(text).cursor, 4321);
-  await ask(page, { do: "load", link: "v=1&radius=0.03&seed=2" });
-  await state(page, (told) => told.ready && told.seed === 2 && told.verified !== null);
+  await load(page, "v=1&radius=0.03&seed=2");
   await drop(page, [{ name: "session.json", text }]);
   const back = await state(page, (told) => told.ready && told.cursor === 4321 && told.verified !== null);
   assert.equal(back.positions_digest, left.positions_digest);
@@ -74,7 +68,7 @@ test("a point set and its certificate are dropped as a pattern, and other bytes 
   const made = await folder(t);
   const set = path.join(made, "pattern.csv");
   await native("sample", "--radius", "0.01", "--out", set);
-  const page = await started(t);
+  const { page } = await reused(t);
   await drop(page, [
     { name: "pattern.csv", text: await readFile(set, "utf8") },
     { name: "pattern.csv.certificate.json", text: await readFile(`${set}.certificate.json`, "utf8") },
@@ -87,7 +81,7 @@ test("a point set and its certificate are dropped as a pattern, and other bytes 
 });
 
 test("what is dropped beside the canvas does not take the page away", async (t) => {
-  const page = await started(t);
+  const { page } = await reused(t);
   const goesOn = (type, at) =>
     page.evaluate(
       ([type, at]) => document.querySelector(at).dispatchEvent(new DragEvent(type, { bubbles: true, cancelable: true })),

@@ -220,6 +220,17 @@ export async function state(page, wished = () => true) {
   });
 }
 
+/**
+ * Opens a link on a page, and returns the state once its run is made and verified.
+ * @param {import("playwright-core").Page} page
+ * @param {string} link
+ */
+export async function load(page, link) {
+  const { ok, dropped } = await ask(page, { do: "load", link });
+  assert.deepEqual([ok, dropped], [true, []]);
+  return state(page, (told) => told.ready && told.verified !== null);
+}
+
 /** Waits until a text field takes what is typed. @param {import("playwright-core").Page} page */
 export async function typing(page) {
   await page.waitForFunction(() => document.activeElement?.tagName === "INPUT", null, { timeout: PATIENCE_MS });

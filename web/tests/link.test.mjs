@@ -2,13 +2,14 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { PATIENCE_MS, ask, ready, shows, state } from "./harness.mjs";
-import { started as startedAt } from "./shared.mjs";
+import { PATIENCE_MS, ask, load, ready, shows, state } from "./harness.mjs";
+import { reused, started } from "./shared.mjs";
 
-const started = (t, fragment = "") => startedAt(t, `?engine=cpu${fragment}`);
+/** Follows a link on a page. */
+const follow = (page, link) => page.evaluate((link) => (location.hash = link), link);
 
 test("what is shown is in the address, without a step of history, and comes back from it", async (t) => {
-  const { server, context, page } = await started(t);
+  const { server, context, page } = await reused(t);
   const before = await page.evaluate(() => history.length);
   await ask(page, { do: "load", parameters: { seed: 77, radius: 0.02 } });
   await state(page, (told) => told.ready && told.seed === 77 && told.verified !== null);
@@ -26,17 +27,16 @@ test("what is shown is in the address, without a step of history, and comes back
   const back = await state(again, (told) => told.cursor === 1234);
   assert.equal(back.link, shown.link);
   assert.equal(back.positions_digest, shown.positions_digest);
+  await again.close();
   // A link that is followed on the same page.
-  await page.evaluate(() => {
-    location.hash = "v=1&seed=5&radius=0.02";
-  });
+  await follow(page, "v=1&seed=5&radius=0.02");
   const other = await state(page, (told) => told.ready && told.seed === 5 && told.verified !== null);
   assert.notEqual(other.positions_digest, shown.positions_digest);
   await shows(page);
 });
 
 /** Has a link be followed while the program asks for its display; it goes on once the page has heard of it. */
-function follow(link) {
+function followMeanwhile(link) {
   const original = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = async function (...options) {
     const heard = new Promise((resolve) => addEventListener("hashchange", resolve, { once: true }));
@@ -47,8 +47,8 @@ function follow(link) {
 }
 
 test("a link that is followed while the program starts is opened", async (t) => {
-  const { page } = await startedAt(t, "?engine=cpu&display=webgpu#v=1&seed=9&radius=0.02", {
-    prepare: (context) => context.addInitScript(follow, "v=1&seed=5&radius=0.02"),
+  const { page } = await started(t, "?engine=cpu&display=webgpu#v=1&seed=9&radius=0.02", {
+    prepare: (context) => context.addInitScript(followMeanwhile, "v=1&seed=5&radius=0.02"),
   });
   const told = await state(page, (told) => told.ready && told.seed === 5 && told.verified !== null);
   await page.waitForFunction((link) => location.hash === `#${link}`, told.link);
@@ -56,7 +56,7 @@ test("a link that is followed while the program starts is opened", async (t) => 
 });
 
 test("a link that is followed while a lost display is replaced is opened", async (t) => {
-  const { page } = await startedAt(t, "?engine=cpu&display=webgl#v=1&seed=9&radius=0.02");
+  const { page } = await started(t, "?engine=cpu&display=webgl#v=1&seed=9&radius=0.02");
   await page.evaluate(() => {
     const canvas = document.getElementById("canvas");
     // After the page has taken its leave of the program, which starts again.
@@ -83,10 +83,14 @@ const HOSTILE = {
   "nothing but noise": ["\u{1F9E8}=%00&&&===&v=v=v", /version/],
 };
 
-for (const [name, [fragment, said]] of Object.entries(HOSTILE)) {
+for (const [k, [name, [fragment, said]]] of Object.entries(HOSTILE).entries()) {
   test(`a link with ${name} opens the nearest valid state and says what was dropped`, async (t) => {
-    const { page } = await started(t, `#${fragment}`);
-    const told = await state(page);
+    // The first as it is opened from elsewhere, the others as they are followed on the page.
+    const { page } = k === 0 ? await started(t, `?engine=cpu#${fragment}`) : await reused(t);
+    if (k > 0) {
+      await follow(page, fragment);
+    }
+    const told = await state(page, (told) => told.ready && told.verified !== null && told.notice !== null);
     assert.equal(told.verified, true);
     assert.ok(told.samples > 0 && told.samples <= 210_000, `${told.samples} samples`);
     assert.match(told.notice, said);
@@ -95,18 +99,37 @@ for (const [name, [fragment, said]] of Object.entries(HOSTILE)) {
 }
 
 test("a good link drops nothing", async (t) => {
-  const { page } = await started(t, "#v=1&seed=9&radius=0.02");
-  const told = await state(page, (told) => told.seed === 9);
+  const { page } = await reused(t);
+  await follow(page, "v=1&seed=9&radius=0.02");
+  const told = await state(page, (told) => told.ready && told.verified !== null && told.seed === 9);
   assert.equal(told.notice, null);
 });
 
 /** Has a page without a clipboard, as where it does not come by https; what is copied as of old is noted, if it may be. */
 function oldClipboard(allowed) {
-  Object.defineProperty(navigator, "clipboard", { value: undefined });
+  window.copied = null;
+  Object.defineProperty(navigator, "clipboard", { value: undefined, configurable: true });
   document.execCommand = (what) => {
     window.copied = [what, document.activeElement.value];
     return allowed;
   };
+}
+
+/** Gives a page its clipboard back. */
+function newClipboard() {
+  delete navigator.clipboard;
+  delete document.execCommand;
+}
+
+/** Has a page copy its link without a clipboard, and returns what was copied how. */
+async function copied(page, allowed) {
+  await page.evaluate(oldClipboard, allowed);
+  await page.click("#canvas", { position: { x: 640, y: 300 } });
+  await page.keyboard.press("Control+Shift+l");
+  await page.waitForFunction(() => window.copied, null, { timeout: PATIENCE_MS });
+  const made = await page.evaluate(() => window.copied);
+  await page.evaluate(newClipboard);
+  return made;
 }
 
 for (const [query, kept] of [
@@ -114,13 +137,9 @@ for (const [query, kept] of [
   ["?embed=player&engine=cpu&origin=https://lecture.example", "?engine=cpu"],
 ]) {
   test(`a link is copied without a clipboard, from ${query}`, async (t) => {
-    const { page } = await startedAt(t, `${query}#v=1&seed=9&radius=0.02`, {
-      prepare: (context) => context.addInitScript(oldClipboard, true),
-    });
-    await page.click("#canvas", { position: { x: 640, y: 300 } });
-    await page.keyboard.press("Control+Shift+l");
-    await page.waitForFunction(() => window.copied, null, { timeout: PATIENCE_MS });
-    const [what, text] = await page.evaluate(() => window.copied);
+    const { page } = await reused(t, query);
+    await load(page, "v=1&seed=9&radius=0.02");
+    const [what, text] = await copied(page, true);
     const { origin, pathname } = new URL(page.url());
     assert.equal(what, "copy");
     assert.ok(text.startsWith(`${origin}${pathname}${kept}#v=1&seed=9&radius=0.02`), text);
@@ -130,18 +149,16 @@ for (const [query, kept] of [
 }
 
 test("a link that the browser does not let be copied is said not to be", async (t) => {
-  const { page } = await startedAt(t, "?engine=cpu#v=1&seed=9&radius=0.02", {
-    prepare: (context) => context.addInitScript(oldClipboard, false),
-  });
-  await page.click("#canvas", { position: { x: 640, y: 300 } });
-  await page.keyboard.press("Control+Shift+l");
+  const { page } = await reused(t);
+  await copied(page, false);
   const { notice } = await state(page, (told) => told.notice?.includes("did not let"));
   assert.match(notice, /address bar/);
 });
 
 test("a link is copied to the clipboard", async (t) => {
-  const { context, page } = await started(t, "#v=1&seed=9&radius=0.02");
+  const { context, page } = await reused(t);
   await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  await load(page, "v=1&seed=9&radius=0.02");
   await page.click("#canvas", { position: { x: 640, y: 400 } });
   // Whoever types does not wait for slow frames.
   await page.keyboard.press("Control+k");

@@ -1,9 +1,11 @@
 // The page begins: it shows the default session, verified, by either display, and says what it lacks where it cannot.
 
 import assert from "node:assert/strict";
+import { once } from "node:events";
+import { createServer } from "node:http";
 import { test } from "node:test";
-import { PATIENCE_MS, ask, changed, pixels, rests, shows, state, until } from "./harness.mjs";
-import { contextOf, opened, started } from "./shared.mjs";
+import { PATIENCE_MS, ask, changed, load, pixels, rests, shows, state, until } from "./harness.mjs";
+import { host, opened, reused, started } from "./shared.mjs";
 
 /** The whole page. */
 const WHOLE = { x: 0, y: 0, width: 1280, height: 800 };
@@ -17,7 +19,7 @@ async function pictured(page, at) {
 
 for (const [display, name] of [["webgpu", "WebGPU"], ["webgl", "WebGL 2"]]) {
   test(`the default session is shown and verified by ${name}`, async (t) => {
-    const { page } = await started(t, `?display=${display}`);
+    const { page } = await started(t, `?engine=cpu&display=${display}`, { settings: { deviceScaleFactor: 1 } });
     const told = await state(page);
     assert.equal(told.verified, true);
     assert.equal(told.seed, 1);
@@ -28,38 +30,52 @@ for (const [display, name] of [["webgpu", "WebGPU"], ["webgl", "WebGL 2"]]) {
   });
 }
 
+/** Has the page's clock go on by 50 ms with each of its frames, however long they take, and counts what it draws. */
+function slowClock() {
+  let now_ms = performance.now();
+  performance.now = () => now_ms;
+  const { requestAnimationFrame } = window;
+  window.requestAnimationFrame = (callback) =>
+    requestAnimationFrame.call(window, () => {
+      now_ms += 50;
+      callback(now_ms);
+      window.filmed?.();
+    });
+  window.drawn = 0;
+  const counted = (prototype, name) => {
+    const original = prototype[name];
+    prototype[name] = function (...given) {
+      window.drawn += 1;
+      return original.apply(this, given);
+    };
+  };
+  counted(GPUQueue.prototype, "submit");
+  counted(WebGL2RenderingContext.prototype, "drawElements");
+}
+
 test("the first frame comes soon after the load, and the page is idle when nothing happens", async (t) => {
-  const { page } = await started(t);
+  const { page } = await started(t, "", { prepare: (context) => context.addInitScript(slowClock) });
   // A figure to be read, not a limit to be met: machines differ.
   const marks = await page.evaluate(() => performance.getEntriesByType("mark").map((mark) => [mark.name, mark.startTime]));
   const first = new Map(marks).get("tilescope: first frame");
   assert.ok(first > 0, `no mark of the first frame among ${JSON.stringify(marks)}`);
   t.diagnostic(`first interactive frame ${Math.round(first)} ms after navigation`);
-  // Once all is computed, nothing is drawn.
   await state(page, (told) => told.gpu !== "testing");
   await page.mouse.move(5, 795);
-  await page.waitForTimeout(3_000);
-  const drawn = (ms) =>
-    page.evaluate(async (ms) => {
-      let count = 0;
-      const { submit } = GPUQueue.prototype;
-      const { drawElements } = WebGL2RenderingContext.prototype;
-      GPUQueue.prototype.submit = function (...given) {
-        count += 1;
-        return submit.apply(this, given);
-      };
-      WebGL2RenderingContext.prototype.drawElements = function (...given) {
-        count += 1;
-        return drawElements.apply(this, given);
-      };
-      await new Promise((resolve) => setTimeout(resolve, ms));
-      GPUQueue.prototype.submit = submit;
-      WebGL2RenderingContext.prototype.drawElements = drawElements;
-      return count;
-    }, ms);
-  assert.equal(await drawn(2_000), 0, "it draws while nothing happens");
+  /** How much is drawn in two seconds of the page's clock. */
+  const drawn = () =>
+    page.evaluate(async () => {
+      const [before, start_ms] = [window.drawn, performance.now()];
+      while (performance.now() < start_ms + 2_000) {
+        await new Promise((resolve) => requestAnimationFrame(resolve));
+      }
+      return window.drawn - before;
+    });
+  // Once all is computed, nothing is drawn.
+  await until("two seconds without a picture", async () => (await drawn()) === 0);
+  assert.equal(await drawn(), 0, "it draws while nothing happens");
   // What draws would be counted.
-  const [count] = await Promise.all([drawn(3_000), ask(page, { do: "seek", part: 0.5 })]);
+  const [count] = await Promise.all([drawn(), ask(page, { do: "seek", part: 0.5 })]);
   assert.ok(count > 0);
 });
 
@@ -123,7 +139,7 @@ test("where WebGPU does not start WebGL 2 draws, and says why", async (t) => {
 });
 
 test("keys that mean something here are not the browser's, others are", async (t) => {
-  const { page } = await started(t, "?engine=cpu#v=1&radius=0.02");
+  const { page } = await reused(t);
   const kept = (key, ctrlKey = false) =>
     page.evaluate(
       ([key, ctrlKey]) => {
@@ -132,39 +148,57 @@ test("keys that mean something here are not the browser's, others are", async (t
       },
       [key, ctrlKey],
     );
-  for (const [key, ctrl] of [["F5"], ["F10"], ["F11"], ["k", true], ["e", true], ["s", true]]) {
+  for (const [key, ctrl] of [["F8"], ["F10"], ["k", true], ["e", true], ["s", true]]) {
     assert.equal(await kept(key, ctrl), true, key);
   }
-  for (const [key, ctrl] of [["F12"], ["r", true], ["c", true], ["t", true], ["F6"]]) {
+  for (const [key, ctrl] of [["F5"], ["F11"], ["F12"], ["r", true], ["c", true], ["t", true], ["F6"]]) {
     assert.equal(await kept(key, ctrl), false, key);
   }
 });
 
+/** Serves what another server does, but of the program only the share that was let through. */
+async function doled(t, server) {
+  const gate = { share: 0, more: () => {} };
+  const allow = (share) => {
+    gate.share = share;
+    gate.more();
+  };
+  const own = createServer(async ({ url }, response) => {
+    const answer = await fetch(server.address + url);
+    response.setHeader("Content-Type", answer.headers.get("Content-Type"));
+    const bytes = Buffer.from(await answer.arrayBuffer());
+    for (let sent = 0; url.endsWith(".wasm") && sent < bytes.length; ) {
+      const end = Math.ceil(gate.share * bytes.length);
+      response.write(bytes.subarray(sent, end));
+      sent = end;
+      await new Promise((resolve) => (gate.more = resolve));
+    }
+    response.end(url.endsWith(".wasm") ? "" : bytes);
+  });
+  own.listen(0, "127.0.0.1");
+  await once(own, "listening");
+  t.after(() => own.closeAllConnections());
+  t.after(() => own.close());
+  return { address: `http://127.0.0.1:${own.address().port}`, allow };
+}
+
 test("loading shows how much has come", async (t) => {
-  const { server, context } = await contextOf(t);
-  const page = await context.newPage();
-  const session = await context.newCDPSession(page);
-  await session.send("Network.enable");
-  const bytes = { downloadThroughput: 200_000, uploadThroughput: -1 };
-  await session.send("Network.emulateNetworkConditions", { offline: false, latency: 0, ...bytes });
-  await page.goto(`${server.address}/`, { waitUntil: "commit" });
+  const server = await doled(t, await host());
+  const { page } = await opened(t, "", { server });
   const bar = page.locator("#loading-bar");
-  const beyond = (least) =>
-    until(`more than ${least} of the bar`, async () => {
-      const share = Number((await bar.getAttribute("value")) ?? 0);
-      return share > least ? share : undefined;
-    });
-  const begun = await beyond(0);
-  const clip = await bar.boundingBox();
-  const { mean } = await pixels(page, clip);
-  const later = await beyond(begun + 0.2);
-  assert.ok(begun < 1 && later <= 1, `${begun}, then ${later}`);
-  assert.ok((await pixels(page, clip)).mean > mean, "the bar does not fill");
-  assert.match(await page.textContent("#loading-size"), /^\d+\.\d of \d+\.\d MB, \d+%$/);
+  const lights = [];
+  for (const share of [0.25, 0.5, 0.75]) {
+    server.allow(share);
+    await page.waitForFunction((share) => Number(document.getElementById("loading-bar").getAttribute("value")) >= share, share);
+    const percent = Math.floor(100 * share);
+    assert.equal(await page.textContent("#loading-size"), `${percent}%`);
+    lights.push((await pixels(page, await bar.boundingBox())).mean);
+  }
+  assert.ok(lights[0] < lights[1] && lights[1] < lights[2], `the bar does not fill: ${lights}`);
 });
 
 test("the page can be installed: its manifest is sound, and its icons are of the sizes that it tells", async (t) => {
-  const { context, page } = await started(t, "?engine=cpu#v=1&radius=0.02");
+  const { context, page } = await reused(t);
   const session = await context.newCDPSession(page);
   const { errors } = await session.send("Page.getAppManifest");
   assert.deepEqual(errors, []);
@@ -185,65 +219,67 @@ test("the page can be installed: its manifest is sound, and its icons are of the
   }
 });
 
-/** Has a page note each picture that the program draws, twenty of them a second by its clock, however long they take. */
+/** Has a page note each picture that the program draws. */
 function film() {
-  let now_ms = performance.now();
-  performance.now = () => now_ms;
   window.film = new Set();
-  const original = window.requestAnimationFrame;
-  window.requestAnimationFrame = (callback) =>
-    original.call(window, () => {
-      now_ms += 50;
-      callback(now_ms);
-      const small = new OffscreenCanvas(100, 90).getContext("2d");
-      small.drawImage(document.getElementById("canvas"), 420, 200, 400, 350, 0, 0, 100, 90);
-      const { data } = small.getImageData(0, 0, 100, 90);
-      // Where nothing was drawn there is nothing to be had.
-      if (data.some((value) => value > 0)) {
-        window.film.add(data.join());
-      }
-    });
+  window.filmed = () => {
+    const small = new OffscreenCanvas(100, 90).getContext("2d");
+    const canvas = document.getElementById("canvas");
+    const place = [420, 200, 400, 350].map((length) => (length * canvas.width) / canvas.clientWidth);
+    small.drawImage(canvas, ...place, 0, 0, 100, 90);
+    const { data } = small.getImageData(0, 0, 100, 90);
+    // Where nothing was drawn there is nothing to be had.
+    if (data.some((value) => value > 0)) {
+      window.film.add(data.join());
+    }
+  };
 }
 
-for (const reducedMotion of ["reduce", "no-preference"]) {
-  const jumps = reducedMotion === "reduce";
-  test(`the camera ${jumps ? "jumps where motion is to be reduced" : "flies where motion is welcome"}`, async (t) => {
-    const { page } = await started(t, "?engine=cpu&display=webgl#v=1&radius=0.02&camera=20,20,40", {
-      settings: { reducedMotion },
-      prepare: (context) => context.addInitScript(film),
-    });
-    await page.mouse.move(5, 795);
-    await page.evaluate(() => window.film.clear());
-    await page.keyboard.press("f");
-    await state(page, (told) => !told.link.includes("camera"));
-    // Longer than a flight, by the page's clock.
-    const start_ms = await page.evaluate(() => performance.now());
-    await page.waitForFunction((start_ms) => performance.now() > start_ms + 2_000, start_ms, { timeout: PATIENCE_MS });
-    const pictures = await page.evaluate(() => window.film.size);
-    assert.ok(jumps ? pictures <= 2 : pictures > 6, `${pictures} pictures`);
-    await shows(page);
+/** Opens the page with a slow clock, and films it. */
+async function filmed(t, reducedMotion) {
+  const { page } = await started(t, "?engine=cpu&display=webgl#v=1&radius=0.02", {
+    settings: { reducedMotion },
+    prepare: async (context) => {
+      await context.addInitScript(slowClock);
+      await context.addInitScript(film);
+    },
   });
-}
-
-test("the system's wish for less motion counts from the moment it changes", async (t) => {
-  const { page } = await started(t, "?engine=cpu&display=webgl#v=1&radius=0.02&camera=20,20,40", {
-    settings: { reducedMotion: "no-preference" },
-    prepare: (context) => context.addInitScript(film),
-  });
-  await page.emulateMedia({ reducedMotion: "reduce" });
-  await page.waitForFunction(() => matchMedia("(prefers-reduced-motion: reduce)").matches);
   await page.mouse.move(5, 795);
+  return page;
+}
+
+/** Has the camera show all of the domain, and returns how many pictures that takes. */
+async function flown(page) {
+  await load(page, "v=1&radius=0.02&camera=20,20,40");
+  await shows(page);
   await page.evaluate(() => window.film.clear());
   await page.keyboard.press("f");
   await state(page, (told) => !told.link.includes("camera"));
+  // Longer than a flight, by the page's clock.
   const start_ms = await page.evaluate(() => performance.now());
   await page.waitForFunction((start_ms) => performance.now() > start_ms + 2_000, start_ms, { timeout: PATIENCE_MS });
-  const pictures = await page.evaluate(() => window.film.size);
-  assert.ok(pictures <= 2, `${pictures} pictures`);
+  await shows(page);
+  return page.evaluate(() => window.film.size);
+}
+
+test("the camera flies where motion is welcome, and jumps from the moment when the system wishes for less", async (t) => {
+  const page = await filmed(t, "no-preference");
+  const flight = await flown(page);
+  assert.ok(flight > 6, `${flight} pictures`);
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await page.waitForFunction(() => matchMedia("(prefers-reduced-motion: reduce)").matches);
+  const jump = await flown(page);
+  assert.ok(jump <= 2, `${jump} pictures`);
+});
+
+test("the camera jumps where motion is to be reduced from the start", async (t) => {
+  const page = await filmed(t, "reduce");
+  const jump = await flown(page);
+  assert.ok(jump <= 2, `${jump} pictures`);
 });
 
 test("where the keyboard is can be seen", async (t) => {
-  const { page } = await started(t, "?engine=cpu#v=1&radius=0.02");
+  const { page } = await reused(t);
   for (let k = 0; k < 3; k += 1) {
     const before = await rests(page);
     await page.keyboard.press("Tab");

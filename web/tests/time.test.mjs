@@ -2,13 +2,11 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { MIDDLE, ask, pixels, shows, state, until } from "./harness.mjs";
-import { started as startedAt } from "./shared.mjs";
-
-const started = (t, fragment = "#v=1&radius=0.02") => startedAt(t, `?engine=cpu${fragment}`);
+import { MIDDLE, ask, load, pixels, shows, state, until } from "./harness.mjs";
+import { reused } from "./shared.mjs";
 
 test("steps go on and back by one event, line and stage", async (t) => {
-  const { page } = await started(t);
+  const { page } = await reused(t);
   const end = await state(page);
   assert.equal(end.cursor, end.events);
   await ask(page, { do: "seek", event: 1000 });
@@ -26,7 +24,7 @@ test("steps go on and back by one event, line and stage", async (t) => {
 });
 
 test("keys step, and the picture follows", async (t) => {
-  const { page } = await started(t);
+  const { page } = await reused(t);
   await page.click("#canvas", { position: { x: 620, y: 400 } });
   const end = await state(page);
   const whole = await shows(page);
@@ -45,24 +43,24 @@ test("keys step, and the picture follows", async (t) => {
 });
 
 test("a run stops at a breakpoint, forwards and backwards", async (t) => {
+  const { page } = await reused(t);
   // Line by line: the link brings the breakpoint, keys run to it.
-  const { page } = await started(t, "#v=1&radius=0.02&at=0&break=insert.1");
-  const told = await state(page);
+  const told = await load(page, "v=1&radius=0.02&at=0&break=insert.1");
   assert.deepEqual([told.notice, told.cursor], [null, 0]);
   await page.click("#canvas", { position: { x: 620, y: 400 } });
-  await page.keyboard.press("F5");
+  await page.keyboard.press("F8");
   const stopped = await state(page, (told) => told.cursor > 0);
   assert.ok(stopped.cursor < stopped.events, "it stopped before the end");
-  await page.keyboard.press("F5");
+  await page.keyboard.press("F8");
   const next = await state(page, (told) => told.cursor > stopped.cursor);
-  await page.keyboard.press("Shift+F5");
+  await page.keyboard.press("Shift+F8");
   const back = await state(page, (told) => told.cursor < next.cursor);
   assert.equal(back.cursor, stopped.cursor);
   await shows(page);
 });
 
 test("a screen reader hears each step", async (t) => {
-  const { page } = await started(t);
+  const { page } = await reused(t);
   await ask(page, { do: "seek", event: 5000 });
   await page.waitForFunction(() => document.getElementById("announcer").textContent.length > 10);
   const heard = await page.textContent("#announcer");

@@ -3,24 +3,25 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { changed, shows, state } from "./harness.mjs";
-import { started } from "./shared.mjs";
+import { reused, started } from "./shared.mjs";
 
 /** Within the canvas of the layout for phones. */
 const PICTURE = { x: 20, y: 120, width: 350, height: 250 };
 
+/** How the page is opened on a phone. */
+const phone = (density) => ({
+  clip: PICTURE,
+  settings: {
+    viewport: { width: 390, height: 844 },
+    deviceScaleFactor: density,
+    hasTouch: true,
+    isMobile: true,
+    reducedMotion: "reduce",
+  },
+});
+
 /** Gestures are tried at one pixel a point: renderers without a GPU take their time for each. */
-function phone(t, density = 1) {
-  return started(t, "?engine=cpu&display=webgl#v=1&radius=0.02", {
-    clip: PICTURE,
-    settings: {
-      viewport: { width: 390, height: 844 },
-      deviceScaleFactor: density,
-      hasTouch: true,
-      isMobile: true,
-      reducedMotion: "reduce",
-    },
-  });
-}
+const touched = (t) => reused(t, "?engine=cpu&display=webgl", phone(1));
 
 /**
  * Moves fingers by the browser's own input; each is a list of places, as many as the others have. Moving begins with the
@@ -42,7 +43,7 @@ const line = (from, to, steps = 8) =>
   Array.from({ length: steps + 1 }, (_, k) => [0, 1].map((axis) => from[axis] + ((to[axis] - from[axis]) * k) / steps));
 
 test("a phone shows the canvas, and a finger drags it", async (t) => {
-  const { context, page } = await phone(t);
+  const { context, page } = await touched(t);
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
   const before = await page.screenshot({ clip: PICTURE });
   await fingers(context, page, [line([200, 250], [120, 250])]);
@@ -54,7 +55,7 @@ test("a phone shows the canvas, and a finger drags it", async (t) => {
 });
 
 test("two fingers pinch about their middle", async (t) => {
-  const { context, page } = await phone(t);
+  const { context, page } = await touched(t);
   await fingers(context, page, [line([240, 250], [180, 250], 4)]);
   const before = camera(await state(page, (told) => camera(told).length === 3))[2];
   const picture = await page.screenshot({ clip: PICTURE });
@@ -66,7 +67,7 @@ test("two fingers pinch about their middle", async (t) => {
 });
 
 test("a long press selects", async (t) => {
-  const { context, page } = await phone(t);
+  const { context, page } = await touched(t);
   const session = await context.newCDPSession(page);
   const touchPoints = [{ x: 195, y: 240, id: 0 }];
   const before = await page.screenshot({ clip: PICTURE });
@@ -79,7 +80,7 @@ test("a long press selects", async (t) => {
 });
 
 test("high density is sharp: the canvas has a pixel for each of the screen's", async (t) => {
-  const { page } = await phone(t, 3);
+  const { page } = await started(t, "?engine=cpu&display=webgl#v=1&radius=0.02", phone(3));
   const size = await page.evaluate(() => {
     const canvas = document.getElementById("canvas");
     return [canvas.width, canvas.height, canvas.clientWidth, canvas.clientHeight];
@@ -89,7 +90,7 @@ test("high density is sharp: the canvas has a pixel for each of the screen's", a
 
 test("a projector of 1920 x 1080 shows the run in its look", async (t) => {
   const clip = { x: 200, y: 100, width: 1500, height: 600 };
-  const { page } = await started(t, "?engine=cpu#v=1&look=projector", { clip, settings: { viewport: { width: 1920, height: 1080 } } });
+  const { page } = await started(t, "?engine=cpu#v=1&look=projector", { clip, settings: { viewport: { width: 1920, height: 1080 }, deviceScaleFactor: 1 } });
   const mean = await shows(page, clip);
   assert.ok(mean > 100, `a projector needs a light ground; mean ${mean}`);
 });

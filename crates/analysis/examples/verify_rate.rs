@@ -3,7 +3,7 @@
 //! [1 to stream]`.
 //! It never asserts a time; it prints what it saw.
 
-#[path = "../tests/support/mod.rs"]
+#[path = "../tests/it/support/mod.rs"]
 mod support;
 
 use std::ops::ControlFlow;

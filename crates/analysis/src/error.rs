@@ -2,7 +2,8 @@
 //! One variant per cause, each naming the value and the limit or the place.
 //! It never wraps a foreign error type.
 
-use crate::region::Region;
+use crate::number::Number;
+use crate::region::{Boundary, Region};
 
 /// Why [`verify`](crate::verify) or a [`StreamVerifier`](crate::StreamVerifier) gave no verdict.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -27,7 +28,10 @@ pub enum VerifyError {
         point: [f64; 2],
     },
     /// A sample lies outside the region; there is no tolerance.
-    #[error("sample {index} at ({}, {}) lies outside the region {region}", .point[0], .point[1])]
+    #[error(
+        "sample {index} at ({}, {}) lies outside the region {region}{}",
+        Number(.point[0]), Number(.point[1]), on_far_side(*.point, *.region)
+    )]
     OutOfRegion {
         /// Index of the first such sample.
         index: usize,
@@ -36,50 +40,26 @@ pub enum VerifyError {
         /// The region asked for.
         region: Region,
     },
-    /// Two samples have identical coordinates.
-    #[error("samples {first} and {second} are the same point ({}, {})", .point[0], .point[1])]
-    Duplicate {
-        /// The smallest index that has a duplicate.
-        first: usize,
-        /// The next index with the same position.
-        second: usize,
-        /// Their position.
-        point: [f64; 2],
-    },
-    /// Three or more samples of a bounded region lie exactly on one line, which is how a file
-    /// read with its columns mixed up looks.
-    #[error(
-        "all {count} samples lie on the line through ({}, {}) and ({}, {}): \
-         a bounded set needs three that do not",
-        .first[0], .first[1], .second[0], .second[1]
-    )]
-    Collinear {
-        /// Samples given.
-        count: usize,
-        /// The first sample.
-        first: [f64; 2],
-        /// The second sample.
-        second: [f64; 2],
-    },
     /// The radius is not a positive number within 2^-100 to 2^100 times the longer extent.
     #[error(
-        "the radius {radius} is not a positive number between 2^-100 and 2^100 times the region's \
-         longer side"
+        "the radius {} is not a positive number between 2^-100 and 2^100 times the region's longer side",
+        Number(*.radius)
     )]
     BadRadius {
         /// The radius given.
         radius: f64,
     },
     /// The covering tolerance is not a finite number of at least zero.
-    #[error("the covering tolerance {tolerance} is not a finite number of at least 0")]
+    #[error("the covering tolerance {} is not a finite number of at least 0", Number(*.tolerance))]
     BadTolerance {
         /// The tolerance given.
         tolerance: f64,
     },
     /// An extent of the region, or the ratio of both, is outside the supported range.
     #[error(
-        "the region {width} x {height} is not supported: extents must lie between 2^-100 and \
-         2^100, one at most 2^40 times the other"
+        "the region {} x {} is not supported: extents must lie between 2^-100 and 2^100, one at most \
+         2^40 times the other",
+        Number(*.width), Number(*.height)
     )]
     BadRegion {
         /// The width given.
@@ -132,6 +112,14 @@ pub enum VerifyError {
         /// Samples allowed.
         limit: usize,
     },
+    /// Rows of a stream are crowded.
+    #[error(
+        "{samples} samples crowd in few places of their rows: the set must be verified in memory"
+    )]
+    Crowded {
+        /// Samples of the rows.
+        samples: usize,
+    },
     /// No two samples of a stream are near each other.
     #[error(
         "no two samples of the stream were seen closer than {min_distance}, and only pairs closer than \
@@ -163,7 +151,21 @@ impl VerifyError {
             Self::OutOfOrder { .. }
                 | Self::HoleTooWide { .. }
                 | Self::BandTooLarge { .. }
+                | Self::Crowded { .. }
                 | Self::TooSparse { .. }
         )
+    }
+}
+
+/// Says what is wrong with a place on the side of a torus that is the opposite side.
+fn on_far_side(point: [f64; 2], region: Region) -> &'static str {
+    let closed = Region {
+        boundary: Boundary::Bounded,
+        ..region
+    };
+    if region.boundary == Boundary::Periodic && closed.contains(point) {
+        ": in a periodic region the upper side is the lower one, at 0; a set that has both is of a bounded region"
+    } else {
+        ""
     }
 }

@@ -7,7 +7,6 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::domain::Domain;
-use crate::error::VerifyError;
 
 /// A sample in the domain's unit with its index in the caller's set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,6 +44,9 @@ impl Rows {
 }
 
 impl Grid {
+    /// Mean square of the samples of a cell, weighed by samples, at which a set is crowded. It is 1 to 3 for maximal sets and noise.
+    const CROWD: u64 = 64;
+
     /// Samples that 32-bit indices can name.
     pub const MAX_SAMPLES: usize = u32::MAX as usize;
 
@@ -192,19 +194,22 @@ impl Grid {
             .sum()
     }
 
-    /// Refuses identical samples. In a sorted cell they are neighbours.
-    pub fn check_duplicates(&self) -> Result<(), VerifyError> {
-        let same = |pair: &&[Entry]| pair[0].position == pair[1].position;
-        let first = (self.entries.windows(2))
-            .filter(same)
-            .min_by_key(|pair| (pair[0].id, pair[1].id));
-        first.map_or(Ok(()), |pair| {
-            Err(VerifyError::Duplicate {
-                first: pair[0].id as usize,
-                second: pair[1].id as usize,
-                point: pair[0].position.map(|value| value / self.domain.scale),
-            })
-        })
+    /// Whether so many samples share cells that to look at all pairs of touching cells is out of the question.
+    pub fn is_crowded(&self) -> bool {
+        let pairs = |bounds: &[u32]| u64::from(bounds[1] - bounds[0]).pow(2);
+        let all: u64 = self.starts.windows(2).map(pairs).sum();
+        all > Self::CROWD * self.entries.len() as u64
+    }
+
+    /// The largest number of samples of a cell among those of a rectangle.
+    pub fn fullest(&self, columns: &Range<usize>, rows: &Range<usize>) -> usize {
+        let cells = rows
+            .clone()
+            .flat_map(|row| columns.clone().map(move |column| (row, column)));
+        cells
+            .map(|(row, column)| self.run_range(row, &(column..column + 1)).len())
+            .max()
+            .unwrap_or(0)
     }
 }
 
@@ -269,20 +274,14 @@ mod tests {
     }
 
     #[test]
-    fn names_the_first_duplicate() {
-        let mut points = scattered(100, 1.0, 1.0);
-        points[70] = points[40];
-        points[90] = points[12];
+    fn only_clusters_crowd() {
+        let mut points = scattered(1000, 1.0, 1.0);
+        let crowded = |points: &[[f64; 2]]| Grid::new(points, domain(1.0, 1.0), 0.0).is_crowded();
+        assert!(!crowded(&points));
+        points.extend((0..1000).map(|i| [0.5, 0.5 + 1e-9 * f64::from(i)]));
+        assert!(crowded(&points));
         let grid = Grid::new(&points, domain(1.0, 1.0), 0.0);
-        let expected = VerifyError::Duplicate {
-            first: 12,
-            second: 90,
-            point: points[12],
-        };
-        assert_eq!(grid.check_duplicates(), Err(expected));
-        points[70] = [0.5, 0.123];
-        points[90] = [0.123, 0.5];
-        let grid = Grid::new(&points, domain(1.0, 1.0), 0.0);
-        assert_eq!(grid.check_duplicates(), Ok(()));
+        let fullest = grid.fullest(&(0..grid.cells[0]), &(0..grid.cells[1]));
+        assert!((1000..1010).contains(&fullest), "{fullest}");
     }
 }

@@ -28,11 +28,13 @@
 )]
 
 mod cover;
+mod delaunay;
 mod domain;
 mod error;
 mod grid;
 pub mod measures;
 mod monitor;
+mod number;
 mod pairs;
 mod region;
 mod report;
@@ -44,8 +46,9 @@ mod worst;
 
 pub use error::VerifyError;
 pub use monitor::Progress;
+pub use number::Number;
 pub use region::{Boundary, Region};
-pub use report::{Conflict, Gap, GapKind, Report};
+pub use report::{Conflict, Gap, GapKind, MOST_CONFLICTS, Report};
 pub use spectrum::{RadialBin, radial_mean_power};
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;

@@ -1,6 +1,9 @@
 //! Conflicts and the smallest distance, by an own grid search.
-//! Distances go around the torus when periodic; each pair counts once, at its shortest.
+//! Distances go around the torus when periodic; each pair counts once, at its shortest. Crowded sets go another way
+//! ([`sweep`]) to the same result.
 //! It never uses the triangulation: the two halves of the verdict stay independent.
+
+mod sweep;
 
 use std::ops::Range;
 
@@ -37,6 +40,19 @@ impl Pairs {
         }
     }
 
+    /// Takes note of a pair.
+    fn add(&mut self, [one, other]: [&Entry; 2], distance: f64, radius: f64) {
+        if distance < radius {
+            self.conflicts += 1;
+            self.worst.push(Conflict {
+                first: one.id.min(other.id) as usize,
+                second: one.id.max(other.id) as usize,
+                distance,
+            });
+        }
+        self.min_distance = self.min_distance.min(distance);
+    }
+
     pub fn merge(&mut self, other: Self) {
         self.conflicts += other.conflicts;
         self.worst.merge(other.worst);
@@ -44,13 +60,14 @@ impl Pairs {
     }
 }
 
-/// The cell side that [`search`] wants: at least the radius, and such that the closest pair
-/// of a large set is within one cell side (no packing has all distances above 1.0746 spacings).
-pub(crate) fn cell_side(domain: &Domain, count: usize, radius: f64) -> f64 {
-    (radius * (1.0 + 4.0 * Grid::ROUNDING)).max(1.1 * domain.spacing(count))
+/// The cell side that [`search`] wants: such that the closest pair of a large set is within one cell side (no packing has
+/// all distances above 1.0746 spacings).
+pub(crate) fn cell_side(domain: &Domain, count: usize) -> f64 {
+    1.1 * domain.spacing(count)
 }
 
-/// Counts the pairs closer than `radius` and finds the smallest distance of all.
+/// Counts the pairs closer than `radius`, at least up to [`MOST_CONFLICTS`](crate::MOST_CONFLICTS), and finds the smallest
+/// distance of all.
 ///
 /// `grid` has cells of [`cell_side`].
 pub(crate) fn search(
@@ -60,8 +77,17 @@ pub(crate) fn search(
     witnesses: usize,
     monitor: &Monitor<'_>,
 ) -> Result<Pairs, VerifyError> {
-    let mut pairs = scan(grid, 0..grid.cells[1], radius, witnesses, monitor)?;
-    widen(grid, points, &mut pairs, monitor)?;
+    let least = radius * (1.0 + 4.0 * Grid::ROUNDING);
+    let coarse = (least > cell_side(&grid.domain, points.len()))
+        .then(|| Grid::new(points, grid.domain, least));
+    let scanned = coarse.as_ref().unwrap_or(grid);
+    let mut pairs = if scanned.is_crowded() {
+        sweep::search(grid, radius, witnesses, monitor)?
+    } else {
+        let mut pairs = scan(scanned, 0..scanned.cells[1], radius, witnesses, monitor)?;
+        widen(scanned, points, &mut pairs, monitor)?;
+        pairs
+    };
     if grid.domain.periodic {
         add_own_copies(grid, radius, &mut pairs);
     }
@@ -261,58 +287,56 @@ impl<'a> Scan<'a> {
         {
             // Clustered samples can fill a cell: skip those too far off along x.
             let reach = self.reach * (1.0 + 1e-9);
-            let offset = |other: &Entry| other.position[0] + shift - entry.position[0];
-            let start = run.partition_point(|other| offset(other) < -reach);
-            let end = run.partition_point(|other| offset(other) <= reach);
+            let along = |other: &Entry| other.position[0] + shift - entry.position[0];
+            let start = run.partition_point(|other| along(other) < -reach);
+            let end = run.partition_point(|other| along(other) <= reach);
             run = &run[start..end];
         }
         for other in run {
-            let [dx, dy] = self.offset(entry, other);
+            let [dx, dy] = offset(self.periods, entry, other);
             if dx * dx + dy * dy <= self.threshold {
                 self.pair(entry, other, [dx, dy]);
             }
         }
     }
 
-    /// The absolute offset of two samples, around the torus. The long way round is summed so that
-    /// its rounding is relative to the offset and not to the period.
-    #[inline]
-    fn offset(&self, entry: &Entry, other: &Entry) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            let (a, b) = (entry.position[axis], other.position[axis]);
-            let (low, high) = if a < b { (a, b) } else { (b, a) };
-            let direct = high - low;
-            if direct + direct > self.periods[axis] {
-                (self.periods[axis] - high) + low
-            } else {
-                direct
-            }
-        })
-    }
-
     #[cold]
-    fn pair(&mut self, entry: &Entry, other: &Entry, [dx, dy]: [f64; 2]) {
-        let square = dx * dx + dy * dy;
-        // The square root is correctly rounded, hypot is not; hypot does not underflow.
-        let distance = if square > 1e-280 {
-            square.sqrt()
-        } else {
-            dx.hypot(dy)
-        };
-        if distance < self.radius {
-            self.pairs.conflicts += 1;
-            self.pairs.worst.push(Conflict {
-                first: entry.id.min(other.id) as usize,
-                second: entry.id.max(other.id) as usize,
-                distance,
-            });
-        }
-        if distance < self.pairs.min_distance {
-            self.pairs.min_distance = distance;
-            self.reach = self.reach.min(distance.max(self.radius));
+    fn pair(&mut self, entry: &Entry, other: &Entry, offset: [f64; 2]) {
+        let distance = length(offset);
+        let closer = distance < self.pairs.min_distance;
+        self.pairs.add([entry, other], distance, self.radius);
+        if closer {
             let limit = distance.max(self.radius);
+            self.reach = self.reach.min(limit);
             self.threshold = limit * limit * (1.0 + 1e-12);
         }
+    }
+}
+
+/// The absolute offset of two samples, around the torus. The long way round is summed so that
+/// its rounding is relative to the offset and not to the period.
+#[inline]
+fn offset(periods: [f64; 2], entry: &Entry, other: &Entry) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let (a, b) = (entry.position[axis], other.position[axis]);
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        let direct = high - low;
+        if direct + direct > periods[axis] {
+            (periods[axis] - high) + low
+        } else {
+            direct
+        }
+    })
+}
+
+/// The length of an offset.
+fn length([dx, dy]: [f64; 2]) -> f64 {
+    let square = dx * dx + dy * dy;
+    // The square root is correctly rounded, hypot is not; hypot does not underflow.
+    if square > 1e-280 {
+        square.sqrt()
+    } else {
+        dx.hypot(dy)
     }
 }
 

@@ -6,6 +6,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::number::Number;
+
 /// What the border of a [`Region`] means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -74,7 +76,7 @@ impl fmt::Display for Region {
             Boundary::Periodic => ("periodic", ')'),
             Boundary::Bounded => ("bounded", ']'),
         };
-        let (width, height) = (self.width, self.height);
+        let (width, height) = (Number(self.width), Number(self.height));
         write!(f, "{name} [0, {width}{end} x [0, {height}{end}")
     }
 }

@@ -9,6 +9,10 @@ use crate::domain::Domain;
 use crate::pairs::Pairs;
 use crate::region::Region;
 
+/// Pairs in conflict are counted up to so many: a set with more has been misread, or asked about with a wrong radius, and
+/// counting them all would take a time that grows with the square of its samples.
+pub const MOST_CONFLICTS: u64 = 1_000_000;
+
 /// What both searches found, in the domain's unit.
 pub(crate) struct Found {
     pub pairs: Pairs,
@@ -26,7 +30,7 @@ pub struct Report {
     pub radius: f64,
     /// Relative tolerance of maximality: the covering radius may be `(1 + covering_tolerance) r`.
     pub covering_tolerance: f64,
-    /// Number of pairs closer than `radius`, each pair once.
+    /// Number of pairs closer than `radius`, each pair once; [`MOST_CONFLICTS`] stand for that many or more.
     pub conflicts: u64,
     /// The closest of those pairs, closest first.
     pub worst_conflicts: Vec<Conflict>,
@@ -74,7 +78,7 @@ impl Report {
             region,
             radius,
             covering_tolerance,
-            conflicts: pairs.conflicts,
+            conflicts: pairs.conflicts.min(MOST_CONFLICTS),
             worst_conflicts: conflicts.into_iter().map(conflict).collect(),
             gaps: cover.gaps,
             worst_gaps: gaps.into_iter().map(gap).collect(),
@@ -83,6 +87,12 @@ impl Report {
             density: count as f64 * radius * radius / region.area(),
             relative_radius: min_distance / r_max,
         }
+    }
+
+    /// Whether there are [`MOST_CONFLICTS`] or more: they were not counted further.
+    #[must_use]
+    pub fn more_conflicts(&self) -> bool {
+        self.conflicts >= MOST_CONFLICTS
     }
 
     /// Whether no pair is closer than the radius (equation 2 of the paper).

@@ -4,13 +4,13 @@
 
 use std::ops::ControlFlow;
 
-use crate::cover::{self, Task, on_a_line};
+use crate::cover::{self, Task};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::monitor::{Monitor, Progress};
 use crate::pairs;
-use crate::region::{Boundary, Region};
+use crate::region::Region;
 use crate::report::{Found, Report};
 
 /// Default relative tolerance of maximality: a covering radius of `(1 + 2^-15) r` passes. That is
@@ -43,14 +43,14 @@ impl Default for VerifyOptions {
 ///
 /// Distances between samples are exact up to the rounding of their `f64` formula, and a conflict is
 /// a distance strictly below `radius`. The covering radius is that of the true largest empty
-/// circle, also with large holes or a radius far off. Scaling region, samples and radius by
+/// circle, also with large holes or a radius far off. Samples may lie at one place or on one line. Scaling region, samples and radius by
 /// a power of two changes neither verdict. The report does not depend on the number of
 /// threads nor, up to rounding of exactly cocircular samples, on `tile_samples`.
 ///
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels.
 /// Time is below one microsecond per sample and thread for a maximal set; memory about 32 bytes per
-/// sample besides the input and, per thread, a triangulation of a tile. Much too large a radius costs
-/// time for every conflicting pair.
+/// sample besides the input and, per thread, a triangulation of a tile. It grows no faster than with `N log N` for sets of any
+/// kind and any radius: conflicts are counted up to [`MOST_CONFLICTS`](crate::MOST_CONFLICTS).
 ///
 /// # Errors
 ///
@@ -71,11 +71,7 @@ pub fn verify(
     // Both searches go over all samples.
     let monitor = Monitor::new(control, 2 * points.len() as u64);
     monitor.advance(0)?;
-    let side = pairs::cell_side(&domain, points.len(), scaled_radius);
-    let grid = Grid::new(points, domain, side);
-    grid.check_duplicates()?;
-    check_line(points, region, &domain)?;
-
+    let grid = Grid::new(points, domain, pairs::cell_side(&domain, points.len()));
     let pairs = pairs::search(&grid, points, scaled_radius, options.witnesses, &monitor)?;
     let limit = (1.0 + options.covering_tolerance) * scaled_radius;
     let task = Task::new(&grid, scaled_radius, limit, options.witnesses);
@@ -126,24 +122,6 @@ fn check_count(count: usize) -> Result<(), VerifyError> {
         1.. if count <= limit => Ok(()),
         _ => Err(VerifyError::TooMany { count, limit }),
     }
-}
-
-/// Refuses three or more samples on one line in a bounded region. The searches would manage; but no
-/// sampler makes such a set, and a misread file looks like that.
-fn check_line(points: &[[f64; 2]], region: Region, domain: &Domain) -> Result<(), VerifyError> {
-    let [first, second, rest @ ..] = points else {
-        return Ok(());
-    };
-    let scaled = |point: &[f64; 2]| domain.scale_point(*point);
-    let on_line = |third: &[f64; 2]| on_a_line([scaled(first), scaled(second), scaled(third)]);
-    if region.boundary == Boundary::Periodic || rest.is_empty() || !rest.iter().all(on_line) {
-        return Ok(());
-    }
-    Err(VerifyError::Collinear {
-        count: points.len(),
-        first: *first,
-        second: *second,
-    })
 }
 
 #[cfg(test)]

@@ -33,15 +33,22 @@ impl Witness for Gap {
 pub(crate) struct Worst<T> {
     limit: usize,
     kept: Vec<T>,
+    mildest: Option<T>,
 }
 
 impl<T: Witness> Worst<T> {
     pub fn new(limit: usize) -> Self {
-        let kept = Vec::new();
-        Self { limit, kept }
+        Self {
+            limit,
+            kept: Vec::new(),
+            mildest: None,
+        }
     }
 
     pub fn push(&mut self, witness: T) {
+        if (self.mildest.as_ref()).is_some_and(|mildest| witness.rank(mildest).is_ge()) {
+            return;
+        }
         self.kept.push(witness);
         // Room for as many again makes the sorting cheap on average.
         if self.kept.len() >= 2 * self.limit + 16 {
@@ -52,6 +59,11 @@ impl<T: Witness> Worst<T> {
     pub fn merge(&mut self, other: Self) {
         self.kept.extend(other.kept);
         self.prune();
+    }
+
+    /// The mildest of `limit` witnesses, once there are so many: what is not worse is not kept.
+    pub fn mildest(&self) -> Option<&T> {
+        self.mildest.as_ref()
     }
 
     /// The kept witnesses, and perhaps some more, in no order.
@@ -68,6 +80,9 @@ impl<T: Witness> Worst<T> {
     fn prune(&mut self) {
         self.kept.sort_unstable_by(T::rank);
         self.kept.truncate(self.limit);
+        if self.kept.len() == self.limit {
+            self.mildest = self.kept.last().copied();
+        }
     }
 }
 

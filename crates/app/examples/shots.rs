@@ -11,7 +11,7 @@ use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command, State};
 use tilescope_core::Search;
-use tilescope_debugger::{Direction, Step, Target};
+use tilescope_debugger::{Direction, Target};
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -205,7 +205,6 @@ fn exports(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
 /// Moments in the middle of stages, with the debugger's panels.
 fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     let run_to = |target| Command::Time(TimeCommand::RunTo(target, Direction::Forwards));
-    let into = || Command::Time(TimeCommand::Step(Step::Into, Direction::Forwards));
     let debug = Command::Debug;
     shoot(
         "moment-elimination",
@@ -213,7 +212,6 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
             Command::ToggleTheme,
             Command::FirstStage,
             run_to(Target::Elimination),
-            into(),
             Command::OpenPanel(Panel::Events),
             Command::OpenPanel(Panel::Watches),
             debug(DebugCommand::Watch("distance".to_owned())),
@@ -224,7 +222,6 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "moment-gap",
         vec![
             run_to(Target::Gap),
-            into(),
             debug(DebugCommand::Pick(Selection::Sample(900))),
             Command::OpenPanel(Panel::Inspector),
             debug(DebugCommand::Query("insert iteration>1".to_owned())),
@@ -242,7 +239,6 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "moment-insertion",
         vec![
             run_to(Target::SecondInsertion),
-            into(),
             debug(DebugCommand::Bookmark),
             Command::OpenPanel(Panel::Bookmarks),
             Command::GoToCurrent,

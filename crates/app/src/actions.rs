@@ -11,6 +11,8 @@ use std::sync::LazyLock;
 
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
+use crate::analysis::AnalysisCommand;
+use crate::arrangement::DrawerCommand;
 use crate::canvas::layers::{Colouring, Layer};
 use crate::command::{Command, DebugCommand, Selection};
 use crate::layout::Panel;
@@ -18,7 +20,7 @@ use crate::sentence::grouped;
 use crate::session::MOST_STAGED;
 use crate::state::State;
 use crate::theme::Look;
-pub use keys::{pressed, takes_key};
+pub use keys::{keys_of, press_keys, takes_key};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +77,8 @@ pub struct Action {
     pub name: String,
     /// Its keys.
     pub shortcut: Option<KeyboardShortcut>,
+    /// A second key that does the same.
+    pub also: Option<KeyboardShortcut>,
     /// What it does.
     pub command: Command,
     /// Why it cannot be done now.
@@ -114,6 +118,7 @@ impl State {
                     Some(_) => None,
                 }
             }
+            Command::ClosePalette => self.palette = None,
             Command::PaletteText(text) => self.palette = Some(Palette { text, choice: 0 }),
             Command::PaletteChoice(choice) => {
                 if let Some(palette) = &mut self.palette {
@@ -150,12 +155,14 @@ pub fn actions(state: &State) -> Vec<Action> {
     };
     file::add(&mut list, state);
     edit(&mut list, state);
-    view(&mut list);
+    full_screen(&mut list, state);
+    view(&mut list, state);
     camera(&mut list, state);
     go::add(&mut list, state);
     debug(&mut list, state);
     analyze::add(&mut list, state);
     compare::compare(&mut list, state);
+    list.escape(state);
     list.actions
 }
 
@@ -176,9 +183,40 @@ impl List {
             menu,
             name: name.into(),
             shortcut: keys.map(|(modifiers, key)| KeyboardShortcut::new(modifiers, key)),
+            also: None,
             command,
             refusal: refusal.map(str::to_owned),
         });
+    }
+}
+
+impl Action {
+    /// Returns the keys that do it.
+    pub fn keys(&self) -> impl Iterator<Item = KeyboardShortcut> {
+        self.shortcut.into_iter().chain(self.also)
+    }
+}
+
+impl List {
+    /// Gives Escape to the first way out of something: what was entered last is left first.
+    fn escape(&mut self, state: &State) {
+        let projector = (state.look == Look::Projector).then_some(Command::ToggleProjector);
+        let ways = [
+            Command::Debug(DebugCommand::Pick(Selection::Nothing)),
+            Command::Analysis(AnalysisCommand::Brush(None)),
+            Command::Drawer(DrawerCommand::Show(None)),
+        ];
+        for way in ways.into_iter().chain(projector) {
+            let is_way = |action: &&mut Action| action.command == way && action.refusal.is_none();
+            if let Some(action) = self.actions.iter_mut().find(is_way) {
+                let key = match action.shortcut {
+                    Some(_) => &mut action.also,
+                    None => &mut action.shortcut,
+                };
+                *key = Some(KeyboardShortcut::new(NONE, Key::Escape));
+                break;
+            }
+        }
     }
 }
 
@@ -203,7 +241,7 @@ fn edit(list: &mut List, state: &State) {
     let nothing =
         (state.selected.is_none() && state.place.is_none()).then_some("Nothing is selected.");
     let deselect = Command::Debug(DebugCommand::Pick(Selection::Nothing));
-    add("Deselect", Some((NONE, Key::Escape)), deselect, nothing);
+    add("Deselect", None, deselect, nothing);
     add(
         "All actions\u{2026}",
         Some((COMMAND, Key::K)),
@@ -212,7 +250,31 @@ fn edit(list: &mut List, state: &State) {
     );
 }
 
-fn view(list: &mut List) {
+fn full_screen(list: &mut List, state: &State) {
+    list.add(
+        Menu::View,
+        "Full screen",
+        Some((Modifiers::ALT, Key::Enter)),
+        Command::ToggleFullScreen,
+        state.full_screen.refusal(),
+    );
+}
+
+/// Returns the name of the action that enters the projector mode or leaves it.
+#[must_use]
+pub const fn projector_action(look: Look) -> &'static str {
+    match look {
+        Look::Projector => "Leave the projector mode",
+        Look::Dark | Look::Light => Look::Projector.name(),
+    }
+}
+
+fn view(list: &mut List, state: &State) {
+    let no_panel = state.drawer.open.is_none().then_some("No panel is open.");
+    if state.drawer.arrangement.is_compact() {
+        let close = Command::Drawer(DrawerCommand::Show(None));
+        list.add(Menu::View, "Close the panel", None, close, no_panel);
+    }
     let mut add = |name: String, keys, command| list.add(Menu::View, name, keys, command, None);
     add(
         "Show the whole domain".to_owned(),
@@ -224,10 +286,14 @@ fn view(list: &mut List) {
         Some((NONE, Key::Period)),
         Command::GoToCurrent,
     );
-    for look in Look::ALL {
-        let keys = (look == Look::Projector).then_some((NONE, Key::F2));
-        add(look.name().to_owned(), keys, Command::Look(look));
+    for look in [Look::Dark, Look::Light] {
+        add(look.name().to_owned(), None, Command::Look(look));
     }
+    add(
+        projector_action(state.look).to_owned(),
+        Some((NONE, Key::F2)),
+        Command::ToggleProjector,
+    );
     add(
         "Reduced motion".to_owned(),
         None,

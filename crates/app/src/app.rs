@@ -4,8 +4,10 @@
 use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
-use egui::{CentralPanel, Context, Frame, Ui};
-use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, UiResponse};
+use egui::{CentralPanel, Context, Frame, Pos2, Ui, ViewportCommand};
+use egui_tiles::{
+    Behavior, Container, EditAction, SimplificationOptions, TileId, Tiles, UiResponse,
+};
 
 use crate::actions;
 use crate::arrangement::{Arrangement, DrawerCommand};
@@ -17,7 +19,9 @@ use crate::files::FileCommand;
 use crate::focus;
 use crate::layout::{Layout, Panel};
 use crate::panels;
-use crate::state::State;
+use crate::presses::Presses;
+use crate::spoken::{Speaker, Spoken};
+use crate::state::{FullScreen, State};
 use crate::theme::{self, Look, Manner};
 
 /// The application.
@@ -32,6 +36,8 @@ pub struct App {
     focused: Option<egui::Id>,
     /// Puts a text on the clipboard, if it returns true; otherwise the window does.
     copier: fn(&str) -> bool,
+    /// Changes between the full screen and the window's place, if it returns true; otherwise the window does.
+    screener: fn() -> bool,
     /// Files that were dropped on the page, while they are read.
     #[cfg(target_arch = "wasm32")]
     dropped: Option<crate::jobs::Job<crate::files::web::Found>>,
@@ -44,6 +50,7 @@ impl App {
         let waker = ctx.clone();
         let state = State::new(Arc::new(move || waker.request_repaint()));
         theme::install(ctx, state.look.theme());
+        ctx.add_plugin(Presses::default());
         Self {
             shown_look: state.look,
             shown_manner: Manner::default(),
@@ -52,6 +59,7 @@ impl App {
             commands: Vec::new(),
             focused: None,
             copier: |_| false,
+            screener: || false,
             #[cfg(target_arch = "wasm32")]
             dropped: None,
         }
@@ -60,6 +68,26 @@ impl App {
     /// Has `copier` put texts on the clipboard; where it returns false, the window does, which cannot tell of a failure.
     pub fn copy_with(&mut self, copier: fn(&str) -> bool) {
         self.copier = copier;
+    }
+
+    /// Has what a screen reader should say of the focus told to `hearer`.
+    pub fn speak_to(ctx: &Context, hearer: impl Fn(&Spoken) + Send + Sync + 'static) {
+        ctx.add_plugin(Speaker::new(hearer));
+    }
+
+    /// Returns whether one finger at this place of the window is left to the page around: on the canvas of an embedded
+    /// window, where it does nothing but tap.
+    #[must_use]
+    pub fn scrolls_at(&self, ctx: &Context, pos: Pos2) -> bool {
+        let is_below = |layer: egui::LayerId| layer.order == egui::Order::Background;
+        self.state.embedding.is_some()
+            && self.state.viewport.contains(pos)
+            && ctx.layer_id_at(pos).is_none_or(is_below)
+    }
+
+    /// Has `screener` change between the full screen and the window's place; where it returns false, the window does.
+    pub fn turn_full_screen_with(&mut self, screener: fn() -> bool) {
+        self.screener = screener;
     }
 
     /// Draws samples on the canvas by instancing on the window's device, which `render_state` holds, from now on.
@@ -80,8 +108,9 @@ impl App {
             self.take_dropped(ui);
         }
         focus::keep_arrows(ui.ctx(), &self.state);
-        self.commands
-            .extend(actions::pressed(ui.ctx(), &self.state));
+        if actions::press_keys(ui.ctx(), &mut self.state) {
+            self.follow_commands(ui.ctx());
+        }
         if let Some(embedding) = self.state.embedding {
             self.commands.retain(Embedding::takes);
             panels::show_embedded(
@@ -106,6 +135,9 @@ impl App {
         if self.state.embedding.is_none() {
             panels::show_floating(ui, &self.state, &mut self.commands);
         }
+        let is_playing = self.state.playback.is_playing();
+        ui.ctx()
+            .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
         focus::ring(ui.ctx(), theme::Palette::of(self.state.look));
         self.follow_focus(ui.ctx());
         self.apply_commands(ui.ctx());
@@ -170,19 +202,27 @@ impl App {
 
     fn show_tiles(&mut self, ui: &mut Ui) {
         let mut layout = self.state.layout.clone();
+        let (room, around) = (ui.available_size(), [GAP, TAB_BAR]);
+        let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
+        layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
+        let shown = layout.clone();
         let mut tiles = Shower {
             state: &self.state,
             canvas: &mut self.canvas,
             commands: &mut self.commands,
             edited: false,
+            moved: false,
             // Where all panels are, their tabs stand close together.
             spacing: if layout.is_whole() { 4.0 } else { 6.0 },
         };
         CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
             layout.0.ui(&mut tiles, ui);
+            focus::name_tiles(ui);
         });
         if tiles.edited && layout.is_whole() {
-            self.state.replace_layout(layout);
+            let layout = layout.with_shares_of(&self.state.layout, &shown);
+            let moved = tiles.moved;
+            self.state.replace_layout(layout, moved);
         }
     }
 
@@ -195,6 +235,17 @@ impl App {
         }
     }
 
+    fn turn_full_screen(&mut self, ctx: &Context) {
+        if self.state.full_screen != FullScreen::Asked {
+            return;
+        }
+        self.state.full_screen = FullScreen::Free;
+        if !(self.screener)() {
+            let is_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
+        }
+    }
+
     fn apply_commands(&mut self, ctx: &Context) {
         if self.commands.is_empty() {
             return;
@@ -202,7 +253,13 @@ impl App {
         for command in self.commands.drain(..) {
             self.state.apply(command);
         }
+        self.follow_commands(ctx);
+    }
+
+    /// Does what commands asked of the window itself.
+    fn follow_commands(&mut self, ctx: &Context) {
         self.copy(ctx);
+        self.turn_full_screen(ctx);
         self.follow_look(ctx);
         ctx.request_repaint();
     }
@@ -260,14 +317,19 @@ impl App {
             self.state.layout = layout;
         }
         if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
-            self.state.look = look;
+            self.state.choose_look(look);
             self.state.choose_motion(chosen);
         } else if let Some((look, _)) = eframe::get_value::<(Look, bool)>(storage, LOOK_KEY) {
             // Once it did not say who had decided on motion.
-            self.state.look = look;
+            self.state.choose_look(look);
         }
     }
 }
+
+/// Between tiles, in screen points.
+const GAP: f32 = 2.0;
+/// The height of the row of tabs above a tile.
+const TAB_BAR: f32 = 27.0;
 
 const LAYOUT_KEY: &str = "layout";
 const LOOK_KEY: &str = "look";
@@ -293,12 +355,17 @@ impl eframe::App for App {
     }
 }
 
+/// For so many frames a new tab is scrolled to: what scrolls its row comes and goes behind it.
+const TAB_FRAMES: u8 = 4;
+
 /// Shows what is in each tile.
 struct Shower<'a> {
     state: &'a State,
     canvas: &'a mut Canvas,
     commands: &'a mut Vec<Command>,
     edited: bool,
+    /// Whether a panel has got another place.
+    moved: bool,
     /// Beside the title of a tab, in screen points.
     spacing: f32,
 }
@@ -320,17 +387,42 @@ impl Behavior<Panel> for Shower<'_> {
         }
     }
 
+    /// The tab of a panel that was opened otherwise than by its tab comes into view, too.
+    fn on_tab_button(
+        &mut self,
+        _: &mut Tiles<Panel>,
+        tile: TileId,
+        button: egui::Response,
+    ) -> egui::Response {
+        // The tiles at hand lack what is being shown.
+        let tiles = &self.state.layout.0.tiles;
+        let tabs = tiles.parent_of(tile);
+        let active = match tabs.and_then(|tabs| tiles.get_container(tabs)) {
+            Some(Container::Tabs(tabs)) => tabs.active,
+            _ => None,
+        };
+        if active == Some(tile) {
+            let id = egui::Id::unique("seen tab").with(tabs);
+            let before = button.ctx.data(|data| data.get_temp::<(TileId, u8)>(id));
+            let frames = before.map_or(0, |(old, frames)| if old == tile { frames } else { 0 });
+            if frames < TAB_FRAMES {
+                let seen = (tile, frames + 1);
+                button.ctx.data_mut(|data| data.insert_temp(id, seen));
+                button.scroll_to_me_animation(None, egui::style::ScrollAnimation::none());
+                button.ctx.request_repaint();
+            }
+        }
+        button
+    }
+
     fn on_edit(&mut self, action: EditAction) {
         // A drag that has only begun has changed nothing yet.
         self.edited |= action != EditAction::TileDragged;
+        self.moved |= action == EditAction::TileDropped;
     }
 
     fn gap_width(&self, _: &egui::Style) -> f32 {
-        2.0
-    }
-
-    fn min_size(&self) -> f32 {
-        64.0
+        GAP
     }
 
     fn tab_title_spacing(&self, _: &egui::Visuals) -> f32 {
@@ -338,10 +430,13 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn tab_bar_height(&self, _: &egui::Style) -> f32 {
-        27.0
+        TAB_BAR
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> egui::Color32 {
         theme::Palette::of(self.state.look).outside
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,6 +9,8 @@ use crate::theme::Look;
 
 /// Narrower windows, in screen points, have no room for tiles.
 pub const ROOM_FOR_TILES: Vec2 = vec2(960.0, 420.0);
+/// Narrower windows, in screen points, have no room for panels beside the canvas.
+pub const ROOM_BESIDE: f32 = 560.0;
 /// Smaller windows have no room for the projector's larger type.
 pub const ROOM_FOR_PROJECTOR: Vec2 = vec2(700.0, 420.0);
 
@@ -34,7 +36,7 @@ impl Arrangement {
         };
         if size.x >= room.x && size.y >= room.y {
             Self::Tiles
-        } else if size.x > size.y {
+        } else if size.x > size.y && size.x >= ROOM_BESIDE {
             Self::Landscape
         } else {
             Self::Portrait
@@ -89,6 +91,14 @@ impl State {
         }
     }
 
+    /// Brings what is known of the selection into view, if there is a selection and the window has panels.
+    pub(crate) fn inspect(&mut self) {
+        let is_selected = self.selected.is_some() || self.place.is_some();
+        if is_selected && self.embedding.is_none() {
+            self.open_panel(Panel::Inspector);
+        }
+    }
+
     /// Brings a panel into view; in a compact window the tiles are left as they are.
     pub(crate) fn open_panel(&mut self, panel: Panel) {
         if !self.drawer.arrangement.is_compact() {
@@ -111,6 +121,8 @@ mod tests {
             ([360.0, 640.0], Arrangement::Portrait),
             ([768.0, 1024.0], Arrangement::Portrait),
             ([844.0, 390.0], Arrangement::Landscape),
+            ([568.0, 320.0], Arrangement::Landscape),
+            ([320.0, 180.0], Arrangement::Portrait),
             ([932.0, 430.0], Arrangement::Landscape),
             ([1200.0, 400.0], Arrangement::Landscape),
             ([960.0, 600.0], Arrangement::Tiles),

@@ -3,14 +3,18 @@
 
 use egui::{Pos2, Rect, Vec2, pos2};
 
-/// The smallest scale, in screen points per r: the longest domain then spans 300 points.
+/// The smallest scale of any domain, in screen points per r: the longest then spans 300 points.
 pub const MIN_SCALE: f64 = 0.005;
 /// The largest scale, in screen points per r: beyond it lattice units would become visible.
 pub const MAX_SCALE: f64 = 4_000.0;
+/// How small a domain may appear, as part of its size where it is fitted: smaller, nothing of it can be told apart.
+const LEAST_OF_FIT: f64 = 0.25;
 /// Seconds that a flight takes.
 const FLIGHT_SECS: f32 = 0.7;
 /// Empty space around a fitted domain, in screen points.
 const FIT_MARGIN: f32 = 28.0;
+/// The most of a small canvas that this is, on each side.
+const FIT_MARGIN_PART: f32 = 0.08;
 
 /// A view of the domain plane.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -34,11 +38,28 @@ impl Camera {
     /// Returns the camera that shows all of a domain of `size` r in `viewport`.
     #[must_use]
     pub fn fitting(size: [f64; 2], viewport: Rect) -> Self {
-        let room = (viewport.size() - Vec2::splat(2.0 * FIT_MARGIN)).max(Vec2::splat(16.0));
+        let margin = FIT_MARGIN.min(FIT_MARGIN_PART * viewport.size().min_elem());
+        let room = (viewport.size() - Vec2::splat(2.0 * margin)).max(Vec2::splat(16.0));
         let scale = (f64::from(room.x) / size[0]).min(f64::from(room.y) / size[1]);
         Self {
             center: [size[0] / 2.0, size[1] / 2.0],
             scale: scale.clamp(MIN_SCALE, MAX_SCALE),
+        }
+    }
+
+    /// Returns the smallest and the largest scale at which a domain of `size` r is looked at in `viewport`.
+    #[must_use]
+    pub fn scales(size: [f64; 2], viewport: Rect) -> [f64; 2] {
+        let least = LEAST_OF_FIT * Self::fitting(size, viewport).scale;
+        [least.max(MIN_SCALE), MAX_SCALE]
+    }
+
+    /// Returns this camera at the nearest scale between the smallest and the largest.
+    #[must_use]
+    pub const fn within(self, [least, most]: [f64; 2]) -> Self {
+        Self {
+            scale: self.scale.clamp(least, most),
+            ..self
         }
     }
 
@@ -76,10 +97,11 @@ impl Camera {
         self.center[1] += f64::from(delta.y) / self.scale;
     }
 
-    /// Zooms by `factor`, keeping the place under `pos` where it is.
-    pub fn zoom_about(&mut self, viewport: Rect, pos: Pos2, factor: f64) {
+    /// Zooms by `factor` between `scales`, keeping the place under `pos` where it is.
+    pub fn zoom_about(&mut self, viewport: Rect, pos: Pos2, factor: f64, scales: [f64; 2]) {
         let before = self.domain_from_screen(viewport, pos);
-        self.scale = (self.scale * factor).clamp(MIN_SCALE, MAX_SCALE);
+        self.scale *= factor;
+        *self = self.within(scales);
         let after = self.domain_from_screen(viewport, pos);
         self.center[0] += before[0] - after[0];
         self.center[1] += before[1] - after[1];
@@ -169,7 +191,7 @@ mod tests {
         let cursor = pos2(500.0, 600.0);
         let place = camera.domain_from_screen(viewport(), cursor);
         for factor in [1.7, 9.0, 0.02, 1e9, 1e-12] {
-            camera.zoom_about(viewport(), cursor, factor);
+            camera.zoom_about(viewport(), cursor, factor, [MIN_SCALE, MAX_SCALE]);
             let now = camera.domain_from_screen(viewport(), cursor);
             assert!((now[0] - place[0]).abs() < 1e-6 && (now[1] - place[1]).abs() < 1e-6);
             assert!((MIN_SCALE..=MAX_SCALE).contains(&camera.scale));

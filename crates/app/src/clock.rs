@@ -60,6 +60,8 @@ pub struct Playback {
     pub speed: f32,
     /// The cursors between which play goes round.
     pub range: Option<Range<usize>>,
+    /// The clock to which time returns where there are no passes.
+    without_passes: Clock,
     /// Seconds until the next tick, while playing.
     left_secs: Option<f32>,
 }
@@ -70,6 +72,7 @@ impl Default for Playback {
             clock: Clock::default(),
             speed: 1.0,
             range: None,
+            without_passes: Clock::default(),
             left_secs: None,
         }
     }
@@ -80,6 +83,21 @@ impl Playback {
     #[must_use]
     pub const fn is_playing(&self) -> bool {
         self.left_secs.is_some()
+    }
+
+    /// Chooses what a tick is.
+    pub const fn choose(&mut self, clock: Clock) {
+        self.without_passes = self.clock_of_events();
+        self.clock = clock;
+    }
+
+    /// Returns the clock, or the one before it if time runs by passes.
+    #[must_use]
+    pub const fn clock_of_events(&self) -> Clock {
+        match self.clock {
+            Clock::Pass => self.without_passes,
+            clock => clock,
+        }
     }
 
     /// Starts.

@@ -89,7 +89,7 @@ pub enum TimeCommand {
     Jump(usize),
     /// Steps into, over or out.
     Step(Step, Direction),
-    /// Goes to where an event is the next one.
+    /// Goes behind an event, or to where a line is the next one.
     RunTo(Target, Direction),
     /// Goes to a breakpoint, else to the end.
     Continue(Direction),
@@ -176,10 +176,16 @@ pub enum Command {
     ToggleTheme,
     /// Chooses a look.
     Look(Look),
+    /// Enters the projector mode, or returns to the look before it.
+    ToggleProjector,
+    /// Shows the window on the full screen, or no longer.
+    ToggleFullScreen,
     /// Jumps instead of flying, or flies again.
     ToggleReducedMotion,
     /// Brings a panel into view.
     OpenPanel(Panel),
+    /// Brings what is known of the selection into view. It comes with the selection, so that undoing does not concern it.
+    Inspect,
     /// Does something with the one panel of a compact window.
     Drawer(DrawerCommand),
     /// Puts all panels where they were at first.
@@ -190,6 +196,8 @@ pub enum Command {
     Redo,
     /// Opens the list of all actions, or closes it.
     TogglePalette,
+    /// Closes the list of all actions.
+    ClosePalette,
     /// Types what action is looked for.
     PaletteText(String),
     /// Chooses an action of the list.

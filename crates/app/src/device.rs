@@ -124,13 +124,8 @@ impl Device {
     }
 }
 
-/// Opens the adapter called `name`, or the fastest, one that computes on the CPU if there is no other, and tests it.
-pub async fn open_and_test(name: Option<String>) -> Result<Tried, GpuError> {
-    let choice = Choice {
-        name,
-        software: true,
-        limits: None,
-    };
+/// Opens the adapter that `choice` names, and tests it.
+pub async fn open_and_test(choice: Choice) -> Result<Tried, GpuError> {
     let gpu = Arc::new(Gpu::open(&choice).await?);
     let test = self_test(&gpu).await?;
     Ok(Tried { gpu, test })

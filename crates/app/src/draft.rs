@@ -124,11 +124,62 @@ impl Draft {
         refusals
     }
 
+    /// Returns what the texts say, unless one of them cannot be read: the numbers then are those of an earlier text.
+    fn read(&self) -> Option<&Parameters> {
+        let is_readable = |field| self.unreadable(field).is_none();
+        FIELDS
+            .into_iter()
+            .all(is_readable)
+            .then_some(&self.parameters)
+    }
+
+    /// Returns the names of what is not as in `made`.
+    #[must_use]
+    pub fn differences(&self, made: &Parameters) -> Vec<&'static str> {
+        let p = &self.parameters;
+        let [typed, run] = [*p, *made].map(Self::from_parameters);
+        let names = [
+            "width",
+            "height",
+            "radius",
+            "seed",
+            "leaf",
+            "pattern side",
+            "pattern seed",
+        ];
+        let differs =
+            |field: Field| typed.text(field) != run.text(field) || self.unreadable(field).is_some();
+        let fields = FIELDS.into_iter().zip(names);
+        let typed = fields.filter(|(field, _)| differs(*field));
+        let chosen = [
+            ("boundary", p.boundary != made.boundary),
+            (
+                "pattern border",
+                p.pattern.boundary != made.pattern.boundary,
+            ),
+            ("pattern use", p.dihedral != made.dihedral),
+            ("order", p.order != made.order),
+            ("insertion", p.insertion != made.insertion),
+            ("search", p.search != made.search),
+            ("variant", p.variant != made.variant),
+        ];
+        let chosen = chosen
+            .into_iter()
+            .filter_map(|(name, differs)| differs.then_some(name));
+        typed.map(|(_, name)| name).chain(chosen).collect()
+    }
+
     /// Returns about how many samples a run would give.
     #[must_use]
     pub fn expected_samples(&self) -> Option<f64> {
-        let domain = self.parameters.validate_sequential().ok()?;
+        let domain = self.read()?.validate_sequential().ok()?;
         Some(domain.area_radii() * MAXIMAL_DENSITY)
+    }
+
+    /// Returns the side of a pattern that does not repeat itself within a block, if this one does.
+    #[must_use]
+    pub fn side_without_repeats(&self) -> Option<f64> {
+        self.read()?.side_without_repeats()
     }
 
     fn unreadable(&self, field: Field) -> Option<String> {
@@ -193,7 +244,7 @@ pub fn ended(text: &str) -> String {
 }
 
 /// The most samples of a run on a page: a tab has no room for more.
-const MOST_ON_A_PAGE: f64 = 2_000_000.0;
+pub const MOST_ON_A_PAGE: f64 = 2_000_000.0;
 
 fn too_many(expected: Option<f64>, most: f64) -> Option<Refusal> {
     let expected = expected.filter(|expected| *expected > most)?;
@@ -257,6 +308,18 @@ mod tests {
             assert_eq!(refusals.len(), 1, "{field:?} {text}");
             assert_eq!(refusals[0].field, Some(field));
             assert!(refusals[0].reason.contains(part), "{}", refusals[0].reason);
+        }
+    }
+
+    #[test]
+    fn nothing_is_estimated_from_numbers_that_a_text_has_replaced() {
+        for field in FIELDS {
+            let mut draft = Draft::default();
+            draft.set_text(Field::Leaf, "80".to_owned());
+            assert!(draft.expected_samples().is_some() && draft.side_without_repeats().is_some());
+            draft.set_text(field, "abc".to_owned());
+            assert_eq!(draft.expected_samples(), None, "{field:?}");
+            assert_eq!(draft.side_without_repeats(), None, "{field:?}");
         }
     }
 

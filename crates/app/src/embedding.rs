@@ -40,6 +40,7 @@ impl Embedding {
                 | Command::Combine(_)
                 | Command::TogglePalette
                 | Command::OpenPanel(_)
+                | Command::Inspect
                 | Command::ResetLayout
                 | Command::OpenPasses
                 | Command::Run
@@ -47,6 +48,7 @@ impl Embedding {
                 | Command::Redo
                 | Command::Compare(_)
                 | Command::Look(_)
+                | Command::ToggleProjector
         )
     }
 }

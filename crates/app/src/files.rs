@@ -19,7 +19,7 @@ pub(crate) use incoming::{Unread, last_part};
 pub use read::{Combined, Done, Opened, Outcome, ReadTask, Source, read};
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
-pub use save::{SaveTask, render};
+pub use save::{SaveTask, render, with_json};
 
 use std::sync::Arc;
 

@@ -1,7 +1,9 @@
 //! The keyboard's focus: a ring around what has it, the same for everything, and lists that scroll to it. Who gets the
 //! focus is egui's.
 
-use egui::{Context, EventFilter, Memory, Popup, Stroke, StrokeKind, Ui};
+use egui::{
+    Context, EventFilter, Id, LayerId, Memory, Popup, Role, Stroke, StrokeKind, Ui, WidgetRect,
+};
 
 use crate::state::State;
 use crate::theme::Palette;
@@ -61,4 +63,85 @@ pub fn follow(ui: &Ui) {
         ui.data_mut(|data| data.insert_temp(id, focused));
         ui.scroll_to_rect(response.rect.expand(AROUND + WIDTH), None);
     }
+}
+
+/// Names what the tiles' library leaves without a name: the borders that are dragged, and the rows of tabs.
+pub fn name_tiles(ctx: &Context) {
+    let taking: Vec<WidgetRect> = ctx.viewport(|viewport| {
+        let layers = viewport.this_pass.widgets.layers();
+        let widgets = layers.flat_map(|(_, widgets)| widgets);
+        let taking = widgets.filter(|widget| widget.enabled && widget.sense.is_focusable());
+        taking.copied().collect()
+    });
+    for widget in taking {
+        ctx.accesskit_node_builder(widget.id, |node| {
+            if node.role() != Role::Unknown || node.label().is_some() {
+                return;
+            }
+            if widget.rect.size().min_elem() < ROW_OF_TABS {
+                node.set_role(Role::Splitter);
+                node.set_label("Border between panels");
+            } else {
+                node.set_role(Role::TabList);
+                node.set_label("Row of tabs");
+            }
+        });
+    }
+}
+
+/// Rows of tabs are higher, in screen points, and borders are narrower.
+const ROW_OF_TABS: f32 = 20.0;
+
+/// An end of the sequence in which Tab leads through the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Where it begins.
+    First,
+    /// Where it ends.
+    Last,
+}
+
+/// Returns what stands at an end of the sequence.
+fn at(ctx: &Context, end: End) -> Option<Id> {
+    let mut layers: Vec<(LayerId, Vec<Id>)> = ctx.viewport(|viewport| {
+        let layers = viewport.prev_pass.widgets.layers();
+        let focusable = layers.map(|(layer, widgets)| {
+            let taking = widgets
+                .iter()
+                .filter(|widget| widget.enabled && widget.sense.is_focusable());
+            (*layer, taking.map(|widget| widget.id).collect())
+        });
+        focusable.collect()
+    });
+    layers.retain(|(layer, ids)| {
+        !ids.is_empty() && ctx.memory(|memory| memory.allows_interaction(*layer))
+    });
+    layers.sort_by_key(|(layer, _)| layer.order);
+    let mut ids = layers.iter().flat_map(|(_, ids)| ids);
+    match end {
+        End::First => ids.next().copied(),
+        End::Last => ids.next_back().copied(),
+    }
+}
+
+/// Gives the focus to what stands at an end of the sequence.
+pub fn enter(ctx: &Context, end: End) {
+    if let Some(id) = at(ctx, end) {
+        ctx.memory_mut(|memory| memory.request_focus(id));
+        ctx.request_repaint();
+    }
+}
+
+/// Returns whether the focus is at an end of the sequence, from where Tab would come round; then nothing has it any more. An
+/// open list is gone through until it is closed.
+pub fn leave(ctx: &Context, end: End) -> bool {
+    let Some(focused) = ctx.memory(Memory::focused) else {
+        return false;
+    };
+    let leaves = !Popup::is_any_open(ctx) && at(ctx, end) == Some(focused);
+    if leaves {
+        ctx.memory_mut(|memory| memory.surrender_focus(focused));
+        ctx.request_repaint();
+    }
+    leaves
 }

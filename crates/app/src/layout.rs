@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 
+use egui::{Vec2, vec2};
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
@@ -137,6 +138,38 @@ impl Layout {
         self.0.active_tiles().contains(&tile)
     }
 
+    /// Enlarges tiles that are smaller than `least` says of their panels at the cost of the others, where `size`, between
+    /// whose tiles lie `gap` and above whose tabs lies a bar of `bar`, has room for all.
+    pub fn enlarge(&mut self, size: Vec2, [gap, bar]: [f32; 2], least: impl Fn(Panel) -> Vec2) {
+        let Some(root) = self.0.root() else {
+            return;
+        };
+        let room = Room { gap, bar, least };
+        room.enlarge(&mut self.0.tiles, root, size);
+    }
+
+    /// Returns this layout with the shares that `before` has in rows and columns that are as in `shown`, which was made of
+    /// it: what was not resized keeps its share in a window of another size.
+    #[must_use]
+    pub fn with_shares_of(mut self, before: &Self, shown: &Self) -> Self {
+        let ids: Vec<TileId> = self.0.tiles.tile_ids().collect();
+        for id in ids {
+            let shares = |layout: &Self| match layout.0.tiles.get(id) {
+                Some(Tile::Container(Container::Linear(linear))) => Some(linear.clone()),
+                _ => None,
+            };
+            let (Some(old), Some(seen)) = (shares(before), shares(shown)) else {
+                continue;
+            };
+            if let Some(Tile::Container(Container::Linear(linear))) = self.0.tiles.get_mut(id)
+                && *linear == seen
+            {
+                *linear = old;
+            }
+        }
+        self
+    }
+
     /// Brings a panel into view.
     pub fn open(&mut self, panel: Panel) {
         self.0
@@ -213,6 +246,120 @@ impl Layout {
     }
 }
 
+/// The room that tiles need.
+struct Room<L> {
+    gap: f32,
+    bar: f32,
+    least: L,
+}
+
+impl<L: Fn(Panel) -> Vec2> Room<L> {
+    /// Returns the least size of a tile.
+    fn of(&self, tiles: &Tiles<Panel>, id: TileId) -> Vec2 {
+        let container = match tiles.get(id) {
+            Some(Tile::Pane(panel)) => return (self.least)(*panel),
+            Some(Tile::Container(container)) => container,
+            None => return Vec2::ZERO,
+        };
+        let sizes = container.children().map(|child| self.of(tiles, *child));
+        let Container::Linear(linear) = container else {
+            let bar = vec2(0.0, self.bar);
+            return sizes.fold(Vec2::ZERO, Vec2::max) + bar;
+        };
+        let axis = axis_of(linear.dir);
+        let gaps = self.gap * linear.children.len().saturating_sub(1) as f32;
+        let mut all = Vec2::ZERO;
+        for size in sizes {
+            all[1 - axis] = all[1 - axis].max(size[1 - axis]);
+            all[axis] += size[axis];
+        }
+        all[axis] += gaps;
+        all
+    }
+
+    fn enlarge(&self, tiles: &mut Tiles<Panel>, id: TileId, size: Vec2) {
+        let Some(Tile::Container(container)) = tiles.get(id) else {
+            return;
+        };
+        let children: Vec<TileId> = container.children().copied().collect();
+        let Container::Linear(linear) = container else {
+            let below = (size - vec2(0.0, self.bar)).max(Vec2::ZERO);
+            for child in children {
+                self.enlarge(tiles, child, below);
+            }
+            return;
+        };
+        let axis = axis_of(linear.dir);
+        let gaps = self.gap * children.len().saturating_sub(1) as f32;
+        let room = (size[axis] - gaps).max(0.0);
+        let lengths = linear.shares.split(&children, room);
+        let least: Vec<f32> = children
+            .iter()
+            .map(|&child| self.of(tiles, child)[axis])
+            .collect();
+        let enlarged = enlarged(&lengths, &least);
+        if enlarged != lengths
+            && let Some(Tile::Container(Container::Linear(linear))) = tiles.get_mut(id)
+        {
+            let total: f32 = children.iter().map(|&child| linear.shares[child]).sum();
+            for (&child, length) in children.iter().zip(&enlarged) {
+                linear.shares.set_share(child, total * length / room);
+            }
+        }
+        for (child, length) in children.into_iter().zip(enlarged) {
+            let mut inner = size;
+            inner[axis] = length;
+            self.enlarge(tiles, child, inner);
+        }
+    }
+}
+
+const fn axis_of(dir: LinearDir) -> usize {
+    match dir {
+        LinearDir::Horizontal => 0,
+        LinearDir::Vertical => 1,
+    }
+}
+
+/// Returns lengths of the same sum that are no smaller than `least`, those that are larger in the same proportions; the
+/// lengths themselves where there is no room for it.
+fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
+    let (room, needed) = (lengths.iter().sum::<f32>(), least.iter().sum::<f32>());
+    if needed > room
+        || lengths
+            .iter()
+            .zip(least)
+            .all(|(length, least)| length >= least)
+    {
+        return lengths.to_vec();
+    }
+    let mut is_small = vec![false; lengths.len()];
+    loop {
+        let sum = |of: &[f32], small: bool| -> f32 {
+            let parts = of.iter().zip(&is_small);
+            parts
+                .filter(|(_, is)| **is == small)
+                .map(|(part, _)| *part)
+                .sum()
+        };
+        let left = room - sum(least, true);
+        let shared = sum(lengths, false).max(f32::MIN_POSITIVE);
+        let at = |k: usize| {
+            if is_small[k] {
+                least[k]
+            } else {
+                lengths[k] * left / shared
+            }
+        };
+        let found: Vec<f32> = (0..lengths.len()).map(at).collect();
+        // Of many that share what is left, another may now be too small.
+        let Some(small) = (0..found.len()).find(|&k| !is_small[k] && found[k] < least[k]) else {
+            return found;
+        };
+        is_small[small] = true;
+    }
+}
+
 /// Returns whether the shares of a row or column can be divided by.
 fn has_sound_shares(container: &Container) -> bool {
     let sound = |share: f32| share.is_finite() && share >= 0.0;
@@ -247,6 +394,42 @@ mod tests {
             assert!(layout.shows(panel), "{panel:?}");
         }
         assert!(!layout.shows(Panel::Parameters));
+    }
+
+    #[test]
+    fn small_tiles_are_enlarged_at_the_cost_of_large_ones() {
+        let same = [30.0, 60.0, 10.0];
+        assert_eq!(enlarged(&same, &[30.0, 10.0, 10.0]), same);
+        assert_eq!(enlarged(&same, &[0.0, 0.0, 28.0]), [24.0, 48.0, 28.0]);
+        // One of those that give becomes too small itself.
+        assert_eq!(enlarged(&same, &[29.0, 0.0, 40.0]), [29.0, 31.0, 40.0]);
+        assert_eq!(enlarged(&[0.0, 100.0], &[25.0, 25.0]), [25.0, 75.0]);
+        // There is no room for all.
+        assert_eq!(enlarged(&same, &[50.0, 50.0, 50.0]), same);
+    }
+
+    #[test]
+    fn a_window_of_any_size_shows_the_layout_that_it_has_room_for() {
+        let least = |_| vec2(100.0, 50.0);
+        let enlarge = |size| {
+            let mut layout = Layout::default();
+            layout.enlarge(size, [2.0, 20.0], least);
+            layout
+        };
+        let whole = Layout::default();
+        assert_eq!(enlarge(vec2(2_000.0, 1_500.0)), whole);
+        // No tile has a size without room.
+        assert_eq!(enlarge(Vec2::ZERO), whole);
+        let small = enlarge(vec2(400.0, 300.0));
+        assert_ne!(small, whole);
+        // What was enlarged for a small window alone is not kept, and what was opened there is.
+        let mut opened = small.clone();
+        opened.open(Panel::Events);
+        let kept = opened.with_shares_of(&whole, &small);
+        assert!(kept.shows(Panel::Events));
+        let mut expected = whole.clone();
+        expected.open(Panel::Events);
+        assert_eq!(kept, expected);
     }
 
     #[test]

@@ -11,10 +11,14 @@ mod write;
 
 pub use content::{Content, Moment};
 pub use parameters::excess;
+pub(crate) use read::COLOURINGS;
+#[cfg(test)]
+pub(crate) use read::keys;
 pub use read::read;
 pub use said::Said;
 pub(crate) use said::quoted;
-pub(crate) use text::slug;
+pub(crate) use text::{name as choice_name, named as choice_named, slug};
+pub(crate) use write::layer_name;
 pub use write::{Link, write};
 
 /// The version of links that this program writes, and the newest that it knows.
@@ -26,16 +30,22 @@ pub const MOST_CHARACTERS: usize = 8_000;
 /// The most bytes of a fragment that are read.
 pub const MOST_BYTES: usize = 65_536;
 
+/// As [`MOST_SAMPLES`], on a page.
+pub const MOST_SAMPLES_ON_A_PAGE: f64 = 200_000.0;
+
+/// As [`MOST_PATTERN_SIDE`], on a page.
+pub const MOST_PATTERN_SIDE_ON_A_PAGE: f64 = 500.0;
+
 /// The most samples expected of a run, a second run, a combination or a pattern that a link asks for.
 pub const MOST_SAMPLES: f64 = if cfg!(target_arch = "wasm32") {
-    200_000.0
+    MOST_SAMPLES_ON_A_PAGE
 } else {
     2_000_000.0
 };
 
 /// The longest side of a pattern that a link asks for, in r: its pattern has at most [`MOST_SAMPLES`], too.
 pub const MOST_PATTERN_SIDE: f64 = if cfg!(target_arch = "wasm32") {
-    500.0
+    MOST_PATTERN_SIDE_ON_A_PAGE
 } else {
     1_500.0
 };

@@ -1,16 +1,60 @@
 //! Requests of a page that embeds the window, as JSON: strict about what is asked, within the limits of links. Who may ask is
 //! the page's business; what is done is the state's.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 
+use tilescope_debugger::{Direction, Target};
+
+use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
+use crate::canvas::layers::{Colouring, Layer, Layers};
 use crate::clock::{Clock, SPEEDS};
-use crate::link::{MOST_PATTERN_SIDE, MOST_SAMPLES, quoted};
+use crate::link::{
+    COLOURINGS, MOST_PATTERN_SIDE, MOST_SAMPLES, choice_name, choice_named, layer_name, quoted,
+};
 use crate::sentence::grouped;
+use crate::theme::Look;
+use crate::view::{FARTHEST, sound_camera};
 
 /// The longest request, in bytes.
 pub const MOST_BYTES: usize = 65_536;
+
+/// What there is to ask for, each with its fields.
+const REQUESTS: [(&str, &[&str]); 7] = [
+    ("state", &[]),
+    ("load", &["parameters", "link"]),
+    ("step", &["by", "unit"]),
+    ("seek", &["event", "stage", "part", "next", "previous"]),
+    ("view", &["camera", "layers", "colouring", "look"]),
+    ("play", &["speed"]),
+    ("pause", &[]),
+];
+
+/// What may be sought by name.
+const TARGETS: [(&str, Target); 6] = [
+    ("conflict", Target::Conflict),
+    ("elimination", Target::Elimination),
+    ("gap", Target::Gap),
+    ("insertion", Target::Insertion),
+    ("second-insertion", Target::SecondInsertion),
+    ("violation", Target::Violation),
+];
+
+/// How the canvas is to look; what is not said stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// The view of the domain.
+    pub camera: Option<Camera>,
+    /// Whether all of it is shown instead.
+    pub whole: bool,
+    /// The layers that are on.
+    pub layers: Option<Layers>,
+    /// What colours mean.
+    pub colouring: Option<Colouring>,
+    /// The look.
+    pub look: Option<Look>,
+}
 
 /// A request.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +78,10 @@ pub enum Request {
     SeekStage(String),
     /// Goes to a part of the run, from 0 to 1.
     SeekPart(f64),
+    /// Goes behind the next or previous event of this kind.
+    SeekTarget(Target, Direction),
+    /// Changes how the canvas looks.
+    View(Wanted),
     /// Plays, at this speed if one is given.
     Play(Option<f32>),
     /// Stops playing.
@@ -53,9 +101,7 @@ pub enum RequestError {
     #[error("the request is no JSON object: {0}")]
     NoObject(String),
     /// It asks for something that there is not.
-    #[error(
-        "\"do\" is {found}; it must be one of \"state\", \"load\", \"step\", \"seek\", \"play\", \"pause\""
-    )]
+    #[error("\"do\" is {found}; it must be one of {}", choices(REQUESTS.map(|(name, _)| name)))]
     Unknown {
         /// What it says.
         found: String,
@@ -86,6 +132,11 @@ pub enum RequestError {
         /// The fields.
         fields: &'static str,
     },
+    /// A view that changes nothing.
+    #[error(
+        "\"view\" says nothing; it has the fields \"camera\", \"layers\", \"colouring\" and \"look\""
+    )]
+    Nothing,
     /// The parameters cannot be sampled.
     #[error("{0}")]
     Parameters(String),
@@ -102,27 +153,27 @@ pub fn read(text: &str) -> Result<Request, RequestError> {
     let fields: Map<String, Value> =
         serde_json::from_str(text).map_err(|error| RequestError::NoObject(error.to_string()))?;
     let action = fields.get("do").cloned().unwrap_or(Value::Null);
-    match action.as_str() {
-        Some("state") => {
-            only("state", &fields, &[])?;
-            Ok(Request::State)
-        }
-        Some("load") => load(&fields),
-        Some("step") => step(&fields),
-        Some("seek") => seek(&fields),
-        Some("play") => {
-            only("play", &fields, &["speed"])?;
-            let speed = fields.get("speed").map(speed).transpose()?;
-            Ok(Request::Play(speed))
-        }
-        Some("pause") => {
-            only("pause", &fields, &[])?;
-            Ok(Request::Pause)
-        }
-        _ => Err(RequestError::Unknown {
-            found: shown(&action),
-        }),
+    let known = |(name, _): &&(&str, &[&str])| action.as_str() == Some(*name);
+    let Some((name, known)) = REQUESTS.iter().find(known) else {
+        let found = shown(&action);
+        return Err(RequestError::Unknown { found });
+    };
+    only(name, &fields, known)?;
+    match *name {
+        "load" => load(&fields),
+        "step" => step(&fields),
+        "seek" => seek(&fields),
+        "view" => view(&fields),
+        "play" => Ok(Request::Play(fields.get("speed").map(speed).transpose()?)),
+        "pause" => Ok(Request::Pause),
+        _ => Ok(Request::State),
     }
+}
+
+/// Returns names as a sentence lists them.
+fn choices<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names = names.into_iter().map(|name| format!("\"{name}\""));
+    names.collect::<Vec<_>>().join(", ")
 }
 
 fn shown(value: &Value) -> String {
@@ -160,7 +211,6 @@ fn speed(value: &Value) -> Result<f32, RequestError> {
 }
 
 fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
-    only("load", fields, &["link", "parameters"])?;
     match (fields.get("link"), fields.get("parameters")) {
         (Some(value), None) => match value.as_str() {
             Some(link) => Ok(Request::Link(link.to_owned())),
@@ -175,7 +225,6 @@ fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
 }
 
 fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
-    only("step", fields, &["by", "unit"])?;
     let forwards = match fields.get("by") {
         None => true,
         Some(by) if by.as_f64() == Some(1.0) => true,
@@ -195,27 +244,111 @@ fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
 }
 
 fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
-    only("seek", fields, &["event", "stage", "part"])?;
-    match ["event", "stage", "part"].map(|field| fields.get(field)) {
-        [Some(value), None, None] => {
+    match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
+        [None, None, None, Some(value), None] => Ok(Request::SeekTarget(
+            target("next", value)?,
+            Direction::Forwards,
+        )),
+        [None, None, None, None, Some(value)] => Ok(Request::SeekTarget(
+            target("previous", value)?,
+            Direction::Backwards,
+        )),
+        [Some(value), None, None, None, None] => {
             let event = value.as_u64().and_then(|event| usize::try_from(event).ok());
             let event = event.ok_or_else(|| wrong("event", value, "a whole number from 0 on"))?;
             Ok(Request::SeekEvent(event))
         }
-        [None, Some(value), None] => match value.as_str() {
+        [None, Some(value), None, None, None] => match value.as_str() {
             Some(stage) => Ok(Request::SeekStage(stage.to_owned())),
             None => Err(wrong("stage", value, "the name of a stage")),
         },
-        [None, None, Some(value)] => {
+        [None, None, Some(value), None, None] => {
             let part = value.as_f64().filter(|part| (0.0..=1.0).contains(part));
             let part = part.ok_or_else(|| wrong("part", value, "from 0 to 1"))?;
             Ok(Request::SeekPart(part))
         }
         _ => Err(RequestError::OneOf {
             action: "seek",
-            fields: "\"event\", \"stage\" and \"part\"",
+            fields: "\"event\", \"stage\", \"part\", \"next\" and \"previous\"",
         }),
     }
+}
+
+fn target(field: &str, value: &Value) -> Result<Target, RequestError> {
+    let named = |(name, _): &&(&str, Target)| value.as_str() == Some(*name);
+    let found = TARGETS.iter().find(named).map(|(_, target)| *target);
+    found.ok_or_else(|| {
+        let names = choices(TARGETS.map(|(name, _)| name));
+        wrong(field, value, format!("one of {names}"))
+    })
+}
+
+fn view(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    let camera = fields.get("camera").map(camera).transpose()?;
+    let wanted = Wanted {
+        whole: camera == Some(None),
+        camera: camera.flatten(),
+        layers: fields.get("layers").map(layers).transpose()?,
+        colouring: choice(fields, "colouring", &COLOURINGS)?,
+        look: choice(fields, "look", &Look::ALL)?,
+    };
+    if wanted == Wanted::default() {
+        return Err(RequestError::Nothing);
+    }
+    Ok(Request::View(wanted))
+}
+
+/// Returns one of several choices by its name in links.
+fn choice<T: Serialize + Copy>(
+    fields: &Map<String, Value>,
+    field: &str,
+    all: &[T],
+) -> Result<Option<T>, RequestError> {
+    let Some(value) = fields.get(field) else {
+        return Ok(None);
+    };
+    let found = value.as_str().and_then(|name| choice_named(all, name));
+    let wanted = || {
+        let names: Vec<String> = all.iter().map(choice_name).collect();
+        format!("one of {}", choices(names.iter().map(String::as_str)))
+    };
+    let found = found.ok_or_else(|| wrong(field, value, wanted()))?;
+    Ok(Some(found))
+}
+
+fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
+    if value.as_str() == Some(WHOLE) {
+        return Ok(None);
+    }
+    let numbers: Option<[f64; 3]> = Deserialize::deserialize(value).ok();
+    let camera = numbers.and_then(|[x, y, scale]| sound_camera([x, y], scale));
+    camera.map(Some).ok_or_else(|| {
+        let wanted = format!(
+            "\"{WHOLE}\" or [x, y, points of the screen for r], a place at most {FARTHEST} r away at a scale from {MIN_SCALE} to {MAX_SCALE}"
+        );
+        wrong("camera", value, wanted)
+    })
+}
+
+/// The camera that shows the whole domain, however large the frame is.
+pub(crate) const WHOLE: &str = "whole";
+
+fn layers(value: &Value) -> Result<Layers, RequestError> {
+    let mut layers = Layers::none();
+    let refuse = |value: &Value| {
+        let names = Layer::ALL.map(layer_name);
+        let names = choices(names.iter().map(String::as_str));
+        wrong("layers", value, format!("a list of some of {names}"))
+    };
+    for name in value.as_array().ok_or_else(|| refuse(value))? {
+        let is_meant = |layer: &Layer| name.as_str() == Some(&*layer_name(*layer));
+        let layer = Layer::ALL.into_iter().find(is_meant);
+        let layer = layer.ok_or_else(|| refuse(name))?;
+        if !layers.has(layer) {
+            layers.toggle(layer);
+        }
+    }
+    Ok(layers)
 }
 
 /// Returns the default session's parameters with those that are given; unlike a link's they are refused, not corrected.
@@ -283,3 +416,6 @@ fn same_kind(a: &Value, b: &Value) -> bool {
         || (a.is_string() && b.is_string())
         || (a.is_boolean() && b.is_boolean())
 }
+
+#[cfg(test)]
+mod documented;

@@ -1,5 +1,6 @@
 //! What happened at a stage, in one sentence. Numbers come from the run; nothing is computed here.
 
+use tilescope_analysis::Report;
 use tilescope_core::{Boundary, Stage};
 
 use crate::session::{Session, radii};
@@ -10,10 +11,32 @@ pub fn grouped(count: usize) -> String {
     tilescope_debugger::grouped(count as u64)
 }
 
+/// Returns the number of an event as it is shown: from 1, so that the last one's is how many have happened.
+#[must_use]
+pub fn event_number(index: usize) -> String {
+    grouped(index + 1)
+}
+
 /// Returns "1 sample" or "2 samples".
 #[must_use]
 pub fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{} {}", grouped(count), if count == 1 { one } else { many })
+}
+
+/// Returns how many conflicts a report counts, in words.
+#[must_use]
+pub fn conflicts_in(report: &Report) -> String {
+    let more = if report.more_conflicts() {
+        " or more"
+    } else {
+        ""
+    };
+    let noun = if report.conflicts == 1 {
+        "conflict"
+    } else {
+        "conflicts"
+    };
+    format!("{}{more} {noun}", grouped(report.conflicts as usize))
 }
 
 /// Returns the name of a stage of a session with a capital letter.
@@ -77,7 +100,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
             counted(session.conflicts.len(), "pair is", "pairs are"),
         ),
         Stage::Eliminate => {
-            let detectors = run.iterations.first().map_or(0, |i| i.detectors.len());
+            let detectors = session.iteration(1).map_or(0, |i| i.detectors.len());
             let looking = if detectors > 0 {
                 format!(" {} will look for gaps.", samples(detectors))
             } else {
@@ -145,7 +168,9 @@ pub fn share(part: usize, whole: usize) -> String {
 }
 
 fn iteration_sentence(session: &Session, k: u32) -> String {
-    let iteration = &session.run().iterations[k as usize - 1];
+    let Some(iteration) = session.iteration(k) else {
+        return format!("Iteration {k}.");
+    };
     let inserted = counted(iteration.inserted.len(), "sample", "samples");
     if !iteration.cells.is_empty() {
         let cells = counted(iteration.cells.len(), "open cell", "open cells");

@@ -9,8 +9,8 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
-    MAXIMAL_DENSITY, Moment, Parameters, Pattern, R, Run, SampleError, SampleGrid, Stage, Standing,
-    Summary, Sweep, Variant, covers_offset,
+    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Moment, Origin, Parameters, Pattern, R, Run,
+    SampleError, SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
 use tilescope_debugger::{Outline, Recording};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
@@ -24,12 +24,15 @@ pub use errands::{Patterning, Sampling, Twin};
 pub use report::MakeError;
 pub(crate) use report::Reporter;
 
+/// As [`MOST_STAGED`], on a page.
+pub const MOST_STAGED_ON_A_PAGE: f64 = 200_000.0;
+
 /// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
 /// 105 bytes for each sample and ten times as long.
 ///
 /// A page keeps less: its memory is that of a tab, and a session is there twice, in a worker and in the window.
 pub const MOST_STAGED: f64 = if cfg!(target_arch = "wasm32") {
-    200_000.0
+    MOST_STAGED_ON_A_PAGE
 } else {
     500_000.0
 };
@@ -51,6 +54,8 @@ pub struct Session {
     pub stages: Vec<Stage>,
     /// The event that begins each stage but the first, where there are events.
     starts: Vec<usize>,
+    /// The iteration that found nothing, which ends a run with events. The run does not keep it.
+    last: Option<Iteration>,
     /// Its counts.
     pub summary: Summary,
     /// All samples by place.
@@ -277,25 +282,35 @@ impl Session {
     }
 
     fn of(source: Source, generation: u64) -> Self {
-        let (run, starts, outline) = match &source {
-            Source::Recorded(recording) => {
-                // Now, in the background, rather than with the first search.
-                recording.prepare();
-                let outline = Outline::new(recording);
-                (recording.run(), stage_starts(recording), Some(outline))
-            }
-            Source::Run(run) => (&**run, Vec::new(), None),
+        let run = match &source {
+            Source::Recorded(recording) => recording.run(),
+            Source::Run(run) => run,
         };
+        let (mut stages, mut starts, mut last, mut outline) =
+            (run.stages(), Vec::new(), None, None);
+        if let Source::Recorded(recording) = &source {
+            // Now, in the background, rather than with the first search.
+            recording.prepare();
+            last = last_iteration(recording);
+            if last.is_some() {
+                let number = run.iterations.len() as u32 + 1;
+                let behind = stages.partition_point(|&stage| stage < Stage::Iterate(number));
+                stages.insert(behind, Stage::Iterate(number));
+            }
+            starts = stage_starts(recording, &stages);
+            outline = Some(Outline::new(recording));
+        }
         let conflicts = match run.counted {
             Some(_) => Vec::new(),
             None => tiled_conflicts(run),
         };
         Self {
-            stages: run.stages(),
+            stages,
             summary: run.summary(),
             index: SampleIndex::new(&run.domain, &run.samples.points),
             conflicts,
             starts,
+            last,
             outline,
             generation,
             engine: "CPU".to_owned(),
@@ -331,6 +346,15 @@ impl Session {
         let size = self.size_radii();
         let axis = |k: usize| there[k] - ((there[k] - place[k]) / size[k]).round() * size[k];
         [axis(0), axis(1)]
+    }
+
+    /// Returns iteration `k`, from 1; the one that found nothing, too, where there are events.
+    #[must_use]
+    pub fn iteration(&self, k: u32) -> Option<&Iteration> {
+        let place = (k as usize).checked_sub(1)?;
+        let kept = &self.run().iterations;
+        let last = || self.last.as_ref().filter(|_| place == kept.len());
+        kept.get(place).or_else(last)
     }
 
     /// Returns how many samples are valid (or, before elimination, tiled) after the stage at `place`.
@@ -386,10 +410,46 @@ pub fn radii(units: i32) -> f64 {
     f64::from(units) / f64::from(R)
 }
 
-/// Returns the event that begins each of the run's stages but the first. An iteration that is not in the list of stages,
-/// because it inserted nothing, belongs to the one before it.
-fn stage_starts(recording: &Recording) -> Vec<usize> {
-    let stages = recording.run().stages();
+/// Returns the iteration behind those that the run keeps, if the recording has one: it found nothing.
+fn last_iteration(recording: &Recording) -> Option<Iteration> {
+    let run = recording.run();
+    let number = run.iterations.len() as u32 + 1;
+    let begins = |event: &tilescope_debugger::Event| matches!(event.moment(), Some(Moment::Iteration { number: other, .. }) if other == number);
+    recording
+        .tape()
+        .before(recording.len())
+        .find(|(_, event)| begins(event))?;
+    let all = 0..run.samples.len() as u32;
+    let stays = |id: &u32| run.samples.fates[*id as usize] == Fate::Kept;
+    let is_marked = |id: &u32| {
+        recording
+            .life(*id)
+            .is_some_and(|life| life.marked != tilescope_debugger::NONE)
+    };
+    let detectors = match (run.parameters.insertion, run.parameters.variant) {
+        (Insertion::Uniform, Variant::Staged) => Vec::new(),
+        // Samples that were inserted in the iteration before look for what is left.
+        (_, Variant::Staged) => match run.iterations.last() {
+            Some(before) => before.inserted.clone().collect(),
+            None => all.clone().filter(stays).filter(is_marked).collect(),
+        },
+        // Marks are never taken back.
+        (_, Variant::AsPrinted) => {
+            let inserted =
+                |id: &u32| matches!(run.samples.origins[*id as usize], Origin::Inserted { .. });
+            let looks = |id: &u32| inserted(id) || stays(id) && is_marked(id);
+            all.clone().filter(looks).collect()
+        }
+    };
+    Some(Iteration {
+        detectors,
+        inserted: all.end..all.end,
+        ..Iteration::default()
+    })
+}
+
+/// Returns the event that begins each of `stages` but the first.
+fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     let mut starts = Vec::with_capacity(stages.len());
     for (index, event) in recording.tape().from(0) {
         let begun = match event.moment() {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::Rect;
 use tilescope_core::Stage;
-use tilescope_debugger::{Debugger, Direction, OutlineRows};
+use tilescope_debugger::{Debugger, Direction, OutlineRows, Stops};
 
 use crate::actions::Palette;
 use crate::analysis::Analysis;
@@ -29,6 +29,8 @@ use crate::session::{MakeError, Session};
 use crate::theme::Look;
 use crate::verification::{Sight, Verdict};
 pub use debug::{EventQuery, Found, MOST_FOUND};
+#[cfg(test)]
+pub(crate) use engine::MOST_ON_A_PAGE as MOST_PASSES_ON_A_PAGE;
 pub use hits::{Hits, MOST_HITS};
 pub use page::PageStart;
 pub use side::Side;
@@ -54,6 +56,29 @@ pub struct Notice {
     pub is_error: bool,
 }
 
+/// Whether the window may have the full screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FullScreen {
+    /// It may.
+    #[default]
+    Free,
+    /// It is to have it now, or to give it back.
+    Asked,
+    /// It may not, and why.
+    Refused(&'static str),
+}
+
+impl FullScreen {
+    /// Returns why the window may not have it, if so.
+    #[must_use]
+    pub const fn refusal(self) -> Option<&'static str> {
+        match self {
+            Self::Refused(why) => Some(why),
+            Self::Free | Self::Asked => None,
+        }
+    }
+}
+
 /// The state of the window.
 pub struct State {
     /// The parameters as typed.
@@ -62,7 +87,7 @@ pub struct State {
     pub own_pattern: Option<OwnPattern>,
     /// Who samples.
     pub engine: Engine,
-    /// What befell the GPU last that was to sample.
+    /// Why the GPU that was to sample does not.
     pub gpu_failure: Option<String>,
     /// The way in which a breakpoint is being looked for.
     continuing: Option<Direction>,
@@ -81,6 +106,8 @@ pub struct State {
     pub stage: usize,
     /// The events of the session and the cursor among them, where they were kept.
     pub debugger: Option<Debugger>,
+    /// What the user has set for debugging, while there are no events to debug.
+    stops: Stops,
     /// What the event browser shows of the tree.
     pub rows: Option<OutlineRows>,
     /// The cursor to which the event browser was opened last.
@@ -105,10 +132,14 @@ pub struct State {
     pub layers: Layers,
     /// What the colour of samples means.
     pub colouring: Colouring,
-    /// Light, dark or for a projector.
+    /// Light, dark or for a projector; [`Self::choose_look`] changes it.
     pub look: Look,
+    /// The look to which the projector mode returns.
+    look_before: Look,
     /// Whether the bar on top is left out, as where the window is part of something else.
     pub bare: bool,
+    /// Whether the window may have the full screen.
+    pub full_screen: FullScreen,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
     /// What the user chose of that; the system's wish counts otherwise.
@@ -197,6 +228,7 @@ impl State {
             verification: Verification::Nothing,
             stage: 0,
             debugger: None,
+            stops: Stops::default(),
             rows: None,
             revealed: 0,
             passes: None,
@@ -210,7 +242,9 @@ impl State {
             layers: Layers::default(),
             colouring: Colouring::default(),
             look: Look::Dark,
+            look_before: Look::Dark,
             bare: false,
+            full_screen: FullScreen::default(),
             reduced_motion: false,
             motion_chosen: None,
             layout: Layout::default(),
@@ -284,16 +318,18 @@ impl State {
         match command {
             Command::Undo => self.undo(),
             Command::Redo => self.redo(),
-            command if undo::concerns(&command) => {
-                let before = self.memento();
-                let remembered = command.clone();
-                self.carry_out(command);
-                self.remember(before, &remembered);
-            }
-            command => self.carry_out(command),
+            command => match undo::concerns(&command) {
+                Some(part) => {
+                    let before = self.memento();
+                    let remembered = command.clone();
+                    self.carry_out(command);
+                    self.remember(before, part, Some(&remembered));
+                }
+                None => self.carry_out(command),
+            },
         }
-        self.follow_pattern();
         self.follow_first();
+        self.follow_passes();
     }
 
     fn carry_out(&mut self, command: Command) {
@@ -317,24 +353,33 @@ impl State {
             Command::Colour(colouring) => self.colouring = colouring,
             Command::Hover(id) => self.hovered = id,
             Command::DismissNotice => self.notice = None,
-            Command::ToggleTheme => self.look = self.look.other(),
-            Command::Look(look) => self.look = look,
+            Command::ToggleTheme => self.choose_look(self.look.other()),
+            Command::Look(look) => self.choose_look(look),
+            Command::ToggleProjector if self.look == Look::Projector => {
+                self.choose_look(self.look_before);
+            }
+            Command::ToggleProjector => self.choose_look(Look::Projector),
+            Command::ToggleFullScreen => self.full_screen = FullScreen::Asked,
             Command::ToggleReducedMotion => self.toggle_reduced_motion(),
             Command::OpenPanel(panel) => self.open_panel(panel),
+            Command::Inspect => self.inspect(),
             Command::Drawer(command) => self.apply_to_drawer(command),
             Command::ResetLayout => self.layout = Layout::default(),
             Command::Undo | Command::Redo => {}
-            Command::TogglePalette | Command::PaletteText(_) | Command::PaletteChoice(_) => {
-                self.apply_to_palette(command);
-            }
+            Command::TogglePalette
+            | Command::ClosePalette
+            | Command::PaletteText(_)
+            | Command::PaletteChoice(_) => self.apply_to_palette(command),
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
             Command::File(command) => self.apply_to_files(command),
             Command::Compare(command) => self.apply_to_comparison(command),
             Command::Analysis(command) => self.apply_to_analysis(command),
             Command::Debug(command) => {
+                let before = self.stage;
                 self.apply_to_debugger(command);
                 self.follow_cursor();
+                self.moved(before);
             }
             Command::ShowStage(_)
             | Command::StepBack

@@ -14,7 +14,7 @@ use crate::layout::Layout;
 use crate::theme::Look;
 
 /// Farther from the origin than this, in r, there is no domain.
-const FARTHEST: f64 = 200_000.0;
+pub(crate) const FARTHEST: f64 = 200_000.0;
 
 /// What is saved. A part that is missing stays as it is.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -326,15 +326,12 @@ fn paint_icon(painter: &Painter, icon: Icon, at: Pos2, color: Color32, ground: C
             painter.add(Shape::line(line, stroke));
         }
         Icon::Fit => {
-            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                let corner = at + vec2(6.0 * x, 6.0 * y);
-                let arm = [
-                    corner - vec2(4.0 * x, 0.0),
-                    corner,
-                    corner - vec2(0.0, 4.0 * y),
-                ];
-                painter.add(Shape::line(arm.to_vec(), stroke));
-            }
+            // The domain under a lens: four corners would mean the full screen.
+            let middle = at - Vec2::splat(1.5);
+            painter.circle_stroke(middle, 5.8, stroke);
+            painter.line_segment([at + Vec2::splat(2.7), at + Vec2::splat(7.0)], stroke);
+            let domain = Rect::from_center_size(middle, Vec2::splat(4.4));
+            painter.rect_filled(domain, 0.0, color);
         }
     }
 }

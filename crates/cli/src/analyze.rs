@@ -25,6 +25,7 @@ use tilescope_figures::chart::{Figure, figure_scene};
 use tilescope_formats::write_whole;
 
 use crate::options::{SetArguments, UNIT_SQUARE};
+use crate::place::check_place;
 use crate::{EXIT_BAD_INPUT, EXIT_FINE, interrupt, output};
 use gather::Analysis;
 
@@ -39,8 +40,8 @@ pub struct AnalyzeArguments {
     #[arg(long)]
     average: bool,
     /// Hold the sets against this one: it is drawn dashed, and differences from it are drawn and
-    /// printed; given several times, against the average of these
-    #[arg(long, value_name = "FILE")]
+    /// printed; of several, against their average. The list ends with the next option
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     against: Vec<PathBuf>,
     /// The largest frequency that is looked at, as nu = |k| / sqrt(N) [default: 2.5, or 1023 cycles
     /// along a side where that takes more than 2 GiB of memory]
@@ -63,12 +64,15 @@ square. Where no radius is known, the smallest distance between two samples stan
 Frequencies are given as nu = |k| / sqrt(N), distances over r_max, the smallest distance in the
 hexagonal lattice of as many samples (of sets of one known radius, of as many as the first has). Shaded bands hold the true mean with probability 0.95.
 
+Effective Nyquist frequencies are those of the smooth spectrum that follows from g(r): they hardly scatter, and
+lie 2 to 3 % below Heck's on the mean periodogram of many sets.
+
 With --average all sets must have the domain of the first and its number of samples to within 10 %;
 frequencies are the first one's, and nu is taken with the mean number of samples.
 
 Examples:
   tilescope analyze set.csv
-  tilescope analyze --average kdrt-*.npy --against reference.npy --out report.html
+  tilescope analyze --average kdrt-*.npy --against reference-*.npy --out report.html
   tilescope analyze kdrt.npy darts.npy --against reference.npy --out report.html
   tilescope analyze theirs.txt --radius 0.01 --boundary bounded --json
   tilescope analyze *.npy --out numbers.csv
@@ -88,7 +92,9 @@ pub fn run(arguments: &AnalyzeArguments) -> Result<u8> {
     interrupt::listen();
     let kind = arguments.out.as_deref().map(kind_of).transpose()?;
     check_no_input_is_replaced(arguments)?;
-    check_there_is_a_folder(arguments)?;
+    if let Some(path) = &arguments.out {
+        check_place(path).context("--out")?;
+    }
     if let Some(nu) = arguments.frequencies {
         // What is too much for one sample is too much for any set.
         Spectrum::window_to(nu, 1.0, UNIT_SQUARE).context("--frequencies")?;
@@ -136,18 +142,6 @@ fn check_no_input_is_replaced(arguments: &AnalyzeArguments) -> Result<()> {
             input.display()
         );
     }
-    Ok(())
-}
-
-/// A report that cannot be saved anywhere is not worth the work.
-fn check_there_is_a_folder(arguments: &AnalyzeArguments) -> Result<()> {
-    let folder = arguments.out.as_deref().and_then(Path::parent);
-    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
-    ensure!(
-        folder.is_none_or(Path::is_dir),
-        "--out: there is no folder {}",
-        folder.unwrap_or(Path::new("")).display()
-    );
     Ok(())
 }
 

@@ -11,6 +11,7 @@ use tilescope_core::{
 use tilescope_gpu::{GpuError, GpuSweep, Options};
 
 use crate::engine::{Chosen, Engine, Told};
+use crate::output;
 
 /// A run in progress. The bands, one after the other, are its result in canonical order.
 pub struct Bands {
@@ -150,7 +151,9 @@ fn stand_in(chosen: &Chosen, error: GpuError) -> Result<Chosen> {
         GpuError::Sample(error) => Err(error.into()),
         error if chosen.may_fall_back => {
             let reason = format!("the GPU failed: {error}");
-            eprintln!("warning: {reason}; the parallel engine goes on, with the same points");
+            output::note(&format!(
+                "warning: {reason}; the parallel engine goes on, with the same points"
+            ));
             Ok(Chosen::parallel(reason))
         }
         error => Err(anyhow::Error::new(error).context("--engine gpu")),

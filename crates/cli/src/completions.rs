@@ -1,7 +1,10 @@
 //! Completion scripts for shells.
 
+use anyhow::Result;
 use clap::Args;
 use clap_complete::Shell;
+
+use crate::{EXIT_FINE, output};
 
 /// Arguments of `tilescope completions`.
 #[derive(Debug, Args)]
@@ -11,11 +14,9 @@ pub struct CompletionsArguments {
     shell: Shell,
 }
 
-pub fn run(arguments: &CompletionsArguments, command: &mut clap::Command) {
-    clap_complete::generate(
-        arguments.shell,
-        command,
-        "tilescope",
-        &mut std::io::stdout(),
-    );
+pub fn run(arguments: &CompletionsArguments, command: &mut clap::Command) -> Result<u8> {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, command, "tilescope", &mut script);
+    output::emit(&String::from_utf8(script)?)?;
+    Ok(EXIT_FINE)
 }

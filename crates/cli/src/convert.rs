@@ -3,14 +3,15 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use tilescope_analysis::{Region, VerifyOptions};
 use tilescope_formats::{CheckError, ExportContext, Format, PointSet};
 
 use crate::options::{SetArguments, UNIT_SQUARE};
+use crate::place::check_target;
 use crate::progress::verifying;
-use crate::{EXIT_FINE, interrupt, output, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope convert`.
 #[derive(Debug, Args)]
@@ -30,6 +31,7 @@ pub struct ConvertArguments {
 const EXAMPLES: &str = "\
 A certificate is checked and carried over. Without one, and without --radius, the smallest distance
 between two samples is taken as the radius; missing sides are those of the periodic unit square.
+The file is written whatever the verdict; exit code 1 says that it is not valid for the radius.
 
 Examples:
   tilescope convert set.csv set.npy
@@ -38,14 +40,13 @@ Examples:
 struct Input {
     set: PointSet,
     context: ExportContext,
-    /// Whether the radius is known, so that a negative verdict means something.
-    certain: bool,
 }
 
 pub fn run(arguments: &ConvertArguments) -> Result<u8> {
     interrupt::listen();
-    let input = read(arguments)?;
     let path = &arguments.output;
+    check_target(path, arguments.to, "--to")?;
+    let input = read(arguments)?;
     let exported =
         verifying(|control| tilescope_formats::export(path, &input.set, &input.context, control))
             .with_context(|| path.display().to_string())?;
@@ -61,11 +62,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<u8> {
         exported.certificate_path.display()
     );
     output::emit(&text)?;
-    Ok(if input.certain {
-        verdict_code(exported.report.valid())
-    } else {
-        EXIT_FINE
-    })
+    Ok(verdict_code(report.valid()))
 }
 
 fn read(arguments: &ConvertArguments) -> Result<Input> {
@@ -95,7 +92,6 @@ fn read(arguments: &ConvertArguments) -> Result<Input> {
             Ok(Input {
                 set: check.set,
                 context,
-                certain: true,
             })
         }
     }
@@ -121,7 +117,6 @@ fn uncertified(arguments: &ConvertArguments) -> Result<Input> {
     Ok(Input {
         set: read.set,
         context,
-        certain: given.radius.is_some(),
     })
 }
 
@@ -137,5 +132,12 @@ fn smallest_distance(points: &[[f64; 2]], region: Region) -> Result<f64> {
         report.min_distance.is_finite(),
         "a single sample has no radius; give --radius"
     );
+    if let (true, Some(pair)) = (report.min_distance <= 0.0, report.worst_conflicts.first()) {
+        bail!(
+            "samples {} and {} are the same point, so the smallest distance is no radius; give --radius",
+            pair.first,
+            pair.second
+        );
+    }
     Ok(report.min_distance)
 }

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail, ensure};
 use clap::{Args, ValueEnum};
-use tilescope_analysis::{Boundary, Region};
+use tilescope_analysis::{Boundary, Number, Region};
 use tilescope_core::{Key, Parameters, stages};
 use tilescope_figures::{Palette, PictureOptions, Rect, Scene, SetPicture, set_scene};
 use tilescope_formats::{Certificate, PointSet, Provenance, write_whole};
 
 use crate::options::{SetArguments, UNIT_SQUARE};
-use crate::{EXIT_FINE, output};
+use crate::place::check_place;
+use crate::{EXIT_FINE, interrupt, output};
 
 /// Arguments of `tilescope draw`.
 #[derive(Debug, Args)]
@@ -59,7 +60,9 @@ enum Picture {
 }
 
 pub fn run(arguments: &DrawArguments) -> Result<u8> {
+    interrupt::listen();
     let picture = picture_of(&arguments.picture)?;
+    check_place(&arguments.picture)?;
     ensure!(
         (16..=32_768).contains(&arguments.size),
         "--size is {}; it must be between 16 and 32768 pixels",
@@ -76,6 +79,7 @@ pub fn run(arguments: &DrawArguments) -> Result<u8> {
         Picture::Png => tilescope_figures::to_png(&scene, 1.0)?,
         Picture::Svg => tilescope_figures::to_svg(&scene)?.into_bytes(),
     };
+    ensure!(!interrupt::requested(), "cancelled before the picture");
     write_whole(&arguments.picture, &bytes)?;
     output::emit(&format!(
         "{} samples drawn into {}\n",
@@ -116,13 +120,15 @@ fn scene(
     for (name, value) in [("--width", region.width), ("--height", region.height)] {
         ensure!(
             value.is_finite() && value > 0.0,
-            "{name} is {value}; it must be above 0"
+            "{name} is {}; it must be above 0",
+            Number(value)
         );
     }
     if let Some(radius) = radius {
         ensure!(
             radius.is_finite() && radius > 0.0,
-            "--radius is {radius}; it must be above 0"
+            "--radius is {}; it must be above 0",
+            Number(radius)
         );
     }
     let picture = SetPicture {

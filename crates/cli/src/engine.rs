@@ -31,7 +31,7 @@ pub struct EngineArguments {
 #[derive(Clone, Debug, Args)]
 pub struct AdapterArguments {
     /// Part of the name of the GPU adapter to use, one that computes on the CPU included; the fastest real
-    /// GPU, if not given. `tilescope gpu` lists them
+    /// GPU, if not given. It asks for a GPU as --engine gpu does. `tilescope gpu` lists them
     #[arg(long, value_name = "NAME")]
     pub gpu_adapter: Option<String>,
 }
@@ -138,7 +138,12 @@ impl EngineArguments {
 
     /// Returns whether the parallel engine is to make a window of `parameters`: no other one makes windows.
     pub fn makes_windows(&self, parameters: &Parameters) -> bool {
-        self.engine != EngineArgument::Gpu && self.makes_bands(parameters)
+        !self.wants_gpu() && self.makes_bands(parameters)
+    }
+
+    /// Returns whether a GPU was asked for: by the engine, or by its own name.
+    pub fn wants_gpu(&self) -> bool {
+        self.engine == EngineArgument::Gpu || self.adapter.gpu_adapter.is_some()
     }
 
     /// Returns the engine for a set of `parameters`, of which about `expected` samples are expected. Looks
@@ -155,6 +160,7 @@ impl EngineArguments {
             "--gpu-adapter needs --engine gpu or auto: the others compute on the CPU"
         );
         match self.engine {
+            EngineArgument::Auto if self.wants_gpu() => self.adapter.asked_for(parameters),
             EngineArgument::Auto => Ok(self.automatic(parameters, expected)),
             EngineArgument::Gpu => self.adapter.asked_for(parameters),
             EngineArgument::Parallel => Ok(Chosen::parallel(ASKED_FOR)),
@@ -241,7 +247,7 @@ mod tests {
     #[test]
     fn small_sets_open_no_device() {
         let parameters = Parameters::default();
-        let chosen = automatic().choose(&parameters, 1e7).unwrap();
+        let chosen = automatic().automatic(&parameters, 1e7);
         assert_eq!(chosen.engine.name(), "parallel");
         assert!(chosen.reason.contains("20 million"), "{}", chosen.reason);
     }
@@ -249,9 +255,17 @@ mod tests {
     #[test]
     fn without_a_gpu_large_sets_are_made_by_the_parallel_engine_and_the_reason_is_told() {
         let parameters = Parameters::default();
-        let chosen = automatic().choose(&parameters, 1e9).unwrap();
+        let chosen = automatic().automatic(&parameters, 1e9);
         assert_eq!(chosen.engine.name(), "parallel");
         assert!(chosen.reason.contains("no "), "{}", chosen.reason);
+    }
+
+    #[test]
+    fn an_adapter_that_is_named_is_asked_for() {
+        let parameters = Parameters::default();
+        let error = automatic().choose(&parameters, 1e3).unwrap_err();
+        assert!(format!("{error:#}").contains("no GPU adapter"), "{error:#}");
+        assert!(!automatic().makes_windows(&parameters));
     }
 
     #[test]
@@ -260,7 +274,7 @@ mod tests {
             variant: Variant::AsPrinted,
             ..Parameters::default()
         };
-        let chosen = automatic().choose(&parameters, 1e9).unwrap();
+        let chosen = automatic().automatic(&parameters, 1e9);
         assert_eq!(chosen.engine.name(), "sequential");
         let gpu = EngineArguments {
             engine: EngineArgument::Gpu,

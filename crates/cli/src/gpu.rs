@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::Args;
 use pollster::block_on;
 use serde_json::{Value, json};
@@ -64,7 +64,9 @@ pub fn run(arguments: &GpuArguments) -> Result<u8> {
         // Why there is none is said by whoever opens it.
         wanted.open()?;
     }
-    let tested: Vec<Tested> = reports.into_iter().map(Tested::of).collect();
+    let reports = reports.into_iter().take_while(|_| !interrupt::requested());
+    let tested: Vec<Tested> = reports.map(Tested::of).collect();
+    ensure!(!interrupt::requested(), "cancelled before the last test");
     output::emit(&if arguments.json {
         let adapters: Vec<Value> = tested.iter().map(Tested::json).collect();
         format!("{}\n", json!({ "adapters": adapters }))

@@ -1,10 +1,11 @@
 //! The default session without a window: the same run, its table, its verdict, and pictures of its
 //! stages. What `tilescope` does where there is no display.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use clap::Args;
 use tilescope_core::{Parameters, Run, Stage, sample};
 use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
@@ -37,25 +38,36 @@ pub enum HeadlessReason {
     Failed(String),
 }
 
+impl fmt::Display for HeadlessReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoDisplay => f.write_str("There is no display for a window"),
+            Self::Failed(why) => write!(f, "The window could not be opened ({why})"),
+        }
+    }
+}
+
 /// Runs the default session headless because no window could be opened, says why and how to open
 /// one, and returns the process's exit code.
 #[must_use]
 pub fn run_headless(reason: &HeadlessReason) -> ExitCode {
-    match reason {
-        HeadlessReason::NoDisplay => {
-            println!("There is no display, so this runs without a window.");
-        }
-        HeadlessReason::Failed(why) => {
-            println!("The window could not be opened ({why}), so this runs without one.");
-        }
-    }
-    println!();
+    crate::exit_code(default_session(reason))
+}
+
+fn default_session(reason: &HeadlessReason) -> Result<u8> {
+    output::emit(&format!("{reason}, so this runs without one.\n\n"))?;
     let outcome = session(Path::new(OUT));
-    println!(
+    output::emit(
         "\nTo open the window, start tilescope where a display is (DISPLAY or WAYLAND_DISPLAY set);\n\
-         on a server: xvfb-run tilescope, or ssh -X. `tilescope --help` shows the command line."
-    );
-    crate::exit_code(outcome)
+         on a server: xvfb-run tilescope, or ssh -X. `tilescope --help` shows the command line.\n",
+    )?;
+    outcome
+}
+
+/// Says why a link is not shown, and returns the process's exit code: nothing but a window shows it.
+#[must_use]
+pub fn refuse_link(reason: &HeadlessReason) -> ExitCode {
+    crate::exit_code(Err(anyhow!("{reason}, and --link needs one")))
 }
 
 pub fn run(arguments: &HeadlessArguments) -> Result<u8> {

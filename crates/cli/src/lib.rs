@@ -18,6 +18,7 @@ mod options;
 mod output;
 mod parameters;
 mod pattern_cache;
+mod place;
 mod progress;
 mod reproduce;
 mod sample;
@@ -27,11 +28,12 @@ mod verify;
 mod web;
 mod window;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-pub use headless::{HeadlessReason, run_headless};
+pub use headless::{HeadlessReason, refuse_link, run_headless};
 
 /// Everything is as it should be.
 pub const EXIT_FINE: u8 = 0;
@@ -102,6 +104,30 @@ Examples:
 
 Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
 
+impl Arguments {
+    /// Reads the arguments of this process, and ends it where they are none, or ask for help.
+    #[must_use]
+    pub fn read() -> Self {
+        Self::of(std::env::args_os()).unwrap_or_else(|error| error.exit())
+    }
+
+    fn of(words: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        let mut command = Self::command().mut_subcommands(|one| one.allow_negative_numbers(true));
+        let matches = command.try_get_matches_from_mut(words.into_iter().map(plain))?;
+        Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+    }
+}
+
+/// Returns a negative number with an exponent without one, which clap would take for options; other words as they are.
+fn plain(word: OsString) -> OsString {
+    let number = (word.to_str())
+        .filter(|text| text.starts_with('-') && text.contains(['e', 'E']))
+        .and_then(|text| text.parse::<f64>().ok())
+        .filter(|number| number.is_finite());
+    // Digits alone stand for the same number, to the bit.
+    number.map_or(word, |number| number.to_string().into())
+}
+
 /// Runs a command and returns the process's exit code; errors go to standard error.
 #[must_use]
 pub fn run(command: &Command) -> ExitCode {
@@ -118,10 +144,7 @@ pub fn run(command: &Command) -> ExitCode {
         Command::Gpu(arguments) => gpu::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Web(arguments) => web::run(arguments),
-        Command::Completions(arguments) => {
-            completions::run(arguments, &mut Arguments::command());
-            Ok(EXIT_FINE)
-        }
+        Command::Completions(arguments) => completions::run(arguments, &mut Arguments::command()),
     };
     exit_code(outcome)
 }
@@ -130,27 +153,22 @@ pub fn run(command: &Command) -> ExitCode {
 fn exit_code(outcome: anyhow::Result<u8>) -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
-        Err(error) if is_broken_pipe(&error) => ExitCode::from(EXIT_FINE),
         Err(error) if interrupt::requested() && describe(&error).contains("cancelled") => {
             let goes_on = match describe(&error) {
                 said if said.contains("--resume") => "; the same command with --resume goes on",
                 said if said.contains("goes on") => "; the same command goes on where it stopped",
                 _ => "",
             };
-            eprintln!("interrupted; no file was left half written{goes_on}");
+            output::note(&format!(
+                "interrupted; no file was left half written{goes_on}"
+            ));
             ExitCode::from(EXIT_INTERRUPTED)
         }
         Err(error) => {
-            eprintln!("error: {}", describe(&error));
+            output::note(&format!("error: {}", describe(&error)));
             ExitCode::from(EXIT_BAD_INPUT)
         }
     }
-}
-
-/// Whoever read the output has seen enough.
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let io = error.downcast_ref::<std::io::Error>();
-    io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
 /// Returns an error and its causes in one line, none of them twice: a library's message may name
@@ -186,6 +204,25 @@ mod tests {
         assert_eq!(describe(&error), "--against: a.csv: no such file");
         let error = anyhow::anyhow!("it is empty").context("a.csv");
         assert_eq!(describe(&error), "a.csv: it is empty");
+    }
+
+    #[test]
+    fn negative_numbers_are_taken_with_an_exponent() {
+        let of = |words: &[&str]| Arguments::of(words.iter().map(OsString::from));
+        let window = |arguments: Arguments| match arguments.command {
+            Some(Command::Sample(sample)) => sample.window,
+            _ => None,
+        };
+        let command = ["tilescope", "sample", "--radius", "1", "--window"];
+        let numbers = ["-1e-3", "-2.5E+2", "-1e-300", "-4"];
+        let found = of(&[command.as_slice(), &numbers].concat()).map(window);
+        let expected = Some(vec![-1e-3, -2.5e2, -1e-300, -4.0]);
+        assert_eq!(found.expect("numbers"), expected);
+        let radius = ["tilescope", "verify", "set.csv", "--radius", "-1e-3"];
+        assert!(of(&radius).is_ok());
+        for word in ["-e", "-1e", "-e5", "--radius", "-inf", "1e-3", "-1"] {
+            assert_eq!(plain(word.into()), OsString::from(word));
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use tilescope_core::{
     Sequential, Source, Stage, Summary, Sweep, radius_estimate, reference_sample, sample_count,
     search_radius,
 };
-use tilescope_formats::{ExportContext, PointSet, Provenance, bytes_digest};
+use tilescope_formats::{ExportContext, PointSet, Provenance, bytes_digest, read_whole};
 
 use crate::bands::Bands;
 use crate::engine::{Chosen, Engine, Told};
@@ -298,7 +298,7 @@ pub fn described(parameters: &Parameters) -> Result<BTreeMap<String, Value>> {
 
 /// Returns a file's name without folders, and its digest: a set from a file is named by its content.
 pub fn named_by_content(path: &Path) -> Result<Value> {
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let bytes = read_whole(path)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Ok(json!({ "file": name, "digest": bytes_digest(&bytes) }))
 }

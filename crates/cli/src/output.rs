@@ -4,17 +4,25 @@ use std::fmt::Write;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, Region, Report};
+use tilescope_analysis::{Boundary, MOST_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
 
 use crate::make::Facts;
 
-/// Prints text; a closed pipe is an error that ends the command quietly.
+/// Prints text. A closed pipe is no error: whoever read has seen enough, and the exit code is for somebody else.
 pub fn emit(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    std::io::Write::write_all(&mut out, text.as_bytes())?;
-    std::io::Write::flush(&mut out)?;
-    Ok(())
+    let written = std::io::Write::write_all(&mut out, text.as_bytes())
+        .and_then(|()| std::io::Write::flush(&mut out));
+    match written {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line to standard error. Nothing else can be done where that is closed or full.
+pub fn note(line: &str) {
+    let _ = std::io::Write::write_all(&mut std::io::stderr(), format!("{line}\n").as_bytes());
 }
 
 /// A made set with its verdict.
@@ -82,7 +90,9 @@ pub fn verdict_json(report: &Report) -> serde_json::Map<String, Value> {
         "min_distance_r": finite(report.min_distance / report.radius),
         "covering_radius_r": report.covering_radius / report.radius,
         "relative_radius": finite(report.relative_radius),
+        "covering_tolerance": report.covering_tolerance,
         "conflicts": report.conflicts,
+        "more_conflicts": report.more_conflicts(),
         "gaps": report.gaps,
         "conflict_free": report.conflict_free(),
         "maximal": report.maximal(),
@@ -113,7 +123,7 @@ pub fn text(outcome: &Outcome<'_>) -> String {
         "{} on {}, r = {}",
         facts.method,
         region_text(&facts.region),
-        facts.radius
+        Number(facts.radius)
     );
     if let Some(told) = &facts.engine {
         let _ = writeln!(out, "engine         {}: {}", told.engine, told.reason);
@@ -154,7 +164,8 @@ pub fn region_text(region: &Region) -> String {
         Boundary::Periodic => "periodic",
         Boundary::Bounded => "bounded",
     };
-    format!("{} x {}, {boundary}", region.width, region.height)
+    let sides = [region.width, region.height].map(Number);
+    format!("{} x {}, {boundary}", sides[0], sides[1])
 }
 
 /// Returns a table: a row a stage, with what it did and how long it took.
@@ -232,14 +243,15 @@ pub fn verdict_text(report: &Report) -> String {
     let _ = writeln!(
         out,
         "conflict-free  {}   min distance {:.9} r",
-        answer(report.conflict_free(), report.conflicts),
+        conflicts_answer(report.conflicts),
         report.min_distance / r
     );
     let _ = writeln!(
         out,
-        "maximal        {}   covering radius {:.9} r",
+        "maximal        {}   covering radius {:.9} r, at most {:.9} r",
         answer(report.maximal(), report.gaps),
-        report.covering_radius / r
+        report.covering_radius / r,
+        1.0 + report.covering_tolerance
     );
     for conflict in report.worst_conflicts.iter().take(3) {
         let _ = writeln!(
@@ -275,4 +287,14 @@ pub fn answer(yes: bool, count: u64) -> String {
     } else {
         format!("NO, {count}")
     }
+}
+
+/// Returns the answer about conflicts, which are counted up to a limit.
+pub fn conflicts_answer(count: u64) -> String {
+    let more = if count >= MOST_CONFLICTS {
+        " or more"
+    } else {
+        ""
+    };
+    answer(count == 0, count) + more
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use tilescope_analysis::Region;
 use tilescope_core::{
     Domain, Insertion, Observer, Order, Parameters, Pattern, PatternSpec, Search, Variant,
@@ -16,14 +16,10 @@ use crate::pattern_cache;
 
 /// Arguments that determine a run.
 #[derive(Debug, Args)]
+#[command(group = ArgGroup::new("size").args(["radius", "count"]).required(true))]
 pub struct RunArguments {
     /// Poisson-disk radius, in user units
-    #[arg(
-        long,
-        value_name = "R",
-        required_unless_present = "count",
-        conflicts_with = "count"
-    )]
+    #[arg(long, value_name = "R")]
     pub radius: Option<f64>,
     /// Choose the radius so that about N samples result, to within 1%
     #[arg(long, value_name = "N")]

@@ -106,7 +106,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<u8> {
     let experiments = chosen(&arguments.experiments);
     let (given, refused) = given::read_all(&arguments.file, &arguments.set);
     for one in &refused {
-        eprintln!("error: {}", one.reason);
+        output::note(&format!("error: {}", one.reason));
     }
     if given.is_empty() && !refused.is_empty() {
         return Ok(EXIT_BAD_INPUT);
@@ -235,11 +235,11 @@ impl Told {
 impl Watch for Told {
     fn expected(&self, seconds: f64, each: &[(Experiment, f64)]) {
         *self.total() = seconds;
-        eprint!("{}", expected(seconds, each));
+        output::note(expected(seconds, each).trim_end());
     }
 
     fn begins(&self, experiment: Experiment) {
-        self.bar.suspend(|| eprintln!("{}", experiment.title()));
+        self.bar.suspend(|| output::note(experiment.title()));
     }
 
     fn progress(&self, seconds: f64, what: &str) -> ControlFlow<()> {
@@ -254,14 +254,18 @@ impl Watch for Told {
     fn finished(&self, finished: &Finished) {
         self.bar.suspend(|| {
             for claim in &finished.claims {
-                eprintln!("  {:<VERDICT$} {}", finished.words(claim), claim.claim);
+                output::note(&format!(
+                    "  {:<VERDICT$} {}",
+                    finished.words(claim),
+                    claim.claim
+                ));
             }
         });
     }
 
     fn failed(&self, experiment: Experiment, error: &ReproduceError) {
         self.bar
-            .suspend(|| eprintln!("error: {experiment}: {error}"));
+            .suspend(|| output::note(&format!("error: {experiment}: {error}")));
     }
 }
 

@@ -7,12 +7,13 @@ use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
 use tilescope_analysis::Report;
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, radius_estimate};
-use tilescope_formats::{ExportContext, Exported, Format, Precision};
+use tilescope_formats::{ExportContext, Exported, Format, PointSet, Precision, Warning};
 
-use crate::engine::{Chosen, EngineArgument, EngineArguments};
-use crate::make::{self, Made};
+use crate::engine::{Chosen, EngineArguments};
+use crate::make::{self, Facts, Made};
 use crate::output::{self, Outcome};
 use crate::parameters::RunArguments;
+use crate::place::check_target;
 use crate::progress::verifying;
 use crate::{interrupt, stream, verdict_code, window};
 
@@ -28,10 +29,11 @@ pub struct SampleArguments {
     #[command(flatten)]
     pub engine: EngineArguments,
     /// Only the samples in this rectangle, X0 <= x < X1 and Y0 <= y < Y1: exactly those of the whole
-    /// set, which is never made; in a periodic domain it may lie across the border or beyond
+    /// set, which is never made; in a periodic domain it may lie across the border or beyond, and a bounded
+    /// one's border belongs to the windows that reach it
     #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"],
         conflicts_with_all = ["shuffle", "resume", "no_verify"])]
-    window: Option<Vec<f64>>,
+    pub window: Option<Vec<f64>>,
     /// KDRT, or the reference sampler, which makes a maximal set from scratch and of the arguments
     /// above heeds radius or count, sides, boundary and seed
     #[arg(long, value_enum, default_value = "kdrt")]
@@ -52,7 +54,8 @@ pub struct SampleArguments {
     /// Format of the file, where the extension does not tell
     #[arg(long, value_name = "FORMAT", requires = "out")]
     pub format: Option<Format>,
-    /// Number type, for formats that leave the choice: f32 or f64
+    /// Number type, for formats that leave the choice: f32 or f64. Rounding to f32 moves samples of large sets (from some
+    /// 30,000 on) closer than the radius: such a file is NOT VALID, and says up to which radius it is conflict-free
     #[arg(long, value_enum, default_value = "f64", requires = "out")]
     pub precision: PrecisionArgument,
     /// Write the samples in an order drawn from this seed
@@ -93,7 +96,7 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     interrupt::listen();
     arguments.engine.threads.set()?;
     if let Some(path) = &arguments.out {
-        check_target(path, arguments.format)?;
+        check_target(path, arguments.format, "--format")?;
     }
     if let Some(window) = &arguments.window {
         return window::run(arguments, window);
@@ -102,8 +105,8 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     let streams = arguments.streams(expected)?;
     let made = if arguments.method == Method::Reference {
         ensure!(
-            arguments.engine.engine != EngineArgument::Gpu,
-            "--engine gpu computes KDRT: the reference sampler runs on the CPU alone"
+            !arguments.engine.wants_gpu(),
+            "--engine gpu and --gpu-adapter compute KDRT: the reference sampler runs on the CPU alone"
         );
         make::reference(&arguments.run)?
     } else {
@@ -116,21 +119,24 @@ pub fn run(arguments: &SampleArguments) -> Result<u8> {
     };
     let facts = &made.facts;
     let (report, certificate, warnings) = match &arguments.out {
+        Some(path) if arguments.no_verify => {
+            let warnings = save_unverified(arguments, facts, &made.set, path)?;
+            (None, None, warnings)
+        }
         Some(path) => {
             let exported = save(arguments, &made, path)?;
             let certificate = Some(exported.certificate_path);
-            (exported.report, certificate, exported.warnings)
+            (Some(exported.report), certificate, exported.warnings)
         }
-        None => (
-            make::judge(&made.set.points, facts.region, facts.radius)?,
-            None,
-            Vec::new(),
-        ),
+        None => {
+            let report = make::judge(&made.set.points, facts.region, facts.radius)?;
+            (Some(report), None, Vec::new())
+        }
     };
     let outcome = Outcome {
         facts,
         count: made.set.len() as u64,
-        report: Some(&report),
+        report: report.as_ref(),
         saved: certificate.as_deref(),
         warnings: (repeats(arguments, facts.radius).into_iter())
             .chain(warnings.iter().map(ToString::to_string))
@@ -207,21 +213,19 @@ impl SampleArguments {
         })
     }
 
-    /// Returns whether the set is to be passed on band by band: when it is large, and when what was asked
-    /// for exists only there.
+    /// Returns whether the set is to be passed on band by band: when it is large, when it is resumed, and when nobody else wants to see it.
     fn streams(&self, expected: f64) -> Result<bool> {
-        let asked = self.resume || self.no_verify;
         let parameters = self.run.parameters();
         let engine = self.method == Method::Kdrt && self.engine.makes_bands(&parameters);
         let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
-        if asked {
+        if self.resume {
             ensure!(
                 engine,
-                "--resume and --no-verify need the parallel engine or a GPU, which make sets band by band"
+                "--resume needs the parallel engine or a GPU, which make sets band by band"
             );
             ensure!(
                 format,
-                "--resume and --no-verify need a format that is written as it comes ({}), and no --shuffle",
+                "--resume needs a format that is written as it comes ({}), and no --shuffle",
                 Format::ALL
                     .into_iter()
                     .filter(|f| f.streams())
@@ -230,7 +234,7 @@ impl SampleArguments {
                     .join(", ")
             );
         }
-        Ok(asked || engine && format && expected > LARGE)
+        Ok(engine && format && (self.resume || self.no_verify || expected > LARGE))
     }
 
     /// Completes what an export states.
@@ -244,26 +248,17 @@ impl SampleArguments {
     }
 }
 
-/// Refuses, before any work, a target that could not be written at its end.
-pub fn check_target(path: &Path, format: Option<Format>) -> Result<()> {
-    let known = Format::ALL.map(Format::extension).join(", ");
-    ensure!(
-        format.is_some() || Format::from_path(path).is_some(),
-        "{}: the extension names no format (known: {known}); give --format",
-        path.display()
-    );
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder {
-        ensure!(
-            folder.is_dir(),
-            "{}: there is no such folder",
-            folder.display()
-        );
-    }
-    ensure!(!path.is_dir(), "{}: this is a folder", path.display());
-    Ok(())
+/// Saves a set without a verdict, and so without a certificate.
+pub fn save_unverified(
+    arguments: &SampleArguments,
+    facts: &Facts,
+    set: &PointSet,
+    path: &Path,
+) -> Result<Vec<Warning>> {
+    let mut context = facts.context();
+    arguments.complete(&mut context);
+    tilescope_formats::export_unverified(path, set, &context)
+        .with_context(|| path.display().to_string())
 }
 
 fn save(arguments: &SampleArguments, made: &Made, path: &Path) -> Result<Exported> {

@@ -23,7 +23,7 @@ use crate::{interrupt, make, output, verdict_code};
 #[command(after_help = EXAMPLES)]
 pub struct SoakArguments {
     /// Go on until so many samples were made and verified
-    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    #[arg(long, value_name = "N", default_value_t = 10_000_000, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
     /// Seed of the parameters
     #[arg(long, value_name = "S", default_value_t = 1)]

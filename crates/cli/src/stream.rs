@@ -117,10 +117,12 @@ pub fn pass(arguments: &RunArguments, chosen: &Chosen, target: &Target<'_>) -> R
 /// Says how to go on, where that is possible.
 fn with_hint(error: anyhow::Error, out: Option<&Path>) -> anyhow::Error {
     match out {
-        Some(path) if resume_path(path).exists() => error.context(format!(
-            "{}: not finished; the same command with --resume goes on from the last checkpoint",
-            path.display()
-        )),
+        Some(path) if checkpoint_token(path).is_ok_and(|token| token.is_some()) => {
+            error.context(format!(
+                "{}: not finished; the same command with --resume goes on from the last checkpoint",
+                path.display()
+            ))
+        }
         _ => error,
     }
 }

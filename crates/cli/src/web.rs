@@ -7,15 +7,25 @@ mod site;
 mod within;
 
 use std::io::ErrorKind;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, bail};
+use axum::Router;
+use axum::serve::Listener;
 use clap::Args;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
 use tokio::net::TcpListener;
 
-use crate::{EXIT_FINE, output};
+use crate::{EXIT_FINE, interrupt, output};
 use site::Site;
+
+/// How long a request's head may take to come. A connection that says nothing more is closed then, so that none is
+/// held for ever.
+const HEAD_LIMIT: Duration = Duration::from_secs(20);
 
 /// Arguments of `tilescope web`.
 #[derive(Debug, Args)]
@@ -48,32 +58,51 @@ pub fn run(arguments: &WebArguments) -> Result<u8> {
 async fn serve(arguments: &WebArguments, site: Site) -> Result<u8> {
     let listener = listen(arguments).await?;
     let address = listener.local_addr()?;
-    if !arguments.host.is_loopback() {
-        eprintln!(
-            "warning: other machines can reach {address}. Without https their browsers give the page neither WebGPU \
-             nor offline use."
-        );
-    }
     let page = format!("http://{}/", reachable(address));
-    output::emit(&format!(
+    let mut text = format!(
         "{page} serves {}; Ctrl+C ends it\n",
         site.folder().display()
-    ))?;
+    );
+    if !address.ip().is_loopback() {
+        text += &elsewhere(address, outward(address.ip()));
+        text += " is its address for other machines\n";
+        output::note(
+            "warning: other machines can reach this server. Without https their browsers give the page neither WebGPU \
+             nor offline use.",
+        );
+    }
+    output::emit(&text)?;
     if arguments.open {
         // Some systems are done with it only when the browser is closed.
         std::thread::spawn(move || {
             if let Err(error) = open::in_browser(&page) {
-                eprintln!("warning: {error:#}; open {page} yourself");
+                output::note(&format!("warning: {error:#}; open {page} yourself"));
             }
         });
     }
-    let served = axum::serve(listener, site.router());
+    let served = answer_all(listener, site.router(), HEAD_LIMIT);
     // A file that is on its way when Ctrl+C comes can be asked for again.
     tokio::select! {
-        ended = served.into_future() => ended.context("the server ended")?,
-        asked = tokio::signal::ctrl_c() => asked.context("cannot listen for Ctrl+C")?,
+        () = served => {}
+        asked = interrupt::asked() => asked.context("cannot listen for Ctrl+C")?,
     }
     Ok(EXIT_FINE)
+}
+
+/// Answers requests without end. A connection whose next head is not complete after `limit` is closed.
+async fn answer_all(mut listener: TcpListener, router: Router, limit: Duration) {
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(limit);
+    loop {
+        // Waits where there are too many connections.
+        let (stream, _) = Listener::accept(&mut listener).await;
+        let service = TowerToHyperService::new(router.clone());
+        let connection = http.serve_connection(TokioIo::new(stream), service);
+        tokio::spawn(async move {
+            // Whoever asked knows that the connection broke, and nobody else wants to.
+            let _ = connection.await;
+        });
+    }
 }
 
 async fn listen(arguments: &WebArguments) -> Result<TcpListener> {
@@ -97,6 +126,35 @@ fn reachable(address: SocketAddr) -> SocketAddr {
     } else {
         address
     }
+}
+
+/// Returns the page's address for other machines, `outward` being how this machine is called out there.
+fn elsewhere(address: SocketAddr, outward: Option<IpAddr>) -> String {
+    let port = address.port();
+    match outward.filter(|_| address.ip().is_unspecified()) {
+        Some(ip) => format!("http://{}/", SocketAddr::new(ip, port)),
+        None if address.ip().is_unspecified() => {
+            format!("http://NAME:{port}/ with this machine's name")
+        }
+        None => format!("http://{address}/"),
+    }
+}
+
+/// Returns this machine's own address on the way to others, if there is a way. No packet is sent.
+fn outward(listening: IpAddr) -> Option<IpAddr> {
+    // Addresses that are reserved for documentation.
+    let (own, far): (IpAddr, IpAddr) = if listening.is_ipv4() {
+        (
+            Ipv4Addr::UNSPECIFIED.into(),
+            Ipv4Addr::new(192, 0, 2, 1).into(),
+        )
+    } else {
+        let far = Ipv6Addr::new(0x2001, 0xdb8, 0, 0, 0, 0, 0, 1);
+        (Ipv6Addr::UNSPECIFIED.into(), far.into())
+    };
+    let socket = UdpSocket::bind((own, 0)).ok()?;
+    socket.connect((far, 9)).ok()?;
+    Some(socket.local_addr().ok()?.ip())
 }
 
 /// Returns the folder to serve.
@@ -125,4 +183,70 @@ fn folder(asked: Option<&Path>) -> Result<PathBuf> {
         "there is no page in {}; run web/build, or name its folder by --folder",
         places.join(" or ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Read, Write};
+    use std::net::TcpStream;
+
+    use super::*;
+
+    #[test]
+    fn other_machines_are_given_an_address_that_is_theirs_to_reach() {
+        let any = SocketAddr::from(([0, 0, 0, 0], 80));
+        let own = Some(IpAddr::from([10, 0, 0, 7]));
+        assert_eq!(elsewhere(any, own), "http://10.0.0.7:80/");
+        assert!(elsewhere(any, None).contains(":80/"));
+        let one = SocketAddr::from(([10, 0, 0, 9], 80));
+        assert_eq!(elsewhere(one, own), "http://10.0.0.9:80/");
+        assert_eq!(reachable(any), SocketAddr::from((Ipv4Addr::LOCALHOST, 80)));
+    }
+
+    #[test]
+    fn half_a_request_is_not_waited_for_for_ever() {
+        let listener = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        listener.set_nonblocking(true).unwrap();
+        let address = listener.local_addr().unwrap();
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .unwrap();
+        let answer = |request: &str| {
+            let mut stream = TcpStream::connect(address).unwrap();
+            // A server that waits on fails the test instead of holding it up.
+            stream
+                .set_read_timeout(Some(Duration::from_secs(10)))
+                .unwrap();
+            stream.write_all(request.as_bytes()).unwrap();
+            let mut bytes = Vec::new();
+            stream.read_to_end(&mut bytes).map(|_| bytes)
+        };
+        let asks = std::thread::scope(|scope| {
+            let asks = scope.spawn(|| {
+                let half = answer("GET / HTTP/1.1\r\nHost: x\r\n").expect("closed");
+                let silent = answer("").expect("closed");
+                let whole = answer("GET / HTTP/1.1\r\nHost: x\r\n\r\n").expect("closed when idle");
+                [half, silent, whole]
+            });
+            runtime.block_on(async {
+                let listener = TcpListener::from_std(listener).unwrap();
+                let router = Router::new().fallback(|| async { "served" });
+                let served = answer_all(listener, router, Duration::from_millis(10));
+                let ended = async {
+                    while !asks.is_finished() {
+                        tokio::time::sleep(Duration::from_millis(1)).await;
+                    }
+                };
+                tokio::select! {
+                    () = served => {}
+                    () = ended => {}
+                }
+            });
+            asks.join().unwrap()
+        });
+        let text = asks.map(|bytes| String::from_utf8(bytes).unwrap());
+        assert!(!text[0].contains("served") && !text[1].contains("served"));
+        assert!(text[2].ends_with("served"));
+    }
 }

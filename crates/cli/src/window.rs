@@ -2,20 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
-use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Point, R, Window};
-use tilescope_formats::{Format, PointSet, Precision, Target, encode, write_whole};
+use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Point, Progress, R, Window};
+use tilescope_formats::PointSet;
 
 use crate::make::{Facts, positions, with_radius};
 use crate::options::region;
 use crate::output;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample::{Method, PrecisionArgument, SampleArguments};
+use crate::sample::{self, Method, SampleArguments};
 use crate::{interrupt, verdict_code};
 
 /// Units around a window that are computed to judge it: 4r, where 2r would do.
@@ -60,7 +60,7 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     let &[left, bottom, right, top] = window else {
         anyhow::bail!("--window takes four numbers");
     };
-    let (parameters, plane) = plane(arguments)?;
+    let (facts, plane) = plane(arguments)?;
     let domain = plane.domain();
     let window = domain.window([left, bottom], [right, top])?;
     let window_side = |axis: usize| [(left, right), (bottom, top)][axis];
@@ -76,15 +76,20 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     }
     check_size(&window)?;
     let began = Instant::now();
-    let points = plane.window(&window)?;
+    let points = plane.observed_window(&window, &mut going_on)?;
     let seconds = began.elapsed().as_secs_f64();
     let verdict = judge(&plane, &window)?;
     if let Some(path) = &arguments.out {
+        ensure!(
+            !points.is_empty(),
+            "{}: no sample lies in the window, and files have at least one",
+            path.display()
+        );
         let set = PointSet::from_points(positions(domain, &points));
-        save(arguments, domain, &set, path).with_context(|| path.display().to_string())?;
+        sample::save_unverified(arguments, &facts, &set, path)?;
     }
     let shown = Shown {
-        parameters,
+        parameters: facts.parameters,
         sides: [left, bottom, right, top],
         radius: domain.radius(),
         domain,
@@ -104,8 +109,8 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
     Ok(verdict_code(shown.verdict.is_valid()))
 }
 
-/// Returns the parameters by name, and the plane that they describe.
-fn plane(arguments: &SampleArguments) -> Result<(BTreeMap<String, Value>, Plane)> {
+/// Returns what is to be told of the run, and its plane.
+fn plane(arguments: &SampleArguments) -> Result<(Facts, Plane)> {
     ensure!(
         arguments.method == Method::Kdrt
             && arguments.engine.makes_windows(&arguments.run.parameters()),
@@ -117,7 +122,7 @@ fn plane(arguments: &SampleArguments) -> Result<(BTreeMap<String, Value>, Plane)
     watch.take();
     let plane = Plane::new(&parameters, &pattern)?;
     let facts = Facts::of_run(&parameters, plane.domain(), Some(&arguments.run))?;
-    Ok((facts.parameters, plane))
+    Ok((facts, plane))
 }
 
 fn check_size(window: &Window) -> Result<()> {
@@ -129,17 +134,6 @@ fn check_size(window: &Window) -> Result<()> {
          make the whole set with --out, or choose a smaller window"
     );
     Ok(())
-}
-
-fn save(arguments: &SampleArguments, domain: &Domain, set: &PointSet, path: &Path) -> Result<()> {
-    let format = arguments.format.or_else(|| Format::from_path(path));
-    let mut target = Target::new(format.context("the extension names no format")?);
-    target.precision = match arguments.precision {
-        PrecisionArgument::F32 => Precision::Single,
-        PrecisionArgument::F64 => Precision::Double,
-    };
-    target.region = Some(region(domain));
-    Ok(write_whole(path, &encode(set, &target)?)?)
 }
 
 fn json(shown: &Shown<'_>) -> Value {
@@ -163,17 +157,24 @@ fn json(shown: &Shown<'_>) -> Value {
 fn text(shown: &Shown<'_>) -> String {
     let [left, bottom, right, top] = shown.sides;
     let verdict = &shown.verdict;
+    // The border of a bounded domain belongs to the windows that reach it.
+    let end = |high: f64, axis: usize| {
+        let is_border = !shown.domain.is_periodic() && high >= shown.domain.size()[axis];
+        if is_border { ']' } else { ')' }
+    };
     let mut out = format!(
-        "window         [{left}, {right}) x [{bottom}, {top}) of {}, r = {}\n\
+        "window         [{left}, {right}{} x [{bottom}, {top}{} of {}, r = {}\n\
          samples        {} in {:.2} ms\n\
          conflict-free  {}   min distance {:.9} r\n\
          maximal        {}\n\
          verdict        {}\n",
+        end(right, 0),
+        end(top, 1),
         output::region_text(&region(shown.domain)),
         shown.radius,
         shown.count,
         shown.seconds * 1e3,
-        output::answer(verdict.conflicts == 0, verdict.conflicts),
+        output::conflicts_answer(verdict.conflicts),
         verdict.min_distance,
         output::answer(verdict.gaps == 0, verdict.gaps as u64),
         if verdict.is_valid() {
@@ -220,7 +221,11 @@ pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
             .flat_map(move |y| xs.clone().map(move |x| [x, y]))
             .collect::<Vec<_>>()
     };
-    let points: Vec<[f64; 2]> = plane.window(&wide)?.iter().flat_map(shown).collect();
+    let points: Vec<[f64; 2]> = plane
+        .observed_window(&wide, &mut going_on)?
+        .iter()
+        .flat_map(shown)
+        .collect();
     let last = i64::from(!periodic);
     let region = Region {
         width: (wide.max[0] - wide.min[0] - last) as f64 * unit[0],
@@ -236,6 +241,11 @@ pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
     })
     .context("the verifier gives no verdict")?;
     Ok(verdict(&report, window, &wide, unit))
+}
+
+/// Stops the work of a window when the process was asked to end.
+fn going_on(_: Progress) -> ControlFlow<()> {
+    interrupt::flow()
 }
 
 fn widened(domain: &Domain, window: &Window) -> Window {

@@ -155,7 +155,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(64))]
+        #![proptest_config(ProptestConfig::with_cases(tilescope_tests::cases(64)))]
         /// The grid hands out exactly the samples that a plain scan finds, each once.
         #[test]
         fn finds_what_a_scan_finds(

@@ -305,7 +305,8 @@ impl Domain {
     /// from the plane: a periodic domain repeats without end, of a bounded one only what lies inside is
     /// returned, its closed upper border with a window that ends there.
     ///
-    /// Fails when a side is not finite, not above 0 or longer than the domain's.
+    /// Fails when a side is not finite, not above 0 or longer than the domain's, or begins more than a thousand sides
+    /// away.
     pub fn window(&self, low: [f64; 2], high: [f64; 2]) -> Result<Window, ParameterError> {
         let mut window = Window {
             min: [0; 2],
@@ -314,14 +315,17 @@ impl Domain {
         for (axis, name) in ["width", "height"].into_iter().enumerate() {
             let (side, low, high) = (self.size[axis], low[axis], high[axis]);
             let finite = low.is_finite() && high.is_finite();
-            let near = low.abs() <= MAX_WINDOW_SIDES * side;
-            if !finite || !near || low >= high || high - low > side {
+            if !finite || low >= high || high - low > side {
                 return Err(ParameterError::Window {
                     name,
                     low,
                     high,
                     maximum: side,
                 });
+            }
+            let limit = MAX_WINDOW_SIDES * side;
+            if low.abs() > limit {
+                return Err(ParameterError::FarWindow { name, low, limit });
             }
             let units = [self.width, self.height][axis];
             window.min[axis] = first_unit(low, side, units);

@@ -1,7 +1,7 @@
 //! A debugging session: one cursor over a recording, with breakpoints, watches and bookmarks.
 //! Whoever shows it reads its state and calls its moves; it draws nothing.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use tilescope_core::{Observer, Pattern};
 
@@ -51,15 +51,49 @@ pub enum Stop {
     End,
 }
 
+/// What a user has set in a session, and keeps where another run takes its place.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stops {
+    /// The breakpoints.
+    pub breakpoints: Vec<SavedBreakpoint>,
+    /// The watched expressions.
+    pub watches: Vec<String>,
+    /// The bookmarks.
+    pub bookmarks: Vec<Bookmark>,
+}
+
+/// Where a bookmark is in a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marked {
+    /// At this cursor: it was set in this run.
+    Here(usize),
+    /// It was set in another run; at this cursor the same one of its kind has happened in the same stage.
+    Like(usize),
+    /// This run has no such event.
+    Nowhere,
+}
+
+impl Marked {
+    /// Returns the cursor, if there is one.
+    #[must_use]
+    pub const fn cursor(self) -> Option<usize> {
+        match self {
+            Self::Here(cursor) | Self::Like(cursor) => Some(cursor),
+            Self::Nowhere => None,
+        }
+    }
+}
+
 /// A debugging session.
 pub struct Debugger {
     recording: Arc<Recording>,
     evaluator: Evaluator,
     budget: usize,
     state: State,
+    run_id: OnceLock<String>,
     breakpoints: Vec<Breakpoint>,
     watches: Vec<String>,
-    /// Events to come back to.
+    /// Moments to come back to, in this run and in others.
     pub bookmarks: Vec<Bookmark>,
     /// How the session is shown, to be saved with it; nothing here reads it.
     pub view: serde_json::Value,
@@ -76,6 +110,7 @@ impl Debugger {
             state: State::start(&recording),
             recording,
             budget,
+            run_id: OnceLock::new(),
             breakpoints: Vec::new(),
             watches: Vec::new(),
             bookmarks: Vec::new(),
@@ -172,10 +207,11 @@ impl Debugger {
         self.jump(cursor);
     }
 
-    /// Runs to the next (or last) event that `target` means; stays where it is when there is none.
+    /// Runs behind the next (or last) event that `target` means, or before that execution of a line; stays where it is
+    /// when there is none.
     pub fn run_to(&mut self, target: Target, direction: Direction) -> Stop {
         let from = self.state.cursor();
-        match moves::run_to(&self.recording, from, target, direction) {
+        match moves::arrive(&self.recording, from, target, direction) {
             Some(cursor) => {
                 self.jump(cursor);
                 Stop::Target
@@ -230,6 +266,89 @@ impl Debugger {
             }
         }
         None
+    }
+
+    /// Returns what tells the run from others, also from those of the same result but other events.
+    #[must_use]
+    pub fn run_id(&self) -> &str {
+        self.run_id.get_or_init(|| {
+            let recording = &self.recording;
+            format!("{}-{}", digest(recording.run()), recording.len())
+        })
+    }
+
+    /// Sets a bookmark at the cursor, unless there is one.
+    pub fn bookmark(&mut self) {
+        let cursor = self.state.cursor();
+        let is_there = |mark: &Bookmark| self.marked(mark) == Marked::Here(cursor);
+        if !self.bookmarks.iter().any(is_there) {
+            let mark = self.placed(Bookmark {
+                event: cursor,
+                ..Bookmark::default()
+            });
+            self.bookmarks.push(mark);
+            self.sort_bookmarks();
+        }
+    }
+
+    /// Returns where a bookmark is in this run.
+    #[must_use]
+    pub fn marked(&self, mark: &Bookmark) -> Marked {
+        if mark.run == self.run_id() && mark.event <= self.recording.len() {
+            return Marked::Here(mark.event);
+        }
+        let cursor = match &mark.anchor {
+            Some(anchor) => self.recording.anchored(anchor).map(|event| event + 1),
+            None => (mark.event == 0).then_some(0),
+        };
+        cursor.map_or(Marked::Nowhere, Marked::Like)
+    }
+
+    /// Returns a bookmark with the run and the anchor that it lacks.
+    fn placed(&self, mut mark: Bookmark) -> Bookmark {
+        if mark.run.is_empty() {
+            self.run_id().clone_into(&mut mark.run);
+            let last = mark.event.checked_sub(1);
+            mark.anchor = last.and_then(|event| self.recording.anchor(event));
+        }
+        mark
+    }
+
+    /// Puts bookmarks in the sequence of this run; those that it does not have come last.
+    fn sort_bookmarks(&mut self) {
+        let mut marks = std::mem::take(&mut self.bookmarks);
+        marks.sort_by_cached_key(|mark| {
+            let place = self.marked(mark);
+            let is_other = !matches!(place, Marked::Here(_));
+            let cursor = place.cursor().unwrap_or(usize::MAX);
+            (cursor, is_other, mark.run.clone(), mark.event)
+        });
+        self.bookmarks = marks;
+    }
+
+    /// Returns what was set in this session, which has nothing of it any more.
+    pub fn take_stops(&mut self) -> Stops {
+        let breakpoints = self.saved_breakpoints();
+        self.breakpoints.clear();
+        Stops {
+            breakpoints,
+            watches: std::mem::take(&mut self.watches),
+            bookmarks: std::mem::take(&mut self.bookmarks),
+        }
+    }
+
+    /// Sets breakpoints, watches and bookmarks in the place of those that there are. A bookmark that names no run is one of
+    /// this run.
+    pub fn put_stops(&mut self, stops: Stops) -> Result<(), SessionError> {
+        self.breakpoints.clear();
+        for saved in &stops.breakpoints {
+            self.add_saved(saved)?;
+        }
+        self.watches = stops.watches;
+        let placed = stops.bookmarks.into_iter().map(|mark| self.placed(mark));
+        self.bookmarks = placed.collect();
+        self.sort_bookmarks();
+        Ok(())
     }
 
     /// Returns the breakpoints as they are saved.
@@ -294,16 +413,18 @@ impl Debugger {
             return Err(SessionError::Different { expected, found });
         }
         let events = recording.len();
-        let named = session.bookmarks.iter().map(|bookmark| bookmark.event);
+        let mut debugger = Self::new(recording, session.budget);
+        let of_this = |mark: &&Bookmark| mark.run.is_empty() || mark.run == debugger.run_id();
+        let named = session.bookmarks.iter().filter(of_this);
+        let named = named.map(|bookmark| bookmark.event);
         if let Some(event) = named.chain([session.cursor]).find(|&event| event > events) {
             return Err(SessionError::NoSuchEvent { event, events });
         }
-        let mut debugger = Self::new(recording, session.budget);
-        for saved in &session.breakpoints {
-            debugger.add_saved(saved)?;
-        }
-        debugger.watches.clone_from(&session.watches);
-        debugger.bookmarks.clone_from(&session.bookmarks);
+        debugger.put_stops(Stops {
+            breakpoints: session.breakpoints.clone(),
+            watches: session.watches.clone(),
+            bookmarks: session.bookmarks.clone(),
+        })?;
         debugger.view.clone_from(&session.view);
         debugger.pattern.clone_from(&session.pattern);
         debugger.jump(session.cursor);

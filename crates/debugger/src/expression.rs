@@ -19,9 +19,12 @@ pub const MAX_LENGTH: usize = 1_000;
 /// How deep an expression may nest.
 pub const MAX_DEPTH: usize = 32;
 
+/// How many of the first [`NAMES`] are about the event that is about to happen; the rest are about what has happened.
+pub const NAMES_OF_NEXT: usize = 11;
+
 /// The names in scope, each with what it is. Lengths and positions are in r; what does not exist is `()`.
 pub const NAMES: [(&str, &str); 25] = [
-    ("event", "number of the event about to happen"),
+    ("event", "number of the event about to happen, from 1"),
     ("kind", "its kind, a text such as \"insert\""),
     (
         "line",
@@ -29,7 +32,7 @@ pub const NAMES: [(&str, &str); 25] = [
     ),
     (
         "depth",
-        "its depth: 0 phase, 1 iteration, 2 sample, 3 search, 4 test",
+        "its depth: 0 phase or iteration, 1 block, 2 sample, 3 search, 4 test",
     ),
     ("block", "the block that it is about"),
     ("verdict", "what becomes of the place it examines"),
@@ -53,6 +56,9 @@ pub const NAMES: [(&str, &str); 25] = [
     ("eliminated", "how many samples are eliminated"),
     ("inserted", "how many samples are inserted"),
 ];
+
+/// The names of lengths and coordinates: their values are in r.
+pub const LENGTHS: [&str; 6] = ["distance", "place_x", "place_y", "x", "y", "search_radius"];
 
 /// Why an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -261,7 +267,7 @@ fn event_scope(recording: &Recording, state: &State, scope: &mut Scope<'static>)
     let mut put = |name: &'static str, value: Dynamic| {
         scope.push_constant_dynamic(name, value);
     };
-    put("event", (state.cursor() as i64).into());
+    put("event", (state.cursor() as i64 + 1).into());
     put("kind", maybe(event.map(|event| event.kind().name())));
     let line = event.and_then(|event| lines.line(event.line()));
     put("line", maybe(line.map(|line| line.id.clone())));

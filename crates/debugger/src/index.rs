@@ -59,6 +59,16 @@ impl Classes {
         Self { classes, events }
     }
 
+    /// Returns how many events before `end` are of the classes that `wanted` accepts.
+    pub(crate) fn count(&self, end: usize, wanted: impl Fn(&Event) -> bool) -> usize {
+        let meant = self.classes.iter().filter(|class| wanted(&class.example));
+        let before = |class: &Class| {
+            let events = &self.events[class.events.clone()];
+            events.partition_point(|&event| (event as usize) < end)
+        };
+        meant.map(before).sum()
+    }
+
     /// Returns the nearest event after (or before) the one at `cursor` of the classes that `wanted`
     /// accepts; it is asked about one event of each class.
     pub(crate) fn nearest(

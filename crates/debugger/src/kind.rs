@@ -3,7 +3,7 @@
 
 macro_rules! kinds {
     ($($kind:ident $name:literal $depth:literal $doc:literal,)*) => {
-        /// What an event is about. Depths: 0 phase, 1 iteration or block, 2 sample, 3 search, 4 test.
+        /// What an event is about. Depths: 0 phase or iteration, 1 block, 2 sample, 3 search, 4 test.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u8)]
         pub enum Kind { $(#[doc = $doc] $kind,)* }
@@ -16,6 +16,12 @@ macro_rules! kinds {
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$kind => $name,)* }
+            }
+
+            /// Returns the kind of a name.
+            #[must_use]
+            pub fn named(name: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|kind| kind.name() == name)
             }
 
             /// Returns the depth in the tree of events, from 0.
@@ -38,7 +44,7 @@ kinds! {
     Test "test" 4 "Two samples are compared.",
     Eliminate "eliminate" 4 "A sample is eliminated.",
     Mark "mark" 3 "A sample becomes a detector.",
-    Iteration "iteration" 1 "An iteration begins.",
+    Iteration "iteration" 0 "An iteration begins.",
     Detect "detect" 2 "A detector begins.",
     Search "search" 3 "A test buffer is gathered.",
     NoGap "no-gap" 3 "A detector's neighbours leave no gap.",

@@ -3,6 +3,7 @@
 //! Architecture invariant: it knows no window, no GPU, no files and no clock, and it computes nothing
 //! of the algorithm. The sequential engine of `tilescope-core` runs; a recorder hears what it does.
 
+mod anchor;
 mod context;
 mod debugger;
 mod density;
@@ -24,12 +25,13 @@ mod state;
 mod tape;
 pub mod why;
 
+pub use anchor::{Anchor, AnchorError};
 pub use context::{Context, Examined, Search};
-pub use debugger::{Breakpoint, Debugger, Stop};
+pub use debugger::{Breakpoint, Debugger, Marked, Stop, Stops};
 pub use density::{Density, Phase, density, phases};
 pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
-pub use expression::{Evaluator, Expression, ExpressionError, NAMES};
+pub use expression::{Evaluator, Expression, ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};
 pub use kind::Kind;
 pub use life::{Life, Status};
 pub use lines::Lines;

@@ -4,6 +4,8 @@
 
 use std::sync::LazyLock;
 
+use tilescope_core::{Boundary, Parameters, Search};
+
 /// The number of a line among all listings.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
@@ -17,12 +19,28 @@ pub struct Line {
     pub id: String,
     /// How far it is indented.
     pub indentation: u32,
-    /// The line.
-    pub text: String,
+    /// The line, with [`REACH`] where it depends on the run.
+    text: String,
     /// One sentence that explains it.
     pub explanation: String,
     /// What is wrong or silent in the paper here.
     pub erratum: Option<String>,
+}
+
+/// Stands in a text for how far detection looks for samples.
+const REACH: &str = "{reach}";
+
+impl Line {
+    /// Returns the line as it runs with these parameters.
+    #[must_use]
+    pub fn text(&self, parameters: &Parameters) -> String {
+        let reach = match (parameters.search, parameters.boundary) {
+            (Search::TwoRadii, _) => "2r",
+            (Search::Complete, Boundary::Periodic) => "4r",
+            (Search::Complete, Boundary::Bounded) => "4r, near a border 7r",
+        };
+        self.text.replace(REACH, reach)
+    }
 }
 
 /// A listing.

@@ -115,6 +115,32 @@ pub fn run_to(
     })
 }
 
+/// Returns where a run from `cursor` to `target` ends: behind the event, so that it is the last one that has happened, or
+/// before the next execution of a line, where a breakpoint would stop.
+#[must_use]
+pub fn arrive(
+    recording: &Recording,
+    cursor: usize,
+    target: Target,
+    direction: Direction,
+) -> Option<usize> {
+    if let Target::Line(_) = target {
+        return run_to(recording, cursor, target, direction);
+    }
+    let found = match (cursor.checked_sub(1), direction) {
+        (Some(last), _) => run_to(recording, last, target, direction),
+        (None, Direction::Backwards) => None,
+        (None, Direction::Forwards) => {
+            let first = recording.event(0);
+            let is_first = first.is_some_and(|event| matches_target(recording, 0, event, target));
+            is_first
+                .then_some(0)
+                .or_else(|| run_to(recording, 0, target, direction))
+        }
+    };
+    found.map(|index| index + 1)
+}
+
 /// Returns whether an event is what `target` says.
 #[must_use]
 pub fn matches_target(recording: &Recording, index: usize, event: &Event, target: Target) -> bool {

@@ -1,4 +1,4 @@
-//! The tree of events: phase, iteration or block, sample, search, test. A skip table of four bytes an event says
+//! The tree of events: phase or iteration, block, sample, search, test. A skip table of four bytes an event says
 //! where each one's descendants end. What a list shows of it is in `rows`.
 
 mod rows;

@@ -1,4 +1,5 @@
 //! Queries of events: words that must all hold, such as `insert iteration>1 block=7`.
+//! Events are numbered from 1, so that the number of the last event is how many have happened.
 //! A query never changes anything; what is wrong with it is said with the word.
 
 use tilescope_core::{Moment, Origin, Verdict};
@@ -139,7 +140,7 @@ impl Term {
             Self::Sample(sample, wanted) => event.touches(sample) == wanted,
             Self::Number(number, comparison, value) => {
                 let found = match number {
-                    Number::Event => Some(index as i64),
+                    Number::Event => Some(index as i64 + 1),
                     Number::Iteration => Some(context.iteration.into()),
                     Number::Depth => Some(event.depth().into()),
                     Number::Block => block(recording, event).map(i64::from),

@@ -130,10 +130,10 @@ impl Words<'_> {
     fn begin(&self, stage: Stage) -> String {
         let run = self.0.run();
         let samples = || {
-            count(
-                run.tiles.last().map_or(0, |t| t.samples.end.into()),
-                "sample",
-            )
+            let tiled = run.tiles.last().map_or(0, |tile| tile.samples.end as usize);
+            let fates = run.samples.fates.iter().take(tiled);
+            let inside = fates.filter(|&&fate| fate != Fate::Dropped).count();
+            count(inside as u64, "sample")
         };
         let blocks = || count(run.blocks.leaves.len() as u64, "block");
         match stage {

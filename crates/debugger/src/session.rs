@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tilescope_core::{MAXIMAL_DENSITY, Observer, Parameters, Pattern, Run};
 
+use crate::anchor::Anchor;
 use crate::listing::Listings;
 use crate::recording::Recording;
 
@@ -51,13 +52,20 @@ pub struct SavedBreakpoint {
     pub enabled: bool,
 }
 
-/// An event to come back to.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// A moment to come back to. It stays where the parameters change: in the run in which it was set it is where it was, and
+/// in others where its anchor is.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bookmark {
-    /// The event.
+    /// How many events have happened, in the run in which it was set.
     pub event: usize,
     /// The note.
     pub note: String,
+    /// The run in which it was set, as [`crate::Debugger::run_id`] names it. Empty: the one of the session that holds it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub run: String,
+    /// The last of its events; none at the start of a run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub anchor: Option<Anchor>,
 }
 
 /// A file with the pattern of a run.
@@ -235,6 +243,10 @@ impl Session {
         longest(
             "bytes in a note",
             self.bookmarks.iter().map(|b| b.note.as_str()),
+        )?;
+        longest(
+            "bytes in a bookmark's run",
+            self.bookmarks.iter().map(|b| b.run.as_str()),
         )?;
         longest(
             "bytes in a path",

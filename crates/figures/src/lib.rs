@@ -38,7 +38,7 @@ pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
 pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
-pub use moment::{Layers, MomentOptions, moment_scene};
+pub use moment::{Layers, MomentOptions, fitted, moment_scene};
 pub use palette::{Color, Palette, with_alpha};
 pub use png::to_png;
 pub use raster::{Pixels, to_pixels};

@@ -3,7 +3,7 @@
 
 mod overlays;
 
-use tilescope_core::{Moment, Origin, Stage};
+use tilescope_core::{Boundary, Moment, Origin, Stage};
 use tilescope_debugger::{Kind, Listings, Recording, State, Status};
 
 use crate::canvas::{CAPTION, Canvas, MARGIN, PictureOptions};
@@ -20,6 +20,8 @@ use crate::scene::{Anchor, Group, Marker, Rect, Scene, Shape, Style, Text};
 pub struct Layers {
     /// Building blocks.
     pub blocks: bool,
+    /// Samples.
+    pub samples: bool,
     /// Rings of the disks of valid samples.
     pub disks: bool,
     /// What no valid sample covers, from elimination on.
@@ -37,9 +39,23 @@ pub struct Layers {
 }
 
 impl Layers {
+    /// The domain alone.
+    pub const NONE: Self = Self {
+        blocks: false,
+        samples: false,
+        disks: false,
+        gaps: false,
+        eliminated: false,
+        detectors: false,
+        search: false,
+        test: false,
+        current: false,
+    };
+
     /// Everything.
     pub const ALL: Self = Self {
         blocks: true,
+        samples: true,
         disks: true,
         gaps: true,
         eliminated: true,
@@ -63,6 +79,9 @@ pub struct MomentOptions {
     pub palette: Palette,
     /// What is shown.
     pub layers: Layers,
+    /// Whether copies of a periodic domain are drawn around it. Without them what a step looks at lies where the place
+    /// under test is in the domain.
+    pub copies: bool,
 }
 
 impl MomentOptions {
@@ -82,6 +101,7 @@ impl MomentOptions {
             size,
             palette: Palette::LIGHT,
             layers: Layers::ALL,
+            copies: true,
         }
     }
 
@@ -97,6 +117,7 @@ impl MomentOptions {
             size: [width, height],
             palette: Palette::LIGHT,
             layers: Layers::ALL,
+            copies: true,
         }
     }
 
@@ -128,7 +149,7 @@ impl MomentOptions {
 /// Returns the picture of a recording when the events before `cursor` have happened.
 ///
 /// Rings and halos mark what the last of them concerns and changes; the caption has its line of pseudocode. In a
-/// periodic domain copies are drawn up to one period beyond the domain. Options that are not finite or not
+/// periodic domain copies are drawn up to one period beyond the domain, unless the options leave them out. Options that are not finite or not
 /// above 0 give a scene that no exporter accepts.
 #[must_use]
 pub fn moment_scene(recording: &Recording, cursor: usize, options: &MomentOptions) -> Scene {
@@ -143,7 +164,12 @@ pub fn moment_scene(recording: &Recording, cursor: usize, options: &MomentOption
         window: Some(options.window(domain.radius())),
         disks: options.layers.disks,
     };
-    let canvas = Canvas::new(domain.size(), domain.boundary(), domain.radius(), &picture);
+    let boundary = if options.copies {
+        domain.boundary()
+    } else {
+        Boundary::Bounded
+    };
+    let canvas = Canvas::new(domain.size(), boundary, domain.radius(), &picture);
     let mut view = MomentView {
         recording,
         state: &state,
@@ -151,7 +177,9 @@ pub fn moment_scene(recording: &Recording, cursor: usize, options: &MomentOption
         canvas,
     };
     view.ground();
-    view.samples();
+    if options.layers.samples {
+        view.samples();
+    }
     view.overlays();
     view.finish()
 }
@@ -293,13 +321,14 @@ impl MomentView<'_> {
         let line = event.and_then(|event| Listings::shipped().line(event.line()));
         line.map_or_else(
             || "Before the first event".to_owned(),
-            |line| line.text.clone(),
+            |line| line.text(&self.recording.run().parameters),
         )
     }
 }
 
-/// The text, cut off behind as many words as there is room for.
-fn fitted(text: &str, room: f64, size: f64) -> String {
+/// Returns a text, cut off behind as many words as there is room for, in pixels, at a size of the regular font.
+#[must_use]
+pub fn fitted(text: &str, room: f64, size: f64) -> String {
     let mut fitted = text.to_owned();
     while text_width(&fitted, Font::Regular, size) > room {
         let words = fitted.trim_end_matches('\u{2026}').trim_end();

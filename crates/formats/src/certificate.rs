@@ -59,7 +59,7 @@ pub struct Certificate {
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
-    /// Pairs closer than the radius.
+    /// Pairs closer than the radius; [`MOST_CONFLICTS`](tilescope_analysis::MOST_CONFLICTS) stand for that many or more.
     pub conflicts: u64,
     /// Places where a point could be added.
     pub gaps: u64,
@@ -128,6 +128,39 @@ impl Certificate {
         let version: Version = serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))?;
         check_version(version.format_version, name)?;
         serde_json::from_slice(bytes).map_err(|e| fault(e.to_string()))
+    }
+
+    /// Parameters that the certificate states a second time, as the region or the radius: name, field and that value.
+    pub(crate) fn known_parameters(&self) -> [(&'static str, &'static str, serde_json::Value); 4] {
+        let region = &self.region;
+        [
+            ("width", "parameters.width", region.width.into()),
+            ("height", "parameters.height", region.height.into()),
+            ("radius", "parameters.radius", self.radius.into()),
+            (
+                "boundary",
+                "parameters.boundary",
+                serde_json::to_value(region.boundary).unwrap_or_default(),
+            ),
+        ]
+    }
+
+    /// Returns the fields that no file can bear out: how the set was made, what the file was called when it was written, and
+    /// what storing changed. They are statements of whoever wrote the certificate.
+    #[must_use]
+    pub fn unchecked(&self) -> Vec<String> {
+        let known = self.known_parameters().map(|(name, ..)| name);
+        let parameters = (self.parameters.keys())
+            .filter(|name| !known.contains(&name.as_str()))
+            .map(|name| format!("parameters.{name}"));
+        let shuffled = self.shuffle_seed.map(|_| "shuffle_seed");
+        let rounded = self.rounding.as_ref().map(|_| "rounding");
+        (["program", "program_version", "method", "file"].into_iter())
+            .chain(shuffled)
+            .chain(rounded)
+            .map(str::to_owned)
+            .chain(parameters)
+            .collect()
     }
 
     /// Refuses a certificate of a version this crate does not know.

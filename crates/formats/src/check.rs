@@ -1,12 +1,14 @@
 //! Re-verification: what a file holds against what its certificate states.
 //!
 //! Judges the positions afresh and lists every difference by name. Never trusts a number of the certificate except
-//! the region, radius and tolerance to judge against, and those only where the caller gives none.
+//! the region and radius to judge against, and those only where the caller gives none.
 
 use std::fmt;
 use std::ops::ControlFlow;
 
-use tilescope_analysis::{Boundary, Progress, Region, Report, VerifyError, VerifyOptions, verify};
+use tilescope_analysis::{
+    Boundary, MOST_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+};
 
 use crate::certificate::{Certificate, finite};
 use crate::codecs::{Hint, decode};
@@ -33,8 +35,6 @@ pub struct Overrides {
     pub region: Option<Region>,
     /// The radius.
     pub radius: Option<f64>,
-    /// How to verify; `None` takes the certificate's covering tolerance, or the default.
-    pub verify: Option<VerifyOptions>,
 }
 
 /// One statement of a certificate that the file does not bear out.
@@ -84,24 +84,6 @@ impl Check {
     }
 }
 
-/// What a file holds, where it is to be judged, before any verdict.
-#[derive(Clone, Debug)]
-pub struct Placed {
-    /// The points in domain units, in the file's order.
-    pub set: PointSet,
-    /// The region, as given, or of the certificate, or implied by the format.
-    pub region: Region,
-    /// The radius, as given or of the certificate.
-    pub radius: f64,
-    /// The format and how it was recognised.
-    pub detection: Detection,
-    /// Number type of the file's coordinates.
-    pub precision: Precision,
-    /// The certificate beside or inside the file, if there is one.
-    pub certificate: Option<Certificate>,
-    pub(crate) positions_digest: String,
-}
-
 /// Why there is no verdict.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -148,40 +130,6 @@ pub fn check_bytes(
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Check, CheckError> {
-    let (placed, judged) = place_bytes(data, name, certificate, overrides)?;
-    let report = verify(
-        &placed.set.points,
-        judged.region,
-        judged.radius,
-        &judged.options,
-        control,
-    )?;
-    let differences = placed.certificate.as_ref().map(|stated| {
-        let found = Found {
-            format: placed.detection.format,
-            precision: placed.precision,
-            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
-            positions_digest: placed.positions_digest,
-        };
-        differences(stated, &judged, &found, &report)
-    });
-    Ok(Check {
-        set: placed.set,
-        detection: placed.detection,
-        precision: placed.precision,
-        certificate: placed.certificate,
-        report,
-        differences: differences.unwrap_or_default(),
-    })
-}
-
-/// Returns what [`check_bytes`] would judge, and judges nothing.
-pub(crate) fn place_bytes(
-    data: &[u8],
-    name: &str,
-    certificate: Option<&[u8]>,
-    overrides: &Overrides,
-) -> Result<(Placed, Judged), CheckError> {
     let hint = Hint {
         name,
         format: overrides.format,
@@ -199,20 +147,34 @@ pub(crate) fn place_bytes(
     let judged = Judged::new(format, precision, certificate.as_ref(), overrides)?;
     let positions_digest = positions_digest(&decoded.set.points);
     let points = decoded.set.points.into_iter();
-    let points = points.map(|p| judged.mapping.domain_from_file(p)).collect();
-    let placed = Placed {
+    let points: Vec<_> = points.map(|p| judged.mapping.domain_from_file(p)).collect();
+    let report = verify(
+        &points,
+        judged.region,
+        judged.radius,
+        &judged.options,
+        control,
+    )?;
+    let differences = certificate.as_ref().map(|stated| {
+        let found = Found {
+            format,
+            precision,
+            digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
+            positions_digest,
+        };
+        differences(stated, &judged, &found, &report)
+    });
+    Ok(Check {
         set: PointSet {
             points,
             provenance: decoded.set.provenance,
         },
-        region: judged.region,
-        radius: judged.radius,
         detection: decoded.detection,
         precision,
         certificate,
-        positions_digest,
-    };
-    Ok((placed, judged))
+        report,
+        differences: differences.unwrap_or_default(),
+    })
 }
 
 /// What the file is judged against.
@@ -241,17 +203,11 @@ impl Judged {
             .or_else(|| format.is_unit_torus().then_some(unit_torus))
             .ok_or(CheckError::NoRegion(format))?;
         let radius = overrides.radius.or_else(|| certificate.map(|c| c.radius));
-        let options = overrides.verify.clone().unwrap_or_else(|| {
-            let mut options = VerifyOptions::default();
-            if let Some(certificate) = certificate {
-                options.covering_tolerance = certificate.covering_tolerance;
-            }
-            options
-        });
         Ok(Self {
             region,
             radius: radius.ok_or(CheckError::NoRadius)?,
-            options,
+            // A certificate has no say in it: with a tolerance of its own it could call any hole none.
+            options: VerifyOptions::default(),
             mapping: Mapping::new(format, Some(region), precision),
         })
     }
@@ -321,6 +277,7 @@ pub(crate) fn differences(
     let tolerance = report.covering_tolerance;
     list.exact("covering_tolerance", &stated.covering_tolerance, &tolerance);
     list.exact("scale", &stated.scale, &judged.mapping.scale());
+    parameters(&mut list, stated);
     let same_question = stated.region == region
         && stated.radius.to_bits() == judged.radius.to_bits()
         && stated.covering_tolerance.to_bits() == tolerance.to_bits();
@@ -329,6 +286,18 @@ pub(crate) fn differences(
         measures(&mut list, stated, report);
     }
     list.0
+}
+
+/// Compares parameters with the region and radius that the certificate states beside them.
+fn parameters(list: &mut Differences, stated: &Certificate) {
+    for (name, field, found) in stated.known_parameters() {
+        if let Some(parameter) = stated.parameters.get(name) {
+            // 1 and 1.0 are two numbers to JSON.
+            let number = parameter.as_f64().is_some() && parameter.as_f64() == found.as_f64();
+            let same = number || *parameter == found;
+            list.unless(same, field, parameter.to_string(), found.to_string());
+        }
+    }
 }
 
 fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
@@ -349,7 +318,9 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     for (field, stated, found) in measured {
         list.measure(field, stated, finite(found));
     }
-    list.exact("conflicts", &stated.conflicts, &report.conflicts);
+    // An older certificate may count further.
+    let counted = stated.conflicts.min(MOST_CONFLICTS);
+    list.exact("conflicts", &counted, &report.conflicts);
     list.exact("gaps", &stated.gaps, &report.gaps);
     list.exact("valid", &stated.valid, &report.valid());
 }

@@ -5,6 +5,8 @@
 
 use std::fmt;
 
+use tilescope_analysis::Number;
+
 use crate::format::Format;
 
 /// Where in a file something is.
@@ -39,6 +41,34 @@ pub enum FormatError {
         path: String,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// A file is too large to be read into memory.
+    #[error("{path}: {bytes} bytes exceed the limit of {limit} for what is read into memory")]
+    TooLarge {
+        /// The file.
+        path: String,
+        /// Its bytes, or more than are allowed.
+        bytes: u64,
+        /// The most that are read.
+        limit: u64,
+    },
+    /// An output has the name of something that is no file.
+    #[error("{path}: this is {kind}; give the name of a file, which is made or replaced")]
+    NotAFile {
+        /// The name.
+        path: String,
+        /// What has it.
+        kind: &'static str,
+    },
+    /// A file is to be written in a format that would not be recognised under its name.
+    #[error("{name}: {format} would be read as {named}, which the name stands for; call it .{}", .format.extension())]
+    Misnamed {
+        /// The file's name.
+        name: String,
+        /// The format that the name stands for.
+        named: Format,
+        /// The format asked for.
+        format: Format,
     },
     /// Neither the name nor the content says what the file is.
     #[error(
@@ -194,7 +224,7 @@ pub enum FormatError {
         points: usize,
     },
     /// A radius or region that cannot be written or used.
-    #[error("{name} is {value}; it must be finite and above 0")]
+    #[error("{name} is {}; it must be finite and above 0", Number(*.value))]
     Parameter {
         /// Which.
         name: &'static str,

@@ -93,7 +93,7 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cause = |by_rounding: bool| {
             if by_rounding {
-                ", made by rounding"
+                ", made by rounding; npy, bin, csv, ply and json with f64 keep every position"
             } else {
                 ""
             }
@@ -153,6 +153,14 @@ pub enum ExportError {
     #[error("{path}: the export failed before and cannot go on")]
     Failed {
         /// The file that was to be written.
+        path: String,
+    },
+    /// Another export of the name is at work.
+    #[error(
+        "{path}: another process is writing it, or this one; wait for its end, or choose another name"
+    )]
+    Busy {
+        /// The file that is being written.
         path: String,
     },
     /// An interrupted export cannot go on.
@@ -218,10 +226,7 @@ pub(crate) fn export_through(
     control: Control<'_>,
 ) -> Result<ExportedBytes, ExportError> {
     let target = target(name, context)?;
-    let set = match context.shuffle_seed {
-        Some(seed) => Cow::Owned(set.shuffled(seed)),
-        None => Cow::Borrowed(set),
-    };
+    let set = ordered(set, context);
     let mut data = store(encode_certified(&set, &target, None)?)?;
     let decoded = decode_own(&data, target.format)?;
     compare(&set, &decoded, &target)?;
@@ -258,14 +263,17 @@ pub(crate) fn export_through(
     })
 }
 
+/// The set in the order in which it is written.
+pub(crate) fn ordered<'a>(set: &'a PointSet, context: &ExportContext) -> Cow<'a, PointSet> {
+    match context.shuffle_seed {
+        Some(seed) => Cow::Owned(set.shuffled(seed)),
+        None => Cow::Borrowed(set),
+    }
+}
+
 pub(crate) fn target(name: &str, context: &ExportContext) -> Result<Target, FormatError> {
-    let format = context
-        .format
-        .or_else(|| Format::from_path(Path::new(name)));
     Ok(Target {
-        format: format.ok_or_else(|| FormatError::UnknownFormat {
-            name: name.to_owned(),
-        })?,
+        format: Format::to_write(Path::new(name), context.format)?,
         region: Some(context.region),
         radius: Some(context.radius),
         precision: context.precision,
@@ -431,10 +439,17 @@ pub(crate) fn warnings(
             by_rounding: rounding.is_some_and(|r| r.made_gaps),
         });
     }
-    if has_provenance && !format.carries_provenance() {
-        warnings.push(Warning::ProvenanceLeftOut { format });
-    }
+    warnings.extend(left_out(has_provenance, format));
     warnings
+}
+
+/// What is to be told of a format that has no room for the provenance.
+pub(crate) fn left_out(has_provenance: bool, format: Format) -> Vec<Warning> {
+    let left_out = has_provenance && !format.carries_provenance();
+    (left_out
+        .then_some(Warning::ProvenanceLeftOut { format })
+        .into_iter())
+    .collect()
 }
 
 #[cfg(test)]

@@ -5,20 +5,28 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use tilescope_analysis::{Progress, Report};
 
-use crate::certificate::Certificate;
-use crate::check::{Check, CheckError, Overrides, Placed, check_bytes, place_bytes};
-use crate::codecs::Hint;
+use crate::certificate::{Certificate, MAX_CERTIFICATE_BYTES};
+use crate::check::{Check, CheckError, Overrides, check_bytes};
+use crate::codecs::{Hint, encode};
+use crate::destination::destination;
 use crate::error::FormatError;
-use crate::export::{ExportContext, ExportError, Warning, export_through};
+use crate::export::{
+    ExportContext, ExportError, Warning, export_through, left_out, ordered, target,
+};
+use crate::pipe::Input;
 use crate::point_set::PointSet;
 use crate::read::{ReadSet, certificate_path, read_bytes};
+
+/// Bytes of the largest file that is decoded in memory: [`MOST_IN_MEMORY`](crate::MOST_IN_MEMORY) points as pairs of f64, and
+/// a head. A stream reads larger ones.
+const MOST_BYTES_IN_MEMORY: u64 = 16 * crate::MOST_IN_MEMORY + (1 << 20);
 
 /// A finished export.
 #[derive(Clone, Debug)]
@@ -41,7 +49,7 @@ pub struct Exported {
 ///
 /// [`FormatError`] when the file, or the certificate beside it, is missing or unreadable.
 pub fn read(path: &Path, hint: &Hint<'_>) -> Result<ReadSet, FormatError> {
-    let bytes = read_file(path)?;
+    let bytes = read_whole(path)?;
     let name = file_name(path)?;
     let certificate_name = certificate_path(path).to_string_lossy().into_owned();
     let certificate = read_certificate(path)?;
@@ -68,23 +76,10 @@ pub fn check(
     overrides: &Overrides,
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Check, CheckError> {
-    let data = read_file(path)?;
+    let data = read_whole(path)?;
     let certificate = read_certificate(path)?;
     let name = file_name(path)?;
     check_bytes(&data, &name, certificate.as_deref(), overrides, control)
-}
-
-/// Returns what [`check`] would judge, without a verdict: also sets that have none, such as those with equal points.
-///
-/// # Errors
-///
-/// Those of [`check`] but [`CheckError::Verify`].
-pub fn place(path: &Path, overrides: &Overrides) -> Result<Placed, CheckError> {
-    let data = read_file(path)?;
-    let certificate = read_certificate(path)?;
-    let name = file_name(path)?;
-    let (placed, _) = place_bytes(&data, &name, certificate.as_deref(), overrides)?;
-    Ok(placed)
 }
 
 /// Writes `set` (in domain units) to the file `path` and a certificate beside it, after reading back and verifying
@@ -103,17 +98,17 @@ pub fn export(
 ) -> Result<Exported, ExportError> {
     let name = file_name(path)?;
     let certificate_path = certificate_path(path);
-    let data = Temporary::beside(path);
+    let data = Temporary::of(path)?;
+    let certificate = Temporary::of(&certificate_path)?;
     let mut store = |bytes: Vec<u8>| {
         data.write(&bytes).map_err(|e| io_error(path, e))?;
         drop(bytes);
         Ok(read_file(&data.path)?)
     };
     let exported = export_through(&mut store, &name, set, context, control)?;
-    let certificate = Temporary::beside(&certificate_path);
     let wrote = certificate.write(&exported.certificate_bytes);
     wrote.map_err(|e| io_error(&certificate_path, e))?;
-    publish(&data.path, path, &certificate, &certificate_path)?;
+    publish(&data.path, &data.destination, &certificate)?;
     Ok(Exported {
         path: path.to_owned(),
         certificate_path,
@@ -123,15 +118,36 @@ pub fn export(
     })
 }
 
+/// Writes `set` (in domain units) to the file `path` without a verdict. A certificate that lies beside it, of what was there before,
+/// is removed.
+///
+/// # Errors
+///
+/// [`FormatError`] when the format is unknown or cannot hold the set, and with the path that failed; a file that was there
+/// is as it was then.
+pub fn export_unverified(
+    path: &Path,
+    set: &PointSet,
+    context: &ExportContext,
+) -> Result<Vec<Warning>, FormatError> {
+    let target = target(&file_name(path)?, context)?;
+    let bytes = encode(&ordered(set, context), &target)?;
+    let temporary = Temporary::of(path)?;
+    temporary.write(&bytes).map_err(|e| io_error(path, e))?;
+    remove_certificate(path)?;
+    temporary.place().map_err(|e| io_error(path, e))?;
+    Ok(left_out(set.provenance.is_some(), target.format))
+}
+
 /// Writes `bytes` to a temporary file in the folder of `path` and renames it: `path` is whole or as it was.
 ///
 /// # Errors
 ///
 /// [`FormatError::Io`] with the path that failed; the temporary file is removed then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
-    let temporary = Temporary::beside(path);
+    let temporary = Temporary::of(path)?;
     temporary.write(bytes).map_err(|e| io_error(path, e))?;
-    fs::rename(&temporary.path, path).map_err(|e| io_error(path, e))
+    temporary.place().map_err(|e| io_error(path, e))
 }
 
 /// Does what [`write_whole`] does with bytes that come one after another: `write` has the temporary file.
@@ -144,13 +160,13 @@ pub fn write_through<E: From<FormatError>>(
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), E> {
     let failed = |e| E::from(io_error(path, e));
-    let temporary = Temporary::beside(path);
+    let temporary = Temporary::of(path)?;
     let mut file = BufWriter::new(File::create(&temporary.path).map_err(failed)?);
     write(&mut file)?;
     let file = file.into_inner().map_err(|e| failed(e.into_error()))?;
     file.sync_all().map_err(failed)?;
     drop(file);
-    fs::rename(&temporary.path, path).map_err(failed)
+    temporary.place().map_err(failed)
 }
 
 /// Renames both files into place, or neither.
@@ -158,43 +174,58 @@ pub(crate) fn publish(
     data: &Path,
     path: &Path,
     certificate: &Temporary,
-    certificate_path: &Path,
 ) -> Result<(), FormatError> {
     // A second name for the old file lets the first rename be undone when the second fails. A file
     // system without hard links loses only that.
-    let old = Temporary::beside(path);
+    let old = Temporary::beside(path.to_owned());
     let kept = fs::hard_link(path, &old.path).is_ok();
     let existed = path.exists();
     fs::rename(data, path).map_err(|e| io_error(path, e))?;
-    let placed = fs::rename(&certificate.path, certificate_path);
-    placed.map_err(|source| {
+    certificate.place().map_err(|source| {
         if kept {
             // If this fails too, the data file is new and its old certificate's digest says so.
             let _ = fs::rename(&old.path, path);
         } else if !existed {
             let _ = fs::remove_file(path);
         }
-        io_error(certificate_path, source)
+        io_error(&certificate.destination, source)
     })
 }
 
 /// A temporary file, removed when dropped if it still has its name.
 pub(crate) struct Temporary {
     pub path: PathBuf,
+    /// The file in whose place it is to be.
+    pub destination: PathBuf,
 }
 
 impl Temporary {
-    /// An unused name in the folder of `path`: renaming never crosses file systems.
-    pub fn beside(path: &Path) -> Self {
+    /// An unused name in the folder of the file that an output named `path` makes or replaces: renaming never crosses
+    /// file systems.
+    ///
+    /// # Errors
+    ///
+    /// As [`destination`].
+    pub fn of(path: &Path) -> Result<Self, FormatError> {
+        Ok(Self::beside(destination(path)?))
+    }
+
+    fn beside(destination: PathBuf) -> Self {
         static COUNTER: AtomicU32 = AtomicU32::new(0);
         let serial = COUNTER.fetch_add(1, Ordering::Relaxed);
         let process = std::process::id();
         let mut name = OsString::from(".");
-        name.push(path.file_name().unwrap_or_default());
+        name.push(destination.file_name().unwrap_or_default());
         name.push(format!(".{process}-{serial}.tmp"));
         Self {
-            path: path.with_file_name(name),
+            path: destination.with_file_name(name),
+            destination,
         }
+    }
+
+    /// Gives it the name of its destination.
+    pub fn place(&self) -> io::Result<()> {
+        fs::rename(&self.path, &self.destination)
     }
 
     /// Writes `bytes` through to the device.
@@ -224,6 +255,7 @@ pub(crate) fn io_error(path: &Path, source: io::Error) -> FormatError {
     }
 }
 
+/// The bytes of a file that was written here.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
     fs::read(path).map_err(|e| io_error(path, e))
 }
@@ -231,10 +263,55 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
 /// The bytes of the certificate of `path`, or `None` if it has none.
 pub(crate) fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatError> {
     let path = certificate_path(path);
-    match fs::read(&path) {
-        Ok(bytes) => Ok(Some(bytes)),
+    match fs::metadata(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(io_error(&path, error)),
+        // A device or a pipe might never end.
+        Ok(found) if !found.is_file() => Err(FormatError::Certificate {
+            name: path.to_string_lossy().into_owned(),
+            reason: "it is not a regular file".to_owned(),
+        }),
+        Ok(_) => read_limited(&path, MAX_CERTIFICATE_BYTES as u64).map(Some),
+    }
+}
+
+/// Removes the certificate of `path`, if it has one: it would be a false one of what is to be written there.
+pub(crate) fn remove_certificate(path: &Path) -> Result<(), FormatError> {
+    let path = certificate_path(path);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error(&path, error)),
+        _ => Ok(()),
+    }
+}
+
+/// The bytes of the file `path`, or of a pipe, which is read once and kept, as they are decoded in memory.
+///
+/// # Errors
+///
+/// [`FormatError::Io`] for what cannot be read, and [`FormatError::TooLarge`].
+pub fn read_whole(path: &Path) -> Result<Vec<u8>, FormatError> {
+    read_limited(path, MOST_BYTES_IN_MEMORY)
+}
+
+/// The bytes of a file of at most `limit`, even if it grows while it is read.
+fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FormatError> {
+    let failed = |error| io_error(path, error);
+    let input = Input::open(path).map_err(failed)?;
+    let too_large = |bytes| FormatError::TooLarge {
+        path: path.display().to_string(),
+        bytes,
+        limit,
+    };
+    let length = input.length().map_err(failed)?;
+    if length > limit {
+        return Err(too_large(length));
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    let mut limited = input.take(limit + 1);
+    limited.read_to_end(&mut bytes).map_err(failed)?;
+    match bytes.len() as u64 {
+        length if length > limit => Err(too_large(length)),
+        _ => Ok(bytes),
     }
 }
 

@@ -18,6 +18,8 @@ mod binary;
 mod certificate;
 mod check;
 mod codecs;
+#[cfg(not(target_arch = "wasm32"))]
+mod destination;
 mod detect;
 mod digest;
 mod error;
@@ -26,6 +28,8 @@ mod export;
 mod files;
 mod format;
 mod mapping;
+#[cfg(not(target_arch = "wasm32"))]
+mod pipe;
 mod point_set;
 mod read;
 #[cfg(not(target_arch = "wasm32"))]
@@ -35,14 +39,18 @@ mod text;
 pub use certificate::{
     CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, MAX_CERTIFICATE_BYTES, Rounding,
 };
-pub use check::{Check, CheckError, Difference, MEASURE_TOLERANCE, Overrides, Placed, check_bytes};
+pub use check::{Check, CheckError, Difference, MEASURE_TOLERANCE, Overrides, check_bytes};
 pub use codecs::{Decoded, Hint, Target, decode, encode};
+#[cfg(not(target_arch = "wasm32"))]
+pub use destination::destination;
 pub use detect::{Detection, Evidence, detect};
 pub use digest::{bytes_digest, positions_digest};
 pub use error::{FormatError, Place};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
-pub use files::{Exported, check, export, place, read, write_through, write_whole};
+pub use files::{
+    Exported, check, export, export_unverified, read, read_whole, write_through, write_whole,
+};
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
 pub use point_set::{PointSet, Provenance};

@@ -404,11 +404,20 @@ impl AdapterReport {
     }
 }
 
+/// Returns what is missing where there is no adapter, on a page or on a system.
+const fn missing(is_page: bool) -> &'static str {
+    if is_page {
+        "the browser has no WebGPU, or offers it only to pages that come by https"
+    } else {
+        "the system has no Vulkan, Metal, DirectX 12 or WebGPU driver"
+    }
+}
+
 fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter, GpuError> {
     let reports: Vec<AdapterReport> = adapters.iter().map(report_of).collect();
     let Some(first) = reports.first() else {
         return Err(GpuError::NoAdapter {
-            reason: "the system has no Vulkan, Metal, DirectX 12 or WebGPU driver".to_owned(),
+            reason: missing(cfg!(target_arch = "wasm32")).to_owned(),
         });
     };
     let place = match &choice.name {

@@ -1,19 +1,27 @@
 //! Tilescope: no arguments opens the window, a subcommand runs the command line. This file only
 //! chooses between the two.
 
+use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
 use tilescope_app::WindowOptions;
 use tilescope_cli::{Arguments, HeadlessReason};
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::read();
     if let Some(command) = &arguments.command {
         return tilescope_cli::run(command);
     }
+    let has_link = arguments.link.is_some();
+    let without_window = |reason: &HeadlessReason| {
+        if has_link {
+            tilescope_cli::refuse_link(reason)
+        } else {
+            tilescope_cli::run_headless(reason)
+        }
+    };
     if !tilescope_app::display_available() {
-        return tilescope_cli::run_headless(&HeadlessReason::NoDisplay);
+        return without_window(&HeadlessReason::NoDisplay);
     }
     let options = WindowOptions {
         link: arguments.link,
@@ -23,9 +31,9 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         // Nothing that was not asked for is written because a window is lost.
         Err(error) if error.was_open() => {
-            eprintln!("tilescope: {error}");
+            let _ = writeln!(std::io::stderr(), "tilescope: {error}");
             ExitCode::FAILURE
         }
-        Err(error) => tilescope_cli::run_headless(&HeadlessReason::Failed(error.to_string())),
+        Err(error) => without_window(&HeadlessReason::Failed(error.to_string())),
     }
 }

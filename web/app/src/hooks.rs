@@ -36,9 +36,19 @@ pub fn announce(text: &str) {
     let _ = call("announce", text);
 }
 
+/// The name of the field into which the keyboard writes, empty if there is none.
+pub fn field(name: &str) {
+    let _ = call("field", name);
+}
+
 /// A text for the clipboard; returns whether the page puts it there.
 pub fn copy(text: &str) -> bool {
     call("copy", text)
+}
+
+/// The full screen is asked for, or given back; returns whether the page sees to it.
+pub fn full_screen() -> bool {
+    call("full_screen", "")
 }
 
 /// The link to what is shown has changed.

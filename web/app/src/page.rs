@@ -1,16 +1,19 @@
 //! What the page starts and asks: the app on a canvas, the display that draws it, and what the page is told of it.
 
 use std::any::Any;
+use std::cell::Cell;
 use std::rc::Rc;
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu};
 use eframe::{WebOptions, WebRunner};
-use egui::Ui;
+use egui::{Event, Ui};
 use js_sys::Object;
 use serde::Deserialize;
+use tilescope_app::canvas::input::leads_zoom;
 use tilescope_app::device::Engine;
 use tilescope_app::embedding::Embedding;
 use tilescope_app::errand::carry_with;
+use tilescope_app::focus::{self, End};
 use tilescope_app::{App, Command};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -40,6 +43,8 @@ struct Options {
     reason: String,
     /// Whether nothing is to move by itself.
     reduced_motion: bool,
+    /// Whether the browser lets the page have the full screen.
+    full_screen: bool,
     /// The address of the worker's script.
     worker: String,
     /// The address of the bindings.
@@ -52,6 +57,16 @@ pub struct Tilescope {
     runner: WebRunner,
     pool: Pool,
     display: String,
+    shared: Rc<Shared>,
+}
+
+/// What decides who a touch or the wheel is for: asked while the runner is at work, where nothing else of it can be reached.
+#[derive(Default)]
+struct Shared {
+    /// Whether the touch at hand is left to the page around.
+    is_yielded: Cell<bool>,
+    /// Whether a list is open, which the wheel scrolls.
+    has_list: Cell<bool>,
 }
 
 /// Starts the app on a canvas and returns once it can be used.
@@ -76,13 +91,14 @@ pub async fn start(
     });
     carry_with(Some(Rc::new(pool.clone())));
     let runner = WebRunner::new();
-    let web_options = display_options(&options.display);
-    let carried = pool.clone();
+    let shared = Rc::<Shared>::default();
+    let web_options = web_options(&options, &shared);
+    let (carried, seen) = (pool.clone(), Rc::clone(&shared));
     let started = runner
         .start(
             canvas,
             web_options,
-            Box::new(move |creation| Ok(Box::new(Page::new(creation, &options, carried)))),
+            Box::new(move |creation| Ok(Box::new(Page::new(creation, &options, carried, seen)))),
         )
         .await;
     if let Err(error) = started {
@@ -97,6 +113,7 @@ pub async fn start(
         runner,
         pool,
         display,
+        shared,
     })
 }
 
@@ -143,6 +160,35 @@ impl Tilescope {
         page.is_some_and(|page| tilescope_app::actions::takes_key(&page.app.state, key, modifiers))
     }
 
+    /// Returns whether one finger at a place of the canvas is left to the page around, which scrolls.
+    pub fn scrolls_at(&self, x: f32, y: f32) -> bool {
+        let page = self.runner.app_mut::<Page>();
+        page.is_some_and(|page| {
+            let pos = egui::pos2(x, y) / page.ctx.zoom_factor();
+            page.app.scrolls_at(&page.ctx, pos)
+        })
+    }
+
+    /// Leaves the touch at hand to the page around, or takes it.
+    pub fn yield_touch(&self, is_yielded: bool) {
+        self.shared.is_yielded.set(is_yielded);
+    }
+
+    /// Gives the focus to the first control, or to the last one.
+    pub fn enter_by_tab(&self, backwards: bool) {
+        if let Some(page) = self.runner.app_mut::<Page>() {
+            let end = if backwards { End::Last } else { End::First };
+            focus::enter(&page.ctx, end);
+        }
+    }
+
+    /// Returns whether Tab leads out: the focus is on the last control, or backwards on the first one, and leaves it.
+    pub fn leaves_by_tab(&self, backwards: bool) -> bool {
+        let page = self.runner.app_mut::<Page>();
+        let end = if backwards { End::First } else { End::Last };
+        page.is_some_and(|page| focus::leave(&page.ctx, end))
+    }
+
     /// Says that what was to be copied could not be.
     pub fn copy_failed(&self) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
@@ -181,9 +227,9 @@ impl Tilescope {
     }
 }
 
-fn display_options(display: &str) -> WebOptions {
+fn web_options(options: &Options, shared: &Rc<Shared>) -> WebOptions {
     let mut create = WgpuSetupCreateNew::without_display_handle();
-    create.instance_descriptor.backends = match display {
+    create.instance_descriptor.backends = match options.display.as_str() {
         "webgpu" => wgpu::Backends::BROWSER_WEBGPU,
         "webgl" => wgpu::Backends::GL,
         _ => wgpu::Backends::BROWSER_WEBGPU | wgpu::Backends::GL,
@@ -193,7 +239,22 @@ fn display_options(display: &str) -> WebOptions {
             wgpu_setup: WgpuSetup::CreateNew(create),
             ..WgpuConfiguration::default()
         },
+        should_prevent_default: Box::new(prevents(options.embed.is_some(), Rc::clone(shared))),
         ..WebOptions::default()
+    }
+}
+
+/// Returns whether the browser is kept from doing what it does on an event: in a frame the plain wheel and one finger scroll
+/// the page around.
+fn prevents(is_embedded: bool, shared: Rc<Shared>) -> impl Fn(&Event) -> bool {
+    move |event| match event {
+        Event::MouseWheel { modifiers, .. } => {
+            !is_embedded || shared.has_list.get() || leads_zoom(*modifiers)
+        }
+        Event::PointerButton { .. } | Event::PointerMoved(_) | Event::PointerGone => {
+            !shared.is_yielded.get()
+        }
+        _ => true,
     }
 }
 
@@ -202,6 +263,7 @@ struct Page {
     app: App,
     ctx: egui::Context,
     pool: Pool,
+    shared: Rc<Shared>,
     display: String,
     stores: bool,
     /// Frames that were begun, up to the second one.
@@ -214,7 +276,12 @@ struct Page {
 }
 
 impl Page {
-    fn new(creation: &eframe::CreationContext<'_>, options: &Options, pool: Pool) -> Self {
+    fn new(
+        creation: &eframe::CreationContext<'_>,
+        options: &Options,
+        pool: Pool,
+        shared: Rc<Shared>,
+    ) -> Self {
         let mut app = App::new(&creation.egui_ctx);
         let stores = options.embed.is_none();
         let mut display = String::new();
@@ -227,6 +294,13 @@ impl Page {
         }
         app.state.link_base = address();
         app.copy_with(hooks::copy);
+        App::speak_to(&creation.egui_ctx, |spoken| {
+            hooks::field(&spoken.field);
+            if !spoken.text.is_empty() {
+                hooks::announce(&spoken.text);
+            }
+        });
+        app.turn_full_screen_with(hooks::full_screen);
         if let Some(storage) = creation.storage.filter(|_| stores) {
             app.remember(storage);
         }
@@ -244,12 +318,14 @@ impl Page {
             },
             embedding: options.embed.as_deref().and_then(Embedding::named),
             reduced_motion: options.reduced_motion,
+            full_screen: options.full_screen,
         });
         pool.open();
         Self {
             app,
             ctx: creation.egui_ctx.clone(),
             pool,
+            shared,
             display,
             stores,
             frames: 0,
@@ -297,11 +373,7 @@ impl eframe::App for Page {
         }
         self.frames = self.frames.saturating_add(1);
         eframe::App::ui(&mut self.app, ui, frame);
-        // What has the focus now, or was changed by a key.
-        let spoken = ui.ctx().output(egui::PlatformOutput::events_description);
-        if !spoken.is_empty() {
-            hooks::announce(&spoken);
-        }
+        self.shared.has_list.set(egui::Popup::is_any_open(ui.ctx()));
         // What this frame has cancelled is seen to now: there may be no other one.
         self.pool.tick();
         self.tell(ui.input(|input| input.time));

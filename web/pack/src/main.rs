@@ -31,9 +31,21 @@ struct Arguments {
     /// The folder to write; what an earlier run wrote there is replaced
     #[arg(long, value_name = "FOLDER", default_value = "web/dist")]
     out: PathBuf,
+    /// Where the folder will lie, as `https://example.org/tilescope/`: those who show a picture with a link need its whole address
+    #[arg(long, value_name = "ADDRESS", value_parser = address)]
+    address: Option<String>,
     /// The most bytes, compressed by brotli, that may be needed to start
     #[arg(long, value_name = "BYTES", default_value_t = budget::MOST_TO_START)]
     most: usize,
+}
+
+fn address(text: &str) -> Result<String, String> {
+    let is_web = text.starts_with("https://") || text.starts_with("http://");
+    if is_web && text.ends_with('/') && !text.contains(['"', '<', '&', '?', '#']) {
+        Ok(text.to_owned())
+    } else {
+        Err("it begins with https:// or http:// and ends with a slash".to_owned())
+    }
 }
 
 fn main() -> ExitCode {
@@ -54,7 +66,7 @@ fn pack(arguments: &Arguments) -> Result<()> {
     for (name, bytes) in binding::bind(module)? {
         sources.insert(name, page::Source::made(bytes));
     }
-    let mut files = page::assemble(&sources)?;
+    let mut files = page::assemble(&sources, arguments.address.as_deref().unwrap_or_default())?;
     files.extend(page::example(&arguments.example)?);
     let packed = compress::all(files, &arguments.out);
     let table = budget::Table::of(&packed);

@@ -88,13 +88,14 @@ fn read_folder(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
     Ok(files)
 }
 
-/// Returns every file under its final name, the service worker last.
+/// Returns every file under its final name, the service worker last. `address` is where they will lie, or empty.
 ///
 /// # Errors
 /// A placeholder that cannot be filled in, files that refer to each other in a circle, a missing `index.html`.
-pub fn assemble(sources: &BTreeMap<String, Source>) -> Result<Vec<File>> {
+pub fn assemble(sources: &BTreeMap<String, Source>, address: &str) -> Result<Vec<File>> {
     let mut assembly = Assembly {
         sources,
+        address,
         done: BTreeMap::new(),
         open: Vec::new(),
     };
@@ -146,6 +147,7 @@ fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
     all.extend_from_slice(&source.bytes);
     let text = std::str::from_utf8(&source.bytes).context(WORKER)?;
     let text = rewrite(text, |placeholder| match placeholder {
+        Placeholder::Address => Ok(String::new()),
         Placeholder::Precache => Ok(serde_json::to_string(&addresses)?),
         Placeholder::Version => Ok(names::digest(&all)),
         Placeholder::Asset(name) | Placeholder::Size(name) => {
@@ -157,6 +159,7 @@ fn service_worker(source: &Source, files: &[File]) -> Result<Vec<u8>> {
 
 struct Assembly<'a> {
     sources: &'a BTreeMap<String, Source>,
+    address: &'a str,
     /// Final names and bytes by name.
     done: BTreeMap<String, (String, Vec<u8>)>,
     /// Files whose placeholders are being filled in.
@@ -204,6 +207,7 @@ impl Assembly<'_> {
                 self.finish(name)?;
                 Ok(self.done[name].1.len().to_string())
             }
+            Placeholder::Address => Ok(self.address.to_owned()),
             Placeholder::Precache | Placeholder::Version => {
                 bail!("only {WORKER} has a list and a version")
             }

@@ -1,4 +1,4 @@
-//! Placeholders in the page's own files: `{{asset:NAME}}`, `{{size:NAME}}`, `{{precache}}` and `{{version}}`.
+//! Placeholders in the page's own files: `{{asset:NAME}}`, `{{size:NAME}}`, `{{address}}`, `{{precache}}` and `{{version}}`.
 //! Two opening braces in a row mean nothing else there; one that is not understood is an error.
 
 use anyhow::{Context, Result, bail};
@@ -10,6 +10,8 @@ pub enum Placeholder<'a> {
     Asset(&'a str),
     /// The number of bytes of a file, uncompressed.
     Size(&'a str),
+    /// Where the folder will lie, or nothing where that is not known.
+    Address,
     /// The service worker's list of addresses, as JSON.
     Precache,
     /// The hash of everything in that list.
@@ -21,6 +23,7 @@ impl<'a> Placeholder<'a> {
         match inner.split_once(':') {
             Some(("asset", name)) if !name.is_empty() => Some(Self::Asset(name)),
             Some(("size", name)) if !name.is_empty() => Some(Self::Size(name)),
+            None if inner == "address" => Some(Self::Address),
             None if inner == "precache" => Some(Self::Precache),
             None if inner == "version" => Some(Self::Version),
             _ => None,
@@ -65,6 +68,7 @@ mod tests {
             Placeholder::Asset("missing.js") => bail!("there is no file missing.js"),
             Placeholder::Asset(name) => Ok(format!("<{name}>")),
             Placeholder::Size(name) => Ok(name.len().to_string()),
+            Placeholder::Address => Ok("https://a.example/".to_owned()),
             Placeholder::Precache => Ok("[]".to_owned()),
             Placeholder::Version => Ok("v".to_owned()),
         }

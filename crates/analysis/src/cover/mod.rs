@@ -68,7 +68,6 @@ use crate::worst::Worst;
 use buried::Buried;
 pub(crate) use places::Places;
 use survey::Survey;
-pub(crate) use survey::on_a_line;
 use tiles::Window;
 pub(crate) use tiles::{Tile, split};
 

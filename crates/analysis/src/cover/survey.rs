@@ -2,12 +2,13 @@
 //! Every place claimed is a Voronoi vertex, a border crossing or a corner of the window's samples.
 //! It never judges whether the window was wide enough; its caller compares `side_reach` with the halo.
 
-use spade::{DelaunayTriangulation, Point2, Triangulation};
+use spade::{Point2, Triangulation};
 
 use super::Task;
 use super::border::{self, Site};
 use super::circle::{circumcircle, is_below};
 use super::tiles::{Tile, Window};
+use crate::delaunay::delaunay;
 use crate::error::VerifyError;
 use crate::report::{Gap, GapKind};
 
@@ -99,10 +100,14 @@ impl Survey {
         points: Vec<Point2<f64>>,
     ) -> Result<(), VerifyError> {
         let domain = &task.grid.domain;
-        let triangulation = triangulate(points).map_err(|cause| VerifyError::Triangulation {
+        let triangulation = delaunay(points).map_err(|cause| VerifyError::Triangulation {
             corner: tile.low.map(|value| value / domain.scale),
             cause,
         })?;
+        // Samples on a line have no circle.
+        let Some(triangulation) = triangulation else {
+            return Ok(());
+        };
         // Beyond the border of a bounded region no place counts, however close.
         let [low, high] = [0, 1].map(|end| {
             let bound = |axis: usize| match end {
@@ -185,45 +190,5 @@ impl Side {
             })
             .filter(|site| site.offset <= window.halo)
             .collect()
-    }
-}
-
-/// The Delaunay triangulation; the error is what it said about a coordinate that it refused.
-fn triangulate(points: Vec<Point2<f64>>) -> Result<DelaunayTriangulation<Point2<f64>>, String> {
-    DelaunayTriangulation::bulk_load(points).map_err(|error| error.to_string())
-}
-
-/// Whether three points are exactly on one line.
-pub(crate) fn on_a_line(points: [[f64; 2]; 3]) -> bool {
-    let tiny = |value: f64| {
-        if value.abs() < spade::MIN_ALLOWED_VALUE {
-            0.0
-        } else {
-            value
-        }
-    };
-    let corners = points.map(|[x, y]| Point2::new(tiny(x), tiny(y)));
-    // The predicates are exact, so there is a face if and only if the points span one.
-    triangulate(corners.to_vec()).is_ok_and(|found| found.num_inner_faces() == 0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_refused_coordinate_is_an_error_and_no_panic() {
-        for bad in [f64::NAN, f64::INFINITY, 1e70, 1e-60] {
-            let points = vec![Point2::new(0.0, 0.0), Point2::new(bad, 1.0)];
-            assert!(triangulate(points).is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn lines_are_recognised_exactly() {
-        assert!(on_a_line([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]]));
-        assert!(on_a_line([[0.3, 0.1], [0.3, 0.7], [0.3, 0.2]]));
-        let above = f64::from_bits(0.5f64.to_bits() + 1);
-        assert!(!on_a_line([[0.0, 0.0], [0.5, above], [1.0, 1.0]]));
     }
 }

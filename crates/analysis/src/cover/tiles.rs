@@ -67,12 +67,18 @@ impl Tile {
     }
 }
 
-/// Splits `rows` of the region until no tile has more than `tile_samples`, or is a single cell.
+/// Splits `rows` of the region until no tile has more than `tile_samples`, or most of its samples are in one cell: to split that one
+/// would only make more tiles around it that see all of them.
 pub(crate) fn split(grid: &Grid, rows: Range<usize>, tile_samples: usize) -> Vec<Tile> {
     let mut open = vec![Tile::new(grid, 0..grid.cells[0], rows)];
     let mut done = Vec::new();
+    let fullest = grid.fullest(&open[0].columns, &open[0].rows);
     while let Some(tile) = open.pop() {
-        let halves = (tile.count > tile_samples)
+        let one_cell = || {
+            fullest > tile_samples
+                && grid.fullest(&tile.columns, &tile.rows) > tile_samples.max(tile.count / 2)
+        };
+        let halves = (tile.count > tile_samples && !one_cell())
             .then(|| tile.halves(grid))
             .flatten();
         match halves {
@@ -232,10 +238,11 @@ mod tests {
             let tiles = split(&grid, 0..grid.cells[1], target);
             assert_eq!(tiles.iter().map(|tile| tile.count).sum::<usize>(), 1000);
             let single = |tile: &Tile| tile.columns.len() * tile.rows.len() == 1;
+            let crowded = |tile: &Tile| grid.fullest(&tile.columns, &tile.rows) > target;
             assert!(
                 tiles
                     .iter()
-                    .all(|tile| tile.count <= target || single(tile))
+                    .all(|tile| tile.count <= target || single(tile) || crowded(tile))
             );
         }
     }

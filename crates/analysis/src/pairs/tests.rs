@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::region::{Boundary, Region};
+use crate::report::MOST_CONFLICTS;
 use std::ops::ControlFlow;
 
 fn run(points: &[[f64; 2]], width: f64, height: f64, periodic: bool, radius: f64) -> Pairs {
@@ -17,10 +18,21 @@ fn run(points: &[[f64; 2]], width: f64, height: f64, periodic: bool, radius: f64
     })
     .expect("supported");
     assert_eq!(domain.scale, 1.0, "tests work in the domain's unit");
-    let grid = Grid::new(points, domain, cell_side(&domain, points.len(), radius));
+    let grid = Grid::new(points, domain, cell_side(&domain, points.len()));
     let go_on = |_| ControlFlow::Continue(());
     let monitor = Monitor::new(&go_on, 0);
-    search(&grid, points, radius, 4, &monitor).expect("not cancelled")
+    let found = search(&grid, points, radius, 4, &monitor).expect("not cancelled");
+    let mut swept = sweep::search(&grid, radius, 4, &monitor).expect("not cancelled");
+    if periodic {
+        add_own_copies(&grid, radius, &mut swept);
+    }
+    // Either may count somewhat further.
+    let counted = |pairs: &Pairs| pairs.conflicts.min(MOST_CONFLICTS);
+    assert_eq!(counted(&found), counted(&swept));
+    assert_eq!(found.min_distance, swept.min_distance);
+    let worst = |pairs: &Pairs| pairs.worst.clone().into_sorted();
+    assert_eq!(worst(&found), worst(&swept));
+    found
 }
 
 #[test]
@@ -106,9 +118,9 @@ fn a_cluster_on_the_seam_of_a_narrow_torus_is_counted_in_full() {
 
 #[test]
 fn a_cluster_in_one_cell_is_counted_in_full() {
-    // 40 x 40 samples in one cell of a sparse region, spacing 2^-20.
+    // 40 x 30 samples in one cell of a sparse region, spacing 2^-20.
     let step = 2f64.powi(-20);
-    let points: Vec<_> = (0..1600)
+    let points: Vec<_> = (0..1200)
         .map(|i| {
             [
                 0.4 + f64::from(i % 40) * step,
@@ -117,6 +129,75 @@ fn a_cluster_in_one_cell_is_counted_in_full() {
         })
         .collect();
     let pairs = run(&points, 1.0, 1.0, true, 1.25 * step);
-    assert_eq!(pairs.conflicts, 2 * 39 * 40);
-    assert_eq!(run(&points, 1.0, 1.0, true, 0.9).conflicts, 1600 * 1599 / 2);
+    assert_eq!(pairs.conflicts, 39 * 30 + 40 * 29);
+    assert_eq!(run(&points, 1.0, 1.0, true, 0.9).conflicts, 1200 * 1199 / 2);
+}
+
+/// Every pair of random and clustered sets, by the definition.
+#[test]
+fn both_searches_count_every_pair_once() {
+    let fraction = |i: usize, step: f64| (i as f64 * step).fract();
+    for (scale, count) in [(1.0, 300), (1e-3, 200), (1e-9, 100)] {
+        let point =
+            |i| [0.754_877, 0.569_84].map(|step| (0.9995 + scale * fraction(i, step)).fract());
+        let points: Vec<_> = (0..count).map(point).collect();
+        for (periodic, radius) in [
+            (true, 0.05),
+            (true, 0.7),
+            (true, 1e-9),
+            (false, 0.05),
+            (false, 2.0),
+        ] {
+            let along = |a: f64, b: f64| {
+                let direct = (a - b).abs();
+                if periodic {
+                    direct.min(1.0 - direct)
+                } else {
+                    direct
+                }
+            };
+            let distance = |i: usize, j: usize| {
+                let [dx, dy] = [0, 1].map(|axis| along(points[i][axis], points[j][axis]));
+                dx.hypot(dy)
+            };
+            let pairs = (0..count).flat_map(|i| (0..i).map(move |j| (i, j)));
+            let expected = pairs.filter(|&(i, j)| distance(i, j) < radius).count() as u64;
+            assert_eq!(run(&points, 1.0, 1.0, periodic, radius).conflicts, expected);
+        }
+    }
+}
+
+/// Half a million and more pairs beyond the limit, and samples at one place: the extremes stay exact.
+#[test]
+fn counting_ends_and_the_closest_pairs_are_found_all_the_same() {
+    let step = 2f64.powi(-20);
+    let mut points: Vec<_> = (0..4000)
+        .map(|i| {
+            [
+                0.25 + f64::from(i % 100) * step,
+                0.25 + f64::from(i / 100) * step,
+            ]
+        })
+        .collect();
+    points.push([0.75, 0.75]);
+    points.push([0.75 + 0.5 * step, 0.75]);
+    for periodic in [false, true] {
+        let pairs = run(&points, 1.0, 1.0, periodic, 0.25);
+        assert!(pairs.conflicts >= MOST_CONFLICTS);
+        assert_eq!(pairs.min_distance, 0.5 * step);
+        assert_eq!(pairs.worst.into_sorted()[0].first, 4000);
+    }
+    let same = vec![[0.5, 0.5]; 5000];
+    let pairs = run(&same, 1.0, 1.0, true, 0.1);
+    assert_eq!(
+        (pairs.conflicts >= MOST_CONFLICTS, pairs.min_distance),
+        (true, 0.0)
+    );
+    let worst: Vec<_> = pairs
+        .worst
+        .into_sorted()
+        .iter()
+        .map(|pair| (pair.first, pair.second))
+        .collect();
+    assert_eq!(worst, [(0, 1), (0, 2), (0, 3), (0, 4)]);
 }

@@ -195,7 +195,7 @@ impl Bands {
         let count = complete - first;
         let parts = [&self.held[..], &[]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
-        grid.check_duplicates()?;
+        check_crowd(&grid)?;
         let scanned = self.closed.max(search.first_pairs())..rows.end;
         self.scan(search, &grid, scanned, monitor)?;
         let task = search.task(&grid);
@@ -290,7 +290,7 @@ impl Bands {
         let parts = [&held[..], &seam[..]];
         let grid = Grid::of_rows(search.domain, search.cells, Rows { first, count }, parts);
         drop((held, seam));
-        grid.check_duplicates()?;
+        check_crowd(&grid)?;
         self.scan(search, &grid, self.closed..all, monitor)?;
         self.scan(search, &grid, 0..search.first_pairs(), monitor)?;
         let task = search.task(&grid);
@@ -315,6 +315,15 @@ impl Bands {
         let cover = places.finish(&search.domain, search.same);
         Ok(Found { pairs, cover })
     }
+}
+
+/// Refuses rows whose pairs are too many to be looked at.
+fn check_crowd(grid: &Grid) -> Result<(), VerifyError> {
+    if grid.is_crowded() {
+        let samples = grid.entries().len();
+        return Err(VerifyError::Crowded { samples });
+    }
+    Ok(())
 }
 
 fn new_visits(task: &Task<'_>, rows: Range<usize>, search: &Search) -> Vec<Visit> {

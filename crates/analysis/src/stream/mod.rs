@@ -22,12 +22,11 @@ mod saved;
 
 use std::ops::ControlFlow;
 
-use crate::cover::on_a_line;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
 use crate::monitor::{Monitor, Progress};
-use crate::region::{Boundary, Region};
+use crate::region::Region;
 use crate::report::Report;
 use crate::verify::{VerifyOptions, check_point, check_tolerance, verify};
 use bands::{Bands, Search};
@@ -159,8 +158,8 @@ impl StreamVerifier {
     ///
     /// # Errors
     ///
-    /// As [`Self::push`], [`VerifyError::Empty`], [`VerifyError::Collinear`], and [`VerifyError::TooSparse`] for
-    /// a set without any two samples near each other.
+    /// As [`Self::push`], [`VerifyError::Empty`], and [`VerifyError::TooSparse`] for a set without any two samples near each
+    /// other.
     pub fn finish(
         mut self,
         control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
@@ -202,7 +201,6 @@ impl StreamVerifier {
         if let Some(all) = self.bands.take_unjudged(&self.search) {
             return verify(&all, region, radius, &self.search.options, control);
         }
-        self.intake.check_line(&self.search)?;
         let monitor = self.monitor(control);
         let found = self.bands.finish(&self.search, &monitor)?;
         let search = &self.search;
@@ -237,10 +235,6 @@ struct Intake {
     count: usize,
     /// The highest ordinate so far, in the domain's unit.
     highest: f64,
-    /// The first two samples.
-    first: Vec<[f64; 2]>,
-    /// Whether a sample was off the line through them.
-    plane: bool,
 }
 
 impl Intake {
@@ -262,34 +256,8 @@ impl Intake {
             });
         }
         self.highest = self.highest.max(position[1]);
-        if !self.plane {
-            self.look_for_a_plane(position);
-        }
         self.count += 1;
         let id = index as u32;
         Ok(Entry { position, id })
-    }
-
-    fn look_for_a_plane(&mut self, position: [f64; 2]) {
-        match self.first[..] {
-            [first, second] => self.plane = !on_a_line([first, second, position]),
-            _ => self.first.push(position),
-        }
-    }
-
-    /// Refuses what [`verify`] refuses as a misread file.
-    fn check_line(&self, search: &Search) -> Result<(), VerifyError> {
-        let [first, second] = self.first[..] else {
-            return Ok(());
-        };
-        if search.region.boundary == Boundary::Periodic || self.plane || self.count < 3 {
-            return Ok(());
-        }
-        let unscaled = |position: [f64; 2]| position.map(|value| value / search.domain.scale);
-        Err(VerifyError::Collinear {
-            count: self.count,
-            first: unscaled(first),
-            second: unscaled(second),
-        })
     }
 }

@@ -16,7 +16,7 @@ use super::StreamVerifier;
 use super::bands::{Bands, Search};
 
 /// First word of a state: its layout.
-const LAYOUT: u64 = 0x7473_2073_6373_7401;
+const LAYOUT: u64 = 0x7473_2073_6373_7402;
 
 impl StreamVerifier {
     /// The state as bytes: about 24 for each sample held and few besides.
@@ -35,8 +35,6 @@ impl StreamVerifier {
         out.u64(self.expected);
         out.u64(self.intake.count as u64);
         out.f64(self.intake.highest);
-        out.u64(u64::from(self.intake.plane));
-        out.list(&self.intake.first, |out, point| out.point(*point));
         out.bands(&self.bands);
         let sum = checksum(&out.0);
         out.u64(sum);
@@ -249,8 +247,6 @@ impl Reader<'_> {
         let intake = &mut verifier.intake;
         intake.count = self.usize()?;
         intake.highest = self.f64()?;
-        intake.plane = self.u64()? != 0;
-        intake.first = self.list(Self::point)?;
         self.bands(&mut verifier.bands)?;
         self.0.is_empty().then_some(())
     }

@@ -2,6 +2,8 @@
 //! that lie outside the disks. Cells of a bounded domain are clipped to it.
 //! It never joins anything across cells.
 
+use std::collections::HashMap;
+
 use super::window::{Corner, Seen, Window, shifted};
 use super::{dot, length, minus, plus};
 use crate::domain::Domain;
@@ -9,6 +11,9 @@ use crate::domain::Domain;
 /// Corners no further than this beyond the radius, in radii, count as covered: rounding alone makes
 /// larger differences than zero where circles of a lattice just touch.
 const TOUCH: f64 = 1e-12;
+
+/// Sides of a cell among which a twin is not looked for one by one: about a hub there are as many as samples.
+const MANY_SIDES: usize = 64;
 
 /// A directed side of a cell; it ends where the next one of its cell begins.
 #[derive(Clone, Copy, Debug)]
@@ -58,8 +63,9 @@ impl Cells {
             sides,
             starts,
         };
+        let of_many = cells.sides_of_many();
         for side in 0..cells.sides.len() {
-            cells.sides[side].twin = cells.find_twin(side);
+            cells.sides[side].twin = cells.find_twin(side, &of_many);
             (cells.sides[side].head, cells.sides[side].tail) = cells.outside(side);
         }
         cells
@@ -118,14 +124,38 @@ impl Cells {
             .map(|side| self.ends(side))
     }
 
-    fn find_twin(&self, side: usize) -> Option<usize> {
+    /// The sides of cells that have many, by cell and what is beyond.
+    fn sides_of_many(&self) -> HashMap<(usize, Seen), usize> {
+        let cells = (0..self.samples.len()).filter(|&cell| self.of(cell).len() > MANY_SIDES);
+        let mut found = HashMap::new();
+        for side in cells.flat_map(|cell| self.of(cell)) {
+            if let Side {
+                cell,
+                beyond: Some(beyond),
+                ..
+            } = self.sides[side]
+            {
+                found.entry((cell, beyond)).or_insert(side);
+            }
+        }
+        found
+    }
+
+    fn find_twin(&self, side: usize, of_many: &HashMap<(usize, Seen), usize>) -> Option<usize> {
         let Side { cell, beyond, .. } = self.sides[side];
         let beyond = beyond?;
+        let other = beyond.sample as usize;
         let back = Seen {
             sample: cell as u32,
             shift: beyond.shift.map(|k| -k),
         };
-        (self.of(beyond.sample as usize)).find(|&other| self.sides[other].beyond == Some(back))
+        let sides = self.of(other);
+        if sides.len() > MANY_SIDES {
+            return of_many.get(&(other, back)).copied();
+        }
+        sides
+            .into_iter()
+            .find(|&side| self.sides[side].beyond == Some(back))
     }
 
     /// The parts of a side outside the disk of its cell: on a side the distance is convex, so there are

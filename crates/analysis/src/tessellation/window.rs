@@ -5,11 +5,12 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use super::triangles::Triangle;
 use crate::cover::circle::circumcircle;
+use crate::delaunay::delaunay;
 use crate::domain::Domain;
 use crate::error::VerifyError;
 
 /// A sample, seen from the home domain `shift` periods away.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Seen {
     pub sample: u32,
     pub shift: [i32; 2],
@@ -61,17 +62,26 @@ impl Window {
         let spacing = domain.spacing(samples.len());
         let mut halo = 4.0 * radius.clamp(spacing, 8.0 * spacing);
         loop {
-            let mut found =
-                triangulate(home_and_copies(&samples, &domain, halo)).map_err(failed)?;
-            let triangles = triangles(&found);
+            let sites = home_and_copies(&samples, &domain, halo);
+            let mut found = delaunay(sites).map_err(failed)?;
+            let mut triangles = Vec::new();
             if !domain.periodic {
-                for guard in guards(&domain) {
-                    let inserted = found.insert(guard);
-                    inserted.map_err(|error| failed(error.to_string()))?;
+                let guards = guards(&domain);
+                if let Some(found) = &mut found {
+                    triangles = triangles_of(found);
+                    for guard in guards {
+                        let inserted = found.insert(guard);
+                        inserted.map_err(|error| failed(error.to_string()))?;
+                    }
+                } else {
+                    // All on one line.
+                    let sites = home_and_copies(&samples, &domain, halo).into_iter();
+                    found = delaunay(sites.chain(guards).collect()).map_err(failed)?;
                 }
             }
             let all = !domain.periodic || domain.extent.iter().all(|extent| halo >= *extent);
-            if let Some(polygons) = polygons(&found, &samples, &domain, halo, all) {
+            let polygons = found.and_then(|found| polygons(&found, &samples, &domain, halo, all));
+            if let Some(polygons) = polygons {
                 return Ok(Self {
                     samples,
                     polygons,
@@ -143,11 +153,7 @@ fn guards(domain: &Domain) -> [Site; 4] {
     })
 }
 
-fn triangulate(sites: Vec<Site>) -> Result<DelaunayTriangulation<Site>, String> {
-    DelaunayTriangulation::bulk_load(sites).map_err(|error| error.to_string())
-}
-
-fn triangles(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
+fn triangles_of(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
     (found.inner_faces())
         .map(|face| {
             let corners = face.positions().map(|p| [p.x, p.y]);

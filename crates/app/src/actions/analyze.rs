@@ -5,6 +5,7 @@ use egui::Key;
 use super::{List, Menu, NO_SESSION, NONE};
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use crate::arrangement::DrawerCommand;
 use crate::command::Command;
 use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
@@ -19,13 +20,18 @@ pub(super) fn add(list: &mut List, state: &State) {
     };
     let analysis = &state.analysis;
     let no_session = state.session.is_none().then_some(NO_SESSION);
-    // On a projector there are no tabs to leave the analysis by.
-    let (name, panel) = if state.look == Look::Projector && state.analyses() {
-        ("Hide analysis", Panel::Parameters)
+    // Tiles have tabs to leave the analysis by; a projector and a small window do not.
+    let open = Command::OpenPanel(Panel::Analysis);
+    let (name, command) = if !state.analyses() {
+        ("Show analysis", open)
+    } else if state.drawer.arrangement.is_compact() {
+        ("Hide analysis", Command::Drawer(DrawerCommand::Show(None)))
+    } else if state.look == Look::Projector {
+        ("Hide analysis", Command::OpenPanel(Panel::Parameters))
     } else {
-        ("Show analysis", Panel::Analysis)
+        ("Show analysis", open)
     };
-    add(name, Some(Key::A), Command::OpenPanel(panel), None);
+    add(name, Some(Key::A), command, None);
     let against = Command::File(FileCommand::Sheet(Purpose::Against));
     add("Hold against a file\u{2026}", None, against, no_session);
     let none = "No file is held against this run.";
@@ -74,8 +80,5 @@ fn brushes(list: &mut List, state: &State) {
         .is_none()
         .then_some("Nothing is brushed.");
     let clear = Command::Analysis(AnalysisCommand::Brush(None));
-    // A press of Escape does one thing: what is selected goes first.
-    let selects = state.selected.is_some() || state.place.is_some();
-    let key = (!selects).then_some(Key::Escape);
-    add("Clear the brush", key, clear, refusal);
+    add("Clear the brush", None, clear, refusal);
 }

@@ -16,6 +16,7 @@ pub(super) fn compare(list: &mut List, state: &State) {
             menu: Menu::Compare,
             name,
             shortcut: key.map(|key| KeyboardShortcut::new(Modifiers::NONE, key)),
+            also: None,
             command: Command::Compare(command),
             refusal,
         });
@@ -89,6 +90,7 @@ fn links(list: &mut List, state: &State) {
             menu: Menu::Compare,
             name,
             shortcut: None,
+            also: None,
             command: Command::Compare(command(on)),
             refusal: refusal.clone(),
         });

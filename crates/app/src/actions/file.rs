@@ -43,8 +43,20 @@ pub(super) fn add(list: &mut List, state: &State) {
         ("Export animation\u{2026}", None, Kind::Animation),
     ] {
         let refusal = state.kind_refusal(kind).map(|refusal| refusal.to_string());
-        let command = Command::Export(ExportCommand::Open(kind));
-        add(list, name, keys, command, refusal.as_deref());
+        let is_open = state.export.as_ref().is_some_and(|form| form.kind == kind);
+        let command = Command::Export(if is_open {
+            ExportCommand::Close
+        } else {
+            ExportCommand::Open(kind)
+        });
+        let refusal = refusal.filter(|_| !is_open);
+        add(
+            list,
+            &sheet_name(name, is_open),
+            keys,
+            command,
+            refusal.as_deref(),
+        );
     }
     let keys = Some((COMMAND | SHIFT, Key::L));
     add(list, "Copy link", keys, Command::CopyLink, None);
@@ -56,9 +68,22 @@ pub(super) fn add(list: &mut List, state: &State) {
     add(list, "Cancel the export", None, cancel, idle);
 }
 
+/// Returns the name of an action that opens a sheet, or closes it where it is open.
+fn sheet_name(name: &str, is_open: bool) -> String {
+    let close = if is_open { "Close: " } else { "" };
+    format!("{close}{name}")
+}
+
 /// Adds what reads and writes sessions and patterns.
 fn sessions(list: &mut List, state: &State) {
-    let sheet = |purpose| Command::File(FileCommand::Sheet(purpose));
+    let open = state.file.as_ref().map(|form| form.purpose);
+    let sheet = |purpose| {
+        Command::File(if open == Some(purpose) {
+            FileCommand::Close
+        } else {
+            FileCommand::Sheet(purpose)
+        })
+    };
     let generated = state
         .own_pattern
         .is_none()
@@ -102,6 +127,14 @@ fn sessions(list: &mut List, state: &State) {
         ),
     ] {
         let keys = key.map(|key| (COMMAND, key));
-        list.add(Menu::File, name, keys, command, refusal);
+        let is_open = command == Command::File(FileCommand::Close);
+        let refusal = refusal.filter(|_| !is_open);
+        list.add(
+            Menu::File,
+            sheet_name(name, is_open),
+            keys,
+            command,
+            refusal,
+        );
     }
 }

@@ -44,7 +44,7 @@ pub(super) fn add(list: &mut List, state: &State) {
         (Direction::Forwards, no_events.or(at_end)),
         (Direction::Backwards, no_events.or(at_start)),
     ] {
-        steps(list, direction, refusal);
+        steps(list, state, direction, refusal);
         runs(list, state, direction, refusal);
     }
     for (name, command) in [
@@ -56,16 +56,23 @@ pub(super) fn add(list: &mut List, state: &State) {
     }
 }
 
-/// Steps as in any debugger; backwards with one modifier more.
-fn steps(list: &mut List, direction: Direction, refusal: Option<&str>) {
+/// Steps as in any debugger; backwards with one modifier more. By F5 a browser loads the page anew, by F11 it shows it on the
+/// full screen: there other keys step.
+fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {
     let back = direction == Direction::Backwards;
     let way = if back { " backwards" } else { "" };
     let shifted = if back { SHIFT } else { NONE };
     let with_alt = if back { Modifiers::ALT } else { NONE };
+    let [on, into, out] = if state.in_browser() {
+        [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
+    } else {
+        let out = (SHIFT | with_alt, Key::F11);
+        [(shifted, Key::F5), (with_alt, Key::F11), out]
+    };
     for (name, keys, step) in [
-        ("Step into", (with_alt, Key::F11), Step::Into),
+        ("Step into", into, Step::Into),
         ("Step over", (shifted, Key::F10), Step::Over),
-        ("Step out", (SHIFT | with_alt, Key::F11), Step::Out),
+        ("Step out", out, Step::Out),
     ] {
         let command = Command::Time(TimeCommand::Step(step, direction));
         list.add(
@@ -78,7 +85,7 @@ fn steps(list: &mut List, direction: Direction, refusal: Option<&str>) {
     }
     let command = Command::Time(TimeCommand::Continue(direction));
     let name = format!("Continue to a breakpoint{way}");
-    list.add(Menu::Go, name, Some((shifted, Key::F5)), command, refusal);
+    list.add(Menu::Go, name, Some(on), command, refusal);
 }
 
 fn runs(list: &mut List, state: &State, direction: Direction, refusal: Option<&str>) {

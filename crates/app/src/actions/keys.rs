@@ -1,7 +1,7 @@
 //! The keys of actions: which of them were pressed in a frame, which a browser is not to take for itself, and what is typed
 //! for the list of all actions before it can take it. It does nothing: it returns commands.
 
-use egui::{Event, Key, Modifiers};
+use egui::{Event, Key, KeyboardShortcut, Modifiers, Popup};
 
 use super::{Action, COMMAND, NONE, Palette, SHIFT, actions};
 use crate::command::Command;
@@ -17,7 +17,17 @@ fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {
 }
 
 const fn is_function(key: Key) -> bool {
-    matches!(key, Key::F2 | Key::F5 | Key::F9 | Key::F10 | Key::F11)
+    matches!(
+        key,
+        Key::F2 | Key::F5 | Key::F8 | Key::F9 | Key::F10 | Key::F11
+    )
+}
+
+/// Returns the keys of a command, if it has any now.
+#[must_use]
+pub fn keys_of(state: &State, command: &Command) -> Option<KeyboardShortcut> {
+    let mut all = actions(state).into_iter();
+    all.find(|action| action.command == *command)?.shortcut
 }
 
 /// Returns whether a key, by its name in browsers, is one that means something here whatever has the focus, so that a browser
@@ -30,22 +40,22 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
     };
     let is_taken = |action: &Action| {
         let here = state.embedding.is_none() || Embedding::takes(&action.command);
-        let shortcut = action.shortcut.filter(|_| here);
-        shortcut.is_some_and(|shortcut| {
+        here && action.keys().any(|shortcut| {
             shortcut.logical_key == key && modifiers.matches_exact(shortcut.modifiers)
         })
     };
     !matches!(key, Key::C | Key::V | Key::X) && actions(state).iter().any(is_taken)
 }
 
-/// Returns the commands whose keys were pressed in this frame. While text is typed, only keys with Ctrl and function keys
-/// count.
-pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
+/// Carries out the actions whose keys were pressed in this frame, in the sequence of the presses: a slow frame may hold
+/// several, and what a key does depends on those before it. While text is typed, only keys with Ctrl and function keys
+/// count. Returns whether there were any.
+pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let typing = ctx.text_edit_focused();
     // A focused button takes the space key for itself, the canvas does not.
     let pointed = ctx.memory(|memory| memory.focused().is_some());
-    let listed = state.palette.is_some();
     let on_canvas = crate::canvas::has_focus(ctx);
+    let has_popup = Popup::is_any_open(ctx);
     // Each press comes with the modifiers of its own moment: a slow frame may hold presses and releases of several.
     let asked = ahead(ctx, state);
     let presses: Vec<(Key, Modifiers)> = ctx.input(|input| {
@@ -54,44 +64,47 @@ pub fn pressed(ctx: &egui::Context, state: &State) -> Vec<Command> {
             .map_or(input.events.len(), |asked| asked.from);
         input.events[..end].iter().filter_map(press).collect()
     });
-    let mut commands = Vec::new();
-    if presses.is_empty() && asked.is_none() {
-        return commands;
-    }
-    ctx.input_mut(|input| {
-        for action in actions(state)
-            .into_iter()
-            .filter(|action| action.refusal.is_none())
+    let mut any = false;
+    for (key, held) in presses {
+        let free = !typing || held.command || is_function(key);
+        // It closes a menu or a list that is open.
+        let is_meant_for_popup = key == Key::Escape && has_popup;
+        let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && held.is_none();
+        let is_taken = pointed && !on_canvas;
+        if !free || is_meant_for_popup || (key == Key::Space && is_taken) || (is_tick && on_canvas)
         {
-            let Some(shortcut) = action.shortcut else {
-                continue;
-            };
-            if listed && action.command != Command::TogglePalette {
-                continue;
-            }
-            let (modifiers, key) = (shortcut.modifiers, shortcut.logical_key);
-            // What lies on top comes first: Escape closes it, and letters are meant for it.
-            if state.has_sheet() && !modifiers.command {
-                continue;
-            }
-            let free = !typing || modifiers.command || is_function(key);
-            let is_tick = matches!(key, Key::ArrowLeft | Key::ArrowRight) && modifiers.is_none();
-            let is_taken = pointed && !on_canvas;
-            if !free || (key == Key::Space && is_taken) || (is_tick && on_canvas) {
-                continue;
-            }
-            let same =
-                |&&(other, held): &&(Key, Modifiers)| other == key && held.matches_exact(modifiers);
-            for _ in presses.iter().filter(same) {
-                input.consume_key(modifiers, key);
-                commands.push(action.command.clone());
-            }
+            continue;
         }
-    });
-    if let Some(asked) = asked {
-        commands.extend(asked.commands(state));
+        // What lies on top comes first: Escape closes it, and letters are meant for it.
+        if state.has_sheet() && !held.command {
+            continue;
+        }
+        let Some((action, modifiers)) = meant_by(key, held, state) else {
+            continue;
+        };
+        ctx.input_mut(|input| input.consume_key(modifiers, key));
+        state.apply(action);
+        any = true;
     }
-    commands
+    for command in asked.map_or_else(Vec::new, |asked| asked.commands(state)) {
+        state.apply(command);
+        any = true;
+    }
+    any
+}
+
+/// Returns what a press does as things stand, and the modifiers of its shortcut.
+fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
+    let listed = state.palette.is_some();
+    actions(state).into_iter().find_map(|action| {
+        let shortcut = action.keys().find(|shortcut| {
+            shortcut.logical_key == key && held.matches_exact(shortcut.modifiers)
+        })?;
+        let is_open = !listed || action.command == Command::TogglePalette;
+        let is_here = state.embedding.is_none() || Embedding::takes(&action.command);
+        let can = action.refusal.is_none() && is_open && is_here;
+        can.then_some((action.command, shortcut.modifiers))
+    })
 }
 
 fn press(event: &Event) -> Option<(Key, Modifiers)> {
@@ -113,6 +126,7 @@ struct Ahead {
     from: usize,
     text: String,
     is_entered: bool,
+    is_closed: bool,
 }
 
 fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
@@ -137,23 +151,30 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
             from,
             text: open.map_or_else(String::new, |open| open.text.clone()),
             is_entered: false,
+            is_closed: false,
         };
         for event in &input.events[from..] {
             match event {
-                Event::Text(text) if !asked.is_entered => asked.text.push_str(text),
+                _ if asked.is_entered || asked.is_closed => {}
+                Event::Text(text) => asked.text.push_str(text),
                 event if press(event) == Some((Key::Enter, NONE)) => asked.is_entered = true,
+                event if press(event) == Some((Key::Escape, NONE)) => asked.is_closed = true,
                 _ => {}
             }
         }
-        if open.is_some_and(|open| open.text == asked.text) {
+        if !asked.is_closed && open.is_some_and(|open| open.text == asked.text) {
             return None;
         }
         // Nobody else takes it.
-        let (mut place, is_entered) = (0, asked.is_entered);
+        let mut place = 0;
+        let taken = [
+            asked.is_entered.then_some((Key::Enter, NONE)),
+            asked.is_closed.then_some((Key::Escape, NONE)),
+        ];
         input.events.retain(|event| {
             place += 1;
-            let enters = is_entered && press(event) == Some((Key::Enter, NONE));
-            place <= from || !(enters || matches!(event, Event::Text(_)))
+            let ends = taken.iter().flatten().any(|key| press(event) == Some(*key));
+            place <= from || !(ends || matches!(event, Event::Text(_)))
         });
         Some(asked)
     })
@@ -161,6 +182,9 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 
 impl Ahead {
     fn commands(self, state: &State) -> Vec<Command> {
+        if self.is_closed {
+            return vec![Command::ClosePalette];
+        }
         if self.text.trim().is_empty() {
             return Vec::new();
         }
@@ -170,7 +194,7 @@ impl Ahead {
         };
         let found = palette.found(state).into_iter().next();
         match found.filter(|action| self.is_entered && action.refusal.is_none()) {
-            Some(action) => vec![Command::TogglePalette, action.command],
+            Some(action) => vec![Command::ClosePalette, action.command],
             None => vec![Command::PaletteText(palette.text)],
         }
     }

@@ -8,7 +8,9 @@ use super::sprites::Sprites;
 use super::strokes::Strokes;
 
 /// Blocks at least this wide show their number, in screen points.
-const MIN_LABELLED: f32 = 84.0;
+pub const MIN_LABELLED: f32 = 84.0;
+/// How strong the tints are: while nothing but blocks is shown, and later.
+pub const TINTS: [f32; 2] = [0.20, 0.085];
 
 fn visible(scene: &Scene<'_>) -> impl Iterator<Item = (u32, Rect)> {
     let leaves = &scene.session.run().blocks.leaves[..scene.made.leaves];
@@ -19,11 +21,7 @@ fn visible(scene: &Scene<'_>) -> impl Iterator<Item = (u32, Rect)> {
 
 /// Returns the tints of the blocks.
 pub fn tints(scene: &Scene<'_>) -> Vec<Shape> {
-    let strength = if scene.stage == Stage::Blocks {
-        0.20
-    } else {
-        0.085
-    };
+    let strength = TINTS[usize::from(scene.stage != Stage::Blocks)];
     let tint = |(index, rect)| {
         let color = scene.palette.block(index).gamma_multiply(strength);
         Shape::rect_filled(rect, 0.0, color)

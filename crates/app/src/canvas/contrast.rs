@@ -170,7 +170,7 @@ pub fn paint(scene: &Scene<'_>, crowded: bool) -> Option<String> {
     if scene.stage < tilescope_core::Stage::Tile {
         return None;
     }
-    let half = (0.42 * scene.scale()).clamp(3.0, 10.0);
+    let half = (0.42 * scene.scale()).clamp(1.5, 10.0);
     let view = scene.rect.expand(half);
     let there = contrast.there.iter();
     let there = there.map(|&id| (contrast.other.place(id), false));

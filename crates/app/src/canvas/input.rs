@@ -1,12 +1,18 @@
 //! What the pointer, fingers and keys do to a canvas, as commands. Nothing is drawn and nothing is changed.
+//!
+//! Where the canvas is part of another page, the plain wheel and one finger are that page's, which scrolls: the wheel zooms
+//! together with Ctrl, and fingers move the picture by two.
 
-use egui::{Context, EventFilter, Id, Key, PointerButton, Pos2, Response, Ui, Vec2, vec2};
+use egui::{
+    Context, Event, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Response, Ui, Vec2, vec2,
+};
 use tilescope_core::Standing;
 
+use super::hint::{self, Hint};
 use super::subject::Subject;
 use super::touch::{Hand, Touch};
 use crate::command::{Command, DebugCommand, Selection};
-use crate::layout::Panel;
+use crate::state::State;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;
@@ -20,29 +26,77 @@ pub fn handle(
     ui: &Ui,
     response: &Response,
     subject: &Subject<'_>,
+    state: &State,
     commands: &mut Vec<Command>,
 ) -> Option<Pos2> {
     let touch = Touch::follow(ui, response);
     if touch.hand == Hand::Cancelled {
         return None;
     }
-    move_view(ui, response, &touch, commands);
-    pick(response, subject, &touch, commands);
+    move_view(ui, response, &touch, state.embedding.is_some(), commands);
+    let is_picked = pick(response, subject, &touch, commands);
     keys(ui, response, commands);
-    if response.double_clicked()
-        && touch.hand != Hand::Gesture
-        && let Some(pos) = response.interact_pointer_pos()
-    {
+    let flies = response.double_clicked() && touch.hand != Hand::Gesture;
+    if flies && let Some(pos) = response.interact_pointer_pos() {
         let place = subject.camera.domain_from_screen(response.rect, pos);
         commands.push(Command::FlyToBlock(place));
     }
+    inspect_later(ui, response, is_picked, flies, state, commands);
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
 }
 
+/// Shows what was picked. In a small window the panel takes a part of the canvas, so that it opens only when no second tap
+/// can follow, which flies to the block.
+fn inspect_later(
+    ui: &Ui,
+    response: &Response,
+    is_picked: bool,
+    flies: bool,
+    state: &State,
+    commands: &mut Vec<Command>,
+) {
+    let id = Id::unique("picked at").with(response.id);
+    let now = ui.input(|input| input.time);
+    let at = if is_picked {
+        Some(now)
+    } else {
+        ui.data(|data| data.get_temp::<f64>(id))
+    };
+    let Some(at) = at else {
+        return;
+    };
+    let wait = if state.drawer.arrangement.is_compact() {
+        ui.options(|options| options.input_options.max_double_click_delay)
+    } else {
+        0.0
+    };
+    let rest = at + wait - now;
+    if rest > 0.0 && !flies {
+        ui.data_mut(|data| data.insert_temp(id, at));
+        ui.ctx()
+            .request_repaint_after(std::time::Duration::from_secs_f64(rest));
+        return;
+    }
+    ui.data_mut(|data| data.remove::<f64>(id));
+    if !flies {
+        commands.push(Command::Inspect);
+    }
+}
+
 /// Moves and zooms: two fingers about their middle, the wheel about the pointer.
-fn move_view(ui: &Ui, response: &Response, touch: &Touch, commands: &mut Vec<Command>) {
+fn move_view(
+    ui: &Ui,
+    response: &Response,
+    touch: &Touch,
+    is_embedded: bool,
+    commands: &mut Vec<Command>,
+) {
     let is_dragged =
         response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
+    if is_embedded && is_dragged && touch.hand == Hand::Finger {
+        hint::give(ui, Hint::Fingers);
+        return;
+    }
     let moved = match touch.pinch {
         Some(pinch) => pinch.moved,
         // What one finger of two does when the other is lifted is still their gesture.
@@ -55,8 +109,16 @@ fn move_view(ui: &Ui, response: &Response, touch: &Touch, commands: &mut Vec<Com
     let (at, factor) = if let Some(pinch) = touch.pinch {
         (pinch.middle, f64::from(pinch.factor))
     } else if response.contains_pointer() && touch.hand == Hand::Mouse {
-        let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
-        let factor = f64::from(zoom) * f64::from(scroll.y * 0.0024).exp();
+        let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        let scroll = if is_embedded {
+            if ui.input(|input| input.events.iter().any(is_plain_wheel)) {
+                hint::give(ui, Hint::Wheel);
+            }
+            0.0
+        } else {
+            scroll
+        };
+        let factor = f64::from(zoom) * f64::from(scroll * 0.0024).exp();
         let at = response.hover_pos().unwrap_or(response.rect.center());
         (at, factor)
     } else {
@@ -67,8 +129,23 @@ fn move_view(ui: &Ui, response: &Response, touch: &Touch, commands: &mut Vec<Com
     }
 }
 
-/// Hovers and selects the sample nearest to the pointer; a finger that stays selects and opens the history.
-fn pick(response: &Response, subject: &Subject<'_>, touch: &Touch, commands: &mut Vec<Command>) {
+fn is_plain_wheel(event: &Event) -> bool {
+    matches!(event, Event::MouseWheel { modifiers, .. } if !leads_zoom(*modifiers))
+}
+
+/// Returns whether the wheel zooms together with these keys, even where the plain wheel is left to the page around.
+#[must_use]
+pub fn leads_zoom(modifiers: Modifiers) -> bool {
+    modifiers.command || modifiers.ctrl
+}
+
+/// Hovers and selects the sample nearest to the pointer; returns whether something was selected, or nothing on purpose.
+fn pick(
+    response: &Response,
+    subject: &Subject<'_>,
+    touch: &Touch,
+    commands: &mut Vec<Command>,
+) -> bool {
     let reach = match touch.hand {
         Hand::Mouse => PICK_POINTS,
         _ => PICK_BY_FINGER,
@@ -80,13 +157,12 @@ fn pick(response: &Response, subject: &Subject<'_>, touch: &Touch, commands: &mu
         commands.push(Command::Hover(hovered));
     }
     if touch.hand == Hand::Gesture {
-        return;
+        return false;
     }
-    let is_long = response.long_touched();
     // Enter selects what is in the middle.
     let by_key = response.has_focus() && response.interact_pointer_pos().is_none();
-    if !(is_long || response.clicked() && !by_key) {
-        return;
+    if !(response.long_touched() || response.clicked() && !by_key) {
+        return false;
     }
     let selection = response.interact_pointer_pos().map(|pos| {
         let sample = nearest(response, subject, pos, reach).map(Selection::Sample);
@@ -94,9 +170,7 @@ fn pick(response: &Response, subject: &Subject<'_>, touch: &Touch, commands: &mu
     });
     let selection = selection.unwrap_or(Selection::Nothing);
     commands.push(Command::Debug(DebugCommand::Pick(selection)));
-    if is_long && selection != Selection::Nothing {
-        commands.push(Command::OpenPanel(Panel::Inspector));
-    }
+    true
 }
 
 /// Returns the sample nearest to a place of the screen, within `reach` screen points.

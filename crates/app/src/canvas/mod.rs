@@ -2,17 +2,18 @@
 //! commands; what it remembers between frames are pictures that can be made again.
 
 pub(crate) mod age;
-mod blocks;
+pub(crate) mod blocks;
 mod brushed;
 mod buffers;
 mod contrast;
 mod geometry;
+pub mod hint;
 mod hover;
 pub mod index;
-mod input;
+pub mod input;
 pub mod instanced;
 pub mod layers;
-mod looks;
+pub(crate) mod looks;
 mod now;
 mod overlay;
 mod paint;
@@ -26,7 +27,7 @@ mod strokes;
 pub mod subject;
 mod symbols;
 pub mod touch;
-mod tree;
+pub(crate) mod tree;
 
 use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, vec2};
@@ -41,11 +42,12 @@ use pane::Pane;
 pub(crate) use seams::symbol as seam_symbol;
 use sprites::Sprites;
 use subject::Subject;
+pub(crate) use tree::Made;
 
 /// More samples than this in view are drawn as points, without symbols and disks.
 pub const MAX_SYMBOLS: usize = 90_000;
 /// Disks and gaps are drawn from this many screen points per r.
-pub const MIN_DISK_SCALE: f64 = 2.0;
+pub const MIN_DISK_SCALE: f64 = 1.25;
 
 const UNIT: Rect = Rect {
     min: egui::pos2(0.0, 0.0),
@@ -156,12 +158,13 @@ impl Side<'_> {
             overlay::waiting(&painter, rect, self.waiting, palette);
             return;
         };
-        let pointer = input::handle(ui, &response, subject, commands);
+        let pointer = input::handle(ui, &response, subject, state, commands);
         let note = pane.paint(ui, rect, subject, palette);
         let note = buffers::show(ui, rect, subject, palette, marks, note);
         overlay::scale_bar(&painter, rect, subject, palette);
         overlay::cursor(&painter, rect, subject, pointer, palette);
-        overlay::note(&painter, rect, note.as_deref(), palette);
+        overlay::note(&painter, rect, subject, note.as_deref(), palette);
+        hint::show(&painter, rect, palette);
         let brief = state.look == Look::Projector;
         if pointer.is_some() {
             hover::show(ui, &painter, &response, subject, palette, brief);

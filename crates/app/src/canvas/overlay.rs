@@ -11,6 +11,8 @@ use crate::verification::Sight;
 const LEAST_HEIGHT: f32 = 200.0;
 
 const INSET: f32 = 18.0;
+/// A remark stands beside the domain where it has this much room.
+const LEAST_BESIDE: f32 = 150.0;
 
 /// Says that a session is on its way, or why there is none.
 pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) {
@@ -61,7 +63,7 @@ fn round_length(radii: f64) -> f64 {
     (length * 1e6).round() / 1e6
 }
 
-/// Draws the coordinates under the pointer in user units, and the scale.
+/// Draws the coordinates under the pointer, and the scale.
 pub fn cursor(
     painter: &Painter,
     rect: Rect,
@@ -76,12 +78,7 @@ pub fn cursor(
     let text = match pointer {
         Some(pos) => {
             let place = subject.camera.domain_from_screen(rect, pos);
-            let radius = subject.shown.session.run().domain.radius();
-            format!(
-                "x {:>8.4}  y {:>8.4}  {zoom}",
-                place[0] * radius,
-                place[1] * radius
-            )
+            format!("x {:>8.3} r  y {:>8.3} r  {zoom}", place[0], place[1])
         }
         None => zoom,
     };
@@ -89,13 +86,25 @@ pub fn cursor(
     tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);
 }
 
-/// Draws a remark at the top of the canvas.
-pub fn note(painter: &Painter, rect: Rect, text: Option<&str>, palette: &Palette) {
+/// Draws a remark at the top of the canvas: beside the domain where there is room, else over it.
+pub fn note(
+    painter: &Painter,
+    rect: Rect,
+    subject: &Subject<'_>,
+    text: Option<&str>,
+    palette: &Palette,
+) {
     if let Some(text) = text.filter(|_| rect.height() >= LEAST_HEIGHT) {
-        let pos = rect.center_top() + vec2(0.0, INSET - 4.0);
         let font = FontId::proportional(12.5);
-        let width = rect.width() - 2.0 * INSET;
+        let domain = subject.camera.screen_from_domain(rect, [0.0; 2]);
+        let beside = domain.x - rect.left() - 2.0 * INSET;
+        let (width, middle) = if beside >= LEAST_BESIDE {
+            (beside, rect.left() + INSET + 0.5 * beside)
+        } else {
+            (rect.width() - 2.0 * INSET, rect.center().x)
+        };
         let galley = painter.layout(text.to_owned(), font, palette.text, width);
+        let pos = pos2(middle, rect.top() + INSET - 4.0);
         let place = Align2::CENTER_TOP.anchor_size(pos, galley.size());
         painter.rect_filled(place.expand2(vec2(12.0, 6.0)), 14.0, palette.panel);
         painter.galley(place.min, galley, palette.text);

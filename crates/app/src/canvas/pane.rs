@@ -150,9 +150,10 @@ fn coverage(frame: &Frame, shown: &Shown<'_>) -> Coverage {
     let (session, stage) = (shown.session, shown.stage);
     let mut coverage = Coverage::open(frame, session);
     let inserted_now = match stage {
-        Stage::Iterate(k) => session.run().iterations[k as usize - 1].inserted.clone(),
-        _ => 0..0,
+        Stage::Iterate(k) => session.iteration(k),
+        _ => None,
     };
+    let inserted_now = inserted_now.map_or(0..0, |iteration| iteration.inserted.clone());
     let (low, high) = frame.camera.visible(frame.viewport);
     let radius = frame.scale();
     session.index.visit(low, high, 1.0, |seen| {

@@ -6,20 +6,11 @@ use super::layers::Layer;
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use crate::session::Session;
 
 /// The width of a seam, in screen points.
 const WIDTH: f32 = 1.6;
 /// How strong the band's tint is.
 const TINT: f32 = 0.10;
-
-/// Returns the ends of every line of a session's seams, in r. A seam on the border of a periodic domain is a line on
-/// both sides of it.
-#[must_use]
-pub fn ends(session: &Session) -> Vec<[[f64; 2]; 2]> {
-    let combination = session.combination.as_ref();
-    combination.map_or_else(Vec::new, |combination| combination.lines.clone())
-}
 
 /// Returns the band, tinted.
 pub fn band(scene: &Scene<'_>) -> Vec<Shape> {

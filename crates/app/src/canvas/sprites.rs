@@ -136,7 +136,7 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
         }
         Sprite::Cross => {
             let turned = [(x + y).abs(), (x - y).abs()].map(|v| v * 0.5_f32.sqrt());
-            let arm = (0.26 * radius).max(0.7 * unit);
+            let arm = (0.26 * radius).max((0.7 * unit).min(0.5 * radius));
             let bar = |along: f32, across: f32| (along - radius).max(across - arm);
             let distance = bar(turned[0], turned[1]).min(bar(turned[1], turned[0]));
             if radius < 4.0 * unit {
@@ -146,13 +146,14 @@ fn coverage(sprite: Sprite, x: f32, y: f32, radius: f32, unit: f32) -> f32 {
             }
         }
         Sprite::Detector => {
-            line(from_middle - radius, 1.4 * unit).max(solid(from_middle - 0.34 * radius))
+            let width = (1.4 * unit).min(0.6 * radius);
+            line(from_middle - radius, width).max(solid(from_middle - 0.34 * radius))
         }
         Sprite::Diamond => solid((x.abs() + y.abs() - radius) * 0.5_f32.sqrt()),
         Sprite::Triangle => {
             // Half planes of an equilateral triangle with its tip up, circumradius `radius`.
             let sides = (0.866 * x.abs() - 0.5 * y).max(y);
-            line(sides - 0.5 * radius, 1.5 * unit)
+            line(sides - 0.5 * radius, (1.5 * unit).min(0.6 * radius))
         }
         Sprite::Halo => line(from_middle - radius, 2.2 * unit),
         Sprite::Stroke => solid(y.abs() - radius),
@@ -177,6 +178,28 @@ mod tests {
         let middle = ring.width() / 2;
         assert_eq!(alpha(&ring, middle, middle), 0);
         assert!(alpha(&ring, middle + 9, middle) > 100);
+    }
+
+    #[test]
+    fn marks_of_neighbours_leave_the_ground_to_be_seen() {
+        for scale in [1.5_f32, 2.0, 2.8, 4.0, 6.0, 8.0, 12.0, 20.0, 60.0] {
+            let [_, cross, diamond, ring] = crate::canvas::instanced::radii(scale);
+            for (sprite, radius) in [
+                (Sprite::Cross, cross),
+                (Sprite::Diamond, diamond),
+                (Sprite::Detector, ring),
+            ] {
+                let image = draw(sprite, radius, 1.0);
+                let opaque: f32 = image.pixels.iter().map(|p| f32::from(p.a()) / 255.0).sum();
+                // A maximal set has 0.7 samples for each square of side r.
+                let share = 0.7 * opaque / (scale * scale);
+                let most = if scale < 2.0 { 0.8 } else { 0.5 };
+                assert!(
+                    share < most,
+                    "{sprite:?} covers {share} at {scale} points per r"
+                );
+            }
+        }
     }
 
     #[test]

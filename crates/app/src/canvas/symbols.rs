@@ -5,7 +5,7 @@ use egui::{Color32, ColorImage, Pos2, Rect, Shape, Stroke, vec2};
 use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{Iteration, Origin, Point, Stage, Standing};
 
-use super::instanced::Symbol;
+use super::instanced::{Symbol, outline, radii as radii_at};
 use super::layers::Layer;
 use super::looks::Looks;
 use super::paint::Scene;
@@ -62,10 +62,11 @@ pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec
 pub fn samples(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> Vec<Shape> {
     let (scale, ctx) = (scene.scale(), scene.painter.ctx());
     let mut stamps = |sprite, radius| Stamps::of(sprites, ctx, sprite, radius);
-    let radius = (0.2 * scale).clamp(1.0, 5.5);
+    let [radius, cross, diamond, _] = radii_at(scale);
     let mut dots = stamps(Sprite::Dot, radius);
-    let mut crosses = stamps(Sprite::Cross, (0.26 * scale).clamp(2.2, 8.0));
-    let mut diamonds = stamps(Sprite::Diamond, (0.27 * scale).clamp(2.6, 8.5));
+    let mut crosses = stamps(Sprite::Cross, cross);
+    let mut diamonds = stamps(Sprite::Diamond, diamond);
+    let around = outline(diamond);
     visit(scene, |id, pos| {
         let look = looks.of(id);
         let by = radius * (look.size - 1.0);
@@ -73,7 +74,7 @@ pub fn samples(scene: &Scene<'_>, looks: &Looks<'_>, sprites: &mut Sprites) -> V
             Symbol::Dot => dots.add_larger(pos, by, look.color),
             Symbol::Cross => crosses.add(pos, look.color),
             Symbol::Diamond => {
-                diamonds.add_larger(pos, by + 1.6, scene.palette.domain);
+                diamonds.add_larger(pos, by + around, scene.palette.domain);
                 diamonds.add_larger(pos, by, look.color);
             }
             Symbol::Ring | Symbol::None => {}
@@ -126,10 +127,9 @@ fn edge(scene: &Scene<'_>, strokes: &mut Strokes, [a, b]: [u32; 2], color: Color
 
 /// Returns the detectors and candidates of the iteration that is shown or comes next.
 pub fn search(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
-    let iterations = &scene.session.run().iterations;
     let iteration = match scene.stage {
-        Stage::Eliminate => iterations.first(),
-        Stage::Iterate(k) => iterations.get(k as usize - 1),
+        Stage::Eliminate => scene.session.iteration(1),
+        Stage::Iterate(k) => scene.session.iteration(k),
         _ => None,
     };
     let mut shapes = Vec::new();
@@ -139,7 +139,10 @@ pub fn search(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
     let (scale, ctx) = (scene.scale(), scene.painter.ctx());
     let view = scene.rect.expand(12.0);
     if scene.has(Layer::Detectors) {
-        let radius = (0.33 * scale).clamp(2.4, 9.0);
+        let [.., radius] = radii_at(scale);
+        // There are too many of them to shine.
+        let color = scene.palette.detector;
+        let color = color.gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
         let marked = iteration
             .detectors
             .iter()
@@ -147,12 +150,12 @@ pub fn search(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
         let places = marked.map(|&id| scene.at(scene.session.place(id)));
         let mut stamps = Stamps::of(sprites, ctx, Sprite::Detector, radius);
         for pos in places.filter(|pos| view.contains(*pos)) {
-            stamps.add(pos, scene.palette.detector);
+            stamps.add(pos, color);
         }
         shapes.push(stamps.into_shape());
     }
     if scene.has(Layer::Candidates) && scene.stage != Stage::Eliminate {
-        let radius = (0.36 * scale).clamp(3.5, 10.0);
+        let radius = (0.36 * scale).clamp(1.4, 10.0);
         let places = candidates(scene, iteration);
         let places = places.map(|point| scene.at([radii(point.x), radii(point.y)]));
         let mut stamps = Stamps::of(sprites, ctx, Sprite::Triangle, radius);

@@ -13,7 +13,7 @@ use crate::moment::Shown;
 use crate::session::radii;
 
 /// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
-const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
+pub const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
 /// Wider lines are drawn as such: the picture of a stroke would make their sides blurred.
 const WIDEST_SOFT: f32 = 2.0;
 /// The width of the first split's line, in screen points.
@@ -73,7 +73,8 @@ fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, 
     })
 }
 
-fn width(split: &Split) -> f32 {
+/// Returns how wide the line of a split is, in screen points.
+pub fn width(split: &Split) -> f32 {
     (WIDEST * TAPER.powi(split.depth as i32)).max(THINNEST)
 }
 

@@ -42,6 +42,8 @@ pub struct ExportForm {
     pub precision: Precision,
     /// Pixels for a point of the window, as typed.
     pub scale: String,
+    /// Whether pictures are coloured for print instead of as in the window.
+    pub print: bool,
     /// What frames are counted in.
     pub clock: Clock,
     /// Ticks of the clock from frame to frame, as typed. Empty until an animation is thought of.
@@ -61,6 +63,7 @@ impl Default for ExportForm {
             path: "tilescope.csv".to_owned(),
             precision: Precision::Double,
             scale: "1".to_owned(),
+            print: false,
             clock: Clock::Event,
             every: String::new(),
             delay: "100".to_owned(),

@@ -3,9 +3,9 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod browse;
+mod drawing;
 pub mod form;
 pub mod frames;
-mod overlays;
 pub mod picture;
 pub mod refusal;
 pub mod still;
@@ -125,6 +125,8 @@ pub enum ExportCommand {
     Precision(Precision),
     /// Types a number.
     Type(Entry, String),
+    /// Chooses whether a picture is coloured for print instead of as in the window.
+    Print(bool),
     /// Chooses what the frames of an animation are counted in.
     Clock(Clock),
     /// Asks for the file in the system's dialog.

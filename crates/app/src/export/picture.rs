@@ -1,20 +1,27 @@
-//! What the canvas shows at a moment, as a scene of the figures: same camera, same layers, same theme. It draws
-//! nothing itself.
+//! What the canvas shows at a moment, as a scene of the figures: same camera, same layers, same colours, below a caption.
 
+use std::sync::Arc;
+
+use egui::Color32;
 use serde_json::json;
-use tilescope_core::{Boundary, Point, Stage};
+use tilescope_core::Stage;
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger};
 use tilescope_figures::animation::MAX_FRAME_PIXELS;
 use tilescope_figures::{
-    MAX_PIXELS, MAX_SIDE, MomentOptions, Palette, PictureOptions, Scene, SetPicture, caption,
-    moment_scene, set_scene, stage_scene,
+    Anchor, Font, Group, MAX_PIXELS, MAX_SIDE, MomentOptions, Palette, Scene, Shape, Text, fitted,
+    moment_scene, text_width,
 };
 
-use super::overlays;
+use super::drawing::{Drawing, color};
 use super::refusal::Refusal;
 use super::still::{Still, provenance};
 use crate::camera::Camera;
-use crate::canvas::layers::{Layer, Layers};
+use crate::canvas::layers::{Colouring, Layer, Layers};
+use crate::geometry::Geometry;
+use crate::moment::Shown;
+use crate::sentence::{counted, grouped, stage_sentence};
 use crate::session::Session;
+use crate::theme;
 
 /// The most samples that a picture draws.
 pub const MOST_DRAWN: usize = 1_000_000;
@@ -28,8 +35,12 @@ pub struct View {
     pub size: [f64; 2],
     /// The layers shown.
     pub layers: Layers,
-    /// Whether the dark palette is used.
+    /// What the colour of samples means.
+    pub colouring: Colouring,
+    /// Whether the window's palette is the dark one.
     pub dark: bool,
+    /// Whether it is coloured for print instead: dark on white.
+    pub print: bool,
 }
 
 impl View {
@@ -59,43 +70,47 @@ impl View {
         })
     }
 
+    /// Returns the colours.
+    pub(super) const fn palette(&self) -> &'static theme::Palette {
+        if self.is_dark() {
+            &theme::DARK
+        } else {
+            &theme::LIGHT
+        }
+    }
+
+    const fn is_dark(&self) -> bool {
+        self.dark && !self.print
+    }
+
+    /// Returns the colour around the domain.
+    pub(super) const fn outside(&self) -> Color32 {
+        if self.print {
+            self.palette().domain
+        } else {
+            self.palette().outside
+        }
+    }
+
     /// Returns how the figures are to frame the plane, for a session of this radius in user units.
-    pub(super) fn options(&self, radius: f64) -> MomentOptions {
+    fn options(&self, radius: f64) -> MomentOptions {
         let center = self.camera.center.map(|value| value * radius);
         MomentOptions {
-            palette: if self.dark {
+            palette: if self.is_dark() {
                 Palette::DARK
             } else {
                 Palette::LIGHT
             },
+            copies: false,
             ..MomentOptions::framing(center, self.camera.scale, self.size)
         }
-    }
-
-    /// Returns the layers that pictures of a session do not have, of those that are on.
-    #[must_use]
-    pub fn missing(&self, session: &Session) -> Vec<Layer> {
-        let never = |layer: &Layer| {
-            *layer == Layer::Tree
-                || session.recording().is_none() && overlays::LAYERS.contains(layer)
-        };
-        let on = Layer::ALL
-            .into_iter()
-            .filter(|&layer| self.layers.has(layer));
-        on.filter(never)
-            .filter(|&layer| layer != Layer::Conflicts)
-            .collect()
     }
 }
 
 /// Returns the picture of a moment, with the run's parameters in its metadata.
 #[must_use]
 pub fn scene(session: &Session, moment: &Still, view: &View) -> Scene {
-    let mut scene = match (session.recording(), moment.cursor) {
-        _ if moment.stage == Stage::Pattern => pattern(session, view),
-        (Some(_), Some(cursor)) => recorded(session, cursor, view),
-        _ => staged(session, moment.stage, view),
-    };
+    let mut scene = drawn(session, moment, view, true);
     scene.metadata = provenance(session);
     let shown = moment.description(session).to_string();
     scene.metadata.push(("Moment".to_owned(), shown));
@@ -108,104 +123,117 @@ pub fn scene(session: &Session, moment: &Still, view: &View) -> Scene {
 pub fn described(view: &View) -> String {
     let on = Layer::ALL
         .into_iter()
-        .filter(|&layer| view.layers.has(layer) && layer != Layer::Tree);
+        .filter(|&layer| view.layers.has(layer));
     json!({
         "center_radii": view.camera.center,
         "points_per_radius": view.camera.scale,
         "size_points": view.size,
         "layers": on.map(Layer::name).collect::<Vec<_>>(),
-        "palette": if view.dark { "dark" } else { "light" },
+        "colouring": view.colouring,
+        "palette": if view.is_dark() { "dark" } else { "light" },
     })
     .to_string()
 }
 
-/// Returns the picture of a moment between events; also of the one before the first, on the run's own domain.
-pub(super) fn recorded(session: &Session, cursor: usize, view: &View) -> Scene {
-    let Some(recording) = session.recording() else {
-        return Scene::new(0.0, 0.0, Palette::LIGHT.background);
+/// Returns a frame of an animation: a moment between events, on the run's own domain also before the first.
+pub(super) fn frame(session: &Session, cursor: usize, view: &View) -> Scene {
+    drawn(session, &Still::at(session, cursor), view, false)
+}
+
+fn drawn(session: &Session, moment: &Still, view: &View, has_pattern: bool) -> Scene {
+    let options = view.options(session.run().domain.radius());
+    let recorded = session.recording().zip(moment.cursor);
+    let debugger = recorded.map(|(recording, cursor)| {
+        let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+        debugger.jump(cursor);
+        debugger
+    });
+    let shown = Shown {
+        session,
+        debugger: debugger.as_ref(),
+        stage: moment.stage,
     };
-    let moment = Still::at(session, cursor);
-    let has = |layer| view.layers.has(layer);
+    let background = if view.print {
+        view.outside()
+    } else {
+        view.palette().panel
+    };
+    let [width, height] = options.size;
+    let mut scene = Scene::new(width, height, color(background, 1.0));
+    let geometry = Geometry::default();
+    let drawing = Drawing::new(shown, view, &geometry, &options);
+    scene.groups = if moment.stage == Stage::Pattern && !has_pattern {
+        drawing.empty_domain()
+    } else {
+        drawing.layers()
+    };
     // Where a stage is whole the stage itself is what there is to see, as on the canvas.
-    let under_way = !moment.ends_stage(session);
+    if let Some(debugger) = debugger.as_ref().filter(|_| !moment.ends_stage(session)) {
+        scene.groups.extend(step(debugger, &options));
+    }
+    caption(&mut scene, &shown, view, &options);
+    scene
+}
+
+/// Returns what the last step tests and changes.
+fn step(debugger: &Debugger, options: &MomentOptions) -> Vec<Group> {
     let options = MomentOptions {
         layers: tilescope_figures::Layers {
-            blocks: has(Layer::Blocks),
-            disks: has(Layer::Disks),
-            gaps: has(Layer::Gaps),
-            eliminated: has(Layer::Eliminated),
-            detectors: has(Layer::Detectors),
-            search: under_way,
-            test: under_way,
-            current: under_way,
+            search: true,
+            test: true,
+            current: true,
+            ..tilescope_figures::Layers::NONE
         },
-        ..view.options(session.run().domain.radius())
+        ..options.clone()
     };
-    let mut scene = moment_scene(recording, cursor, &options);
-    scene.groups.retain(|group| match group.name.as_str() {
-        "undecided" | "kept" => has(Layer::Samples),
-        "inserted" => has(Layer::Inserted),
-        _ => true,
-    });
-    overlays::add(&mut scene, session, &moment, view, &options);
-    scene
+    let cursor = debugger.state().cursor();
+    let mut groups = moment_scene(debugger.recording(), cursor, &options).groups;
+    groups.retain(|group| !["domain", "frame", "event"].contains(&group.name.as_str()));
+    groups
 }
 
-/// Returns the picture of a whole stage of a session without events.
-fn staged(session: &Session, stage: Stage, view: &View) -> Scene {
-    let run = session.run();
-    let options = view.options(run.domain.radius());
-    let picture = picture_options(&options, view, run.domain.radius());
-    let mut scene = stage_scene(run, stage, &picture);
-    let has = |layer| view.layers.has(layer);
-    let mut veils = 0;
-    scene.groups.retain(|group| match group.name.as_str() {
-        "blocks" | "block borders" => has(Layer::Blocks),
-        "gaps" => {
-            // The disks behind it only cover it up.
-            veils = usize::from(!has(Layer::Gaps));
-            has(Layer::Gaps)
-        }
-        "disks" if veils > 0 => {
-            veils = 0;
-            false
-        }
-        "conflicts" => has(Layer::Conflicts),
-        "eliminated" => has(Layer::Eliminated),
-        "detectors" => has(Layer::Detectors),
-        "samples" => has(Layer::Samples),
-        "inserted" => has(Layer::Inserted),
-        _ => true,
+/// Adds what the picture shows in words, which are its title, too, and at which event.
+fn caption(scene: &mut Scene, shown: &Shown<'_>, view: &View, options: &MomentOptions) {
+    let (palette, frame) = (view.palette(), options.frame());
+    let px = options.size[0] / 1000.0;
+    let size = 20.0 * px;
+    let event = shown.debugger.map_or_else(String::new, |debugger| {
+        let [at, all] = [debugger.state().cursor(), debugger.recording().len()];
+        format!("event {} of {}", grouped(at), grouped(all))
     });
-    overlays::add_seams(&mut scene, session, stage, view, &options);
-    scene
-}
-
-/// Returns the picture of the pattern, which has a domain and a unit of its own.
-fn pattern(session: &Session, view: &View) -> Scene {
-    let run = session.run();
-    let domain = run.pattern.domain();
-    let user = |point: &Point| domain.user_from_lattice(*point);
-    let points: Vec<[f64; 2]> = run.pattern.samples().iter().map(user).collect();
-    let options = view.options(domain.radius());
-    let set = SetPicture {
-        points: &points,
-        size: domain.size(),
-        // The canvas shows it once, too.
-        boundary: Boundary::Bounded,
-        radius: Some(domain.radius()),
-        blocks: Vec::new(),
-        block_of: None,
-        caption: caption(run, Stage::Pattern),
+    let text = told(shown);
+    scene.title = match event.as_str() {
+        "" => text.clone(),
+        event => format!("{text} ({event})"),
     };
-    set_scene(&set, &picture_options(&options, view, domain.radius()))
+    let width = text_width(&event, Font::Regular, size);
+    let room = frame.max[0] - frame.min[0] - width - size;
+    let line = frame.min[1] - 16.0 * px;
+    let ink = color(palette.text, 1.0);
+    let left = Text::new([frame.min[0], line], fitted(&text, room, size), size, ink);
+    let muted = color(palette.muted, 1.0);
+    let mut right = Text::new([frame.max[0], line], event, size, muted);
+    right.anchor = Anchor::End;
+    let mut group = Group::new("caption");
+    group.shapes = [left, right].map(Shape::Text).into();
+    group
+        .shapes
+        .truncate(1 + usize::from(shown.debugger.is_some()));
+    scene.groups.push(group);
 }
 
-fn picture_options(options: &MomentOptions, view: &View, radius: f64) -> PictureOptions {
-    PictureOptions {
-        width: options.size[0],
-        palette: options.palette,
-        window: Some(options.window(radius)),
-        disks: view.layers.has(Layer::Disks),
+/// Returns what the moment is in a sentence: the result, a whole stage, or the last event.
+fn told(shown: &Shown<'_>) -> String {
+    let session = shown.session;
+    let last = shown.cursor().checked_sub(1);
+    match (shown.debugger, last) {
+        (Some(debugger), Some(last)) if !shown.ends_stage() => {
+            tilescope_debugger::sentence(debugger.recording(), last)
+        }
+        _ if shown.stage == Stage::Finish => {
+            let count = counted(session.summary.count, "sample", "samples");
+            format!("Result: {count}, r = {}", session.run().parameters.radius)
+        }
+        _ => stage_sentence(session, shown.stage),
     }
 }

@@ -17,7 +17,7 @@ use tilescope_formats::{
 #[cfg(not(target_arch = "wasm32"))]
 use tilescope_formats::{export, write_through, write_whole};
 
-use super::picture::{described, recorded, scene};
+use super::picture::{described, frame, scene};
 use super::still::{method, parameter_map, point_set, provenance};
 use super::{Content, Order, extension};
 use crate::clock::Clock;
@@ -315,7 +315,7 @@ fn animate(order: &Order, out: &mut dyn Write, monitor: &Monitor) -> Result<(), 
     let range = described_range(cursors, *clock, *every, *delay);
     metadata.push(("Range".to_owned(), range));
     metadata.push(("View".to_owned(), described(view)));
-    let draw = |&cursor: &usize| to_pixels(&recorded(session, cursor, view), *scale);
+    let draw = |&cursor: &usize| to_pixels(&frame(session, cursor, view), *scale);
     let mut tell = |done: usize, all: usize| {
         monitor.set_activity(&format!("frame {done} of {all}"));
         monitor.set_fraction(done as f32 / all.max(1) as f32);

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tilescope_debugger::{MAX_BYTES, PatternFile};
 use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
 
-use super::incoming::{holds_document, pick, too_long};
+use super::incoming::{begins_as_object, holds_document, pick, too_long};
 use super::{FileForm, Incoming, MOST_PATTERN_BYTES, NamedBytes, Purpose, SESSION_NAME, Unread};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::recipe::{OwnPattern, load};
@@ -62,6 +62,14 @@ fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8>, U
     }
 }
 
+/// Returns the first bytes of a file.
+fn head(path: &Path) -> Result<Vec<u8>, String> {
+    plain_file(path, u64::MAX)?;
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(64).read_to_end(&mut bytes));
+    read.map(|_| bytes).map_err(|error| error.to_string())
+}
+
 impl Incoming {
     /// Reads a file of at most `limit` bytes and the certificate beside it. What else it names is looked for in its folder.
     pub(crate) fn from_path(path: &Path, limit: u64, monitor: &Monitor) -> Result<Self, Unread> {
@@ -90,8 +98,10 @@ pub(super) fn gather_paths(
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let holds = |k: usize| {
-        let bytes = read_limited(&paths[k], MAX_BYTES as u64, monitor);
-        bytes.is_ok_and(|bytes| holds_document(&bytes) == Some(true))
+        let may_be = begins_as_object(&head(&paths[k]).unwrap_or_default());
+        may_be
+            && read_limited(&paths[k], MAX_BYTES as u64, monitor)
+                .is_ok_and(|bytes| holds_document(&bytes) == Some(true))
     };
     let (opened, left) = pick(&names, holds).ok_or("there is no file")?;
     let limit = match purpose {

@@ -117,6 +117,12 @@ impl Incoming {
         let certificate = certificate.map(|file| (file.name.as_str(), file.bytes.as_slice()));
         let read = read_bytes(&self.bytes, &Hint::from_name(name), certificate);
         read.map_err(|error| {
+            if holds_document(&self.bytes) == Some(true) {
+                return format!(
+                    "{} is a saved session or a layout, not a point set",
+                    self.name
+                );
+            }
             let text = error.to_string();
             if text.contains(name) {
                 text
@@ -150,15 +156,15 @@ impl Incoming {
     /// Returns whether it is an archive of files.
     #[must_use]
     pub fn is_archive(&self) -> bool {
-        ends_with(&self.name, "zip")
+        ends_with(&self.name, "zip") || self.bytes.starts_with(b"PK\x03\x04")
     }
 
-    /// Returns whether it is a session, a layout or another file of JSON that cannot be a point set.
+    /// Returns whether it is a session, a layout or another file of JSON that cannot be a point set. What it holds decides,
+    /// and the name only where that is broken.
     #[must_use]
     pub fn is_document(&self) -> bool {
-        is_json(&self.name)
-            && self.bytes.len() <= MAX_BYTES
-            && holds_document(&self.bytes).unwrap_or(true)
+        self.bytes.len() <= MAX_BYTES
+            && holds_document(&self.bytes).unwrap_or_else(|| ends_with(&self.name, "json"))
     }
 }
 
@@ -200,10 +206,6 @@ pub(crate) fn last_part(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-fn is_json(name: &str) -> bool {
-    ends_with(name, "json")
-}
-
 fn ends_with(name: &str, ending: &str) -> bool {
     name.rsplit_once('.')
         .is_some_and(|(_, last)| last.eq_ignore_ascii_case(ending))
@@ -212,6 +214,11 @@ fn ends_with(name: &str, ending: &str) -> bool {
 fn is_certificate_of(name: &str, set: &str) -> bool {
     name.strip_suffix(CERTIFICATE_SUFFIX)
         .is_some_and(|stem| last_part(stem) == last_part(set))
+}
+
+/// Returns whether bytes begin as an object of JSON does.
+pub(super) fn begins_as_object(bytes: &[u8]) -> bool {
+    bytes.trim_ascii_start().starts_with(b"{")
 }
 
 /// Returns whether JSON is a session or a layout; `None` if it is no JSON.
@@ -238,7 +245,7 @@ pub(super) fn pick(
     let lone: Vec<usize> = (0..looked_at).filter(is_lone).collect();
     let document = lone.iter().copied().find(|&k| {
         let has_others = lone.len() > 1;
-        has_others && is_json(names[k]) && holds_document(k)
+        has_others && holds_document(k)
     });
     let opened = document.or_else(|| lone.first().copied())?;
     let mut left = lone;
@@ -254,7 +261,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     let holds = |k: usize| {
         let bytes: &[u8] = &files[k].bytes;
-        bytes.len() <= MAX_BYTES && holds_document(bytes) == Some(true)
+        bytes.len() <= MAX_BYTES && begins_as_object(bytes) && holds_document(bytes) == Some(true)
     };
     let (opened, left) = pick(&names, holds)?;
     let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();

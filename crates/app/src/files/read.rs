@@ -174,6 +174,12 @@ fn opened(gathered: (Incoming, Vec<String>)) -> Result<(Incoming, Vec<String>), 
 
 /// Reads a session and computes its run again, or reads a combination, be it a session's or a layout, and makes it.
 fn open(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made {
+    if !incoming.is_document() && incoming.point_set().is_ok() {
+        let name = &incoming.name;
+        return Err(format!(
+            "{name} is a point set, not a saved session; drop it on the window to use it"
+        ));
+    }
     match serde_json::from_str(incoming.text()?) {
         Ok(value) if holds_combination(&value) => combination(incoming, generation, monitor),
         _ => session(incoming, generation, monitor),
@@ -185,6 +191,12 @@ fn combination(incoming: &Incoming, generation: u64, monitor: &Monitor) -> Made 
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", incoming.name);
     let text = incoming.text()?;
     let value = serde_json::from_str::<Value>(text).unwrap_or_default();
+    if value.get("cursor").is_some() && !holds_combination(&value) {
+        return Err(format!(
+            "{} is the saved session of a run, not a combination",
+            incoming.name
+        ));
+    }
     let saved = match value.get("combination") {
         Some(_) => Some(SavedCombination::from_json(text).map_err(|error| named(&error))?),
         None => None,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tilescope_debugger::Session as Saved;
 
-use super::NamedBytes;
+use super::{NamedBytes, last_part};
 use crate::combination::SavedCombination;
 
 /// What is to be saved: a combination goes before a run.
@@ -17,6 +17,19 @@ pub struct SaveTask {
     pub run: Option<Saved>,
     /// The session, where a combination is shown.
     pub combination: Option<SavedCombination>,
+}
+
+/// Returns the name of a session's file, which ends in `.json` unless it has another ending.
+#[must_use]
+pub fn with_json(path: String) -> String {
+    let last = last_part(&path);
+    let has_ending = last.trim_start_matches('.').contains('.');
+    let is_folder = last.is_empty() || last.chars().all(|c| c == '.');
+    if has_ending || is_folder {
+        path
+    } else {
+        path + ".json"
+    }
 }
 
 /// Returns the file of a session; fails with a sentence.

@@ -1,6 +1,7 @@
 //! Reads a link: each part by itself, whatever the others are. What is unknown, invalid or too much is named.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use tilescope_core::combine::file::{Layout as Combination, Place, Source};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
@@ -9,7 +10,7 @@ use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
 use super::content::{Content, Moment};
 use super::parameters::{self, KEYS, VARIANT};
 use super::said::{Said, quoted};
-use super::text::{from_base64, named, numbers, unescaped};
+use super::text::{from_base64, items, named, numbers, pairs};
 use super::write::{LINKS, NINE_SETS, layer_name};
 use super::{
     MOST_BOOKMARKS, MOST_BYTES, MOST_COMBINATION, MOST_SAMPLES, MOST_STOPS, MOST_TEXT, VERSION,
@@ -43,7 +44,7 @@ const OTHERS: [&str; 17] = [
     "layout",
 ];
 
-const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
+pub const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
 const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
 
 /// Reads a fragment, with its `#` or without, or a whole address: returns the nearest content that may be opened, and
@@ -65,9 +66,15 @@ pub fn read(text: &str) -> (Content, Said) {
     (content, reader.said)
 }
 
-struct Reader<'a> {
-    pairs: HashMap<&'a str, &'a str>,
+struct Reader {
+    pairs: HashMap<String, String>,
     said: Said,
+}
+
+/// Returns every key, but those of a second run, which have `b.` before them.
+#[cfg(test)]
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    OTHERS.into_iter().chain(KEYS).chain([VARIANT])
 }
 
 /// Returns whether a link of this version may have this key.
@@ -76,28 +83,27 @@ fn is_known(key: &str) -> bool {
     OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
 }
 
-impl<'a> Reader<'a> {
-    fn split(&mut self, text: &'a str) {
+impl Reader {
+    fn split(&mut self, text: &str) {
         let text = text.trim();
         let text = text.split_once('#').map_or(text, |(_, fragment)| fragment);
         let text = self.cut(text);
-        for pair in text.split('&').filter(|pair| !pair.is_empty()) {
-            let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
-            if !is_known(key) {
-                let key = quoted(key);
-                self.said
-                    .say(format!("\"{key}\" is unknown in links and was left out."));
-            } else if self.pairs.contains_key(key) {
-                self.said
-                    .say(format!("\"{key}\" is there twice; the first one counts."));
-            } else {
-                self.pairs.insert(key, value);
+        for (key, value) in pairs(text) {
+            let name = quoted(&key);
+            match self.pairs.entry(key) {
+                Entry::Occupied(_) => self
+                    .said
+                    .say(format!("\"{name}\" is there twice; the first one counts.")),
+                Entry::Vacant(place) if is_known(place.key()) => drop(place.insert(value)),
+                Entry::Vacant(_) => self
+                    .said
+                    .say(format!("\"{name}\" is unknown in links and was left out.")),
             }
         }
     }
 
     /// Returns what is read of a text, which ends between two parts.
-    fn cut(&mut self, text: &'a str) -> &'a str {
+    fn cut<'a>(&mut self, text: &'a str) -> &'a str {
         if text.len() <= MOST_BYTES {
             return text;
         }
@@ -132,7 +138,7 @@ impl<'a> Reader<'a> {
 
     /// Takes the value of a key as far as it makes sense.
     fn take<T>(&mut self, key: &str, sense: impl FnOnce(&str) -> Option<T>) -> Option<T> {
-        let text = *self.pairs.get(key)?;
+        let text = self.pairs.get(key)?;
         let taken = sense(text);
         if taken.is_none() {
             let text = quoted(text);
@@ -146,13 +152,13 @@ impl<'a> Reader<'a> {
     fn run(&mut self, content: &mut Content) {
         content.combination = self.combination();
         if content.combination.is_none() {
-            let texts = |key: &str| self.pairs.get(key).copied();
+            let texts = |key: &str| self.pairs.get(key).map(String::as_str);
             content.parameters =
                 parameters::read(texts, &Parameters::default(), "", &mut self.said);
         }
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", |text| {
-            unescaped(text).filter(|stage| !stage.is_empty() && stage.len() <= MOST_TEXT)
+            (!text.is_empty() && text.len() <= MOST_TEXT).then(|| text.to_owned())
         });
         content.moment = match (at, stage) {
             (Some(cursor), _) => Moment::Event(cursor),
@@ -162,7 +168,7 @@ impl<'a> Reader<'a> {
     }
 
     fn combination(&mut self) -> Option<Combination> {
-        let text = *self.pairs.get("combine")?;
+        let text = self.pairs.get("combine")?;
         let layout = combination(text);
         if let Err(why) = &layout {
             self.said
@@ -236,7 +242,7 @@ impl<'a> Reader<'a> {
     }
 
     fn second(&mut self, content: &mut Content) {
-        let Some(names) = self.pairs.get("b").copied() else {
+        let Some(names) = self.pairs.get("b") else {
             if self.pairs.keys().any(|key| key.starts_with("b.")) {
                 self.said.say(
                     "The link has parameters of a second run but none (\"b\"); they were left out."
@@ -250,7 +256,7 @@ impl<'a> Reader<'a> {
             content.parameters = Parameters::default();
         }
         let pairs = &self.pairs;
-        let texts = |key: &str| pairs.get(format!("b.{key}").as_str()).copied();
+        let texts = |key: &str| pairs.get(&format!("b.{key}")).map(String::as_str);
         let second = parameters::read(texts, &content.parameters, " of run B", &mut self.said);
         let mut links = [false; 3];
         for name in names.split(',').filter(|name| !name.is_empty()) {
@@ -267,18 +273,11 @@ impl<'a> Reader<'a> {
 
     fn stops(&mut self, content: &mut Content) {
         content.breakpoints = self.list("break", "breakpoint", MOST_STOPS, breakpoint);
-        content.watches = self.list("watch", "watch", MOST_STOPS, |text| {
-            short(&unescaped(text)?)
-        });
-        content.bookmarks = self.list("mark", "bookmark", MOST_BOOKMARKS, |text| {
-            let (event, note) = text.split_once(':').unwrap_or((text, ""));
-            Some(Bookmark {
-                event: event.parse().ok()?,
-                note: short(&unescaped(note)?)?,
-            })
-        });
-        content.bookmarks.sort_by_key(|mark| mark.event);
-        content.bookmarks.dedup_by_key(|mark| mark.event);
+        content.watches = self.list("watch", "watch", MOST_STOPS, short);
+        content.bookmarks = self.list("mark", "bookmark", MOST_BOOKMARKS, bookmark);
+        let marks = &mut content.bookmarks;
+        marks.sort_by(|a, b| (&a.run, a.event).cmp(&(&b.run, b.event)));
+        marks.dedup_by(|a, b| (&a.run, a.event) == (&b.run, b.event));
     }
 
     fn list<T>(
@@ -288,32 +287,48 @@ impl<'a> Reader<'a> {
         most: usize,
         item: impl Fn(&str) -> Option<T>,
     ) -> Vec<T> {
-        let Some(text) = self.pairs.get(key).copied() else {
+        let Some(text) = self.pairs.get(key) else {
             return Vec::new();
         };
-        let count = text.split(';').count();
-        if count > most {
+        let texts = items(text);
+        if texts.len() > most {
             self.said.say(format!(
                 "The link has {} of the kind \"{key}\"; the first {most} were read.",
-                grouped(count)
+                grouped(texts.len())
             ));
         }
-        let mut items = Vec::new();
-        for text in text.split(';').take(most) {
+        let mut taken = Vec::new();
+        for text in texts.iter().take(most) {
             match item(text) {
-                Some(item) => items.push(item),
+                Some(item) => taken.push(item),
                 None => self.said.say(format!(
                     "The link's {what} \"{}\" makes no sense and was left out.",
                     quoted(text)
                 )),
             }
         }
-        items
+        taken
     }
 }
 
 fn short(text: &str) -> Option<String> {
     (text.chars().count() <= MOST_TEXT).then(|| text.to_owned())
+}
+
+/// Reads the event with the note behind it; between them is the run and the anchor of one from another run.
+fn bookmark(text: &str) -> Option<Bookmark> {
+    let (place, note) = text.split_once(':').unwrap_or((text, ""));
+    let mut parts = place.split('@');
+    let event = parts.next()?.parse().ok()?;
+    let run = short(parts.next().unwrap_or_default())?;
+    let anchor = parts.next().map(|anchor| anchor.parse().ok());
+    Some(Bookmark {
+        event,
+        note: short(note)?,
+        run,
+        anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
+    })
+    .filter(|_| parts.next().is_none())
 }
 
 fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
@@ -322,10 +337,10 @@ fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
         None => (true, text),
     };
     let (line, condition) = text.split_once(':').unwrap_or((text, ""));
-    let (line, condition) = (unescaped(line)?, short(&unescaped(condition)?)?);
-    Listings::shipped().find(&line)?;
+    Listings::shipped().find(line)?;
+    let condition = short(condition)?;
     Some(SavedBreakpoint {
-        line,
+        line: line.to_owned(),
         condition: (!condition.is_empty()).then_some(condition),
         enabled,
     })

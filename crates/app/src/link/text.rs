@@ -22,21 +22,34 @@ pub fn escaped(text: &str) -> String {
     escaped
 }
 
-/// Returns the text that was escaped; none if an escape is broken or the bytes are no text.
-pub fn unescaped(text: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        bytes.push(match byte {
-            b'%' => 16 * digit(rest.next()?)? + digit(rest.next()?)?,
-            byte => byte,
-        });
-    }
-    String::from_utf8(bytes).ok()
+/// Returns the keys and values of a fragment, read as `URLSearchParams` reads it: whatever was escaped on the way is as it
+/// was, and what is no escape stays. Where a page's source was copied, `&amp;` stands for `&`.
+pub fn pairs(fragment: &str) -> impl Iterator<Item = (String, String)> {
+    form_urlencoded::parse(fragment.as_bytes()).map(|(key, value)| {
+        let key = key.trim_start_matches("amp;").to_owned();
+        (key, value.into_owned())
+    })
 }
 
-fn digit(byte: u8) -> Option<u8> {
-    char::from(byte).to_digit(16).map(|digit| digit as u8)
+/// Returns a text as an item of a list: semicolons part the items, so one within a text has a backslash before it, as has
+/// a backslash.
+pub fn item(text: &str) -> String {
+    text.replace('\\', r"\\").replace(';', r"\;")
+}
+
+/// Returns the items of a list.
+pub fn items(list: &str) -> Vec<String> {
+    let (mut items, mut item) = (Vec::new(), String::new());
+    let mut rest = list.chars().peekable();
+    while let Some(character) = rest.next() {
+        match character {
+            '\\' => item.push(rest.next_if(|next| r"\;".contains(*next)).unwrap_or('\\')),
+            ';' => items.push(std::mem::take(&mut item)),
+            character => item.push(character),
+        }
+    }
+    items.push(item);
+    items
 }
 
 const SIX_BITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
@@ -129,11 +142,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_escaped_comes_back_and_broken_escapes_are_known() {
+    fn what_is_escaped_comes_back_once() {
         for text in [
             "",
             "a b",
             "distance < 0.4 && p = 3; 100%",
+            "1 + 2%2C3",
             "r\u{e9}seau \u{1f600}\n",
         ] {
             let there = escaped(text);
@@ -141,11 +155,27 @@ mod tests {
                 !there.contains(['&', '=', ';', ':', '#', ' ', '+']),
                 "{there}"
             );
-            assert_eq!(unescaped(&there).as_deref(), Some(text));
+            let read: Vec<_> = pairs(&format!("a={there}")).collect();
+            assert_eq!(read, [("a".to_owned(), text.to_owned())]);
         }
-        for broken in ["%", "%4", "%zz", "a%+1b", "%ff%fe", "%C3"] {
-            assert_eq!(unescaped(broken), None, "{broken}");
+        for (text, key, value) in [
+            ("watch=a+%2B%201", "watch", "a + 1"),
+            ("watch=100%", "watch", "100%"),
+            ("watch=%zz", "watch", "%zz"),
+            ("amp;seed=7", "seed", "7"),
+        ] {
+            let read: Vec<_> = pairs(text).collect();
+            assert_eq!(read, [(key.to_owned(), value.to_owned())], "{text}");
         }
+    }
+
+    #[test]
+    fn items_of_a_list_come_back() {
+        let texts = ["", ";", r"\", r"a\;b;", r"\\;;\", "c"];
+        let list: Vec<String> = texts.iter().map(|text| item(text)).collect();
+        assert_eq!(items(&list.join(";")), texts);
+        // A backslash before anything else is one.
+        assert_eq!(items(r"a\b;\"), [r"a\b", r"\"]);
     }
 
     #[test]

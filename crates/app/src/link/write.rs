@@ -5,7 +5,7 @@ use tilescope_debugger::{Bookmark, SavedBreakpoint};
 
 use super::content::{Content, Moment};
 use super::parameters::differing;
-use super::text::{base64, escaped, exact, name, rounded, slug};
+use super::text::{base64, escaped, exact, item, name, rounded, slug};
 use super::tiles;
 use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
 use crate::camera::Camera;
@@ -24,7 +24,7 @@ pub struct Link {
 }
 
 /// Returns the name of a layer in a link.
-pub(super) fn layer_name(layer: Layer) -> String {
+pub fn layer_name(layer: Layer) -> String {
     match layer {
         Layer::Circumcircles => "circumcircles".to_owned(),
         layer => slug(layer.name()),
@@ -159,14 +159,23 @@ impl Writer {
             fits(condition).then(|| {
                 let off = if b.enabled { "" } else { "!" };
                 let colon = if condition.is_empty() { "" } else { ":" };
-                format!("{off}{}{colon}{}", escaped(&b.line), escaped(condition))
+                format!("{off}{}{colon}{}", b.line, escaped(&item(condition)))
             })
         };
-        let watch = |text: &String| fits(text).then(|| escaped(text));
+        let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
         let mark = |mark: &Bookmark| {
             let note: String = mark.note.chars().take(MOST_TEXT).collect();
             let colon = if note.is_empty() { "" } else { ":" };
-            Some(format!("{}{colon}{}", mark.event, escaped(&note)))
+            let run = match &mark.anchor {
+                _ if mark.run.is_empty() => String::new(),
+                Some(anchor) => format!("@{}@{anchor}", escaped(&item(&mark.run))),
+                None => format!("@{}", escaped(&item(&mark.run))),
+            };
+            Some(format!(
+                "{}{run}{colon}{}",
+                mark.event,
+                escaped(&item(&note))
+            ))
         };
         self.list(
             "break",

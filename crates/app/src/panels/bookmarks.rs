@@ -1,9 +1,10 @@
 //! Bookmarks: moments to come back to, each with a note, and the breakpoints with their conditions.
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
-use tilescope_debugger::{Debugger, Listings};
+use tilescope_debugger::{Bookmark, Debugger, Direction, Listings, Marked};
 
 use super::no_events;
+use crate::actions::keys_of;
 use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::sentence::grouped;
 use crate::state::State;
@@ -34,13 +35,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             {
                 commands.push(Command::Debug(DebugCommand::RemoveBookmark(index)));
             }
-            let text = RichText::new(format!("event {}", grouped(mark.event))).monospace();
-            let link = ui
-                .link(text)
-                .on_hover_text(tilescope_debugger::short(debugger.recording(), mark.event));
-            if link.clicked() {
-                commands.push(Command::Time(TimeCommand::Jump(mark.event)));
-            }
+            place(ui, debugger, mark, palette, commands);
             let mut note = mark.note.clone();
             let response = ui.add(
                 TextEdit::singleline(&mut note)
@@ -63,12 +58,52 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.add_space(10.0);
     heading(ui, "Breakpoints");
     if debugger.breakpoints().is_empty() {
-        let text = "A click beside a line of pseudocode sets one; F5 runs to the next.";
+        let on = Command::Time(TimeCommand::Continue(Direction::Forwards));
+        let keys = keys_of(state, &on).map(|keys| ui.ctx().format_shortcut(&keys));
+        let keys = keys.unwrap_or_default();
+        let text =
+            format!("A click beside a line of pseudocode sets one; {keys} runs to the next.");
         ui.label(RichText::new(text).color(palette.muted));
     }
     breakpoints(ui, debugger, palette, commands);
     if let Some(said) = state.hits.said() {
         ui.label(RichText::new(said).color(palette.muted));
+    }
+}
+
+/// Where a bookmark is in this run, and of what it is where it was set in another one.
+fn place(
+    ui: &mut Ui,
+    debugger: &Debugger,
+    mark: &Bookmark,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
+    let marked = debugger.marked(mark);
+    let anchor = mark.anchor.map(|anchor| anchor.to_string());
+    let origin = format!(
+        "It was set in another run, at event {}{}.",
+        grouped(mark.event),
+        anchor.map_or(String::new(), |anchor| format!(" ({anchor})"))
+    );
+    let Some(cursor) = marked.cursor() else {
+        let text = RichText::new("not in this run").color(palette.muted);
+        ui.label(text).on_hover_text(origin);
+        return;
+    };
+    let about = if matches!(marked, Marked::Here(_)) {
+        ""
+    } else {
+        "~ "
+    };
+    let text = RichText::new(format!("{about}event {}", grouped(cursor))).monospace();
+    let event = tilescope_debugger::short(debugger.recording(), cursor);
+    let link = ui.link(text).on_hover_text(match marked {
+        Marked::Here(_) => event,
+        _ => format!("{event}\n{origin} This is the same place of its stage."),
+    });
+    if link.clicked() {
+        commands.push(Command::Time(TimeCommand::Jump(cursor)));
     }
 }
 

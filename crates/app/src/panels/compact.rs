@@ -1,8 +1,9 @@
 //! A window that has no room for tiles: the canvas, the controls of time, and one panel at a time, chosen by a row of
 //! tabs. What the panels show is theirs.
 
+use egui::scroll_area::ScrollSource;
 use egui::{Color32, FontId, Frame, Margin, Rect, Role, ScrollArea, Sense, Ui, UiBuilder};
-use egui::{CursorIcon, Stroke, WidgetInfo, pos2, vec2};
+use egui::{Context, CursorIcon, Stroke, WidgetInfo, pos2, vec2};
 
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
@@ -22,6 +23,8 @@ const CANVAS: f32 = 0.5;
 const BESIDE: f32 = 366.0;
 /// What the canvas keeps beside a tall panel.
 const LEAST_CANVAS: f32 = 120.0;
+/// What an open panel has in the lowest window: what does not fit is scrolled.
+const LEAST_DRAWER: f32 = 96.0;
 /// Below this height the sentence has one line.
 const LOW: f32 = 720.0;
 
@@ -33,26 +36,56 @@ struct Places {
     controls: Rect,
     tabs: Rect,
     drawer: Rect,
+    /// Whether the sentence has one line.
+    is_low: bool,
+}
+
+/// Returns how high a window must be for everything in it; in a lower one it is scrolled: what lies beside the canvas of a
+/// lying window, all of an upright one.
+fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
+    let bar = if state.bare { 0.0 } else { BAR };
+    let drawer = state.drawer.open.map_or(0.0, |_| LEAST_DRAWER);
+    let canvas = match state.drawer.arrangement {
+        Arrangement::Landscape => 0.0,
+        _ => LEAST_CANVAS,
+    };
+    bar + canvas + controls(ctx, room, state) + TABS + drawer
+}
+
+/// Returns where everything but the canvas is: in a lying window beside it.
+fn column(room: Rect, state: &State) -> Rect {
+    if state.drawer.arrangement != Arrangement::Landscape {
+        return room;
+    }
+    let beside = BESIDE.min((1.0 - CANVAS) * room.width());
+    room.with_min_x((room.right() - beside).round())
+}
+
+/// Returns how high the controls of time are.
+fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
+    let width = column(room, state).width() - 2.0 * TIME_MARGIN.x;
+    timeline::compact_height(ctx, state, is_low(room), width)
 }
 
 impl Places {
     /// Divides `room`; without a bar, without a panel or with a tall one as told.
-    fn of(room: Rect, state: &State) -> Self {
+    fn of(ctx: &Context, room: Rect, state: &State) -> Self {
         let drawer = &state.drawer;
         let bar = if state.bare { 0.0 } else { BAR };
-        let controls = timeline::compact_height(is_low(room));
-        let mut column = room;
+        let (column, controls) = (column(room, state), controls(ctx, room, state));
         let mut canvas = room;
-        if drawer.arrangement == Arrangement::Landscape {
-            let beside = BESIDE.min((1.0 - CANVAS) * room.width());
-            column.min.x = (room.right() - beside).round();
+        let lies = drawer.arrangement == Arrangement::Landscape;
+        if lies {
             canvas.max.x = column.left();
         } else {
             let rest = room.height() - bar - controls - TABS;
             let panel = match (drawer.open, drawer.is_tall) {
                 (None, _) => 0.0,
                 (Some(_), true) => rest - LEAST_CANVAS,
-                (Some(_), false) => rest - CANVAS * room.height(),
+                (Some(_), false) => {
+                    let half = CANVAS * room.height();
+                    rest - half.min(rest - LEAST_DRAWER).max(LEAST_CANVAS)
+                }
             };
             canvas.min.y = room.top() + bar;
             canvas.max.y = (canvas.top() + rest - panel.max(0.0)).round();
@@ -62,11 +95,7 @@ impl Places {
             Rect::from_min_max(pos2(column.left(), top), pos2(column.right(), bottom))
         };
         let bar = slice(column.top(), bar);
-        let top = if drawer.arrangement == Arrangement::Landscape {
-            bar.bottom()
-        } else {
-            canvas.bottom()
-        };
+        let top = if lies { bar.bottom() } else { canvas.bottom() };
         let controls = slice(top, controls);
         let tabs = slice(controls.bottom(), TABS);
         Self {
@@ -75,10 +104,13 @@ impl Places {
             controls,
             tabs,
             drawer: slice(tabs.bottom(), f32::INFINITY),
+            is_low: is_low(room),
         }
     }
 }
 
+/// Around the controls of time.
+const TIME_MARGIN: egui::Vec2 = vec2(12.0, 6.0);
 /// Height of the row of tabs.
 const TABS: f32 = FINGER + 8.0;
 
@@ -88,41 +120,122 @@ fn is_low(room: Rect) -> bool {
 
 /// Shows the window.
 pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
     let room = ui.available_rect_before_wrap();
-    let places = Places::of(room, state);
-    // In this sequence the Tab key goes through it, too.
-    if !state.bare {
-        let side = vec2(10.0, 0.0);
-        part(ui, "bar", places.bar, side, palette.panel, |ui| {
-            toolbar::show_compact(ui, state, commands);
+    let needed = needed_height(ui.ctx(), room, state);
+    let mut high = room;
+    high.max.y = room.top() + needed.max(room.height());
+    let mut shown = Shown {
+        state,
+        canvas,
+        commands,
+    };
+    if needed <= room.height() {
+        shown.all(ui, &Places::of(ui.ctx(), room, state));
+    } else if state.drawer.arrangement == Arrangement::Landscape {
+        let places = Places::of(ui.ctx(), high, state);
+        shown.canvas(ui, places.canvas.intersect(room));
+        let beside = room.with_min_x(places.bar.left());
+        part(
+            ui,
+            "beside",
+            beside,
+            vec2(0.0, 0.0),
+            Color32::TRANSPARENT,
+            |ui| {
+                scrolled(ui, high, true, |ui, high| {
+                    let places = Places::of(ui.ctx(), high, state);
+                    shown.bar(ui, &places);
+                    shown.below(ui, &places);
+                });
+            },
+        );
+    } else {
+        // Over the canvas the wheel zooms.
+        let pointer = ui.input(|input| input.pointer.hover_pos());
+        let by_wheel = pointer.is_none_or(|pointer| !state.viewport.contains(pointer));
+        scrolled(ui, high, by_wheel, |ui, high| {
+            shown.all(ui, &Places::of(ui.ctx(), high, state));
         });
     }
-    let none = Color32::TRANSPARENT;
-    part(ui, "canvas", places.canvas, vec2(0.0, 0.0), none, |ui| {
-        canvas.show(ui, state, commands);
-    });
-    let side = vec2(12.0, 6.0);
-    part(ui, "time", places.controls, side, palette.panel, |ui| {
-        timeline::show_compact(ui, state, is_low(room), commands);
-    });
-    let side = vec2(8.0, 4.0);
-    part(ui, "tabs", places.tabs, side, palette.panel, |ui| {
-        tabs(ui, state, commands);
-    });
-    if places.drawer.height() < 1.0 {
-        return;
+}
+
+/// Scrolls what is as high as `high` in what is not; `add` receives where it lies.
+fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, Rect)) {
+    let source = ScrollSource {
+        mouse_wheel: by_wheel,
+        ..ScrollSource::default()
+    };
+    ScrollArea::vertical()
+        .id_salt("window")
+        .auto_shrink([false, false])
+        .scroll_source(source)
+        .show(ui, |ui| {
+            let size = vec2(ui.available_width(), high.height());
+            let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+            add(ui, high.translate(vec2(0.0, rect.top() - high.top())));
+            focus::follow(ui);
+        });
+}
+
+/// What is shown, and what is done to it.
+struct Shown<'a> {
+    state: &'a State,
+    canvas: &'a mut Canvas,
+    commands: &'a mut Vec<Command>,
+}
+
+impl Shown<'_> {
+    /// In this sequence the Tab key goes through it, too.
+    fn all(&mut self, ui: &mut Ui, places: &Places) {
+        self.bar(ui, places);
+        self.canvas(ui, places.canvas);
+        self.below(ui, places);
     }
-    let side = vec2(0.0, 0.0);
-    part(ui, "drawer", places.drawer, side, palette.panel, |ui| {
-        if let Some(panel) = state.drawer.open {
-            drawer(ui, panel, state, canvas, commands);
+
+    fn bar(&mut self, ui: &mut Ui, places: &Places) {
+        let fill = Palette::of(self.state.look).panel;
+        if !self.state.bare {
+            part(ui, "bar", places.bar, vec2(10.0, 0.0), fill, |ui| {
+                toolbar::show_compact(ui, self.state, self.commands);
+            });
         }
-    });
+    }
+
+    fn canvas(&mut self, ui: &mut Ui, place: Rect) {
+        part(
+            ui,
+            "canvas",
+            place,
+            vec2(0.0, 0.0),
+            Color32::TRANSPARENT,
+            |ui| {
+                self.canvas.show(ui, self.state, self.commands);
+            },
+        );
+    }
+
+    /// The controls of time, the tabs, and the open panel.
+    fn below(&mut self, ui: &mut Ui, places: &Places) {
+        let fill = Palette::of(self.state.look).panel;
+        part(ui, "time", places.controls, TIME_MARGIN, fill, |ui| {
+            timeline::show_compact(ui, self.state, places.is_low, self.commands);
+        });
+        part(ui, "tabs", places.tabs, vec2(8.0, 4.0), fill, |ui| {
+            tabs(ui, self.state, self.commands);
+        });
+        if places.drawer.height() < 1.0 {
+            return;
+        }
+        part(ui, "drawer", places.drawer, vec2(0.0, 0.0), fill, |ui| {
+            if let Some(panel) = self.state.drawer.open {
+                drawer(ui, panel, self.state, self.canvas, self.commands);
+            }
+        });
+    }
 }
 
 /// Shows a part of the window in its place, clipped to it.
-fn part(
+pub(super) fn part(
     ui: &mut Ui,
     name: &str,
     place: Rect,
@@ -167,19 +280,9 @@ fn drawer(
     match panel {
         Panel::Canvas => scrolled(ui, &mut |ui, commands| layers::show(ui, state, commands)),
         Panel::Timeline => scrolled(ui, &mut |ui, commands| timeline::more(ui, state, commands)),
-        // A list beside a table: there is no narrower form of it, but it can be moved.
-        Panel::Passes if state.passes.is_some() => {
-            let size = ui.available_size().max(PASSES);
-            ScrollArea::both().id_salt(panel.name()).show(ui, |ui| {
-                ui.allocate_ui(size, |ui| show_panel(ui, panel, state, canvas, commands));
-            });
-        }
         _ => show_panel(ui, panel, state, canvas, commands),
     }
 }
-
-/// The panel of passes needs so much room, in screen points.
-const PASSES: egui::Vec2 = vec2(640.0, 420.0);
 
 /// What a tab says: of the canvas and the timeline, which are there, it opens the rest.
 const fn tab_name(panel: Panel) -> &'static str {

@@ -1,17 +1,20 @@
-//! What is shown of the window where it is part of another page: the canvas, and below it the line of time. Menus and panels
-//! are left to the page.
+//! What is shown of the window where it is part of another page: the canvas, and below it the sentence, the controls and the
+//! line of time. Menus and panels are left to the page.
 
-use egui::{CentralPanel, Frame, Margin, Ui};
+use egui::{Color32, Rect, Ui, Vec2, vec2};
 
-use super::{notice, timeline};
+use super::compact::part;
+use super::notice;
+use super::timeline::{PLAYER_MARGIN, Player};
 use crate::canvas::Canvas;
 use crate::command::Command;
 use crate::embedding::Embedding;
 use crate::state::State;
 use crate::theme::Palette;
+use crate::widgets::{Icon, icon_button};
 
-/// How high the sentence, the controls and the line are together.
-const HEIGHT: f32 = 100.0;
+/// From the corner of the canvas to the button in it, in screen points.
+const INSET: Vec2 = vec2(8.0, 8.0);
 
 /// Shows what is left of the window.
 pub fn show(
@@ -22,19 +25,53 @@ pub fn show(
     commands: &mut Vec<Command>,
 ) {
     let palette = Palette::of(state.look);
-    if embedding == Embedding::Player {
-        let frame = Frame::new().fill(palette.panel);
-        egui::Panel::bottom("player")
-            .exact_size(HEIGHT)
-            .frame(frame.inner_margin(Margin::symmetric(12, 6)))
-            .show(ui, |ui| timeline::show(ui, state, commands));
+    let room = ui.available_rect_before_wrap();
+    let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
+    let width = room.width() - 2.0 * PLAYER_MARGIN.x;
+    let height = player.map_or(0.0, |player| player.height(ui.ctx(), state, width));
+    let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
+    // In this sequence the Tab key goes through it, too.
+    part(
+        ui,
+        "canvas",
+        above,
+        Vec2::ZERO,
+        Color32::TRANSPARENT,
+        |ui| {
+            canvas.show(ui, state, commands);
+        },
+    );
+    if state.session.is_some() && !state.is_fitted() {
+        whole_domain(ui, above, palette, commands);
     }
-    CentralPanel::no_frame()
-        .frame(Frame::new())
-        .show(ui, |ui| canvas.show(ui, state, commands));
+    if let Some(player) = player {
+        part(ui, "player", below, PLAYER_MARGIN, palette.panel, |ui| {
+            player.show(ui, state, commands);
+        });
+    }
     // A canvas alone shows what went wrong, and nothing else but itself.
     let is_wrong = state.notice.as_ref().is_some_and(|notice| notice.is_error);
     if embedding == Embedding::Player || is_wrong {
         notice::show(ui, state, commands);
     }
+}
+
+/// A button in the corner of the canvas that leads back to the whole domain, for as long as something else is shown.
+fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec<Command>) {
+    let corner = canvas.shrink2(INSET);
+    let builder = egui::UiBuilder::new()
+        .id_salt("whole domain")
+        .max_rect(corner)
+        .layout(egui::Layout::right_to_left(egui::Align::Min));
+    ui.scope_builder(builder, |ui| {
+        let ground = ui.painter().add(egui::Shape::Noop);
+        let name = "Show the whole domain (F)";
+        let response = icon_button(ui, Icon::Fit, name, None, palette);
+        let color = palette.panel.gamma_multiply(0.82);
+        let fill = egui::Shape::rect_filled(response.rect, 7.0, color);
+        ui.painter().set(ground, fill);
+        if response.clicked() {
+            commands.push(Command::Fit);
+        }
+    });
 }

@@ -1,4 +1,4 @@
-//! Who samples: the chooser of the engine, and what is known of the GPU.
+//! Who samples: the chooser of the engine, and a line on the one that does.
 
 use egui::{Button, ComboBox, RichText, Ui};
 
@@ -11,7 +11,7 @@ use crate::theme::Palette;
 const EXPLANATION: &str =
     "Who samples. All engines give the same points; choosing the GPU tests it first.";
 
-/// Shows the chooser and, once the GPU has been asked for, its state.
+/// Shows the chooser and, where there is more to say of the engine than its name, a line.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     labelled(ui, "Engine", palette, |ui, label| {
@@ -26,15 +26,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             });
         combo.response.labelled_by(label).on_hover_text(EXPLANATION);
     });
-    if let Some(chosen) = state.chosen() {
-        ui.label(RichText::new(chosen).small().color(palette.muted));
-    }
-    if let Some(said) = state.device.said() {
-        let color = match state.device.refusal() {
-            Some(_) => palette.conflict,
-            None => palette.muted,
-        };
-        ui.label(RichText::new(said).small().color(color));
+    if let Some((line, all)) = state.engine_said() {
+        let line = RichText::new(line).small().color(palette.muted);
+        ui.label(line).on_hover_text(all);
     }
 }
 
@@ -53,14 +47,11 @@ fn entry(ui: &mut Ui, state: &State, engine: Engine, commands: &mut Vec<Command>
     }
 }
 
-fn text(state: &State, engine: Engine) -> String {
-    match (engine, state.device.name()) {
-        (Engine::Auto, Some(name)) if state.device_takes(Engine::Auto) => {
-            format!("auto (GPU {name})")
-        }
-        (Engine::Auto, _) => "auto (CPU)".to_owned(),
-        (Engine::Cpu, _) => "CPU".to_owned(),
-        (Engine::Gpu, None) => "GPU".to_owned(),
-        (Engine::Gpu, Some(name)) => format!("GPU ({name})"),
+fn text(state: &State, engine: Engine) -> &'static str {
+    match engine {
+        Engine::Auto if state.device_takes(Engine::Auto) => "auto (GPU)",
+        Engine::Auto => "auto (CPU)",
+        Engine::Cpu => "CPU",
+        Engine::Gpu => "GPU",
     }
 }

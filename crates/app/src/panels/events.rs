@@ -2,14 +2,15 @@
 //! it holds.
 
 use egui::{
-    Align2, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
+    Align, Align2, CursorIcon, FontId, Rect, RichText, Role, ScrollArea, Sense, TextEdit, Ui,
+    WidgetInfo, pos2, style::ScrollAnimation, vec2,
 };
 use tilescope_debugger::{Debugger, OutlineRows};
 
 use super::no_events;
 use crate::command::{Command, DebugCommand};
 use crate::focus;
-use crate::sentence::{counted, grouped};
+use crate::sentence::{counted, event_number, grouped};
 use crate::state::{Found, MOST_FOUND, State};
 use crate::theme::{Palette, is_for_fingers, row_height};
 
@@ -95,22 +96,30 @@ fn list(
     };
     ui.spacing_mut().item_spacing.y = 0.0;
     let height = row_height(ui.ctx(), ROW);
-    let mut area = ScrollArea::vertical()
+    let area = ScrollArea::vertical()
         .auto_shrink([false, false])
         .id_salt(found.is_some());
     let seen = ui.scope_id().with(("seen", found.is_some()));
-    if ui.data(|data| data.get_temp::<Option<usize>>(seen)) != Some(here) {
-        ui.data_mut(|data| data.insert_temp(seen, here));
-        let offset = here.unwrap_or(0) as f32 * height - 0.4 * ui.available_height();
-        area = area.vertical_scroll_offset(offset.max(0.0));
-    }
     area.show_rows(ui, height, count, |ui, rows| {
+        let top = ui.max_rect().top() - rows.start as f32 * height;
         for row in rows {
             if let Some(line) = line(row) {
                 show_row(ui, state, debugger, &line, here == Some(row), commands);
             }
         }
         focus::follow(ui);
+        // An offset set beforehand would be limited to the rows of the frame before.
+        let now = (here, count);
+        if ui.data(|data| data.get_temp::<(Option<usize>, usize)>(seen)) != Some(now) {
+            ui.data_mut(|data| data.insert_temp(seen, now));
+            let at = pos2(
+                ui.max_rect().left(),
+                top + here.unwrap_or(0) as f32 * height,
+            );
+            let place = Rect::from_min_size(at, vec2(1.0, height));
+            let at_once = ScrollAnimation::none();
+            ui.scroll_to_rect_animation(place, Some(Align::Center), at_once);
+        }
     });
 }
 
@@ -137,7 +146,7 @@ fn show_row(
         Sense::click(),
     );
     let text = tilescope_debugger::short(debugger.recording(), index);
-    let label = format!("Event {}: {text}", grouped(index));
+    let label = format!("Event {}: {text}", event_number(index));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
     if current {
         ui.painter()
@@ -156,7 +165,7 @@ fn show_row(
     let number = painter.text(
         rect.right_center() - vec2(2.0, 0.0),
         Align2::RIGHT_CENTER,
-        grouped(index),
+        event_number(index),
         FontId::monospace(10.0),
         palette.muted,
     );
@@ -203,7 +212,7 @@ fn arrow(
     let name = format!(
         "{} event {}",
         if expanded { "Collapse" } else { "Expand" },
-        grouped(event)
+        event_number(event)
     );
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let corners = if expanded {

@@ -8,7 +8,7 @@ use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::draft::sentence;
-use crate::export::{Entry, ExportCommand, ExportForm, Kind};
+use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
@@ -16,6 +16,8 @@ use crate::widgets::primary_button;
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
+/// What pictures lack of the canvas.
+const LEFT_OUT: &str = "What is selected, brushed, compared or on the GPU is left out.";
 /// Width of the names beside fields.
 const NAME_WIDTH: f32 = 92.0;
 
@@ -62,9 +64,13 @@ impl Sheet<'_> {
         ui.add_space(6.0);
         match self.form.kind {
             Kind::Result | Kind::Samples => self.precision(ui),
-            Kind::Picture => self.scale(ui),
+            Kind::Picture => {
+                self.scale(ui);
+                self.colours(ui);
+            }
             Kind::Animation => {
                 self.scale(ui);
+                self.colours(ui);
                 self.frames(ui);
                 self.delay(ui);
             }
@@ -105,8 +111,7 @@ impl Sheet<'_> {
             }
             Kind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
             Kind::Picture => {
-                let differences = self.differences();
-                format!("The view of this moment in the figures' colours, with the parameters inside.{differences}")
+                format!("The canvas as it is, with the parameters inside. {LEFT_OUT}")
             }
             Kind::Animation => self.animation(),
         }
@@ -122,26 +127,7 @@ impl Sheet<'_> {
         } else {
             "the stage shown; a loop on the timeline chooses another range"
         };
-        let differences = self.differences();
-        format!("The view from event {start} to event {end}: {whose}.{differences}")
-    }
-
-    /// Says what a picture has more or less than the canvas: copies of a periodic domain, layers that need events.
-    fn differences(&self) -> String {
-        let view = self.state.export_view(self.form.kind).ok();
-        let missing = view.zip(self.state.session.as_ref());
-        let missing = missing.map(|(view, session)| view.missing(session));
-        let names: Vec<&str> = missing.iter().flatten().map(|layer| layer.name()).collect();
-        let session = self.state.session.as_ref();
-        let mut text = " What is selected, brushed, compared or on the GPU is left out.".to_owned();
-        if session.is_some_and(|session| session.run().domain.is_periodic()) {
-            text.push_str(" Around a periodic domain its copies are drawn, too.");
-        }
-        if !names.is_empty() {
-            let names = names.join(", ");
-            text = format!("{text} It lacks these layers: {names}.");
-        }
-        text
+        format!("The canvas from event {start} to event {end}: {whose}. {LEFT_OUT}")
     }
 
     fn file(&mut self, ui: &mut Ui) {
@@ -178,7 +164,9 @@ impl Sheet<'_> {
         } else {
             let format = self.form.kind.format(self.form.file());
             let format = format.unwrap_or_default();
-            (format!("Format: {format}"), self.palette.muted)
+            let known = self.form.kind.extensions();
+            let all = Refusal::Extension { known };
+            (format!("Format: {format}. {all}"), self.palette.muted)
         };
         ui.label(RichText::new(told).small().color(color));
         if let Some(taken) = &self.form.taken {
@@ -219,6 +207,17 @@ impl Sheet<'_> {
                 "SVG can be shown at any scale"
             };
             ui.label(RichText::new(unit).color(sheet.palette.muted));
+        });
+    }
+
+    fn colours(&mut self, ui: &mut Ui) {
+        self.named(ui, "Colours", |sheet, ui, _| {
+            for (print, name) in [(false, "as in the window"), (true, "for print")] {
+                let button = Button::selectable(sheet.form.print == print, name);
+                if ui.add(button).clicked() {
+                    sheet.commands.push(ExportCommand::Print(print));
+                }
+            }
         });
     }
 

@@ -9,7 +9,7 @@ use tilescope_debugger::{Debugger, why};
 use super::divide;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
-use crate::sentence::{counted, grouped};
+use crate::sentence::{counted, event_number, grouped};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{heading, row};
@@ -67,7 +67,7 @@ fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let past = event < cursor;
         let text = format!(
             "{:>7}  {}",
-            grouped(event),
+            event_number(event),
             tilescope_debugger::short(debugger.recording(), event)
         );
         let ink = if past { palette.text } else { palette.muted };
@@ -104,7 +104,7 @@ fn why(
     for event in std::iter::once(last).chain(why::causes(recording, last)) {
         let text = format!(
             "{:>7}  {}",
-            grouped(event),
+            event_number(event),
             tilescope_debugger::short(recording, event)
         );
         let label = RichText::new(text)
@@ -121,9 +121,18 @@ fn why(
     }
 }
 
+/// Shows a place in r, as everything in the window, and in the unit of the domain, as the fields and files have it.
+fn coordinates(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
+    let radius = shown.session.run().domain.radius();
+    let [x, y] = at.map(|value| format!("{value:.4} r"));
+    row(ui, "x", &x, palette);
+    row(ui, "y", &y, palette);
+    let [x, y] = at.map(|value| value * radius);
+    row(ui, "In files", &format!("{x:.6}, {y:.6}"), palette);
+}
+
 fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
-    row(ui, "x", &format!("{:.4} r", at[0]), palette);
-    row(ui, "y", &format!("{:.4} r", at[1]), palette);
+    coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
     let reach = 3.5;
     shown.session.index.visit(at, at, reach, |seen| {
@@ -174,11 +183,8 @@ fn gap(ui: &mut Ui, state: &State, shown: &Shown<'_>, at: [f64; 2]) {
 fn sample(ui: &mut Ui, shown: &Shown<'_>, id: u32, palette: &Palette, commands: &mut Vec<Command>) {
     let session = shown.session;
     let run = session.run();
-    let point = run.samples.points[id as usize];
-    let place = run.domain.user_from_lattice(point);
     row(ui, "Id", &grouped(id as usize), palette);
-    row(ui, "x", &format!("{:.6}", place[0]), palette);
-    row(ui, "y", &format!("{:.6}", place[1]), palette);
+    coordinates(ui, shown, session.place(id), palette);
     match run.samples.origins[id as usize] {
         Origin::Tiled {
             block,

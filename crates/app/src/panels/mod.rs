@@ -24,10 +24,15 @@ mod track;
 mod verification;
 mod watches;
 
-use egui::{CentralPanel, Frame, Margin, ScrollArea, Ui};
+use egui::{
+    Align2, Area, Button, CentralPanel, Frame, Id, Margin, RichText, Role, ScrollArea, Ui, Vec2,
+    WidgetInfo, vec2,
+};
 
 pub use embedded::show as show_embedded;
 pub(crate) use timeline::happened;
+#[cfg(test)]
+pub(crate) use timeline::told;
 
 use crate::canvas::Canvas;
 use crate::command::Command;
@@ -48,6 +53,25 @@ pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .show(ui, |ui| toolbar::show(ui, state, commands));
 }
 
+/// Returns the room that a panel needs at least, in screen points: in less its rows would be cut off. The height of the
+/// timeline is that of its sentence.
+#[must_use]
+pub fn least_size(panel: Panel, timeline: f32) -> Vec2 {
+    match panel {
+        Panel::Canvas => vec2(320.0, 160.0),
+        Panel::Timeline => vec2(320.0, timeline),
+        Panel::Parameters => vec2(parameters::LEAST_WIDTH + BESIDE_PANEL, LEAST_PANEL.y),
+        // It is moved in less.
+        Panel::Passes => Vec2::ZERO,
+        _ => LEAST_PANEL,
+    }
+}
+
+/// What most panels need, and the names of those that share a tile at first.
+const LEAST_PANEL: Vec2 = vec2(272.0, 96.0);
+/// A panel's margins, and the room of its scroll bar.
+const BESIDE_PANEL: f32 = 28.0;
+
 /// How wide the analysis is on a projector, in its larger screen points.
 const PROJECTED: f32 = 290.0;
 /// The part of the window that it takes at most.
@@ -63,10 +87,13 @@ pub fn show_projector(
 ) {
     let palette = Palette::of(state.look);
     let frame = Frame::new().fill(palette.panel);
+    let width = ui.available_width() - 2.0 * 14.0;
+    let height = timeline::height(ui.ctx(), state, width) + pseudocode::NEXT_LINE;
     egui::Panel::bottom("projector")
-        .exact_size(124.0)
+        .exact_size(height + 2.0 * 8.0)
         .frame(frame.inner_margin(Margin::symmetric(14, 8)))
         .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
             pseudocode::next_line(ui, state);
             timeline::show(ui, state, commands);
         });
@@ -84,6 +111,31 @@ pub fn show_projector(
     CentralPanel::no_frame()
         .frame(Frame::new())
         .show(ui, |ui| canvas.show(ui, state, commands));
+    leave_projector(ui, palette, commands);
+}
+
+/// A small way out in the corner of the canvas.
+fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
+    Area::new(Id::unique("leave projector"))
+        .anchor(Align2::RIGHT_TOP, vec2(-8.0, 8.0))
+        .show(ui.ctx(), |ui| {
+            let text = RichText::new("F2: leave").small().color(palette.muted);
+            let button = ui.add(Button::new(text).fill(palette.panel).small());
+            let name = crate::actions::projector_action(crate::theme::Look::Projector);
+            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+            if button.on_hover_text(name).clicked() {
+                commands.push(Command::ToggleProjector);
+            }
+        });
+}
+
+/// Around the timeline.
+const TIMELINE_MARGIN: Margin = Margin::symmetric(16, 8);
+
+/// Returns how high the tile of the timeline is at least, `width` wide.
+pub fn timeline_height(ctx: &egui::Context, state: &State, width: f32) -> f32 {
+    let margin = TIMELINE_MARGIN.sum();
+    timeline::height(ctx, state, width - margin.x) + margin.y
 }
 
 /// Shows a panel in the place of its tile.
@@ -111,16 +163,16 @@ pub fn show_panel(
             canvas.show(ui, state, commands);
         }
         Panel::Timeline => {
-            filled(ui, frame.inner_margin(Margin::symmetric(16, 8)), |ui| {
+            filled(ui, frame.inner_margin(TIMELINE_MARGIN), |ui| {
                 timeline::show(ui, state, commands);
             });
         }
         Panel::Pseudocode => filled(ui, side, |ui| pseudocode::show(ui, state, commands)),
         Panel::Passes => filled(ui, side, |ui| passes(ui, state, commands)),
+        Panel::Parameters => filled(ui, side, |ui| parameters::show(ui, state, commands)),
         Panel::Events => filled(ui, side, |ui| events::show(ui, state, commands)),
         _ => filled(ui, side, |ui| {
             scrolled(ui, panel, |ui| match panel {
-                Panel::Parameters => parameters::show(ui, state, commands),
                 Panel::Statistics => stages::show(ui, state, commands),
                 Panel::Bookmarks => bookmarks::show(ui, state, commands),
                 Panel::Inspector => inspector::show(ui, state, commands),
@@ -130,6 +182,7 @@ pub fn show_panel(
                 Panel::Compare => compare::show(ui, state, commands),
                 Panel::Analysis => analysis::show(ui, state, commands),
                 Panel::Canvas
+                | Panel::Parameters
                 | Panel::Timeline
                 | Panel::Pseudocode
                 | Panel::Events
@@ -194,12 +247,23 @@ fn no_events(ui: &mut Ui, state: &State) {
     ui.label(egui::RichText::new(text).color(palette.muted));
 }
 
+/// The list and the table of passes need so much room, in screen points.
+const ROOM_FOR_PASSES: egui::Vec2 = egui::vec2(620.0, 400.0);
+
 /// Shows the passes of the GPU, or how to come to see them.
 fn passes(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     if let Some(passes) = &state.passes {
         let mut own = Vec::new();
-        crate::passes::panel::show(ui, passes, palette, &mut own);
+        // A list beside a table: there is no narrower form of it, but it can be moved.
+        let size = ui.available_size().max(ROOM_FOR_PASSES);
+        ScrollArea::both()
+            .id_salt(Panel::Passes.name())
+            .show(ui, |ui| {
+                ui.allocate_ui(size, |ui| {
+                    crate::passes::panel::show(ui, passes, palette, &mut own);
+                });
+            });
         commands.extend(own.into_iter().map(Command::Passes));
         return;
     }

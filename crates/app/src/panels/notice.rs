@@ -18,8 +18,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     } else {
         palette.accent
     };
-    // On a small window the controls of time are below the canvas.
-    let (corner, offset) = if state.drawer.arrangement.is_compact() {
+    // On a small window the controls of time are below the canvas, and part of another page has no bar.
+    let (corner, offset) = if state.embedding.is_some() {
+        (Align2::CENTER_TOP, vec2(0.0, 8.0))
+    } else if state.drawer.arrangement.is_compact() {
         (Align2::CENTER_TOP, vec2(0.0, 56.0))
     } else {
         (Align2::CENTER_BOTTOM, vec2(0.0, -128.0))

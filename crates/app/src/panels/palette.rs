@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let modal = Modal::new(egui::Id::unique("actions")).show(ui.ctx(), |ui| {
         ui.set_width(sheet::width(ui, 480.0));
         // What is typed counts for an Enter of the same frame.
-        let open = field(ui, open, commands);
+        let (field, open) = field(ui, open, commands);
         found = open.found(state);
         let choice = open.choice.min(found.len().saturating_sub(1));
         ui.add_space(6.0);
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
                 for (place, action) in found.iter().enumerate() {
-                    if show_action(ui, state, action, place == choice, moved) {
+                    if show_action(ui, state, action, field, place == choice, moved) {
                         done = Some(place);
                     }
                 }
@@ -55,17 +55,17 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
     let chosen = modal.inner.and_then(|place| found.get(place));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
-        commands.push(Command::TogglePalette);
+        commands.push(Command::ClosePalette);
         if action.command != Command::TogglePalette {
             commands.push(action.command.clone());
         }
     } else if modal.should_close() {
-        commands.push(Command::TogglePalette);
+        commands.push(Command::ClosePalette);
     }
 }
 
-/// Returns the list as it is narrowed by what is typed now.
-fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> Actions {
+/// Returns the field, and the list as it is narrowed by what is typed now.
+fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> (egui::Id, Actions) {
     let mut text = open.text.clone();
     let response = ui.add(
         TextEdit::singleline(&mut text)
@@ -78,10 +78,10 @@ fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> Actions {
         response.request_focus();
     }
     if !response.changed() {
-        return open.clone();
+        return (response.id, open.clone());
     }
     commands.push(Command::PaletteText(text.clone()));
-    Actions { text, choice: 0 }
+    (response.id, Actions { text, choice: 0 })
 }
 
 /// Moves the choice; returns whether it was confirmed.
@@ -97,7 +97,14 @@ fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bo
     })
 }
 
-fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool, moved: bool) -> bool {
+fn show_action(
+    ui: &mut Ui,
+    state: &State,
+    action: &Action,
+    field: egui::Id,
+    chosen: bool,
+    moved: bool,
+) -> bool {
     let palette = Palette::of(state.look);
     let enabled = action.refusal.is_none();
     let sense = if enabled {
@@ -109,6 +116,10 @@ fn show_action(ui: &mut Ui, state: &State, action: &Action, chosen: bool, moved:
         ui.allocate_exact_size(vec2(ui.available_width(), row_height(ui.ctx(), ROW)), sense);
     response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
     if chosen {
+        // The field keeps the focus; screen readers follow the choice all the same.
+        ui.ctx().accesskit_node_builder(field, |node| {
+            node.set_active_descendant(response.id.accesskit_id());
+        });
         ui.painter()
             .rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.22));
         if moved {

@@ -1,23 +1,36 @@
-//! The parameters with what is wrong beside each field, and the button that runs or cancels.
+//! The parameters with what is wrong beside each field, and the button that runs or cancels, which stays in view below them.
 
-use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui};
+use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 
-use super::{divide, engine};
+use super::engine;
 use crate::command::{Choice, Command, Field};
 use crate::draft::{Refusal, sentence};
 use crate::files::FileCommand;
+use crate::layout::Panel;
 use crate::sentence::grouped;
 use crate::state::State;
-use crate::theme::Palette;
+use crate::theme::{Palette, row_height};
 use crate::widgets::{heading, primary_button};
 
 /// Where the fields begin, from the left edge of the panel.
-const FIELD_START: f32 = 100.0;
-/// How wide a field is with its frame, at least and at most.
-const FIELD_WIDTHS: [f32; 2] = [72.0, 132.0];
+const FIELD_START: f32 = 94.0;
+/// How wide a field is with its frame: at least, so that the longest choice is not shortened, and at most.
+const FIELD_WIDTHS: [f32; 2] = [140.0, 160.0];
 /// What is left beside a field for its unit.
 const UNIT_WIDTH: f32 = 14.0;
+/// The panel has room for its fields from this width on, in screen points, without what is around it.
+pub(super) const LEAST_WIDTH: f32 = FIELD_START + FIELD_WIDTHS[0] + UNIT_WIDTH;
+/// Above and below the button that runs.
+const AROUND_RUN: f32 = 6.0;
+/// The height of the line above the button that names what is not in the run shown.
+const REMARK: f32 = 18.0;
+/// Right of the button, as of the fields, which have a scroll bar there.
+const BESIDE_FIELDS: f32 = 8.0;
+/// How wide the way out is that stands beside the button.
+const BESIDE_RUN: f32 = 60.0;
+/// In a lower panel, in screen points, the button is scrolled with the fields.
+const ROOM_FOR_RUN: f32 = 100.0;
 
 /// How wide a field is where there is room from `ui`'s cursor to the panel's right edge.
 pub(super) fn field_width(ui: &Ui) -> f32 {
@@ -25,8 +38,32 @@ pub(super) fn field_width(ui: &Ui) -> f32 {
     (ui.available_width() - UNIT_WIDTH).clamp(least, most)
 }
 
-/// Shows the panel.
+/// Shows the panel: the fields are scrolled, the button is not where there is room for both.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let room = ui.available_rect_before_wrap();
+    if room.height() < ROOM_FOR_RUN {
+        super::scrolled(ui, Panel::Parameters, |ui| {
+            form(ui, state, commands);
+            run_or_cancel(ui, state, commands);
+        });
+        return;
+    }
+    let remark = state.run_remark().map_or(0.0, |_| REMARK);
+    let height = run_height(ui) + remark + 2.0 * AROUND_RUN;
+    let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
+    ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
+        super::scrolled(ui, Panel::Parameters, |ui| form(ui, state, commands));
+    });
+    let line = Palette::of(state.look).line;
+    ui.painter().hline(room.x_range(), below.top(), (1.0, line));
+    let below = below.shrink2(vec2(0.0, AROUND_RUN));
+    let below = below.with_max_x(below.right() - BESIDE_FIELDS);
+    ui.scope_builder(UiBuilder::new().max_rect(below), |ui| {
+        run_or_cancel(ui, state, commands);
+    });
+}
+
+fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     let refusals = state.draft.refusals();
     heading(ui, "Domain");
@@ -81,9 +118,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for refusal in refusals.iter().filter(|r| r.field.is_none()) {
         trouble(ui, &refusal.reason, palette);
     }
-    ui.add_space(8.0);
-    run_or_cancel(ui, state, commands);
-    divide(ui, palette);
 }
 
 /// Says that the pattern comes from a file, if it does.
@@ -106,7 +140,7 @@ fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Says that the pattern repeats itself within blocks, if it does.
 fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
-    if let Some(side) = state.draft.parameters.side_without_repeats() {
+    if let Some(side) = state.draft.side_without_repeats() {
         let text =
             format!("It repeats itself within the largest blocks; a side of {side} r holds them.");
         ui.label(RichText::new(text).color(palette.muted));
@@ -296,37 +330,57 @@ fn choice<T: Copy + PartialEq>(
     (chosen != current).then_some(chosen)
 }
 
-/// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so
-/// that a double click on Run does not hit it.
+fn run_height(ui: &Ui) -> f32 {
+    row_height(ui.ctx(), 34.0)
+}
+
+/// The button and the progress take the same room, so that nothing jumps; Cancel is beside them, so that a double click on
+/// Run does not hit it.
 fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    if let Some(job) = &state.sampling {
-        let activity = sentence(&job.activity());
-        let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
-        let bar = ProgressBar::new(job.fraction())
-            .desired_height(34.0)
-            .fill(palette.accent.gamma_multiply(0.5))
-            .text(RichText::new(text.trim_start_matches('.').trim()).small());
-        ui.add(bar);
-        ui.horizontal(|ui| {
-            ui.set_height(18.0);
-            if job.is_cancelled() {
-                ui.label(RichText::new("Stopping").small().color(palette.muted));
-            } else if ui.link(RichText::new("Cancel").small()).clicked() {
-                commands.push(Command::Cancel);
-            }
-        });
-        return;
-    }
-    let refusal = state.run_refusal();
-    if primary_button(ui, "Run", refusal.as_deref(), palette).clicked() {
-        commands.push(Command::Run);
+    let height = run_height(ui);
+    if let Some(remark) = state.run_remark() {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        let size = vec2(ui.available_width(), REMARK - 2.0);
+        let text = RichText::new(&remark).small().color(palette.accent);
+        let label = ui.add_sized(size, egui::Label::new(text).truncate());
+        label.on_hover_text(remark);
     }
     ui.horizontal(|ui| {
-        ui.set_height(18.0);
-        let reset = RichText::new("Reset the parameters").small();
-        if ui.link(reset).clicked() {
-            commands.push(Command::ResetParameters);
+        let room = vec2(ui.available_width() - BESIDE_RUN, height);
+        ui.allocate_ui(room, |ui| {
+            if let Some(job) = &state.sampling {
+                let activity = sentence(&job.activity());
+                let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
+                let bar = ProgressBar::new(job.fraction())
+                    .desired_height(height)
+                    .fill(palette.accent.gamma_multiply(0.5))
+                    .text(RichText::new(text.trim_start_matches('.').trim()).small());
+                ui.add(bar);
+                return;
+            }
+            let refusal = state.run_refusal();
+            if primary_button(ui, "Run", refusal.as_deref(), palette).clicked() {
+                commands.push(Command::Run);
+            }
+        });
+        match &state.sampling {
+            Some(job) if job.is_cancelled() => {
+                ui.label(RichText::new("Stopping").small().color(palette.muted));
+            }
+            Some(_) => {
+                if ui.link(RichText::new("Cancel").small()).clicked() {
+                    commands.push(Command::Cancel);
+                }
+            }
+            None => {
+                let reset = ui.link(RichText::new("Reset").small());
+                let reset =
+                    reset.on_hover_text("Reset the parameters to those of the first session");
+                if reset.clicked() {
+                    commands.push(Command::ResetParameters);
+                }
+            }
         }
     });
 }

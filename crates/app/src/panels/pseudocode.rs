@@ -1,9 +1,9 @@
-//! The listings: the line that is about to run, breakpoints in the gutter, and how often a line runs.
+//! The listings: the line that has run and the one that is about to, breakpoints in the gutter, and how often a line runs.
 //! A click on the gutter sets a breakpoint; a click on a line goes to its next execution.
 
 use egui::{
-    Align, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo,
-    pos2, vec2,
+    Align, Align2, Color32, CursorIcon, FontId, RichText, Role, ScrollArea, Sense, Stroke,
+    StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_core::{Insertion, Variant};
 use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, Listings, Target};
@@ -15,6 +15,8 @@ use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
 const GUTTER: f32 = 22.0;
+/// Room behind a line for what is said of it.
+const TAG: f32 = 28.0;
 
 /// Returns the listings that a session runs.
 fn listings_of(state: &State) -> Vec<&'static Listing> {
@@ -38,17 +40,47 @@ fn listings_of(state: &State) -> Vec<&'static Listing> {
         .collect()
 }
 
+/// The lines of a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Now {
+    /// The line of the last event, of which the sentence and the canvas are.
+    pub done: Option<LineId>,
+    /// The line of the event that is about to happen, where breakpoints stop.
+    pub next: Option<LineId>,
+}
+
+impl Now {
+    /// Returns the lines of the moment that is shown.
+    pub fn of(state: &State, debugger: &Debugger) -> Self {
+        let last = state.shown().and_then(|shown| shown.last_event());
+        Self {
+            done: last.map(Event::line),
+            next: debugger.event().map(Event::line),
+        }
+    }
+
+    /// Returns what is said of a line.
+    pub fn tag(self, line: LineId) -> Option<&'static str> {
+        match (self.done == Some(line), self.next == Some(line)) {
+            (true, true) => Some("done, next"),
+            (true, false) => Some("done"),
+            (false, true) => Some("next"),
+            (false, false) => None,
+        }
+    }
+}
+
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(debugger) = &state.debugger else {
         no_events(ui, state);
         return;
     };
-    let next = debugger.event().map(Event::line);
+    let now = Now::of(state, debugger);
     let seen = ui.scope_id().with("seen");
-    let before = ui.data(|data| data.get_temp::<Option<LineId>>(seen));
-    let moved = before != Some(next);
-    ui.data_mut(|data| data.insert_temp(seen, next));
+    let before = ui.data(|data| data.get_temp::<Now>(seen));
+    let moved = before != Some(now);
+    ui.data_mut(|data| data.insert_temp(seen, now));
     ScrollArea::vertical()
         .auto_shrink([false, false])
         .show(ui, |ui| {
@@ -60,7 +92,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 for number in listing.lines.clone() {
                     let id = LineId(number);
                     if let Some(line) = Listings::shipped().line(id) {
-                        show_line(ui, state, debugger, (id, line), (next, moved), commands);
+                        show_line(ui, state, debugger, (id, line), (now, moved), commands);
                     }
                 }
             }
@@ -73,26 +105,30 @@ fn show_line(
     state: &State,
     debugger: &Debugger,
     (id, line): (LineId, &Line),
-    (next, moved): (Option<LineId>, bool),
+    (now, moved): (Now, bool),
     commands: &mut Vec<Command>,
 ) {
     let palette = Palette::of(state.look);
-    let current = next == Some(id);
+    let (current, tag) = (now.done == Some(id), now.tag(id));
     let wide = if is_for_fingers(ui.ctx()) {
         FINGER - 4.0
     } else {
         GUTTER
     };
     let indent = wide + 10.0 * line.indentation as f32;
-    let width = (ui.available_width() - indent - 8.0).max(40.0);
-    let color = if current {
+    let width = (ui.available_width() - indent - 8.0 - TAG).max(40.0);
+    let color = if tag.is_some() {
         palette.text
     } else {
         palette.text.gamma_multiply(0.82)
     };
+    let words = state
+        .session
+        .as_ref()
+        .map_or_else(String::new, |session| line.text(&session.run().parameters));
     let galley = ui
         .painter()
-        .layout(line.text.clone(), FontId::monospace(11.5), color, width);
+        .layout(words.clone(), FontId::monospace(11.5), color, width);
     let height = row_height(ui.ctx(), galley.size().y + 6.0);
     let size = vec2(ui.available_width() - 4.0, height);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
@@ -106,7 +142,10 @@ fn show_line(
             Role::Button,
             true,
             current,
-            format!("Line {}: {}", line.id, line.text),
+            match tag {
+                Some(tag) => format!("Line {}, {tag}: {words}", line.id),
+                None => format!("Line {}: {words}", line.id),
+            },
         )
     });
     if current {
@@ -118,15 +157,31 @@ fn show_line(
         ];
         ui.painter()
             .line_segment(ends, Stroke::new(2.5, palette.accent));
-        if moved {
-            ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
-        }
+    } else if tag.is_some() {
+        ui.painter().rect_stroke(
+            rect,
+            4.0,
+            Stroke::new(1.0, palette.accent),
+            StrokeKind::Inside,
+        );
     } else if text.hovered() || text.has_focus() {
         ui.painter()
             .rect_filled(body, 4.0, palette.text.gamma_multiply(0.06));
     }
+    // The line of what is shown comes into view; before the first event the next one does.
+    let leads = current || now.done.is_none() && now.next == Some(id);
+    if moved && leads {
+        ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
+    }
     ui.painter()
         .galley(pos2(rect.left() + indent, top), galley, color);
+    if let Some(tag) = tag {
+        let at = rect.right_center() - vec2(4.0, 0.0);
+        let font = FontId::proportional(10.0);
+        let lines = tag.replace(", ", "\n");
+        ui.painter()
+            .text(at, Align2::RIGHT_CENTER, lines, font, palette.accent);
+    }
     breakpoint(ui, debugger, (id, line), gutter, palette, commands);
     if text
         .on_hover_cursor(CursorIcon::PointingHand)
@@ -199,7 +254,10 @@ fn explanation(line: &Line) -> String {
     }
 }
 
-/// Shows the line that is about to run, with its explanation, in a single row.
+/// Height of the row of [`next_line`].
+pub const NEXT_LINE: f32 = 22.0;
+
+/// Shows the line that is about to run in a single row.
 pub fn next_line(ui: &mut Ui, state: &State) {
     let palette = Palette::of(state.look);
     let lines = Listings::shipped();
@@ -212,9 +270,20 @@ pub fn next_line(ui: &mut Ui, state: &State) {
     } else {
         ("end", "The run is over.")
     };
+    let parameters = state
+        .session
+        .as_ref()
+        .map(|session| session.run().parameters);
+    let next = line.zip(parameters.as_ref());
     ui.horizontal(|ui| {
-        ui.set_height(18.0);
-        let (number, text) = line.map_or(otherwise, |line| (&line.id, &line.text));
+        ui.set_height(NEXT_LINE);
+        let (number, text) = match next {
+            Some((line, parameters)) => (line.id.as_str(), line.text(parameters)),
+            None => (otherwise.0, otherwise.1.to_owned()),
+        };
+        if next.is_some() {
+            ui.label(RichText::new("next").color(palette.muted));
+        }
         ui.label(RichText::new(number).monospace().color(palette.accent));
         ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
             ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());

@@ -1,43 +1,109 @@
 //! The timeline: what happened last, in a sentence, and the ways through time.
 
 use egui::text::LayoutJob;
-use egui::{Align, Button, ComboBox, FontId, Layout, RichText, Role, Ui, WidgetInfo, vec2};
+use egui::{
+    Align, Button, Color32, ComboBox, Context, FontId, Layout, RichText, Role, TextStyle, Ui, Vec2,
+    WidgetInfo, vec2,
+};
 use tilescope_core::Stage;
 
 use super::track;
 use crate::actions::time_refusals;
+use crate::arrangement::Arrangement;
+use crate::canvas::Made;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
 use crate::sentence::{counted, grouped, stage_sentence};
 use crate::state::State;
-use crate::theme::{FINGER, Palette};
+use crate::theme::{FINGER, Palette, is_for_fingers};
 use crate::widgets::{Icon, icon_button};
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
+/// Between the sentence and what stands beside it.
+const BESIDE: f32 = 24.0;
+/// Between the sentence and the controls.
+const ABOVE_CONTROLS: f32 = 4.0;
+/// Sizes of the sentence's letters.
+const SIZE: f32 = 15.0;
+const COMPACT_SIZE: f32 = 14.5;
+
+/// A sentence as long as sentences are in runs of some ten thousand samples. There is always room for it, so that nothing
+/// moves from event to event.
+const SPECIMEN: &str = "The circumcentre of sample 10,774 of block 88 with sample 17,364 of block 88 and sample 10,974 of \
+     block 88, 1.99 r away, is nearer to sample 10,775 of block 88.";
+
+/// Returns how high a text is that breaks at `width`.
+fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
+    let job = LayoutJob::simple(
+        text.to_owned(),
+        FontId::proportional(size),
+        Color32::WHITE,
+        width,
+    );
+    ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().y
+}
+
+/// Returns the room that the whole sentence takes, at least that of [`SPECIMEN`].
+fn sentence_height(ctx: &Context, state: &State, size: f32, width: f32) -> f32 {
+    let height = |text: &str| text_height(ctx, text, size, width);
+    height(SPECIMEN).max(height(&happened(state))).ceil()
+}
+
+/// Returns the room that counts take beside the sentence, whatever the moment.
+fn room_beside(ctx: &Context, state: &State, width: f32) -> f32 {
+    let (Some(session), true) = (&state.session, width >= WIDE) else {
+        return 0.0;
+    };
+    let most = grouped(session.summary.tiled.max(session.summary.count));
+    let place = match state.cursor() {
+        Some((_, len)) => format!("event {0} of {0}", grouped(len)),
+        None => "stage 9 of 9".to_owned(),
+    };
+    let text = format!("{most} samples   {place}   iteration 9");
+    let font = TextStyle::Monospace.resolve(&ctx.style_of(ctx.theme()));
+    let job = LayoutJob::simple_singleline(text, font, Color32::WHITE);
+    ctx.fonts_mut(|fonts| fonts.layout_job(job)).size().x + BESIDE
+}
+
+/// Returns how high the panel is that shows everything in `width`.
+#[must_use]
+pub fn height(ctx: &Context, state: &State, width: f32) -> f32 {
+    let width = width - room_beside(ctx, state, width);
+    let track = if is_for_fingers(ctx) {
+        track::COMPACT_HEIGHT
+    } else {
+        track::HEIGHT
+    };
+    sentence_height(ctx, state, SIZE, width).max(LINE) + ABOVE_CONTROLS + track
+}
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    ui.horizontal(|ui| {
-        ui.set_height(24.0);
-        let sentence = happened(state);
-        // What happened comes before how much of it there is.
-        let wide = ui.available_width() >= WIDE;
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if wide {
-                counts(ui, state, palette);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let room = ui.available_width();
+    let beside = room_beside(ui.ctx(), state, room);
+    let height = sentence_height(ui.ctx(), state, SIZE, room - beside).max(LINE);
+    ui.allocate_ui_with_layout(
+        vec2(room, height),
+        Layout::left_to_right(Align::Center),
+        |ui| {
+            ui.set_min_size(vec2(room, height));
+            ui.spacing_mut().item_spacing.x = 0.0;
+            // What happened comes before how much of it there is.
+            sentence(ui, state, SIZE, vec2(room - beside, height), usize::MAX);
+            if beside > 0.0 {
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let text = RichText::new(told(state).join("   ")).monospace();
+                    ui.label(text.color(palette.muted));
+                });
             }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let label = egui::Label::new(RichText::new(sentence).size(15.0)).truncate();
-                let response = ui.add(label);
-                super::read_out(ui, &response);
-            });
-        });
-    });
-    ui.add_space(4.0);
+        },
+    );
+    ui.add_space(ABOVE_CONTROLS);
     ui.horizontal(|ui| {
-        controls(ui, state, commands);
+        controls(ui, state, true, commands);
         ui.add_space(6.0);
         clock(ui, state, 72.0, commands);
         speed(ui, state, commands);
@@ -46,45 +112,148 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-/// Height of the sentence and of the controls between their margins.
+/// Shows what happened, in so many lines at most.
+fn sentence(ui: &mut Ui, state: &State, size: f32, room: Vec2, lines: usize) {
+    ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_size(room);
+        let color = Palette::of(state.look).text;
+        let font = FontId::proportional(size);
+        let mut text = LayoutJob::simple(happened(state), font, color, room.x);
+        // A pointer that rests on it shows the rest.
+        text.wrap.max_rows = lines;
+        let galley = ui.painter().layout_job(text);
+        let response = ui.add(egui::Label::new(galley));
+        super::read_out(ui, &response);
+    });
+}
+
+/// Height of a line of the sentence.
 const LINE: f32 = 20.0;
+/// The chooser of the clock is at least so wide for fingers.
+const CLOCK: f32 = 92.0;
 /// Between the rows of a small window.
 const APART: f32 = 4.0;
 
-/// Returns how high the controls of a small window are; a low one has one line for the sentence instead of two.
+/// Returns how high the controls of a small window are, `width` wide. Where the sentence would take room from the canvas or
+/// an open panel it has two lines, on a low window one.
 #[must_use]
-pub fn compact_height(is_low: bool) -> f32 {
-    12.0 + sentence_height(is_low) + FINGER + 2.0 + track::COMPACT_HEIGHT + 2.0 * APART
+pub fn compact_height(ctx: &Context, state: &State, is_low: bool, width: f32) -> f32 {
+    let sentence = compact_sentence(ctx, state, is_low, width);
+    12.0 + sentence + FINGER + 2.0 + track::COMPACT_HEIGHT + 2.0 * APART
 }
 
-const fn sentence_height(is_low: bool) -> f32 {
+/// Returns whether a small window has room for the whole sentence: beside the canvas, where no panel is open.
+fn is_whole(state: &State) -> bool {
+    state.drawer.open.is_none() && state.drawer.arrangement == Arrangement::Landscape
+}
+
+fn compact_sentence(ctx: &Context, state: &State, is_low: bool, width: f32) -> f32 {
+    if is_whole(state) {
+        return sentence_height(ctx, state, COMPACT_SIZE, width);
+    }
     if is_low { LINE } else { 2.0 * LINE }
 }
 
 /// Shows the sentence, the controls and the track below each other, large enough for fingers.
 pub fn show_compact(ui: &mut Ui, state: &State, is_low: bool, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.y = APART;
-    let size = vec2(ui.available_width(), sentence_height(is_low));
-    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
-        ui.set_min_size(size);
-        let mut text = LayoutJob::simple(
-            happened(state),
-            FontId::proportional(14.5),
-            Palette::of(state.look).text,
-            size.x,
-        );
-        // What does not fit is in the panel of the clocks.
-        text.wrap.max_rows = if is_low { 1 } else { 2 };
-        let galley = ui.painter().layout_job(text);
-        let response = ui.add(egui::Label::new(galley));
-        super::read_out(ui, &response);
-    });
+    let width = ui.available_width();
+    let room = vec2(width, compact_sentence(ui.ctx(), state, is_low, width));
+    // What does not fit is in the panel of the clocks.
+    let lines = match (is_whole(state), is_low) {
+        (true, _) => usize::MAX,
+        (false, true) => 1,
+        (false, false) => 2,
+    };
+    sentence(ui, state, COMPACT_SIZE, room, lines);
     ui.horizontal(|ui| {
-        controls(ui, state, commands);
+        controls(ui, state, true, commands);
         ui.add_space(6.0);
-        clock(ui, state, ui.available_width().min(110.0), commands);
+        // Where it would be cut off, the panel of the clocks has it.
+        if ui.available_width() >= CLOCK {
+            clock(ui, state, ui.available_width().min(110.0), commands);
+        }
     });
     track::show(ui, state, commands);
+}
+
+/// How a player shows the sentence, the controls and the track below its canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Player {
+    /// The controls and the track beside each other, as in the window.
+    Wide,
+    /// All three below each other.
+    Narrow,
+    /// The most needed controls and the track beside each other: there is room for little more than the canvas.
+    Small,
+}
+
+/// Narrower players, in screen points, have the track below the controls.
+const WIDE_PLAYER: f32 = 560.0;
+/// Narrower ones have no room for the buttons to the first and the last stage.
+const ALL_BUTTONS: f32 = 420.0;
+/// Lower ones that are not wide are small.
+const HIGH_PLAYER: f32 = 300.0;
+/// The size of the sentence's letters in players that are not wide.
+const PLAYER_SIZE: f32 = 12.0;
+/// So wide is the choice of the speed there.
+const SPEED: f32 = 70.0;
+/// Left and right of, and above and below, what stands below the canvas of a player.
+pub const PLAYER_MARGIN: egui::Vec2 = vec2(12.0, 6.0);
+
+impl Player {
+    /// Returns how a player of a size, in screen points, shows them.
+    #[must_use]
+    pub fn of(size: egui::Vec2) -> Self {
+        if size.x >= WIDE_PLAYER {
+            Self::Wide
+        } else if size.y >= HIGH_PLAYER {
+            Self::Narrow
+        } else {
+            Self::Small
+        }
+    }
+
+    /// Returns how high they are together, `width` wide between the margins.
+    #[must_use]
+    pub fn height(self, ctx: &Context, state: &State, width: f32) -> f32 {
+        let sentence = sentence_height(ctx, state, PLAYER_SIZE, width);
+        let row = APART + FINGER + 4.0;
+        2.0 * PLAYER_MARGIN.y
+            + match self {
+                Self::Wide => height(ctx, state, width),
+                Self::Narrow => sentence + row + APART + track::COMPACT_HEIGHT,
+                Self::Small => sentence + row,
+            }
+    }
+
+    /// Shows them.
+    pub fn show(self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+        if self == Self::Wide {
+            show(ui, state, commands);
+            return;
+        }
+        ui.spacing_mut().item_spacing.y = APART;
+        let width = ui.available_width();
+        let room = vec2(width, sentence_height(ui.ctx(), state, PLAYER_SIZE, width));
+        sentence(ui, state, PLAYER_SIZE, room, usize::MAX);
+        let with_ends = self == Self::Narrow && ui.available_width() >= ALL_BUTTONS - 24.0;
+        ui.horizontal(|ui| {
+            controls(ui, state, with_ends, commands);
+            ui.add_space(6.0);
+            if self == Self::Small {
+                track::show(ui, state, commands);
+                return;
+            }
+            clock(ui, state, 64.0, commands);
+            if ui.available_width() >= SPEED {
+                speed(ui, state, commands);
+            }
+        });
+        if self == Self::Narrow {
+            track::show(ui, state, commands);
+        }
+    }
 }
 
 /// Shows what a small window has no room for beside its controls: the whole sentence, counts, speed, the line and the loop.
@@ -95,10 +264,7 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.label(RichText::new(text).monospace().color(palette.muted));
     }
     ui.add_space(4.0);
-    ui.horizontal_wrapped(|ui| {
-        clock(ui, state, 110.0, commands);
-        speed(ui, state, commands);
-    });
+    speed(ui, state, commands);
     ui.horizontal_wrapped(|ui| {
         for (name, command) in [
             ("Loop from here", TimeCommand::LoopStart),
@@ -114,34 +280,26 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn counts(ui: &mut Ui, state: &State, palette: &Palette) {
-    let told = told(state);
-    if told.is_empty() {
-        return;
-    }
-    let text = told.join("   ");
-    ui.label(RichText::new(text).monospace().color(palette.muted));
-    ui.add_space(24.0);
-}
-
 /// Returns how much of what there is at this moment, and which moment it is.
-fn told(state: &State) -> Vec<String> {
+pub(crate) fn told(state: &State) -> Vec<String> {
     let Some(session) = &state.session else {
         return Vec::new();
     };
+    let blocks = || state.shown().map_or(0, |shown| Made::at(&shown).leaves);
     let count = match session.stages[state.stage] {
-        Stage::Blocks if session.combination.is_some() => {
-            counted(session.summary.blocks, "piece", "pieces")
+        Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
+        Stage::Blocks => counted(blocks(), "block", "blocks"),
+        stage => {
+            let now = state
+                .debugger
+                .as_ref()
+                .map(|debugger| debugger.state().counts());
+            let count = match now.filter(|_| stage != Stage::Pattern) {
+                Some(counts) => counts.undecided + counts.kept,
+                None => session.count_after(state.stage),
+            };
+            counted(count, "sample", "samples")
         }
-        Stage::Blocks => counted(session.summary.blocks, "block", "blocks"),
-        Stage::Pattern => format!("{} samples", grouped(session.count_after(state.stage))),
-        _ => match &state.debugger {
-            Some(debugger) => {
-                let counts = debugger.state().counts();
-                format!("{} samples", grouped(counts.undecided + counts.kept))
-            }
-            None => format!("{} samples", grouped(session.count_after(state.stage))),
-        },
     };
     let place = match state.cursor() {
         Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
@@ -154,7 +312,8 @@ fn told(state: &State) -> Vec<String> {
     told
 }
 
-fn controls(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+/// The buttons that move time; where there is no room for them, those to the ends are left to the track.
+fn controls(ui: &mut Ui, state: &State, with_ends: bool, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     let no_session = state
         .session
@@ -190,6 +349,9 @@ fn controls(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ),
         (Icon::Last, "Last stage (End)", at_end, Command::LastStage),
     ] {
+        if !with_ends && matches!(icon, Icon::First | Icon::Last) {
+            continue;
+        }
         if icon_button(ui, icon, name, refusal, palette).clicked() {
             commands.push(command);
         }
@@ -259,4 +421,41 @@ fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     response
         .response
         .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Speed"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentences_fit_into_the_smallest_player() {
+        let mut state = State::new(std::sync::Arc::new(|| {}));
+        state.settle();
+        let session = state.session.clone().expect("a session");
+        let recording = session.recording().expect("events");
+        let stages = session.stages.iter();
+        let mut sentences: Vec<String> = stages
+            .map(|stage| stage_sentence(&session, *stage))
+            .collect();
+        let events = (0..recording.len()).step_by(7);
+        let of_events = events.map(|event| tilescope_debugger::sentence(recording, event));
+        sentences.extend(of_events.max_by_key(String::len));
+        let width = 300.0 - 2.0 * PLAYER_MARGIN.x;
+        let ctx = egui::Context::default();
+        crate::theme::install(&ctx, state.look.theme());
+        let mut cut = Vec::new();
+        let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+            for text in &sentences {
+                let font = FontId::proportional(PLAYER_SIZE);
+                let galley = ui
+                    .painter()
+                    .layout(text.clone(), font, egui::Color32::WHITE, width);
+                // More would leave the canvas of a player of 200 points hardly any room.
+                if galley.rows.len() > 4 {
+                    cut.push((galley.size(), text.clone()));
+                }
+            }
+        });
+        assert_eq!(cut, Vec::new());
+    }
 }

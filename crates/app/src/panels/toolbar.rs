@@ -67,13 +67,13 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
             .show(|ui| {
                 ui.set_width(WIDEST_MENU.min(room.x - 40.0));
-                let height = (room.y - 96.0).max(160.0);
+                let height = (room.y - 96.0).max(120.0);
                 egui::ScrollArea::vertical()
                     .max_height(height)
                     .min_scrolled_height(height)
                     .show(ui, |ui| one_menu(ui, state, commands));
             });
-        if room.x >= ROOM_FOR_TITLE {
+        if ui.available_width() >= ROOM_FOR_TITLE {
             ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -87,8 +87,8 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// The widest menu of a small window, in screen points.
 const WIDEST_MENU: f32 = 340.0;
-/// From this width of a small window on, it has its name on top.
-const ROOM_FOR_TITLE: f32 = 350.0;
+/// From this much room beside the menu on, a small window has its name on top: the verdict's is as wide as the longest.
+const ROOM_FOR_TITLE: f32 = 310.0;
 
 /// Every menu in one: what is chosen opens below its name.
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

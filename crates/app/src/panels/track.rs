@@ -7,7 +7,7 @@ use egui::{
     CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_core::Stage;
-use tilescope_debugger::Recording;
+use tilescope_debugger::{Marked, Recording};
 
 use crate::command::{Command, TimeCommand};
 use crate::sentence::{name_in, stage_name};
@@ -17,7 +17,7 @@ use crate::theme::{Palette, is_for_fingers};
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;
-const HEIGHT: f32 = 54.0;
+pub(super) const HEIGHT: f32 = 54.0;
 /// Height on a small window: room for a finger.
 pub(super) const COMPACT_HEIGHT: f32 = 44.0;
 const BAR: f32 = 24.0;
@@ -248,13 +248,17 @@ fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pal
     };
     hits(painter, state, segments, rect, palette);
     for mark in &debugger.bookmarks {
-        let at = pos2(x_of(segments, mark.event), rect.top() + BAR + 2.0);
+        let place = debugger.marked(mark);
+        let Some(cursor) = place.cursor() else {
+            continue;
+        };
+        let color = match place {
+            Marked::Here(_) => palette.accent,
+            _ => palette.muted,
+        };
+        let at = pos2(x_of(segments, cursor), rect.top() + BAR + 2.0);
         let flag = [vec2(0.0, -5.0), vec2(4.0, 1.0), vec2(-4.0, 1.0)].map(|v| at + v);
-        painter.add(Shape::convex_polygon(
-            flag.to_vec(),
-            palette.accent,
-            Stroke::NONE,
-        ));
+        painter.add(Shape::convex_polygon(flag.to_vec(), color, Stroke::NONE));
     }
 }
 /// Returns the name of a stage where there is little room.

@@ -6,7 +6,7 @@ use egui::{
 
 use super::divide;
 use crate::command::{Command, Witness};
-use crate::sentence::{counted, grouped};
+use crate::sentence::{conflicts_in, counted, grouped};
 use crate::state::{State, Verification};
 use crate::theme::{Palette, semibold};
 use crate::verification::Verdict;
@@ -90,10 +90,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.spacing_mut().interact_size.y = 21.0;
     let verdict = state.verdict();
     let report = verdict.map(|v| &v.report);
-    let free = report.map(|r| {
-        let count = counted(r.conflicts as usize, "conflict", "conflicts");
-        (r.conflict_free(), count)
-    });
+    let free = report.map(|r| (r.conflict_free(), conflicts_in(r)));
     property(ui, "Conflict-free", free.as_ref(), palette);
     let maximal = report.map(|r| {
         let count = counted(r.gaps as usize, "open place", "open places");

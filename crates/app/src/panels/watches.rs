@@ -1,7 +1,7 @@
 //! Watches: expressions over what is in scope, with their values at this moment; errors stand beside them.
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
-use tilescope_debugger::NAMES;
+use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};
 
 use super::no_events;
 use crate::command::{Command, DebugCommand};
@@ -54,12 +54,23 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         commands.push(Command::Debug(DebugCommand::Watch("distance".to_owned())));
     }
     ui.add_space(10.0);
-    heading(ui, "In scope");
-    ui.spacing_mut().item_spacing.y = 2.0;
-    for (name, meaning) in NAMES {
-        let value = debugger.evaluate(name).unwrap_or_default();
-        ui.scope(|ui| row(ui, name, &value, palette))
-            .response
-            .on_hover_text(meaning);
+    let unit = "Lengths and places are in r, in watches and conditions, too.";
+    let (next, now) = NAMES.split_at(NAMES_OF_NEXT);
+    for (title, names) in [("In scope: the next event", next), ("In scope: now", now)] {
+        heading(ui, title);
+        ui.scope(|ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            for &(name, meaning) in names {
+                let mut value = debugger.evaluate(name).unwrap_or_default();
+                // What is a number, and not a dash.
+                if LENGTHS.contains(&name) && value.parse::<f64>().is_ok() {
+                    value.push_str(" r");
+                }
+                ui.scope(|ui| row(ui, name, &value, palette))
+                    .response
+                    .on_hover_text(meaning);
+            }
+        });
     }
+    ui.label(RichText::new(unit).small().color(palette.muted));
 }

@@ -1,35 +1,41 @@
 //! The commands that move the view. A place is shown; nothing is computed about it.
 
+use egui::Rect;
 use tilescope_core::Stage;
 
 use super::State;
-use crate::camera::{Camera, Flight};
+use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use crate::command::{Command, Selection, Witness};
 use crate::session::radii;
 use crate::verification::Sight;
 
+/// So far within the view, in screen points, is a selection kept.
+const IN_VIEW: f32 = 32.0;
+
 impl State {
     pub(super) fn apply_to_camera(&mut self, command: &Command) {
         match *command {
-            Command::Viewport(rect) => {
-                self.viewport = rect;
-                if self.fitted && self.session.is_some() {
-                    self.camera = self.fitting();
-                    self.flight = None;
-                }
-            }
+            Command::Viewport(rect) => self.follow_viewport(rect),
             Command::Pan(delta) => {
                 (self.flight, self.fitted) = (None, false);
                 self.camera.pan(delta);
             }
             Command::Zoom(pos, factor) => {
                 (self.flight, self.fitted) = (None, false);
-                self.camera.zoom_about(self.viewport, pos, factor);
+                let scales = self.scales();
+                self.camera.zoom_about(self.viewport, pos, factor, scales);
             }
-            Command::SelectMiddle => self.select_middle(),
+            Command::SelectMiddle => {
+                self.select_middle();
+                self.inspect();
+            }
             Command::Fit => {
                 self.sight = None;
                 self.fitted = true;
+                // Whoever asks for all of the pattern asks for all of the domain, too.
+                if let Some((_, fitted)) = &mut self.before_pattern {
+                    *fitted = true;
+                }
                 self.fly(self.fitting());
             }
             Command::FlyTo(center, radii) => self.fly_to(center, radii),
@@ -44,6 +50,30 @@ impl State {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// Fits what is fitted into the new viewport; otherwise a selection that was in view stays in view, as when a panel
+    /// opens over the part of the canvas where it was picked.
+    fn follow_viewport(&mut self, viewport: Rect) {
+        let before = std::mem::replace(&mut self.viewport, viewport);
+        if self.fitted && self.session.is_some() {
+            self.camera = self.fitting();
+            self.flight = None;
+        }
+        self.camera = self.within_scales(self.camera);
+        if self.fitted {
+            return;
+        }
+        let sample = self.selected.zip(self.session.as_ref());
+        let place = sample.map(|(id, session)| session.place(id)).or(self.place);
+        let Some(place) = place.filter(|_| self.before_pattern.is_none()) else {
+            return;
+        };
+        if before.contains(self.camera.screen_from_domain(before, place)) {
+            let now = self.camera.screen_from_domain(viewport, place);
+            let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
+            self.camera.pan(room.clamp(now) - now);
         }
     }
 
@@ -64,17 +94,45 @@ impl State {
         self.pick(best.map_or(Selection::Place(middle), |(_, id)| Selection::Sample(id)));
     }
 
+    /// Returns the size of what is shown, in r: of the domain, or of the pattern, which has its own.
+    fn shown_size(&self) -> Option<[f64; 2]> {
+        let session = self.session.as_ref()?;
+        Some(match self.current_stage() {
+            // Its user unit is one radius.
+            Some(Stage::Pattern) => session.run().pattern.domain().size(),
+            _ => session.size_radii(),
+        })
+    }
+
+    /// Returns whether the whole domain is shown, and stays so when the window changes.
+    #[must_use]
+    pub const fn is_fitted(&self) -> bool {
+        self.fitted
+    }
+
     pub(super) fn fitting(&self) -> Camera {
-        let on_pattern = self.current_stage() == Some(Stage::Pattern);
-        let size = self.session.as_ref().map_or([1.0; 2], |session| {
-            if on_pattern {
-                // Its user unit is one radius.
-                session.run().pattern.domain().size()
-            } else {
-                session.size_radii()
-            }
-        });
+        let size = self.shown_size().unwrap_or([1.0; 2]);
         Camera::fitting(size, self.viewport)
+    }
+
+    /// Returns the scales at which what is shown may be looked at; without a session or a canvas all there are.
+    fn scales(&self) -> [f64; 2] {
+        match self.shown_size() {
+            Some(size) if self.viewport.is_positive() => Camera::scales(size, self.viewport),
+            _ => [MIN_SCALE, MAX_SCALE],
+        }
+    }
+
+    /// Returns a camera brought to the nearest scale at which what is shown may be looked at.
+    pub(super) fn within_scales(&self, camera: Camera) -> Camera {
+        camera.within(self.scales())
+    }
+
+    /// Shows the stage at `place` of the session's list; whatever changes the stage does it here, so that the camera
+    /// follows.
+    pub(super) fn set_stage(&mut self, place: usize) {
+        self.stage = place;
+        self.follow_pattern();
     }
 
     /// Fits the pattern when it comes into view, and returns to where the camera was afterwards.
@@ -87,11 +145,13 @@ impl State {
                 self.camera = self.fitting();
             }
             (false, Some((camera, fitted))) => {
-                self.before_pattern = None;
-                if self.flight.is_none() {
-                    self.fitted = fitted;
-                    self.camera = if fitted { self.fitting() } else { camera };
-                }
+                (self.before_pattern, self.flight) = (None, None);
+                self.fitted = fitted;
+                self.camera = if fitted {
+                    self.fitting()
+                } else {
+                    self.within_scales(camera)
+                };
             }
             _ => {}
         }
@@ -208,6 +268,7 @@ impl State {
 
     /// Flies, or jumps where motion is reduced.
     fn fly(&mut self, to: Camera) {
+        let to = self.within_scales(to);
         if self.reduced_motion {
             (self.camera, self.flight) = (to, None);
         } else {

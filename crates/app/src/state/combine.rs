@@ -3,6 +3,7 @@
 use tilescope_core::combine::file::Layout;
 
 use super::State;
+use super::undo::Part;
 use crate::canvas::layers::Layer;
 use crate::combination::{CombineCommand, Combining, NINE};
 use crate::draft::sentence;
@@ -22,7 +23,10 @@ impl State {
         };
         (self.notice, self.arriving) = (None, None);
         match Layout::from_json(text.as_bytes()) {
-            Ok(layout) => self.start_combining(layout),
+            Ok(layout) => {
+                self.remember_run(Part::Run);
+                self.start_combining(layout);
+            }
             Err(error) => self.tell(sentence(&error.to_string()), true),
         }
     }

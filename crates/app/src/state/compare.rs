@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 
-use super::debug::move_stops;
 use super::{Notice, Side, State};
 use crate::canvas::subject::{Contrast, Subject};
 use crate::command::Command;
@@ -136,7 +135,7 @@ impl State {
         }
         side.rows = session.outline.as_ref().map(OutlineRows::new);
         (side.stage, side.camera, side.viewport) = (self.stage, self.camera, viewport);
-        side.fitted = self.fitted;
+        (side.fitted, side.before_pattern) = (self.fitted, self.before_pattern);
         side.session = Some(session);
         self.with_second(Self::verify);
     }
@@ -145,13 +144,12 @@ impl State {
     fn swap(&mut self) {
         if let Some((mut side, comparison)) = self.comparison.take() {
             let viewports = (self.viewport, side.viewport);
+            // What stops, is watched and marked is the user's, whichever run it is applied to.
+            let stops = self.take_stops();
             self.exchange(&mut side);
             (self.viewport, side.viewport) = viewports;
             self.playback.range = None;
-            // What stops and is watched is the user's, whichever run it is applied to.
-            if let (Some(from), Some(to)) = (&mut side.debugger, &mut self.debugger) {
-                move_stops(from, to);
-            }
+            self.put_stops(stops);
             self.comparison = Some((side, comparison));
         }
         let runs = self
@@ -260,7 +258,7 @@ impl State {
     fn go_to(&mut self, at: At) {
         match at.cursor {
             Some(cursor) if self.debugger.is_some() => self.jump(cursor),
-            _ => self.stage = at.stage,
+            _ => self.set_stage(at.stage),
         }
         self.forget_unseen();
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tilescope_core::{Point, R};
-use tilescope_debugger::{Bookmark, DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, why};
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Stops, why};
 
 use super::State;
 use crate::command::{DebugCommand, Selection};
@@ -97,21 +97,32 @@ impl State {
         }
     }
 
-    /// Takes up the debugger of a new session; breakpoints and watches stay.
-    pub(super) fn debug(&mut self, session: &Session) {
-        let old = self.debugger.take();
-        self.debugger = session.recording().map(|recording| {
-            let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
-            if let Some(mut old) = old {
-                // The same run again has the same events.
-                let [before, now] = [old.recording(), debugger.recording()];
-                if before.len() == now.len() && before.run().parameters == now.run().parameters {
-                    debugger.bookmarks = std::mem::take(&mut old.bookmarks);
+    /// Returns what the user has set, wherever it is kept.
+    pub(super) fn take_stops(&mut self) -> Stops {
+        match &mut self.debugger {
+            Some(debugger) => debugger.take_stops(),
+            None => std::mem::take(&mut self.stops),
+        }
+    }
+
+    /// Sets what the user had set; it is kept for a later run where this one has no events.
+    pub(super) fn put_stops(&mut self, stops: Stops) {
+        match &mut self.debugger {
+            Some(debugger) => {
+                if let Err(error) = debugger.put_stops(stops) {
+                    self.tell(crate::draft::sentence(&error.to_string()), true);
                 }
-                move_stops(&mut old, &mut debugger);
             }
-            debugger
-        });
+            None => self.stops = stops,
+        }
+    }
+
+    /// Takes up the debugger of a new session; breakpoints, watches and bookmarks stay.
+    pub(super) fn debug(&mut self, session: &Session) {
+        let stops = self.take_stops();
+        let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+        self.debugger = session.recording().map(debugger);
+        self.put_stops(stops);
         self.rows = session.outline.as_ref().map(OutlineRows::new);
         (self.revealed, self.passes) = (usize::MAX, None);
         self.history_found = Found::Nothing;
@@ -225,21 +236,6 @@ impl Errand for Looking {
     }
 }
 
-/// Moves breakpoints and watches from one debugger to another, in the place of those that it has.
-pub(super) fn move_stops(from: &mut Debugger, to: &mut Debugger) {
-    while !to.breakpoints().is_empty() {
-        to.remove_breakpoint(0);
-    }
-    for (index, breakpoint) in from.breakpoints().iter().enumerate() {
-        to.add_breakpoint(breakpoint.line, &breakpoint.condition);
-        to.enable_breakpoint(index, breakpoint.enabled);
-    }
-    while !from.breakpoints().is_empty() {
-        from.remove_breakpoint(0);
-    }
-    *to.watches_mut() = std::mem::take(from.watches_mut());
-}
-
 fn change(debugger: &mut Debugger, command: DebugCommand) {
     match command {
         DebugCommand::ToggleBreakpoint(line) => toggle(debugger, line),
@@ -257,14 +253,7 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
                 debugger.watches_mut().remove(index);
             }
         }
-        DebugCommand::Bookmark => {
-            let event = debugger.state().cursor();
-            if debugger.bookmarks.iter().all(|mark| mark.event != event) {
-                let note = String::new();
-                debugger.bookmarks.push(Bookmark { event, note });
-                debugger.bookmarks.sort_by_key(|mark| mark.event);
-            }
-        }
+        DebugCommand::Bookmark => debugger.bookmark(),
         DebugCommand::Note(index, text) => {
             if let Some(mark) = debugger.bookmarks.get_mut(index) {
                 mark.note = text;

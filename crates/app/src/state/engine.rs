@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use tilescope_core::{Parameters, Variant};
-use tilescope_gpu::{Gpu, GpuError};
+use tilescope_gpu::{Choice, Gpu, GpuError};
 
 use super::State;
 use crate::clock::Clock;
@@ -19,7 +19,10 @@ use crate::session::{Failure, Sampling, Session};
 use crate::theme::Look;
 
 /// The most samples of a run whose passes are shown on a page: the CPU's twin computes between its frames.
-const MOST_ON_A_PAGE: usize = 50_000;
+pub(crate) const MOST_ON_A_PAGE: usize = 50_000;
+
+/// Why a GPU that is none does not sample by itself.
+pub(super) const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
 
 impl State {
     /// Chooses who samples. The GPU is opened and tested first, unless it was already.
@@ -27,7 +30,7 @@ impl State {
         if engine == Engine::Gpu {
             match self.device {
                 Device::Refused(_) => return,
-                Device::Unknown => self.test_device(),
+                Device::Unknown => self.test_device(true),
                 Device::Testing(_) | Device::Ready(_) => {}
             }
         }
@@ -43,13 +46,28 @@ impl State {
         }
     }
 
-    pub(super) fn test_device(&mut self) {
-        let name = self.adapter.clone();
-        self.device = Device::Testing(Job::start_future(&self.wake, |_| open_and_test(name)));
+    /// Opens the GPU and tests it; one that computes on the CPU only if `software` is wanted, as its test takes long.
+    pub(super) fn test_device(&mut self, software: bool) {
+        let choice = Choice {
+            name: self.adapter.clone(),
+            software,
+            limits: None,
+        };
+        self.device = Device::Testing(Job::start_future(&self.wake, |_| open_and_test(choice)));
     }
 
     /// Takes the verdict of a device's test. One that failed is left for the CPU.
     pub(super) fn finish_test(&mut self, outcome: Result<Result<Tried, GpuError>, String>) {
+        if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
+            // It was not wanted when the test began, but may have been chosen since.
+            if self.engine == Engine::Gpu {
+                self.test_device(true);
+            } else {
+                self.device = Device::Unknown;
+                self.gpu_failure = Some(ON_CPU.to_owned());
+            }
+            return;
+        }
         self.device = Device::from_test(outcome);
         if self.engine == Engine::Gpu
             && let Some(reason) = self.device.refusal()
@@ -87,6 +105,34 @@ impl State {
     fn device_for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
         let serves = self.device_takes(engine) && parameters.variant == Variant::Staged;
         self.device.ready().filter(|_| serves).map(Arc::clone)
+    }
+
+    /// Returns what there is to say of the engine that samples next: a line, and all of it. Nothing where the choice alone
+    /// says who samples, and why.
+    #[must_use]
+    pub fn engine_said(&self) -> Option<(&'static str, String)> {
+        let is_free = self.engine == Engine::Auto && self.display.is_some();
+        let takes = self.device_takes(self.engine);
+        let line = match &self.device {
+            Device::Ready(_) if takes && self.draft.parameters.variant == Variant::AsPrinted => {
+                "CPU: it alone runs Algorithm 4 as printed."
+            }
+            Device::Ready(_) if takes => "GPU: self-test passed.",
+            Device::Testing(_) if self.engine == Engine::Gpu => "GPU: being tested.",
+            Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
+            Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
+            Device::Refused(_) if is_free => "CPU: there is no GPU to use here.",
+            Device::Unknown if is_free && self.gpu_failure.is_some() => "CPU: the GPU failed.",
+            _ => return None,
+        };
+        let test = self.device.said().filter(|_| self.device.ready().is_some());
+        let all: Vec<String> = self.chosen().into_iter().chain(test).collect();
+        let all = if all.is_empty() {
+            self.device.said()?
+        } else {
+            all.join(" ")
+        };
+        Some((line, all))
     }
 
     /// Shows a session and says if the CPU had to stand in for the GPU.
@@ -176,6 +222,13 @@ impl State {
         }
     }
 
+    /// Has time run as before once there are no passes for it to run by.
+    pub(super) const fn follow_passes(&mut self) {
+        if self.passes.is_none() {
+            self.playback.clock = self.playback.clock_of_events();
+        }
+    }
+
     /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
     /// is chosen or one behind which that stage is the last whole one.
     pub(super) fn lead_passes(&mut self) {
@@ -205,7 +258,7 @@ impl State {
 
     /// Brings the canvas into view; time runs by passes from now on. A selected row of theirs is flown to.
     fn show_buffers(&mut self) {
-        self.playback.clock = Clock::Pass;
+        self.playback.choose(Clock::Pass);
         self.apply(Command::OpenPanel(Panel::Canvas));
         let place = self.passes.as_ref().and_then(Passes::picked_place);
         if let Some(place) = place {
@@ -228,7 +281,7 @@ impl State {
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
-            // Iterations that inserted nothing are no stages of a session.
+            // The last iteration is no stage of a session without events.
             let stages = self.session.iter().flat_map(|session| &session.stages);
             let place = stages
                 .take_while(|&&other| other <= stage)

@@ -120,7 +120,9 @@ impl State {
             camera,
             size: [size.x, size.y].map(f64::from),
             layers: self.layers,
+            colouring: self.colouring,
             dark: crate::theme::Palette::of(self.look).dark,
+            print: self.export.as_ref().is_some_and(|form| form.print),
         })
     }
 
@@ -266,6 +268,7 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
             form.asked = false;
         }
         ExportCommand::Precision(precision) => form.precision = precision,
+        ExportCommand::Print(print) => form.print = print,
         ExportCommand::Type(Entry::Scale, text) => form.scale = text,
         ExportCommand::Type(Entry::Every, text) => form.every = text,
         ExportCommand::Type(Entry::Delay, text) => form.delay = text,

@@ -233,6 +233,10 @@ impl State {
     }
 
     fn start_saving(&mut self, path: String) {
+        let path = files::with_json(path);
+        if let Some(form) = &mut self.file {
+            form.path.clone_from(&path);
+        }
         let task = SaveTask {
             name: path.clone(),
             run: self.saved(),

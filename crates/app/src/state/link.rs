@@ -1,9 +1,10 @@
 //! Permalinks of what is at hand, and opening them: the run is made first, then the moment, the view and the rest are taken up.
 
-use tilescope_debugger::SavedBreakpoint;
+use tilescope_debugger::{Bookmark, Stops};
 
 use super::State;
-use crate::command::{Command, DebugCommand, Selection};
+use super::undo::Part;
+use crate::command::{DebugCommand, Selection};
 use crate::draft::Draft;
 use crate::link::{self, Content, Link, Moment, Said, slug};
 use crate::recipe::Recipe;
@@ -57,6 +58,12 @@ impl State {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches = debugger.watches().to_vec();
             content.bookmarks.clone_from(&debugger.bookmarks);
+            for mark in &mut content.bookmarks {
+                // The run of the link is known without a name.
+                if mark.run == debugger.run_id() {
+                    (mark.run, mark.anchor) = (String::new(), None);
+                }
+            }
         }
         self.put_run(&mut content, left_out);
         content
@@ -151,13 +158,17 @@ impl State {
         (self.sampling, self.arriving, self.notice) = (None, None, None);
         (self.file, self.export, self.palette) = (None, None, None);
         let before = self.memento();
+        let is_made = self.is_made_from(&content);
+        if !is_made {
+            self.remember_run(Part::Everything);
+        }
         self.own_pattern = None;
         if content.combination.is_none() {
             self.draft = Draft::from_parameters(content.parameters);
         }
-        self.remember(before, &Command::ResetLayout);
-        if self.is_made_from(&content) {
+        if is_made {
             self.take_up_link(&content, &mut said);
+            self.remember(before, Part::Everything, None);
             self.tell_of_link(&said);
             return;
         }
@@ -209,21 +220,18 @@ impl State {
     }
 
     fn take_up_link(&mut self, content: &Content, said: &mut Said) {
-        let before = self.memento();
         self.playback.stop();
         self.playback.range = None;
         self.apply_to_debugger(DebugCommand::Pick(Selection::Nothing));
         self.sight = None;
         self.take_moment(&content.moment, said);
-        self.take_stops(content, said);
+        self.take_linked_stops(content, said);
         for part in self.look_as(&content.view()) {
             said.say(format!(
                 "The link's {part} does not fit this run and was left out."
             ));
         }
-        self.follow_pattern();
         self.follow_first();
-        self.remember(before, &Command::ResetLayout);
     }
 
     /// Says what became of a link, behind what is said already.
@@ -276,7 +284,7 @@ impl State {
             .position(|&stage| slug(&stage_name(stage)) == name)
     }
 
-    fn take_stops(&mut self, content: &Content, said: &mut Said) {
+    fn take_linked_stops(&mut self, content: &Content, said: &mut Said) {
         let stops = content.breakpoints.len() + content.watches.len() + content.bookmarks.len();
         let Some(debugger) = &mut self.debugger else {
             if stops > 0 {
@@ -287,26 +295,18 @@ impl State {
             }
             return;
         };
-        while !debugger.breakpoints().is_empty() {
-            debugger.remove_breakpoint(0);
-        }
-        for SavedBreakpoint {
-            line,
-            condition,
-            enabled,
-        } in &content.breakpoints
-        {
-            let Some(line) = tilescope_debugger::Listings::shipped().find(line) else {
-                continue;
-            };
-            debugger.add_breakpoint(line, condition.as_deref().unwrap_or_default());
-            debugger.enable_breakpoint(debugger.breakpoints().len() - 1, *enabled);
-        }
-        debugger.watches_mut().clone_from(&content.watches);
         let len = debugger.recording().len();
-        let marks = content.bookmarks.iter().filter(|mark| mark.event <= len);
-        debugger.bookmarks = marks.cloned().collect();
-        let behind = content.bookmarks.len() - debugger.bookmarks.len();
+        let fits = |mark: &&Bookmark| !mark.run.is_empty() || mark.event <= len;
+        let bookmarks: Vec<Bookmark> = content.bookmarks.iter().filter(fits).cloned().collect();
+        let behind = content.bookmarks.len() - bookmarks.len();
+        let stops = Stops {
+            breakpoints: content.breakpoints.clone(),
+            watches: content.watches.clone(),
+            bookmarks,
+        };
+        if let Err(error) = debugger.put_stops(stops) {
+            said.say(crate::draft::sentence(&error.to_string()));
+        }
         if behind > 0 {
             let marks = counted(behind, "bookmark", "bookmarks");
             said.say(format!(

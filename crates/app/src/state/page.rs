@@ -1,6 +1,9 @@
 //! What a page tells the app when it begins there: what draws it, and how the GPU comes to compute.
 
-use super::{Notice, State};
+use tilescope_core::Variant;
+
+use super::engine::ON_CPU;
+use super::{FullScreen, Notice, State};
 use crate::device::{Device, Engine};
 use crate::embedding::Embedding;
 
@@ -17,14 +20,21 @@ pub struct PageStart {
     pub embedding: Option<Embedding>,
     /// Whether the system wishes that nothing moves by itself.
     pub reduced_motion: bool,
+    /// Whether the browser lets the page have the full screen.
+    pub full_screen: bool,
 }
 
 impl State {
-    /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes and is one.
+    /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes. One that computes on the CPU
+    /// is not tested unless it was asked for.
     pub fn begin_on_page(&mut self, start: &PageStart) {
         self.display = Some(start.display.clone());
         self.embedding = start.embedding;
         self.prefer_reduced_motion(start.reduced_motion);
+        if !start.full_screen {
+            let why = "The browser does not let this page have the full screen.";
+            self.full_screen = FullScreen::Refused(why);
+        }
         if !start.reason.is_empty() {
             self.notice = Some(Notice {
                 text: start.reason.clone(),
@@ -33,7 +43,7 @@ impl State {
         }
         self.engine = start.engine;
         if start.engine != Engine::Cpu && matches!(self.device, Device::Unknown) {
-            self.test_device();
+            self.test_device(start.engine == Engine::Gpu);
         }
     }
 
@@ -56,11 +66,18 @@ impl State {
             Device::Testing(_) => {
                 "The CPU engine samples in a worker while the GPU is opened and tested.".to_owned()
             }
+            Device::Ready(_)
+                if self.device_takes(self.engine)
+                    && self.draft.parameters.variant == Variant::AsPrinted =>
+            {
+                "The CPU engine samples in a worker: it alone runs Algorithm 4 as printed."
+                    .to_owned()
+            }
             Device::Ready(_) if self.device_takes(self.engine) => {
                 "The GPU samples: it passed its test against the CPU.".to_owned()
             }
             Device::Ready(_) => {
-                "The CPU engine samples in a worker: the browser's GPU computes on the CPU itself, which takes longer.".to_owned()
+                format!("The CPU engine samples in a worker. {ON_CPU}")
             }
             Device::Refused(reason) => {
                 format!("The CPU engine samples in a worker, as no GPU can. {reason}")

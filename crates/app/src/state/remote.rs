@@ -2,16 +2,23 @@
 
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
+use tilescope_debugger::{Direction, Target, moves};
 
 use super::State;
+use super::time::none_there;
+use crate::camera::Camera;
+use crate::canvas::layers::Layer;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::draft::Draft;
-use crate::link::slug;
+use crate::link::{choice_name, layer_name, slug};
 use crate::panels::happened;
 use crate::recipe::Recipe;
-use crate::remote::{self, Request, RequestError};
+use crate::remote::{self, Request, RequestError, Wanted};
 use crate::sentence::{grouped, stage_name};
+use crate::view::View;
+
+const NO_EVENTS: &str = "this session has no events; seek a stage";
 
 impl State {
     /// Carries out a request of a page, JSON as in `web/`'s description of the interface, and returns the answer, JSON too:
@@ -42,6 +49,8 @@ impl State {
             Request::SeekEvent(event) => self.seek_event(event)?,
             Request::SeekStage(stage) => self.seek_stage(&stage)?,
             Request::SeekPart(part) => self.seek_part(part)?,
+            Request::SeekTarget(target, direction) => self.seek_target(target, direction)?,
+            Request::View(wanted) => self.look_as_wanted(&wanted),
             Request::Play(speed) => self.play_at(speed)?,
             Request::Pause => self.playback.stop(),
         }
@@ -87,8 +96,7 @@ impl State {
     fn seek_event(&mut self, event: usize) -> Result<(), RequestError> {
         self.need_session()?;
         let Some((_, len)) = self.cursor() else {
-            let why = "this session has no events; seek a stage";
-            return Err(RequestError::Refused(why.to_owned()));
+            return Err(RequestError::Refused(NO_EVENTS.to_owned()));
         };
         if event > len {
             let len = grouped(len);
@@ -120,6 +128,44 @@ impl State {
             None => Command::ShowStage((part * last as f64).round() as usize),
         });
         Ok(())
+    }
+
+    fn seek_target(&mut self, target: Target, direction: Direction) -> Result<(), RequestError> {
+        self.need_session()?;
+        let Some(debugger) = &self.debugger else {
+            return Err(RequestError::Refused(NO_EVENTS.to_owned()));
+        };
+        let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
+        if moves::arrive(recording, cursor, target, direction).is_none() {
+            return Err(RequestError::Refused(none_there(target, direction)));
+        }
+        self.apply(Command::Time(TimeCommand::RunTo(target, direction)));
+        Ok(())
+    }
+
+    fn look_as_wanted(&mut self, wanted: &Wanted) {
+        if wanted.whole || wanted.camera.is_some() {
+            self.take_camera(wanted.camera, self.camera);
+        }
+        self.layers = wanted.layers.unwrap_or(self.layers);
+        self.colouring = wanted.colouring.unwrap_or(self.colouring);
+        self.choose_look(wanted.look.unwrap_or(self.look));
+        self.follow_pattern();
+        self.follow_first();
+    }
+
+    /// Returns how the canvas looks, in the words of the request that changes it.
+    fn told_view(&self) -> Value {
+        let View { camera, fitted, .. } = self.view();
+        let camera = camera.filter(|_| fitted != Some(true));
+        let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
+        let on = Layer::ALL.into_iter().filter(|&l| self.layers.has(l));
+        json!({
+            "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
+            "layers": on.map(layer_name).collect::<Vec<_>>(),
+            "colouring": choice_name(&self.colouring),
+            "look": choice_name(&self.look),
+        })
     }
 
     fn play_at(&mut self, speed: Option<f32>) -> Result<(), RequestError> {
@@ -158,6 +204,7 @@ impl State {
             "gpu": self.device.word(),
             "chosen": self.chosen(),
             "notice": self.notice.as_ref().map(|notice| notice.text.as_str()),
+            "view": self.told_view(),
             "link": self.link().fragment,
         })
     }

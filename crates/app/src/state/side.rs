@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::Rect;
 use tilescope_core::Parameters;
-use tilescope_debugger::{Debugger, OutlineRows};
+use tilescope_debugger::{Debugger, OutlineRows, Stops};
 
 use super::{EventQuery, Found, Hits, State, Verification};
 use crate::camera::{Camera, Flight};
@@ -46,6 +46,7 @@ pub struct Side {
     /// What the run at work is made from, where no file takes part.
     pub(super) asked: Option<Parameters>,
     pub(super) rows: Option<OutlineRows>,
+    stops: Stops,
     session_path: Option<String>,
     revealed: usize,
     passes: Option<Passes>,
@@ -54,7 +55,7 @@ pub struct Side {
     hits: Hits,
     pub(super) flight: Option<Flight>,
     pub(super) fitted: bool,
-    before_pattern: Option<(Camera, bool)>,
+    pub(super) before_pattern: Option<(Camera, bool)>,
 }
 
 impl Default for Side {
@@ -74,6 +75,7 @@ impl Default for Side {
             geometry: Geometry::default(),
             asked: None,
             rows: None,
+            stops: Stops::default(),
             session_path: None,
             revealed: 0,
             passes: None,
@@ -116,6 +118,7 @@ impl State {
         swap(&mut self.sight, &mut side.sight);
         swap(&mut self.geometry, &mut side.geometry);
         swap(&mut self.rows, &mut side.rows);
+        swap(&mut self.stops, &mut side.stops);
         swap(&mut self.session_path, &mut side.session_path);
         swap(&mut self.hits, &mut side.hits);
         swap(&mut self.revealed, &mut side.revealed);

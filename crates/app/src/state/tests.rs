@@ -1,5 +1,7 @@
 //! The state driven by commands, without a window.
 
+mod time;
+
 use super::*;
 use crate::canvas::layers::Layer;
 use crate::command::Witness;
@@ -345,4 +347,59 @@ fn the_variant_as_printed_is_made_by_the_cpu_whoever_is_chosen() {
     state.apply(Command::Run);
     state.settle();
     assert_eq!(state.session.as_ref().unwrap().engine, "CPU");
+}
+
+#[test]
+fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
+    let mut state = settled();
+    let middle = state.viewport.center();
+    for stage in [state.stage, 0] {
+        state.apply(Command::ShowStage(stage));
+        state.apply(Command::Fit);
+        while state.advance(0.5) {}
+        let fitted = state.camera.scale;
+        let is_seen = |state: &State| (0.2..0.3).contains(&(state.camera.scale / fitted));
+        for _ in 0..40 {
+            state.apply(Command::Zoom(middle, 0.5));
+        }
+        assert!(is_seen(&state), "{}", state.camera.scale);
+        state.apply(Command::Zoom(middle, 1e12));
+        assert!(state.camera.scale <= crate::camera::MAX_SCALE);
+        state.apply(Command::FlyTo([10.0, 10.0], 1e9));
+        while state.advance(0.5) {}
+        assert!(is_seen(&state), "{}", state.camera.scale);
+        // Of a link, a session or a page that embeds it.
+        let mut view = state.view();
+        view.camera = crate::view::sound_camera([10.0, 10.0], crate::camera::MIN_SCALE);
+        view.fitted = None;
+        assert!(view.camera.is_some());
+        state.look_as(&view);
+        // A view's camera is of the domain: the pattern is fitted.
+        let is_fitted = state.camera == state.fitting();
+        let is_pattern = state.current_stage() == Some(Stage::Pattern);
+        assert_eq!(is_fitted, is_pattern);
+        assert!(is_pattern || is_seen(&state), "{}", state.camera.scale);
+        // A window that has become larger.
+        state.apply(Command::Viewport(state.viewport.expand(400.0)));
+        assert!(state.camera.scale > 0.4 * fitted);
+        state.apply(Command::Viewport(state.viewport.expand(-400.0)));
+    }
+}
+
+#[test]
+fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
+    let mut state = settled();
+    state.display = Some("WebGL 2".to_owned());
+    let found = || {
+        let name = "SwiftShader".to_owned();
+        Ok(Err(tilescope_gpu::GpuError::SoftwareOnly { name }))
+    };
+    state.finish_test(found());
+    assert_eq!(state.device.word(), "unknown");
+    let why = state.chosen().expect("why");
+    assert!(why.contains("computes on the CPU itself"), "{why}");
+    // It was chosen while the browser looked for one.
+    state.engine = Engine::Gpu;
+    state.finish_test(found());
+    assert_eq!(state.device.word(), "testing");
 }

@@ -79,6 +79,11 @@ impl State {
             Command::Time(ref command) => self.apply_to_time(command),
             _ => {}
         }
+        self.moved(before);
+    }
+
+    /// Does what follows from a move in time, which began at the stage `before`.
+    pub(super) fn moved(&mut self, before: usize) {
         self.forget_unseen();
         if before != self.stage {
             self.lead_passes();
@@ -113,7 +118,7 @@ impl State {
     fn apply_to_time(&mut self, command: &TimeCommand) {
         match *command {
             TimeCommand::Clock(clock) if self.clock_refusal(clock).is_none() => {
-                self.playback.clock = clock;
+                self.playback.choose(clock);
             }
             TimeCommand::Clock(_) => {}
             TimeCommand::Speed(speed) => self.playback.speed = speed,
@@ -135,7 +140,7 @@ impl State {
         let place = place.min(session.stages.len() - 1);
         match session.stage_end(place) {
             Some(cursor) => self.jump(cursor),
-            None => self.stage = place,
+            None => self.set_stage(place),
         }
     }
 
@@ -145,13 +150,15 @@ impl State {
             return;
         };
         debugger.jump(cursor);
-        self.stage = session.stage_at(debugger.state().cursor());
+        let place = session.stage_at(debugger.state().cursor());
+        self.set_stage(place);
     }
 
     /// Has the stage follow the cursor, which the debugger has moved.
     pub(super) fn follow_cursor(&mut self) {
         if let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) {
-            self.stage = session.stage_at(cursor);
+            let place = session.stage_at(cursor);
+            self.set_stage(place);
         }
     }
 
@@ -162,7 +169,7 @@ impl State {
         }
     }
 
-    /// Runs until the event that `target` means is the next one.
+    /// Runs until the event that `target` means has happened, or until a line is the next one.
     fn run_to(&mut self, target: Target, direction: Direction) {
         let Some(debugger) = &mut self.debugger else {
             return;
@@ -170,14 +177,8 @@ impl State {
         let stop = debugger.run_to(target, direction);
         self.follow_cursor();
         if stop == Stop::End {
-            let way = match direction {
-                Direction::Forwards => "after",
-                Direction::Backwards => "before",
-            };
-            self.tell(
-                format!("There is no {} {way} this moment.", name_of(target)),
-                false,
-            );
+            let text = none_there(target, direction);
+            self.tell(crate::draft::sentence(&text), false);
         }
     }
 
@@ -280,6 +281,7 @@ impl State {
 
     /// Plays on by `dt_secs`; returns whether it goes on.
     pub(super) fn play(&mut self, dt_secs: f32) -> bool {
+        let before = self.stage;
         let ticks = self.playback.advance(dt_secs);
         for _ in 0..ticks {
             self.tick(Direction::Forwards);
@@ -296,7 +298,7 @@ impl State {
             }
         }
         if ticks > 0 {
-            self.forget_unseen();
+            self.moved(before);
         }
         self.playback.is_playing()
     }
@@ -338,6 +340,15 @@ fn next_line(debugger: &Debugger, direction: Direction) -> usize {
 }
 
 /// Returns what a run looks for, as a noun.
+/// Says that a run found nothing to stop at.
+pub(super) fn none_there(target: Target, direction: Direction) -> String {
+    let way = match direction {
+        Direction::Forwards => "after",
+        Direction::Backwards => "before",
+    };
+    format!("there is no {} {way} this moment", name_of(target))
+}
+
 fn name_of(target: Target) -> String {
     match target {
         Target::Line(_) => "execution of this line".to_owned(),

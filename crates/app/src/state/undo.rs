@@ -1,4 +1,7 @@
-//! Undo and redo of parameters, layers and layout. Time needs none: it runs backwards by itself.
+//! Undo and redo of parameters with the runs made from them, of panels that were moved, and of opened links. Time needs
+//! none: it runs backwards by itself. What only looks at a run (tabs, layers, colours, the camera) is not remembered.
+
+use tilescope_core::combine::file::Layout as Combination;
 
 use super::State;
 use crate::canvas::layers::{Colouring, Layers};
@@ -6,44 +9,68 @@ use crate::command::{Command, Field};
 use crate::draft::Draft;
 use crate::files::FileCommand;
 use crate::layout::Layout;
-use crate::recipe::OwnPattern;
+use crate::recipe::{OwnPattern, Recipe};
 
 /// Most steps that are remembered.
 const MOST_STEPS: usize = 200;
 
+/// What the run at hand was made from, so that it can be made again.
+#[derive(Clone, Debug, PartialEq)]
+enum Made {
+    Run(Recipe),
+    Combination(Combination),
+}
+
+/// What a step changed, and undoing it brings back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// The parameters in the panel, not yet run.
+    Form,
+    /// The parameters and the run.
+    Run,
+    /// The places of panels.
+    Layout,
+    /// All that a link replaces.
+    Everything,
+}
+
 /// What can be undone.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Memento {
+pub(super) struct Memento {
     draft: Draft,
     own_pattern: Option<OwnPattern>,
+    made: Option<Made>,
     layers: Layers,
     colouring: Colouring,
     layout: Layout,
 }
 
+/// A change, and what was before it or, once it is undone, after it.
+struct Change {
+    part: Part,
+    memento: Memento,
+}
+
 /// What was, and what was undone.
 #[derive(Default)]
 pub struct History {
-    past: Vec<Memento>,
-    future: Vec<Memento>,
+    past: Vec<Change>,
+    future: Vec<Change>,
     /// The field that was typed in last: what is typed in one field is one step.
     typing: Option<Field>,
 }
 
-/// Returns whether a command may change what can be undone. The others, such as moves of the pointer, come with every
+/// Returns what a command may change of what can be undone. The others, such as moves of the pointer, come with every
 /// frame.
-pub(super) const fn concerns(command: &Command) -> bool {
-    matches!(
-        command,
+pub(super) const fn concerns(command: &Command) -> Option<Part> {
+    match command {
         Command::Type(..)
-            | Command::Choose(_)
-            | Command::ResetParameters
-            | Command::ToggleLayer(_)
-            | Command::Colour(_)
-            | Command::OpenPanel(_)
-            | Command::ResetLayout
-            | Command::File(FileCommand::GeneratedPattern)
-    )
+        | Command::Choose(_)
+        | Command::ResetParameters
+        | Command::File(FileCommand::GeneratedPattern) => Some(Part::Form),
+        Command::ResetLayout => Some(Part::Layout),
+        _ => None,
+    }
 }
 
 impl State {
@@ -59,7 +86,7 @@ impl State {
         !self.history.future.is_empty()
     }
 
-    /// Forgets all changes: another session is at hand, to which they do not belong.
+    /// Drops all steps: another session is at hand, to which they do not belong.
     pub(super) fn forget_changes(&mut self) {
         self.history = History::default();
     }
@@ -68,59 +95,156 @@ impl State {
         Memento {
             draft: self.draft.clone(),
             own_pattern: self.own_pattern.clone(),
+            made: self.made(),
             layers: self.layers,
             colouring: self.colouring,
             layout: self.layout.clone(),
         }
     }
 
-    /// Remembers what was before `command`, if the command changed it.
-    pub(super) fn remember(&mut self, before: Memento, command: &Command) {
+    fn made(&self) -> Option<Made> {
+        let session = self.session.as_ref()?;
+        match &session.combination {
+            None => Some(Made::Run(session.recipe())),
+            // Its files are not kept.
+            Some(combination) if combination.files > 0 => None,
+            Some(combination) => Some(Made::Combination(combination.layout.clone())),
+        }
+    }
+
+    /// Adds a step of `command`, if it changed something since `before`.
+    pub(super) fn remember(&mut self, before: Memento, part: Part, command: Option<&Command>) {
         let field = match command {
-            Command::Type(field, _) => Some(*field),
+            Some(Command::Type(field, _)) => Some(*field),
             _ => None,
         };
         if before != self.memento() {
             let goes_on = field.is_some() && field == self.history.typing;
-            if !goes_on {
-                self.history.past.push(before);
-                let surplus = self.history.past.len().saturating_sub(MOST_STEPS);
-                self.history.past.drain(..surplus);
+            if goes_on {
+                self.history.future.clear();
+            } else {
+                self.push(part, before);
             }
-            self.history.future.clear();
         }
         self.history.typing = field;
     }
 
-    /// Takes over a layout that was changed by hand.
-    pub fn replace_layout(&mut self, layout: Layout) {
+    fn push(&mut self, part: Part, memento: Memento) {
+        let History { past, future, .. } = &mut self.history;
+        past.push(Change { part, memento });
+        let surplus = past.len().saturating_sub(MOST_STEPS);
+        past.drain(..surplus);
+        future.clear();
+    }
+
+    /// Adds the step of a run that is about to take the place of the one at hand. What was typed since the run before is
+    /// part of it, so that undoing it brings parameters and run back together.
+    pub(super) fn remember_run(&mut self, part: Part) {
+        if self.session.is_none() {
+            return;
+        }
+        let mut before = self.memento();
+        let past = &mut self.history.past;
+        let is_run = |change: &Change| matches!(change.part, Part::Run | Part::Everything);
+        let last = past.iter().rposition(is_run);
+        let since = last.map_or(0, |place| place + 1);
+        let typed = past[since..]
+            .iter()
+            .find(|change| change.part == Part::Form);
+        if let Some(typed) = typed {
+            before.draft = typed.memento.draft.clone();
+            before.own_pattern.clone_from(&typed.memento.own_pattern);
+        }
+        let mut place = 0;
+        past.retain(|change| {
+            place += 1;
+            place <= since || change.part != Part::Form
+        });
+        self.history.typing = None;
+        // A run that was stopped before it was there is no step of its own.
+        let stopped =
+            last.is_some_and(|place| self.history.past[place].memento.made == before.made);
+        if stopped && part == Part::Run {
+            self.history.future.clear();
+        } else {
+            self.push(part, before);
+        }
+    }
+
+    /// Takes over a layout that was changed by hand. A panel that was moved to another place can be moved back.
+    pub fn replace_layout(&mut self, layout: Layout, is_moved: bool) {
         let before = self.memento();
         self.layout = layout;
-        self.remember(before, &Command::ResetLayout);
+        if is_moved {
+            self.remember(before, Part::Layout, None);
+        }
     }
 
     pub(super) fn undo(&mut self) {
-        if let Some(memento) = self.history.past.pop() {
-            let now = self.memento();
-            self.history.future.push(now);
-            self.recall(memento);
+        if let Some(Change { part, memento }) = self.history.past.pop() {
+            let mut now = self.memento();
+            // The run may still be at work.
+            if matches!(part, Part::Run | Part::Everything) && !self.shows_combination() {
+                now.made = Some(Made::Run(self.typed()));
+            }
+            self.history.future.push(Change { part, memento: now });
+            self.recall(part, memento);
         }
     }
 
     pub(super) fn redo(&mut self) {
-        if let Some(memento) = self.history.future.pop() {
+        if let Some(Change { part, memento }) = self.history.future.pop() {
             let now = self.memento();
-            self.history.past.push(now);
-            self.recall(memento);
+            self.history.past.push(Change { part, memento: now });
+            self.recall(part, memento);
         }
     }
 
-    fn recall(&mut self, memento: Memento) {
+    fn recall(&mut self, part: Part, memento: Memento) {
         self.history.typing = None;
-        self.draft = memento.draft;
-        self.own_pattern = memento.own_pattern;
-        self.layers = memento.layers;
-        self.colouring = memento.colouring;
-        self.layout = memento.layout;
+        if part != Part::Layout {
+            self.draft = memento.draft;
+            self.own_pattern = memento.own_pattern;
+        }
+        if matches!(part, Part::Layout | Part::Everything) {
+            self.layout = memento.layout;
+        }
+        if part == Part::Everything {
+            (self.layers, self.colouring) = (memento.layers, memento.colouring);
+        }
+        if matches!(part, Part::Run | Part::Everything) {
+            self.make_again(memento.made);
+        }
+    }
+
+    /// Makes a run again, unless it is at hand.
+    fn make_again(&mut self, made: Option<Made>) {
+        self.stop_reading();
+        (self.sampling, self.arriving, self.notice) = (None, None, None);
+        if made == self.made() {
+            return;
+        }
+        match made {
+            Some(Made::Run(recipe)) => self.start_sampling(recipe, self.engine),
+            Some(Made::Combination(layout)) => self.start_combining(layout),
+            None => {}
+        }
+    }
+
+    /// Returns what parameters are not those of the run at hand, in a sentence, if any: what the panel shows and what is
+    /// drawn are then not of one another.
+    #[must_use]
+    pub fn run_remark(&self) -> Option<String> {
+        let session = self.session.as_ref().filter(|_| self.sampling.is_none())?;
+        if session.combination.is_some() {
+            return Some(
+                "What is shown is a combination, not a run of these parameters.".to_owned(),
+            );
+        }
+        let mut names = self.draft.differences(&session.run().parameters);
+        if self.own_pattern != session.own {
+            names.push("pattern file");
+        }
+        (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
     }
 }

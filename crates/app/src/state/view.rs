@@ -1,12 +1,21 @@
 //! How the session at hand is looked at, as one value, and taking such a value up.
 
 use super::State;
-use crate::clock::Clock;
+use crate::camera::Camera;
 use crate::command::{DebugCommand, Selection};
 use crate::recipe::Recipe;
+use crate::theme::Look;
 use crate::view::View;
 
 impl State {
+    /// Chooses a look. The projector mode is left for the one before it.
+    pub fn choose_look(&mut self, look: Look) {
+        if look == Look::Projector && self.look != look {
+            self.look_before = self.look;
+        }
+        self.look = look;
+    }
+
     /// Returns how the session at hand is looked at.
     #[must_use]
     pub fn view(&self) -> View {
@@ -34,10 +43,7 @@ impl State {
                 .map(Selection::Sample)
                 .or(self.place.map(Selection::Place)),
             // The passes of the GPU are not saved.
-            clock: Some(match self.playback.clock {
-                Clock::Pass => Clock::Stage,
-                clock => clock,
-            }),
+            clock: Some(self.playback.clock_of_events()),
             speed: Some(self.playback.speed),
             range: self
                 .playback
@@ -59,16 +65,19 @@ impl State {
     /// hand does not allow.
     pub fn look_as(&mut self, view: &View) -> Vec<&'static str> {
         let mut dropped = Vec::new();
-        self.take_camera(view);
+        if let Some(camera) = view.camera {
+            let fitted = view.fitted == Some(true);
+            self.take_camera((!fitted).then_some(camera), camera);
+        }
         self.layers = view.layers.unwrap_or(self.layers);
         self.colouring = view.colouring.unwrap_or(self.colouring);
-        self.look = view.look.unwrap_or(self.look);
+        self.choose_look(view.look.unwrap_or(self.look));
         if let Some(layout) = &view.layout {
             self.layout.clone_from(layout);
         }
         if let Some(clock) = view.clock {
             if self.clock_refusal(clock).is_none() {
-                self.playback.clock = clock;
+                self.playback.choose(clock);
             } else {
                 dropped.push("clock");
             }
@@ -91,15 +100,16 @@ impl State {
         dropped
     }
 
-    fn take_camera(&mut self, view: &View) {
-        let Some(camera) = view.camera else {
-            return;
-        };
-        (self.camera, self.flight, self.before_pattern) = (camera, None, None);
-        self.fitted = view.fitted == Some(true);
+    /// Shows the domain by a camera, or all of it; where there is no canvas yet, by `otherwise`.
+    pub(super) fn take_camera(&mut self, camera: Option<Camera>, otherwise: Camera) {
+        self.fitted = camera.is_none();
+        self.camera = camera.unwrap_or(otherwise);
+        (self.flight, self.before_pattern) = (None, None);
         if self.fitted && self.viewport.is_positive() {
             self.camera = self.fitting();
         }
+        self.camera = self.within_scales(self.camera);
+        self.follow_pattern();
     }
 
     /// Returns whether the session at hand has what is to be selected.

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
+use super::undo::Part;
 use super::{State, Verification};
+use crate::command::Selection;
 use crate::device::Device;
 use crate::draft::sentence;
 use crate::errand::Lent;
@@ -19,7 +21,15 @@ impl State {
         }
         (self.notice, self.arriving) = (None, None);
         self.stop_reading();
-        self.start_sampling(self.typed(), self.engine);
+        let recipe = self.typed();
+        let is_new = self
+            .session
+            .as_ref()
+            .is_none_or(|session| session.recipe() != recipe);
+        if is_new || self.shows_combination() {
+            self.remember_run(Part::Run);
+        }
+        self.start_sampling(recipe, self.engine);
     }
 
     /// Returns what the parameters panel asks for.
@@ -38,8 +48,9 @@ impl State {
         self.fly_on(dt_secs);
         let plays = self.playback.is_playing() && self.play(dt_secs);
         if self.continuing.is_some() {
+            let before = self.stage;
             self.continue_on();
-            self.forget_unseen();
+            self.moved(before);
         }
         self.reveal();
         self.want_hits();
@@ -47,6 +58,7 @@ impl State {
         self.want_analysis();
         self.count_frames();
         let flies = self.advance_second(dt_secs);
+        self.follow_passes();
         self.announce();
         self.flight.is_some() || plays || flies || self.continuing.is_some()
     }
@@ -131,15 +143,28 @@ impl State {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
         });
+        let same_run = self.session.as_ref().is_some_and(|old| {
+            let are_runs = old.combination.is_none() && session.combination.is_none();
+            are_runs && old.recipe() == session.recipe()
+        });
+        let selection = match (self.selected, self.place) {
+            (Some(id), _) if same_run => Selection::Sample(id),
+            (_, Some(place)) if same_domain => Selection::Place(place),
+            _ => Selection::Nothing,
+        };
+        let range = self.playback.range.take().filter(|_| same_run);
         self.stage = session.stages.len() - 1;
         (self.hovered, self.selected, self.sight) = (None, None, None);
         self.place = None;
         self.playback.stop();
+        let session = Arc::new(session);
+        self.session = Some(Arc::clone(&session));
         self.debug(&session);
         if let Some(debugger) = &mut self.debugger {
             debugger.jump(usize::MAX);
         }
-        self.session = Some(Arc::new(session));
+        self.playback.range = range;
+        self.pick(selection);
         // What is saved next is another session.
         self.session_path = None;
         self.verify();
@@ -181,6 +206,7 @@ impl State {
         }
         self.settle_second();
         self.settle_analysis();
+        self.follow_passes();
         self.want_hits();
         self.hits.settle();
         if let Some(job) = self.exporting.take() {

@@ -140,7 +140,6 @@ fn style(palette: &Palette, manner: Manner) -> Style {
     }
     if manner.still {
         style.scroll_animation = egui::style::ScrollAnimation::none();
-        style.visuals.text_cursor.blink = false;
     }
     style
 }
@@ -202,5 +201,7 @@ fn visuals(palette: &Palette) -> Visuals {
     visuals.widgets.hovered.bg_stroke.color = palette.muted;
     visuals.widgets.active.bg_stroke.color = palette.accent;
     visuals.disabled_alpha = 0.45;
+    // A cursor that blinks has the whole window drawn twice a second, for as long as a field has the focus.
+    visuals.text_cursor.blink = false;
     visuals
 }

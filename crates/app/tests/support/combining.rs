@@ -1,5 +1,4 @@
 //! A window without widgets that combines, and files for it.
-#![allow(dead_code, reason = "not every test uses all of it")]
 
 use std::fs;
 use std::path::Path;
@@ -8,9 +7,7 @@ use tilescope_app::combination::CombineCommand;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::{Command, State};
 
-#[path = "exporting.rs"]
-pub mod exporting;
-use exporting::opened;
+use crate::exporting::opened;
 
 pub fn nine() -> State {
     let mut state = opened();

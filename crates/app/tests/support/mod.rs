@@ -1,5 +1,4 @@
 //! The window on its default session, for tests that use it as a user would.
-#![allow(dead_code, reason = "not every test uses all of it")]
 
 pub mod sessions;
 
@@ -35,6 +34,14 @@ pub fn settle(harness: &mut Harness<'_, App>) {
 /// Returns how many events have happened.
 pub fn cursor(harness: &Harness<'_, App>) -> usize {
     harness.state().state.cursor().expect("events").0
+}
+
+/// Returns what happened last.
+pub fn last_kind(harness: &Harness<'_, App>) -> Option<Kind> {
+    let last = cursor(harness).checked_sub(1)?;
+    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let event = debugger.recording().event(last);
+    event.map(tilescope_debugger::Event::kind)
 }
 
 /// Returns what happens next.

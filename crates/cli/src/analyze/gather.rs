@@ -141,14 +141,14 @@ impl Analysis {
             return Err(error);
         }
         let reason = describe(&error);
-        eprintln!("error: {reason}");
+        output::note(&format!("error: {reason}"));
         let name = path.display().to_string();
         self.failures.push(Failure { name, reason });
         Ok(())
     }
 
     pub fn note(&mut self, note: String) {
-        eprintln!("note: {note}");
+        output::note(&format!("note: {note}"));
         self.notes.push(note);
     }
 

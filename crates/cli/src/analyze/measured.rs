@@ -9,8 +9,8 @@ use tilescope_analysis::measures::{
     Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairCorrelation,
     Periodogram, PowerCurve, Spectrum, largest_min_distance,
 };
-use tilescope_analysis::{Progress, Region, Report, VerifyError};
-use tilescope_formats::{CheckError, Format, StreamReader, place};
+use tilescope_analysis::{MOST_CONFLICTS, Progress, Region, Report, VerifyError};
+use tilescope_formats::{CheckError, Format, StreamReader};
 
 use super::bins::Bins;
 use super::scalars::{Found, Scalar, scalars};
@@ -79,8 +79,7 @@ struct Read {
     radius: f64,
     /// The radius is known; otherwise one stands for it that keeps searches quick.
     certain: bool,
-    /// None of sets with equal samples.
-    report: Option<Report>,
+    report: Report,
     /// What is to be told of it.
     warnings: Vec<String>,
 }
@@ -114,7 +113,7 @@ impl<'a> Request<'a> {
             self.refuse_early(path)?;
             let set = read(path, self.arguments)?;
             for warning in &set.warnings {
-                eprint!("{}", output::warning_line(&format!("{name}: {warning}")));
+                output::note(output::warning_line(&format!("{name}: {warning}")).trim_end());
             }
             let (samples, region) = (set.points.len(), set.region);
             if let Some(common) = common {
@@ -227,18 +226,19 @@ fn of(
     let most = bins.farthest(samples, region);
     let pairs = PairCorrelation::of(points, region, most, bins.count(), control)?;
     let curve = PowerCurve::of_samples(points, region, control)?;
-    let report = set.report.as_ref();
-    let order = match report {
-        Some(_) => Some(Order::of(points, region, control)?),
-        None => None,
+    let report = &set.report;
+    let order = if has_equal(report) {
+        None
+    } else {
+        Some(Order::of(points, region, control)?)
     };
-    let judged = report.filter(|_| set.certain);
+    let judged = set.certain.then_some(report);
     let found = Found {
         samples,
         radius,
         density: (radius > 0.0).then(|| samples as f64 * radius.powi(2) / region.area()),
         min_distance,
-        covering_radius: report.map(|report| report.covering_radius),
+        covering_radius: report.covering_radius,
         conflicts: judged.map(|report| report.conflicts),
         gaps: judged.map(|report| report.gaps),
         relative: [
@@ -256,8 +256,7 @@ fn of(
             format: set.format,
             samples,
             certain: set.certain,
-            // Equal samples are in conflict.
-            valid: (set.certain).then(|| report.is_some_and(Report::valid)),
+            valid: judged.map(Report::valid),
             scalars: scalars(&found),
         },
         spectrum,
@@ -284,10 +283,6 @@ fn discrepancy(
 fn stated_radius(path: &Path, arguments: &SetArguments) -> Result<Option<f64>> {
     if arguments.radius.is_some() {
         return Ok(arguments.radius);
-    }
-    // What is no file can be read but once.
-    if !path.metadata()?.is_file() {
-        return Ok(None);
     }
     let certificate = match StreamReader::open(path, arguments.format) {
         Ok(reader) => reader.certificate().cloned(),
@@ -317,33 +312,30 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<Read> {
                 overrides.radius = Some((region.area() / count as f64).sqrt());
                 certain = false;
             }
-            Err(CheckError::Verify(error @ VerifyError::Duplicate { .. })) => {
-                let placed = place(path, &overrides)?;
-                if let Some(refusal) = all_equal(&placed.set.points) {
-                    return Err(refusal.into());
-                }
-                return Ok(Read {
-                    points: placed.set.points,
-                    format: placed.detection.format,
-                    region: placed.region,
-                    radius: placed.radius,
-                    certain,
-                    report: None,
-                    warnings: vec![format!(
-                        "{error}: it is measured without a verdict and without cells"
-                    )],
-                });
-            }
             Err(error) => return Err(reason(error)),
             Ok(found) => {
-                let differences = found.differences.iter().map(ToString::to_string);
+                let mut warnings: Vec<String> =
+                    found.differences.iter().map(ToString::to_string).collect();
+                if let Some(pair) = found.report.worst_conflicts.first()
+                    && has_equal(&found.report)
+                {
+                    warnings.push(format!(
+                        "samples {} and {} are the same point: it is measured without cells",
+                        pair.first, pair.second
+                    ));
+                }
+                if certain && found.report.more_conflicts() {
+                    warnings.push(format!(
+                        "conflicts were counted up to {MOST_CONFLICTS}; there may be more"
+                    ));
+                }
                 return Ok(Read {
                     format: found.detection.format,
                     region: found.report.region,
                     radius: found.report.radius,
                     certain,
-                    warnings: differences.collect(),
-                    report: Some(found.report),
+                    warnings,
+                    report: found.report,
                     points: found.set.points,
                 });
             }
@@ -367,26 +359,7 @@ fn reason(error: CheckError) -> anyhow::Error {
     }
 }
 
-fn all_equal(points: &[[f64; 2]]) -> Option<MeasureError> {
-    let (&point, rest) = points.split_first()?;
-    let equal = rest
-        .iter()
-        .all(|other| other.map(f64::to_bits) == point.map(f64::to_bits));
-    equal.then_some(MeasureError::AllEqual {
-        count: points.len(),
-        point,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_sets_at_one_place_are_all_equal() {
-        let same = [[0.25, 0.5]; 4];
-        let error = all_equal(&same).unwrap().to_string();
-        assert_eq!(error, "all 4 samples are at the one place (0.25, 0.5)");
-        assert_eq!(all_equal(&[[0.0, 0.0], [0.0, 0.0], [0.0, 0.1]]), None);
-    }
+/// Whether two samples are the same point.
+fn has_equal(report: &Report) -> bool {
+    report.min_distance <= 0.0
 }

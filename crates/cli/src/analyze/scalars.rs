@@ -10,9 +10,8 @@ pub struct Found<'a> {
     /// None where there is no radius: equal samples, and none is known.
     pub density: Option<f64>,
     pub min_distance: f64,
-    /// None where the verifier gives no verdict.
-    pub covering_radius: Option<f64>,
-    /// None also where the radius is not known: of such a one they say nothing.
+    pub covering_radius: f64,
+    /// None where the radius is not known: of such a one they say nothing.
     pub conflicts: Option<u64>,
     pub gaps: Option<u64>,
     /// Smallest and mean nearest distance over `r_max`.
@@ -117,7 +116,7 @@ fn verdict(set: &Found<'_>) -> [Option<f64>; SET.len()] {
         Some(r).filter(|r| *r > 0.0),
         set.density,
         Some(set.min_distance / r),
-        set.covering_radius.map(|covering| covering / r),
+        Some(set.covering_radius / r),
         set.conflicts.map(|count| count as f64),
         set.gaps.map(|count| count as f64),
     ]

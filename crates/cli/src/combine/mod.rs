@@ -23,8 +23,9 @@ use crate::engine::ThreadArguments;
 use crate::make::{self, Facts, Made};
 use crate::options::region;
 use crate::output::{self, Outcome};
+use crate::place::check_target;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample::{PrecisionArgument, check_target};
+use crate::sample::PrecisionArgument;
 use crate::{interrupt, verdict_code};
 
 use pieces::Census;
@@ -89,7 +90,7 @@ pub fn run(arguments: &CombineArguments) -> Result<u8> {
     interrupt::listen();
     arguments.threads.set()?;
     if let Some(path) = &arguments.out {
-        check_target(path, arguments.format)?;
+        check_target(path, arguments.format, "--format")?;
     }
     let glued = glue(&arguments.layout).with_context(|| arguments.layout.display().to_string())?;
     let facts = &glued.made.facts;

@@ -1,20 +1,39 @@
 //! Why parameters are refused: one variant a cause, with the value and the limit.
 //! It refuses nothing itself.
 
+use std::fmt;
+
 use thiserror::Error;
+
+/// A number as it is read best: with an exponent where digits alone would be very many.
+struct Number(f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if (1e-5..1e16).contains(&size) || size == 0.0 {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
 
 /// Why parameters are refused. Lengths "in r" are multiples of the Poisson-disk radius.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ParameterError {
     /// The radius is not a positive finite number.
-    #[error("the radius is {radius}; it must be a finite number above 0")]
+    #[error("the radius is {}; it must be a finite number above 0", Number(*.radius))]
     Radius {
         /// What was given.
         radius: f64,
     },
     /// A side of the domain is not a number within [`crate::SIDE_LIMITS`].
-    #[error("the {name} is {side}; it must be a number between {shortest:.1e} and {longest:.1e}")]
+    #[error(
+        "the {name} is {}; it must be a number between {shortest:.1e} and {longest:.1e}",
+        Number(*.side)
+    )]
     Side {
         /// Which side.
         name: &'static str,
@@ -27,7 +46,8 @@ pub enum ParameterError {
     },
     /// A side is too short for its radius.
     #[error(
-        "the {name} is {radii:.4} r long; it must be at least {minimum} r: choose a smaller radius"
+        "the {name} is {} r long; it must be at least {minimum} r: choose a smaller radius",
+        Number(*.radii)
     )]
     SideTooShort {
         /// Which side.
@@ -39,7 +59,8 @@ pub enum ParameterError {
     },
     /// A side is too long for its radius.
     #[error(
-        "the {name} is {radii:.1} r long; it must be at most {maximum} r: choose a larger radius"
+        "the {name} is {} r long; it must be at most {maximum} r: choose a larger radius",
+        Number(*.radii)
     )]
     SideTooLong {
         /// Which side.
@@ -50,7 +71,7 @@ pub enum ParameterError {
         maximum: f64,
     },
     /// The leaf is not a finite number of at least 6.
-    #[error("the leaf is {leaf} r; it must be a finite number of at least {minimum} r")]
+    #[error("the leaf is {} r; it must be a finite number of at least {minimum} r", Number(*.leaf))]
     Leaf {
         /// What was given, in radii.
         leaf: f64,
@@ -58,7 +79,10 @@ pub enum ParameterError {
         minimum: f64,
     },
     /// The pattern's side is out of range.
-    #[error("the pattern's side is {side} r; it must be between {minimum} r and {maximum} r")]
+    #[error(
+        "the pattern's side is {} r; it must be between {minimum} r and {maximum} r",
+        Number(*.side)
+    )]
     PatternSide {
         /// What was given, in radii.
         side: f64,
@@ -79,7 +103,8 @@ pub enum ParameterError {
     AsPrintedParallel,
     /// A window has no inside, or is larger than the domain.
     #[error(
-        "the window's {name} runs from {low} to {high}; it must be finite, above 0 and at most {maximum} long"
+        "the window's {name} runs from {} to {}; it must be finite, above 0 and at most {} long",
+        Number(*.low), Number(*.high), Number(*.maximum)
     )]
     Window {
         /// Which side.
@@ -90,6 +115,19 @@ pub enum ParameterError {
         high: f64,
         /// The domain's side.
         maximum: f64,
+    },
+    /// A window lies too far from the domain to be told from its neighbours.
+    #[error(
+        "the window's {name} begins at {}; it must begin between {} and {}",
+        Number(*.low), Number(-.limit), Number(*.limit)
+    )]
+    FarWindow {
+        /// Which side.
+        name: &'static str,
+        /// Where it begins.
+        low: f64,
+        /// The limit on either side of 0.
+        limit: f64,
     },
     /// More samples than the engine can hold.
     #[error(

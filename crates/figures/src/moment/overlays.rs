@@ -62,6 +62,27 @@ impl MomentView<'_> {
         Some([at[0] + f64::from(dx) * ux, at[1] + f64::from(dy) * uy])
     }
 
+    /// Where a sample is drawn around which a step looks: without copies so that the place under test lies in the domain.
+    fn looked_from(&self, sample: u32) -> Option<[f64; 2]> {
+        let at = self.shown(sample)?;
+        let domain = self.recording.domain();
+        let examined = self.state.context().examined;
+        let Some(examined) = examined.filter(|_| !self.options.copies && domain.is_periodic())
+        else {
+            return Some(at);
+        };
+        let detector = self.place(examined.detector)?;
+        let user = unit(domain);
+        Some([0, 1].map(|k| {
+            let period = self.canvas.size[k];
+            let offset = f64::from(examined.offset[k]) * user[k];
+            // An offset that was clamped says nothing about the place.
+            let is_near = offset.abs() < period;
+            let steps = ((detector[k] + offset) / period).floor();
+            at[k] - if is_near { steps * period } else { 0.0 }
+        }))
+    }
+
     fn shown(&self, sample: u32) -> Option<[f64; 2]> {
         self.place(sample).map(|place| self.nearest_copy(place))
     }
@@ -107,7 +128,7 @@ impl MomentView<'_> {
     }
 
     fn search(&mut self, search: &Search) {
-        let Some(at) = self.shown(search.centre) else {
+        let Some(at) = self.looked_from(search.centre) else {
             return;
         };
         let palette = self.options.palette;
@@ -137,7 +158,7 @@ impl MomentView<'_> {
     }
 
     fn examined(&mut self, examined: &Examined) {
-        let Some(at) = self.shown(examined.detector) else {
+        let Some(at) = self.looked_from(examined.detector) else {
             return;
         };
         let user = unit(self.recording.domain());

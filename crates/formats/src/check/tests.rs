@@ -76,6 +76,55 @@ fn each_falsified_statement_is_named() {
     assert_eq!(falsify(&|c| c.conflicts = 1), ["conflicts"]);
     assert_eq!(falsify(&|c| c.gaps = 1), ["gaps"]);
     assert_eq!(falsify(&|c| c.valid = false), ["valid"]);
+    assert_eq!(
+        falsify(&|c| c.covering_tolerance = 0.5),
+        ["covering_tolerance"]
+    );
+    let parameter = |name: &str, value: serde_json::Value| {
+        falsify(&|c| drop(c.parameters.insert(name.to_owned(), value.clone())))
+    };
+    assert_eq!(parameter("radius", 0.8.into()), ["parameters.radius"]);
+    assert_eq!(parameter("width", 5.0.into()), ["parameters.width"]);
+    assert_eq!(parameter("height", "4".into()), ["parameters.height"]);
+    assert_eq!(
+        parameter("boundary", "bounded".into()),
+        ["parameters.boundary"]
+    );
+    assert!(parameter("radius", 0.9.into()).is_empty());
+    assert!(parameter("boundary", "periodic".into()).is_empty());
+}
+
+/// A hole that a certificate calls none, with a tolerance of its own.
+#[test]
+fn the_tolerance_is_not_the_certificates() {
+    let file = exported("set.csv");
+    let text = String::from_utf8(file.data).expect("text");
+    let holed = text.replacen("1,1\n", "", 1);
+    let mut stated = file.certificate;
+    stated.covering_tolerance = 0.5;
+    let bytes = stated.to_bytes().expect("plain data");
+    let check = check_of(holed.as_bytes(), "set.csv", &bytes, &Overrides::default());
+    assert!(check.report.gaps > 0 && !check.report.valid() && !check.passed());
+    assert!(fields(&check).contains(&"covering_tolerance"));
+}
+
+#[test]
+fn what_no_file_can_bear_out_is_named() {
+    let mut stated = exported("set.csv").certificate;
+    stated.parameters.insert("seed".to_owned(), 7.into());
+    stated.parameters.insert("width".to_owned(), 4.0.into());
+    stated.shuffle_seed = Some(1);
+    assert_eq!(
+        stated.unchecked(),
+        [
+            "program",
+            "program_version",
+            "method",
+            "file",
+            "shuffle_seed",
+            "parameters.seed"
+        ]
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Comma-separated values with the header `x,y`.
 //!
 //! Reads any table that has columns named x and y, or none named and x and y first; further columns are
-//! skipped. Never guesses at a decimal comma.
+//! skipped. Never guesses at a decimal comma: a row with more fields than the first line is refused.
 
 use super::Raw;
 use crate::error::{FormatError, Place};
@@ -20,9 +20,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     Ok(Raw::new(points, Precision::Double))
 }
 
-/// Which columns are x and y, once the first line has told.
+/// What the first line says of the others.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Table(Option<[usize; 2]>);
+pub(super) struct Table(Option<Columns>);
+
+#[derive(Clone, Copy, Debug)]
+struct Columns {
+    /// Which columns are x and y.
+    places: [usize; 2],
+    count: usize,
+}
 
 impl Table {
     /// Takes a line that is neither blank nor a comment: a header, if it is the first, or a point.
@@ -32,18 +39,39 @@ impl Table {
         line: u64,
         points: &mut Vec<[f64; 2]>,
     ) -> Result<(), FormatError> {
-        if self.0.is_none() && is_header(row) {
-            self.0 = Some(named_columns(row, line)?);
+        if let Some(columns) = self.0 {
+            points.push(point(row, line, columns)?);
             return Ok(());
         }
-        points.push(point(row, line, *self.0.get_or_insert([0, 1]))?);
+        let header = is_header(row);
+        let columns = Columns {
+            places: if header {
+                named_columns(row, line)?
+            } else {
+                [0, 1]
+            },
+            count: fields(row).count(),
+        };
+        if !header {
+            points.push(point(row, line, columns)?);
+        }
+        self.0 = Some(columns);
         Ok(())
     }
 }
 
+/// The fields of a line; a comma between quotation marks separates none.
+fn fields(row: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let mut quoted = false;
+    row.split(move |&b| {
+        quoted ^= b == b'"';
+        b == b',' && !quoted
+    })
+}
+
 /// A header is a first line that does not begin with a number.
 fn is_header(line: &[u8]) -> bool {
-    let first = field_name(line.split(|&b| b == b',').next().unwrap_or_default());
+    let first = field_name(fields(line).next().unwrap_or_default());
     std::str::from_utf8(first).map_or(true, |text| text.parse::<f64>().is_err())
 }
 
@@ -57,8 +85,7 @@ fn field_name(field: &[u8]) -> &[u8] {
 
 fn named_columns(header: &[u8], line: u64) -> Result<[usize; 2], FormatError> {
     let find = |name: &[u8]| {
-        header
-            .split(|&b| b == b',')
+        fields(header)
             .position(|field| field_name(field).eq_ignore_ascii_case(name))
             .ok_or_else(|| FormatError::Header {
                 format: FORMAT,
@@ -69,22 +96,33 @@ fn named_columns(header: &[u8], line: u64) -> Result<[usize; 2], FormatError> {
     Ok([find(b"x")?, find(b"y")?])
 }
 
-fn point(row: &[u8], line: u64, [x, y]: [usize; 2]) -> Result<[f64; 2], FormatError> {
+fn point(row: &[u8], line: u64, columns: Columns) -> Result<[f64; 2], FormatError> {
     let place = Place::Line(line);
-    let field = |column| {
-        row.split(|&b| b == b',')
-            .nth(column)
-            .ok_or_else(|| FormatError::Columns {
-                format: FORMAT,
-                place,
-                found: row.split(|&b| b == b',').count(),
-                expected: x.max(y) + 1,
-            })
+    let wrong = |expected| FormatError::Columns {
+        format: FORMAT,
+        place,
+        found: fields(row).count(),
+        expected,
     };
-    Ok([
-        number(field(x)?.trim_ascii(), FORMAT, place)?,
-        number(field(y)?.trim_ascii(), FORMAT, place)?,
-    ])
+    let [x, y] = columns.places;
+    let (mut found, mut surplus) = ([None; 2], false);
+    for (column, field) in fields(row).enumerate() {
+        let field = field.trim_ascii();
+        if column == x {
+            found[0] = Some(field);
+        } else if column == y {
+            found[1] = Some(field);
+        }
+        // Some programs end each row with a comma.
+        surplus |= column >= columns.count && !field.is_empty();
+    }
+    let [Some(x), Some(y)] = found else {
+        return Err(wrong(x.max(y) + 1));
+    };
+    if surplus {
+        return Err(wrong(columns.count));
+    }
+    Ok([number(x, FORMAT, place)?, number(y, FORMAT, place)?])
 }
 
 pub(super) fn write(points: &[[f64; 2]]) -> Vec<u8> {
@@ -116,6 +154,8 @@ mod tests {
             "id,\"y\",\"x\"\n7,0.25,0.5",
             "0.5,0.25,red\n",
             "# made by hand\n\n5e-1,.25",
+            "x,y\n0.5,0.25,\n",
+            "x,y,name\n0.5,0.25,\"a, b\"\n",
         ] {
             assert_eq!(points(text).expect(text), expected);
         }
@@ -135,6 +175,15 @@ mod tests {
         assert_eq!(
             message("x,y\n1,two\n"),
             "CSV: line 2: \"two\" is not a number"
+        );
+        // Decimal commas.
+        assert_eq!(
+            message("x,y\n0,5,0,25\n"),
+            "CSV: line 2: 4 columns where 2 are needed"
+        );
+        assert_eq!(
+            message("0.5,0.25\n0,5,0,25\n"),
+            "CSV: line 2: 4 columns where 2 are needed"
         );
         assert_eq!(
             message("x,y\n1,NaN\n"),

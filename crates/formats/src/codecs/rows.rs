@@ -150,6 +150,14 @@ impl Rows {
         }
     }
 
+    /// How many rows there are among `bytes`, which are whole rows, or lines that were written here.
+    pub fn count(&self, bytes: &[u8]) -> u64 {
+        match self.width() {
+            Some(width) => (bytes.len() / width) as u64,
+            None => bytes.split(|&byte| byte == b'\n').count() as u64 - 1,
+        }
+    }
+
     /// The points of the next whole rows, or lines, in file coordinates.
     pub fn read(&mut self, bytes: &[u8]) -> Result<PointSet, FormatError> {
         match &mut self.kind {

@@ -75,21 +75,69 @@ fn a_failed_export_leaves_everything_as_it_was() {
 #[test]
 fn a_certificate_that_cannot_be_placed_undoes_the_data_file() {
     let folder = tempfile::tempdir().expect("a folder");
+    for (name, old) in [("set.csv", Some("x,y\n0,0\n")), ("new.csv", None)] {
+        let path = folder.path().join(name);
+        if let Some(old) = old {
+            fs::write(&path, old).expect("writable");
+        }
+        let data = Temporary::of(&path).expect("a file");
+        let certificate = Temporary::of(&certificate_path(&path)).expect("a file");
+        data.write(b"new").expect("writable");
+        certificate.write(b"{}").expect("writable");
+        // A folder that takes the certificate's name lets the second rename fail.
+        fs::create_dir(&certificate.destination).expect("writable");
+        assert!(publish(&data.path, &path, &certificate).is_err());
+        assert_eq!(fs::read_to_string(&path).ok().as_deref(), old);
+        let error = export(&path, &lattice(), &context(), &GO).expect_err("a folder");
+        assert!(error.to_string().contains("a folder"), "{error}");
+    }
+    assert_eq!(names(folder.path()).len(), 3);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_stay_and_what_they_lead_to_is_written() {
+    use std::os::unix::fs::symlink;
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("data")).expect("writable");
+    fs::write(at("data/old.csv"), "old").expect("writable");
+    symlink("data/old.csv", at("set.csv")).expect("writable");
+    let exported = export(&at("set.csv"), &lattice(), &context(), &GO).expect("valid");
+    assert_eq!(exported.path, at("set.csv"));
+    assert!(at("set.csv").is_symlink());
+    let checked = check(&at("set.csv"), &Overrides::default(), &GO).expect("a verdict");
+    assert!(checked.passed() && checked.certificate.is_some());
+    assert_eq!(names(&at("data")), BTreeSet::from(["old.csv".to_owned()]));
+    symlink("data/new.txt", at("text")).expect("writable");
+    write_whole(&at("text"), b"whole").expect("writable");
+    assert_eq!(fs::read(at("data/new.txt")).expect("there"), b"whole");
+    write_through(&at("text"), |file| {
+        file.write_all(b"through")
+            .map_err(|e| io_error(&at("text"), e))
+    })
+    .expect("writable");
+    assert_eq!(fs::read(at("data/new.txt")).expect("there"), b"through");
+    assert!(at("text").is_symlink());
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_not_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("set.csv");
-    fs::write(&path, "x,y\n0,0\n").expect("writable");
-    // A folder of the certificate's name lets the second rename fail.
-    let blocked = certificate_path(&path);
-    fs::create_dir(&blocked).expect("writable");
-    fs::write(blocked.join("occupant"), "").expect("writable");
-    assert!(export(&path, &lattice(), &context(), &GO).is_err());
-    assert_eq!(fs::read(&path).expect("restored"), b"x,y\n0,0\n");
-    assert_eq!(names(folder.path()).len(), 2);
-    let new = folder.path().join("new.csv");
-    let blocked = certificate_path(&new);
-    fs::create_dir(&blocked).expect("writable");
-    fs::write(blocked.join("occupant"), "").expect("writable");
-    assert!(export(&new, &lattice(), &context(), &GO).is_err());
-    assert!(!new.exists());
+    let _socket = std::os::unix::net::UnixListener::bind(&path).expect("a socket");
+    let written = export(&path, &lattice(), &context(), &GO);
+    assert!(matches!(
+        written,
+        Err(ExportError::Format(FormatError::NotAFile { .. }))
+    ));
+    let written = write_whole(&path, b"whole");
+    assert!(matches!(written, Err(FormatError::NotAFile { .. })));
+    let written = write_through(&path, |_| Ok(()));
+    assert!(matches!(written, Err(FormatError::NotAFile { .. })));
+    assert_eq!(names(folder.path()).len(), 1);
 }
 
 #[test]

@@ -3,7 +3,6 @@
 //! A small file is read whole, and so is one that a stream cannot judge (points in no order of rows, a wide hole),
 //! up to a limit. Never gives another answer than [`check`](crate::check).
 
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -16,6 +15,7 @@ use crate::detect::Detection;
 use crate::digest::{add_positions, digest_text};
 use crate::files::{check, io_error};
 use crate::format::Precision;
+use crate::pipe::Input;
 
 /// Files up to this many bytes, 32 MiB, are read whole: that takes about 150 MB for two million points.
 pub const WHOLE_FILE_BYTES: u64 = 32 << 20;
@@ -82,7 +82,8 @@ pub(super) fn check_from(
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<StreamCheck, CheckError> {
     let in_memory = || check(path, overrides, control).map(StreamCheck::from);
-    let length = fs::metadata(path).map_err(|e| io_error(path, e))?.len();
+    let length = Input::open(path).and_then(|input| input.length());
+    let length = length.map_err(|e| io_error(path, e))?;
     if length <= whole || overrides.set.is_some() {
         return in_memory();
     }

@@ -10,14 +10,17 @@ use serde_json::Value;
 use tilescope_analysis::{Progress, StreamBand};
 
 use super::judge::Judges;
+use super::lock::Lock;
 use super::partial::Partial;
 use super::resume::{self, Checkpoint, StateFile};
 use crate::codecs::rows::{Layout, Rows, head, push_rows};
 use crate::codecs::{Target, check_target};
+use crate::destination::destination;
 use crate::error::FormatError;
 use crate::export::{Control, ExportContext, ExportError, target};
 use crate::files::file_name;
 use crate::point_set::Provenance;
+use crate::read::certificate_path;
 use crate::{binary, digest};
 
 /// Points encoded, decoded and judged at a time.
@@ -49,10 +52,13 @@ impl Default for StreamOptions {
 /// domain units and come in nearly row order, see [`StreamVerifier`](tilescope_analysis::StreamVerifier);
 /// unverified ones come in any order. Until [`Self::finish`] the file is called [`partial_path`](crate::partial_path) and a
 /// file of the final name is as it was. Dropped unfinished, the export leaves nothing behind, unless it can be
-/// resumed from a checkpoint. Two exports of one name at a time spoil each other.
+/// resumed from a checkpoint. Of two exports of one name at a time the second fails.
 #[derive(Debug)]
 pub struct StreamExport {
+    /// As it was given.
     pub(super) path: PathBuf,
+    /// The file that is made or replaced.
+    pub(super) file: PathBuf,
     pub(super) name: String,
     pub(super) context: ExportContext,
     pub(super) target: Target,
@@ -69,6 +75,8 @@ pub struct StreamExport {
     /// Whether what is there can be resumed.
     kept: bool,
     failed: bool,
+    /// Held to the end.
+    _lock: Lock,
 }
 
 impl StreamExport {
@@ -76,7 +84,7 @@ impl StreamExport {
     ///
     /// # Errors
     ///
-    /// [`ExportError::NotStreamed`], [`ExportError::ShuffledStream`], [`ExportError::Format`] for an
+    /// [`ExportError::NotStreamed`], [`ExportError::Busy`], [`ExportError::ShuffledStream`], [`ExportError::Format`] for an
     /// unknown format or a file that cannot be made, [`ExportError::Verify`] for a region or radius that cannot be judged.
     pub fn create(
         path: &Path,
@@ -88,9 +96,11 @@ impl StreamExport {
             .verify
             .then(|| Judges::new(target, context))
             .transpose()?;
-        resume::remove(path);
-        let partial = Partial::create(path)?;
-        let mut export = Self::new(path, context, target, options, partial)?;
+        let file = destination(path)?;
+        let lock = Lock::take(&file)?;
+        resume::remove(&file);
+        let partial = Partial::create(&file)?;
+        let mut export = Self::new(path, context, target, options, (file, lock, partial))?;
         export.judges = judges;
         Ok(export)
     }
@@ -100,10 +110,11 @@ impl StreamExport {
         context: &ExportContext,
         target: Target,
         options: StreamOptions,
-        partial: Partial,
+        (file, lock, partial): (PathBuf, Lock, Partial),
     ) -> Result<Self, ExportError> {
         Ok(Self {
             path: path.to_owned(),
+            file,
             name: file_name(path)?,
             context: context.clone(),
             target,
@@ -116,6 +127,7 @@ impl StreamExport {
             state: None,
             kept: false,
             failed: false,
+            _lock: lock,
         })
     }
 
@@ -176,24 +188,27 @@ impl StreamExport {
     ///
     /// # Errors
     ///
-    /// [`ExportError::Resume`] with what is missing, too short, damaged or of another context; all is left as it is.
+    /// [`ExportError::Resume`] with what is missing, too short, damaged or of another context, and
+    /// [`ExportError::Busy`]; all is left as it is.
     pub fn resume(path: &Path, context: &ExportContext) -> Result<(Self, Value), ExportError> {
         let target = stream_target(path, context)?;
-        let checkpoint = Checkpoint::read(path)?;
-        checkpoint.suits(path, &target, context)?;
+        let file = destination(path)?;
+        let lock = Lock::take(&file)?;
+        let checkpoint = Checkpoint::read(&file)?;
+        checkpoint.suits(&file, &target, context)?;
         let mut judges = (checkpoint.verify)
             .then(|| Judges::new(target, context))
             .transpose()?;
         if let (Some(judges), Some(state)) = (&mut judges, &checkpoint.state) {
-            state.restore(path, judges, context)?;
+            state.restore(&file, judges, context)?;
             judges.largest_shift = checkpoint.largest_shift;
         }
         let options = StreamOptions {
             verify: checkpoint.verify,
             resumable: true,
         };
-        let partial = resume::reopen(path, &checkpoint)?;
-        let mut export = Self::new(path, context, target, options, partial)?;
+        let partial = resume::reopen(&file, &checkpoint)?;
+        let mut export = Self::new(path, context, target, options, (file, lock, partial))?;
         // Whatever goes wrong from here on, the files are as useful as before.
         (export.kept, export.judges) = (true, judges);
         (export.count, export.state) = (checkpoint.count, checkpoint.state.clone());
@@ -207,12 +222,19 @@ impl StreamExport {
             Some(provenance) => self.begin(provenance)?,
             None => Vec::new(),
         };
-        let (path, rows, judges) = (&self.path, &mut self.rows, &mut self.judges);
+        let (file, rows, judges) = (&self.file, &mut self.rows, &mut self.judges);
+        let mut count = 0;
         let taken = self.partial.take_over(head, checkpoint.bytes, |bytes| {
-            resume::read_rows(bytes, path, rows.as_mut(), judges.as_mut())
+            let Some(rows) = rows.as_mut() else {
+                return Ok(bytes.len());
+            };
+            let used = rows.whole(bytes);
+            count += rows.count(&bytes[..used]);
+            resume::read_rows(&bytes[..used], file, rows, judges.as_mut())?;
+            Ok(used)
         });
-        taken?;
-        checkpoint.matches(&self.path, &self.partial.rows_digest())?;
+        let left = taken?;
+        checkpoint.matches(file, &self.partial.rows_digest(), count, left)?;
         Ok(self.partial.truncate(checkpoint.bytes)?)
     }
 
@@ -304,7 +326,7 @@ impl StreamExport {
         let old = self.state.take();
         if let Some(judges) = &self.judges {
             self.state = Some(StateFile::write(
-                &self.path,
+                &self.file,
                 old.as_ref(),
                 judges,
                 &self.target,
@@ -325,10 +347,10 @@ impl StreamExport {
             largest_shift: self.judges.as_ref().map_or(0.0, |j| j.largest_shift),
             state: self.state.clone(),
         };
-        checkpoint.write(&self.path)?;
+        checkpoint.write(&self.file)?;
         self.kept = true;
         if let Some(old) = old {
-            old.remove(&self.path);
+            old.remove(&self.file);
         }
         Ok(())
     }
@@ -357,13 +379,15 @@ impl Drop for StreamExport {
     fn drop(&mut self) {
         if !self.kept {
             self.partial.remove();
-            resume::remove(&self.path);
+            resume::remove(&self.file);
         }
     }
 }
 
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut target = target(&file_name(path)?, context)?;
+    // Not only when everything is done.
+    destination(&certificate_path(path))?;
     let format = target.format;
     if !format.streams() {
         return Err(ExportError::NotStreamed { format });

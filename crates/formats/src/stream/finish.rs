@@ -3,7 +3,6 @@
 //! Never renames a file that was not read back and found to be what was written.
 
 use std::fs;
-use std::io;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -14,8 +13,8 @@ use super::judge::unjudged;
 use super::resume;
 use crate::certificate::Certificate;
 use crate::error::FormatError;
-use crate::export::{Control, ExportError, Warning, certificate, warnings};
-use crate::files::{Exported, Temporary, io_error, publish};
+use crate::export::{Control, ExportError, Warning, certificate, left_out, warnings};
+use crate::files::{Exported, Temporary, io_error, publish, remove_certificate};
 use crate::read::certificate_path;
 
 /// A finished stream.
@@ -46,7 +45,7 @@ impl StreamExport {
         control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Streamed, ExportError> {
         let streamed = self.guarded(|this| this.complete(control))?;
-        resume::remove(&self.path);
+        resume::remove(&self.file);
         Ok(streamed)
     }
 
@@ -75,11 +74,9 @@ impl StreamExport {
             }
             None => self.publish_uncertified()?,
         }
-        let left_out = self.provenance && !format.carries_provenance();
         let warnings = match &verified {
             Some(exported) => exported.warnings.clone(),
-            None if left_out => vec![Warning::ProvenanceLeftOut { format }],
-            None => Vec::new(),
+            None => left_out(self.provenance, format),
         };
         Ok(Streamed {
             path,
@@ -119,22 +116,16 @@ impl StreamExport {
 
     fn publish(&self, certificate: &Certificate) -> Result<(), ExportError> {
         let path = certificate_path(&self.path);
-        let temporary = Temporary::beside(&path);
+        let temporary = Temporary::of(&path)?;
         let wrote = temporary.write(&certificate.to_bytes()?);
         wrote.map_err(|e| io_error(&path, e))?;
-        Ok(publish(&self.partial.path, &self.path, &temporary, &path)?)
+        Ok(publish(&self.partial.path, &self.file, &temporary)?)
     }
 
     /// Renames the data file. An older certificate goes first: it would be a false one.
     fn publish_uncertified(&self) -> Result<(), FormatError> {
-        let certificate = certificate_path(&self.path);
-        match fs::remove_file(&certificate) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(io_error(&certificate, error));
-            }
-            _ => {}
-        }
-        let renamed = fs::rename(&self.partial.path, &self.path);
+        remove_certificate(&self.path)?;
+        let renamed = fs::rename(&self.partial.path, &self.file);
         renamed.map_err(|e| io_error(&self.path, e))
     }
 }

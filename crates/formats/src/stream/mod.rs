@@ -8,6 +8,7 @@ mod check;
 mod export;
 mod finish;
 mod judge;
+mod lock;
 mod partial;
 mod read;
 mod resume;

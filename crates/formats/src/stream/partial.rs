@@ -7,6 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::partial_path;
+use crate::destination::check_own;
 use crate::digest::digest_text;
 use crate::error::FormatError;
 use crate::export::ExportError;
@@ -34,6 +35,7 @@ impl Partial {
     /// An empty file beside `path`; an older one is lost.
     pub fn create(path: &Path) -> Result<Self, FormatError> {
         let path = partial_path(path);
+        check_own(&path)?;
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(true);
         let file = options.open(&path).map_err(|e| io_error(&path, e))?;
@@ -43,6 +45,7 @@ impl Partial {
     /// The file beside `path` that was left behind; nothing of it is read yet.
     pub fn reopen(path: &Path) -> Result<Self, FormatError> {
         let path = partial_path(path);
+        check_own(&path)?;
         let mut options = OpenOptions::new();
         let file = (options.read(true).write(true).open(&path)).map_err(|e| io_error(&path, e))?;
         Ok(Self::new(path, file))
@@ -67,13 +70,13 @@ impl Partial {
     }
 
     /// Takes the bytes from the start up to byte `length` as what was written, handing rows to
-    /// `each` as they are read, and drops what follows. `rows_of` splits off whole rows.
+    /// `each` as they are read. It says how many bytes it used; those that it never used are counted.
     pub fn take_over(
         &mut self,
         head: Vec<u8>,
         length: u64,
         mut each: impl FnMut(&[u8]) -> Result<usize, ExportError>,
-    ) -> Result<(), ExportError> {
+    ) -> Result<usize, ExportError> {
         let rows = length.saturating_sub(head.len() as u64);
         let start = self.checked(|this| this.file.seek(SeekFrom::Start(head.len() as u64)))?;
         let (mut left, mut pending) = (length.saturating_sub(start), Vec::new());
@@ -87,7 +90,7 @@ impl Partial {
             pending.drain(..used);
         }
         (self.head, self.written) = (head, rows);
-        Ok(())
+        Ok(pending.len())
     }
 
     /// Drops what follows byte `length` and goes on there.

@@ -3,7 +3,6 @@
 //! The same detection, layouts and refusals as for whole files; what a head states is compared with the file's
 //! length before a row is read. Never keeps more than a block of the file.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -18,6 +17,7 @@ use crate::error::FormatError;
 use crate::files::{file_name, io_error, read_certificate};
 use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
+use crate::pipe::Input;
 use crate::read::certificate_path;
 
 /// Bytes read at a time, and the most that a head may take.
@@ -43,7 +43,7 @@ const USUAL_LINE: u64 = 38;
 #[derive(Debug)]
 pub struct StreamReader {
     path: PathBuf,
-    file: File,
+    file: Input,
     /// Bytes of the file.
     length: u64,
     detection: Detection,
@@ -86,8 +86,8 @@ impl StreamReader {
         digested: bool,
     ) -> Result<Result<Self, Format>, FormatError> {
         let failed = |e| io_error(path, e);
-        let mut file = File::open(path).map_err(failed)?;
-        let length = file.metadata().map_err(failed)?.len();
+        let mut file = Input::open(path).map_err(failed)?;
+        let length = file.length().map_err(failed)?;
         let mut start = vec![0; BLOCK];
         let count = read_some(&mut file, &mut start).map_err(failed)?;
         start.truncate(count);

@@ -17,6 +17,7 @@ use super::partial::Partial;
 use super::{partial_path, resume_path, with_suffix};
 use crate::codecs::Target;
 use crate::codecs::rows::Rows;
+use crate::destination::destination;
 use crate::digest::bytes_digest;
 use crate::error::FormatError;
 use crate::export::{ExportContext, ExportError};
@@ -124,14 +125,28 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Refuses rows of another digest.
-    pub fn matches(&self, path: &Path, found: &str) -> Result<(), ExportError> {
-        if self.rows_digest == found {
-            return Ok(());
-        }
+    /// Refuses rows of another digest or number, and `left` bytes of half a row.
+    pub fn matches(
+        &self,
+        path: &Path,
+        digest: &str,
+        count: u64,
+        left: usize,
+    ) -> Result<(), ExportError> {
         let stated = &self.rows_digest;
-        let reason = format!("the digest of its rows is {found}, and the checkpoint's is {stated}");
-        Err(fault(&partial_path(path), reason))
+        if stated != digest {
+            let reason =
+                format!("the digest of its rows is {digest}, and the checkpoint's is {stated}");
+            return Err(fault(&partial_path(path), reason));
+        }
+        let (stated, bytes) = (self.count, self.bytes);
+        if left > 0 || stated != count {
+            let reason = format!(
+                "it states {stated} points in {bytes} bytes, which are {count} points and {left} bytes"
+            );
+            return Err(fault(&resume_path(path), reason));
+        }
+        Ok(())
     }
 }
 
@@ -140,12 +155,13 @@ impl Checkpoint {
 ///
 /// # Errors
 ///
-/// [`ExportError::Resume`] for a checkpoint that does not parse.
+/// [`ExportError::Resume`] for a checkpoint that does not parse, and the errors of [`destination`].
 pub fn checkpoint_token(path: &Path) -> Result<Option<Value>, ExportError> {
-    if !resume_path(path).exists() {
+    let file = destination(path)?;
+    if !resume_path(&file).exists() {
         return Ok(None);
     }
-    Checkpoint::read(path).map(|found| Some(found.token))
+    Checkpoint::read(&file).map(|found| Some(found.token))
 }
 
 /// The unfinished file, if it is as long as the checkpoint says.
@@ -163,22 +179,19 @@ pub(super) fn reopen(path: &Path, checkpoint: &Checkpoint) -> Result<Partial, Ex
     Ok(partial)
 }
 
-/// Hands the whole rows among `bytes` to the judges, if there are any. Returns how many bytes that were.
+/// Hands whole rows to the judges, if they remember what they saw.
 pub(super) fn read_rows(
     bytes: &[u8],
     path: &Path,
-    rows: Option<&mut Rows>,
+    rows: &mut Rows,
     judges: Option<&mut Judges>,
-) -> Result<usize, ExportError> {
-    let judges = judges.filter(|judges| judges.remembers());
-    let (Some(rows), Some(judges)) = (rows, judges) else {
-        return Ok(bytes.len());
+) -> Result<(), ExportError> {
+    let Some(judges) = judges.filter(|judges| judges.remembers()) else {
+        return Ok(());
     };
-    let used = rows.whole(bytes);
-    let set = (rows.read(&bytes[..used]))
-        .map_err(|error| fault(&partial_path(path), error.to_string()))?;
+    let set = (rows.read(bytes)).map_err(|error| fault(&partial_path(path), error.to_string()))?;
     judges.remember(&set.points);
-    Ok(used)
+    Ok(())
 }
 
 impl StateFile {

@@ -34,7 +34,7 @@ fn text(file: &File) -> &str {
 
 #[test]
 fn references_lead_to_final_names() {
-    let files = assemble(&sources(&small())).unwrap();
+    let files = assemble(&sources(&small()), "").unwrap();
     let part = by_start(&files, "part-");
     let main = by_start(&files, "main-");
     let index = by_start(&files, "index.html");
@@ -46,10 +46,10 @@ fn references_lead_to_final_names() {
 
 #[test]
 fn a_change_deep_down_changes_every_name_above_it_and_the_version() {
-    let before = assemble(&sources(&small())).unwrap();
+    let before = assemble(&sources(&small()), "").unwrap();
     let mut changed = small();
     changed[2].1 = "another part";
-    let after = assemble(&sources(&changed)).unwrap();
+    let after = assemble(&sources(&changed), "").unwrap();
     for start in ["part-", "main-"] {
         assert_ne!(by_start(&before, start).path, by_start(&after, start).path);
     }
@@ -63,13 +63,13 @@ fn a_change_deep_down_changes_every_name_above_it_and_the_version() {
             .to_owned()
     };
     assert_ne!(version(&before), version(&after));
-    let again = assemble(&sources(&small())).unwrap();
+    let again = assemble(&sources(&small()), "").unwrap();
     assert_eq!(before, again);
 }
 
 #[test]
 fn the_service_worker_lists_all_but_itself() {
-    let files = assemble(&sources(&small())).unwrap();
+    let files = assemble(&sources(&small()), "").unwrap();
     let worker = text(by_start(&files, "sw.js"));
     assert!(worker.contains("\"./\"") && !worker.contains("index.html"));
     for start in ["main-", "part-", "still-"] {
@@ -83,7 +83,7 @@ fn what_does_not_fit_together_is_refused() {
     let refused = |change: fn(&mut Vec<(&str, &str)>)| {
         let mut files = small();
         change(&mut files);
-        format!("{:#}", assemble(&sources(&files)).unwrap_err())
+        format!("{:#}", assemble(&sources(&files), "").unwrap_err())
     };
     let missing = refused(|files| {
         files.remove(2);
@@ -111,6 +111,15 @@ fn what_tools_made_is_left_as_it_is() {
     let mut all = sources(&small());
     let made = "const wasm = {{...imports}};";
     all.insert("part.js".to_owned(), Source::made(made.as_bytes().to_vec()));
-    let files = assemble(&all).unwrap();
+    let files = assemble(&all, "").unwrap();
     assert_eq!(text(by_start(&files, "part-")), made);
+}
+
+#[test]
+fn pictures_for_those_who_link_to_the_page_have_whole_addresses() {
+    let page = [("index.html", "{{address}}{{asset:a.png}}"), ("a.png", "")];
+    let files = assemble(&sources(&page), "https://a.example/t/").unwrap();
+    let picture = &by_start(&files, "a-").path;
+    let index = by_start(&files, "index.html");
+    assert_eq!(text(index), format!("https://a.example/t/{picture}"));
 }

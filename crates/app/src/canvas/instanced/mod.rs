@@ -20,7 +20,7 @@ use gpu::{Gpu, Kind, Part};
 pub use look::{Look, Symbol, Symbols};
 use order::{LEVELS, Order};
 use view::{Copy, View};
-pub use view::{Marks, PaintOptions};
+pub use view::{Marks, PaintOptions, outline, radii};
 
 /// Disks of fewer pixels of radius are not drawn.
 pub const MIN_DISK_PIXELS: f64 = 1.0;

@@ -123,7 +123,7 @@ fn line(distance: f32, width: f32) -> f32 {
 fn cross_opacity(at: vec2<f32>, radius: f32) -> f32 {
     let point = frame.scale.z;
     let turned = abs(vec2<f32>(at.x + at.y, at.x - at.y)) * sqrt(0.5);
-    let arm = max(0.26 * radius, 0.7 * point);
+    let arm = max(0.26 * radius, min(0.7 * point, 0.5 * radius));
     let one = max(turned.x - radius, turned.y - arm);
     let other = max(turned.y - radius, turned.x - arm);
     let distance = min(one, other);
@@ -139,7 +139,7 @@ fn opacity(symbol: u32, at: vec2<f32>, radius: f32) -> f32 {
         case 2u: { return cross_opacity(at, radius); }
         case 3u: { return solid((abs(at.x) + abs(at.y) - radius) * sqrt(0.5)); }
         case 4u: {
-            let ring = line(from_middle - radius, 1.4 * frame.scale.z);
+            let ring = line(from_middle - radius, min(1.4 * frame.scale.z, 0.6 * radius));
             return max(ring, solid(from_middle - 0.34 * radius));
         }
         default: { return solid(from_middle - radius); }
@@ -160,7 +160,8 @@ fn symbol_color(in: Mark) -> vec4<f32> {
     if (kind & 16u) == 0u {
         return mark;
     }
-    let around = opacity(symbol, at, in.shape.z + OUTLINE * frame.scale.z);
+    let wide = min(OUTLINE * frame.scale.z, 0.8 * in.shape.z);
+    let around = opacity(symbol, at, in.shape.z + wide);
     return mark + frame.outline * around * (1.0 - mark.a);
 }
 

@@ -37,6 +37,24 @@ pub struct PaintOptions {
     pub cull: bool,
 }
 
+/// Returns the radii of dot, cross, diamond and ring at `scale` screen points per r, in screen points. They are parts of r,
+/// so that the symbols of neighbours never run together, up to the sizes at which they would hide their surroundings.
+#[must_use]
+pub const fn radii(scale: f32) -> [f32; 4] {
+    [
+        (0.2 * scale).clamp(1.0, 5.5),
+        (0.26 * scale).clamp(0.6, 8.0),
+        (0.27 * scale).clamp(1.0, 8.5),
+        (0.33 * scale).clamp(0.5, 9.0),
+    ]
+}
+
+/// Returns how wide the outline around a symbol of `radius` is, in screen points.
+#[must_use]
+pub const fn outline(radius: f32) -> f32 {
+    (0.8 * radius).min(1.6)
+}
+
 impl PaintOptions {
     /// Returns the options for disks.
     #[must_use]
@@ -52,19 +70,12 @@ impl PaintOptions {
         }
     }
 
-    /// Returns the options for symbols that grow with `scale` (screen points per r) between the sizes at which they
-    /// can be told apart and at which they hide their surroundings.
+    /// Returns the options for symbols of the usual [`radii`] at `scale` (screen points per r).
     #[must_use]
     pub const fn symbols(symbols: Symbols, scale: f64) -> Self {
-        let scale = scale as f32;
         Self {
             marks: Marks::Symbols(symbols),
-            radii: [
-                (0.2 * scale).clamp(1.0, 5.5),
-                (0.26 * scale).clamp(2.2, 8.0),
-                (0.27 * scale).clamp(2.6, 8.5),
-                (0.33 * scale).clamp(2.4, 9.0),
-            ],
+            radii: radii(scale as f32),
             ..Self::disks()
         }
     }

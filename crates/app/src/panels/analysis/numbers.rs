@@ -6,7 +6,7 @@ use tilescope_analysis::measures::PowerCurve;
 
 use super::Sets;
 use crate::analysis::measured::Measured;
-use crate::sentence::{counted, grouped};
+use crate::sentence::{conflicts_in, counted, grouped};
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;
@@ -127,7 +127,7 @@ pub fn counts(set: &Measured) -> String {
     match &set.report {
         Some(Ok(report)) => format!(
             "{samples}, {}, {}.",
-            counted(report.conflicts as usize, "conflict", "conflicts"),
+            conflicts_in(report),
             counted(report.gaps as usize, "open place", "open places")
         ),
         Some(Err(why)) => format!("{samples}. {why}"),

@@ -10,6 +10,7 @@ use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
 use crate::recipe::OwnPattern;
 use crate::sentence::counted;
 use crate::state::State;
+use crate::state::undo::Part;
 use crate::view::View;
 
 impl State {
@@ -158,7 +159,9 @@ impl State {
             "The next run clips from the {samples} of {}. To hold it against this run instead, see the Analyze menu.",
             own.file.path
         );
+        let before = self.memento();
         self.own_pattern = Some(own);
+        self.remember(before, Part::Form, None);
         self.tell(text, false);
     }
 
@@ -174,6 +177,7 @@ impl State {
         (self.sampling, self.notice, self.arriving) = (None, None, None);
         self.draft = Draft::from_parameters(opened.saved.parameters);
         self.own_pattern.clone_from(&opened.session.own);
+        (self.selected, self.place) = (None, None);
         self.show(opened.session);
         self.debugger = Some(debugger);
         self.follow_cursor();
@@ -186,12 +190,15 @@ impl State {
     /// Shows a combination that was read; one that was saved where it was left.
     fn take_combination(&mut self, combined: Combined) {
         (self.sampling, self.notice, self.arriving) = (None, None, None);
+        self.remember_run(Part::Run);
+        (self.selected, self.place) = (None, None);
         self.show_combination(combined.session);
         let Some(saved) = combined.saved else {
             return;
         };
         if let Some(session) = &self.session {
-            self.stage = saved.stage.min(session.stages.len() - 1);
+            let last = session.stages.len() - 1;
+            self.set_stage(saved.stage.min(last));
         }
         let (view, mut dropped) = View::from_json(&saved.view);
         dropped.extend(self.look_as(&view));

@@ -11,6 +11,7 @@ use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Rect, Window};
 use crate::parameters::{Insertion, Order, ParameterError, Parameters, Variant};
 use crate::pattern::Pattern;
+use crate::progress::{Meter, Observer, Stage, Unobserved};
 use crate::random::Key;
 use crate::stages::order::Ranking;
 
@@ -30,6 +31,9 @@ const HALO: i32 = 6;
 /// The longest side of a window that is computed at once, in cells. Larger ones leave the second-level cache;
 /// smaller ones have more halo.
 pub(super) const LONGEST_SIDE: i32 = 320;
+
+/// Windows for each thread between two looks at the observer.
+pub(super) const WINDOWS_A_THREAD: usize = 6;
 
 /// The most repairs of repairs: a halo of 768 cells. One suffices nearly always; only a pattern from a file with
 /// holes everywhere could need more.
@@ -124,6 +128,15 @@ impl Plane {
     /// small for a block, or a pattern leaves so much uncovered that the samples depend on too much around them and the
     /// domain is too large to be run as a whole.
     pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
+        self.observed_window(window, &mut Unobserved)
+    }
+
+    /// Returns what [`Self::window`] does, unless `observer` stops it with [`SampleError::Cancelled`].
+    pub fn observed_window(
+        &self,
+        window: &Window,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<Point>, SampleError> {
         let parts: Vec<Rect> = self.parts(window).iter().flat_map(pieces).collect();
         let compute = |part: &Rect| {
             let mut scratch = self.plain.take();
@@ -136,11 +149,17 @@ impl Plane {
         if let [part] = parts.as_slice() {
             return compute(part);
         }
-        let found: Vec<Result<Vec<Point>, SampleError>> = parts.par_iter().map(compute).collect();
         let mut points = Vec::new();
-        for part in found {
-            points.append(&mut part?);
+        let total = parts.len() as u64;
+        for (some, done) in parts.chunks(pieces_at_once()).zip(0..) {
+            let done = done * pieces_at_once() as u64;
+            Meter::resume(observer, Stage::Regions, done, total)?;
+            let found: Vec<_> = some.par_iter().map(compute).collect();
+            for part in found {
+                points.append(&mut part?);
+            }
         }
+        Meter::resume(observer, Stage::Regions, total, total)?;
         points.par_sort_unstable_by_key(|p| p.canonical());
         Ok(points)
     }
@@ -243,6 +262,11 @@ impl Plane {
     }
 }
 
+/// Returns how many pieces of a window are computed between two looks at the observer.
+fn pieces_at_once() -> usize {
+    WINDOWS_A_THREAD * rayon::current_num_threads()
+}
+
 /// Cuts a part of the domain into windows of at most [`LONGEST_SIDE`] cells and a bit.
 fn pieces(part: &Rect) -> Vec<Rect> {
     let side = i64::from(LONGEST_SIDE) << CELL_BITS;
@@ -322,8 +346,10 @@ impl<const TAGS: bool> Pool<TAGS> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::ops::ControlFlow;
+
     use crate::lattice::R;
-    use crate::progress::Unobserved;
+    use crate::progress::Progress;
 
     fn plane(leaf: f64) -> Plane {
         let parameters = Parameters {
@@ -369,6 +395,37 @@ mod tests {
             "no window came out unsure: the test shows nothing"
         );
         assert_eq!(narrow, wide);
+    }
+
+    #[test]
+    fn a_large_window_can_be_stopped_on_its_way() {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(1)
+            .build()
+            .unwrap();
+        pool.install(|| {
+            let parameters = Parameters {
+                radius: 1.0,
+                width: 3000.0,
+                height: 3000.0,
+                ..Parameters::default()
+            };
+            let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+            let plane = Plane::new(&parameters, &pattern).unwrap();
+            let window = plane.domain().window([0.0, 0.0], [3000.0, 700.0]).unwrap();
+            let mut asked = 0;
+            let mut stop = |progress: Progress| {
+                asked += 1;
+                if progress.done > 0 {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            };
+            let stopped = plane.observed_window(&window, &mut stop);
+            assert!(matches!(stopped, Err(SampleError::Cancelled { .. })));
+            assert_eq!(asked, 2, "after the first pieces of 30");
+        });
     }
 
     #[test]

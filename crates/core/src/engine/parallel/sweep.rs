@@ -16,13 +16,10 @@ use crate::run::{Run, Summary};
 use super::counts::Counts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
-use super::plane::{LONGEST_SIDE, Plane, Pool};
+use super::plane::{LONGEST_SIDE, Plane, Pool, WINDOWS_A_THREAD};
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const SHORTEST_SIDE: i32 = 64;
-
-/// Windows for each thread between two looks at the observer.
-const WINDOWS_A_THREAD: usize = 6;
 
 /// More samples to a squared radius than a set has, bounded domains apart.
 const MOST_DENSITY: f64 = 0.71;

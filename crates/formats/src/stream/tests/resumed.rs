@@ -27,9 +27,10 @@ fn interrupted(path: &Path, context: &ExportContext, set: &PointSet, stops: [usi
     export
         .checkpoint(&json!({ "next": kept, "seed": u64::MAX }))
         .expect("saved");
-    let before = names(path.parent().expect("a folder"));
+    let mut before = names(path.parent().expect("a folder"));
     push(&mut export, set, kept..lost, 50);
     drop(export);
+    before.retain(|name| Path::new(name).extension() != Some("lock".as_ref()));
     let mut bytes = fs::read(partial_path(path)).expect("kept");
     bytes.extend_from_slice(&[0xA5; 1001]);
     fs::write(partial_path(path), bytes).expect("writable");
@@ -184,7 +185,114 @@ fn only_a_resumable_export_has_checkpoints_and_a_new_one_forgets_the_old() {
         fs::write(folder.path().join(left), "left").expect("writable");
     }
     let new = begun(&path, &context);
-    assert!(refused(&path, &context).contains("there is no checkpoint"));
+    assert_eq!(checkpoint_token(&path).expect("none"), None);
     drop(new);
     assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn a_number_that_is_not_that_of_the_rows_is_refused() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    for (format, verify) in STREAMED.into_iter().flat_map(|f| [(f, true), (f, false)]) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name(format));
+        let options = StreamOptions {
+            verify,
+            resumable: true,
+        };
+        let mut export = StreamExport::create(&path, &context, options).expect("begun");
+        push(&mut export, &set, 0..900, 50);
+        export.checkpoint(&Value::Null).expect("saved");
+        drop(export);
+        let document = resume_path(&path);
+        let good = fs::read_to_string(&document).expect("there");
+        for count in ["901", "899", "0"] {
+            let bad = good.replace("\"count\": 900", &format!("\"count\": {count}"));
+            assert_ne!(bad, good);
+            fs::write(&document, bad).expect("writable");
+            let message = refused(&path, &context);
+            assert!(
+                message.contains(&format!("states {count} points")),
+                "{message}"
+            );
+            assert!(message.contains("which are 900 points"), "{message}");
+        }
+        fs::write(&document, good).expect("writable");
+        assert!(StreamExport::resume(&path, &context).is_ok(), "{format}");
+    }
+}
+
+#[test]
+fn a_second_export_of_a_name_is_refused_and_the_first_is_not_harmed() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    let (_folder, _, expected) = whole(&set, &context, Format::Npy);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("set.npy");
+    let busy = |outcome: Result<StreamExport, ExportError>| {
+        let error = outcome.expect_err("at work");
+        assert!(matches!(error, ExportError::Busy { .. }), "{error}");
+    };
+    let mut first = begun(&path, &context);
+    push(&mut first, &set, 0..700, 50);
+    first.checkpoint(&json!(700)).expect("saved");
+    let before = names(folder.path());
+    busy(StreamExport::create(&path, &context, RESUMABLE));
+    busy(StreamExport::resume(&path, &context).map(|(export, _)| export));
+    #[cfg(unix)]
+    {
+        let link = folder.path().join("link.npy");
+        std::os::unix::fs::symlink("set.npy", &link).expect("a link");
+        busy(StreamExport::create(&link, &context, RESUMABLE));
+        fs::remove_file(link).expect("there");
+    }
+    assert_eq!(names(folder.path()), before);
+    drop(first);
+    let (mut second, _) = StreamExport::resume(&path, &context).expect("nobody writes");
+    push(&mut second, &set, 700..set.len(), 50);
+    second.finish(&GO).expect("proven");
+    assert_eq!(bytes_of(&path), expected);
+    assert_eq!(names(folder.path()).len(), 2);
+    // What a process that was killed left behind locks nothing.
+    fs::write(folder.path().join("set.npy.lock"), "").expect("writable");
+    drop(begun(&path, &context));
+    assert_eq!(names(folder.path()).len(), 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_stream_goes_where_a_link_leads() {
+    let context = context(Boundary::Periodic, Precision::Double);
+    let set = rows(Boundary::Periodic, 0.2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, data) = (folder.path().join("set.npy"), folder.path().join("data"));
+    fs::create_dir(&data).expect("writable");
+    std::os::unix::fs::symlink("data/far.npy", &path).expect("a link");
+    for verify in [true, false] {
+        let options = StreamOptions {
+            verify,
+            resumable: true,
+        };
+        let mut export = StreamExport::create(&path, &context, options).expect("begun");
+        push(&mut export, &set, 0..700, 50);
+        export.checkpoint(&json!(700)).expect("saved");
+        drop(export);
+        assert_eq!(checkpoint_token(&path).expect("readable"), Some(json!(700)));
+        let (mut export, _) = StreamExport::resume(&path, &context).expect("resumable");
+        push(&mut export, &set, 700..set.len(), 50);
+        let streamed = export.finish(&GO).expect("proven");
+        assert_eq!(streamed.path, path);
+        assert!(path.is_symlink());
+        assert_eq!(names(&data), BTreeSet::from(["far.npy".to_owned()]));
+        assert_eq!(certificate_path(&path).exists(), verify);
+    }
+    let _socket = std::os::unix::net::UnixListener::bind(data.join("no.npy")).expect("a socket");
+    let refused = StreamExport::create(&data.join("no.npy"), &context, RESUMABLE);
+    assert!(
+        refused
+            .expect_err("no file")
+            .to_string()
+            .contains("a socket")
+    );
 }

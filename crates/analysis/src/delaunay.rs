@@ -1,0 +1,147 @@
+//! Delaunay triangulations in a time that no set can spoil.
+//! Sites are inserted in a biased randomised order (Amenta, Choi and Rote 2003): rounds of doubling size, each along a k-d tree. The
+//! expected work is then that of a random order whatever the set is like, and each site lies near the one before it.
+//! It knows nothing of circles and regions. The order is the same in every run.
+
+use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation, validate_vertex};
+
+/// Sites that are inserted before the rounds begin.
+const FIRST: usize = 64;
+
+/// Returns the triangulation; none of sites on one line, which have no triangle. The error is what was said about a coordinate
+/// that was refused.
+pub(crate) fn delaunay<V: HasPosition<Scalar = f64>>(
+    mut sites: Vec<V>,
+) -> Result<Option<DelaunayTriangulation<V>>, String> {
+    let failed = |error: spade::InsertionError| error.to_string();
+    sites.iter().try_for_each(validate_vertex).map_err(failed)?;
+    order(&mut sites);
+    if !begin_with_a_triangle(&mut sites) {
+        return Ok(None);
+    }
+    let count = sites.len();
+    let mut found = DelaunayTriangulation::with_capacity(count, 3 * count, 2 * count);
+    for site in sites {
+        found.insert(site).map_err(failed)?;
+    }
+    Ok(Some(found))
+}
+
+fn order<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
+    // A generator of Marsaglia's; any would do.
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    for index in (1..sites.len()).rev() {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        sites.swap(index, (state % (index as u64 + 1)) as usize);
+    }
+    let mut end = sites.len();
+    while end > FIRST {
+        let begin = end / 2;
+        along_a_tree(&mut sites[begin..end]);
+        end = begin;
+    }
+}
+
+/// Sorts by halves of the longer side, and so on.
+fn along_a_tree<V: HasPosition<Scalar = f64>>(sites: &mut [V]) {
+    if sites.len() < 3 {
+        return;
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for site in sites.iter() {
+        let at = place(site);
+        low = [0, 1].map(|axis| at[axis].min(low[axis]));
+        high = [0, 1].map(|axis| at[axis].max(high[axis]));
+    }
+    let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
+    let middle = sites.len() / 2;
+    sites.select_nth_unstable_by(middle, |a, b| place(a)[axis].total_cmp(&place(b)[axis]));
+    let (before, after) = sites.split_at_mut(middle);
+    along_a_tree(before);
+    along_a_tree(after);
+}
+
+/// Brings three sites to the front that are not on one line; false if there are none. Along a line insertion takes a time that
+/// grows with the square of the sites.
+fn begin_with_a_triangle<V: HasPosition<Scalar = f64>>(sites: &mut [V]) -> bool {
+    let Some(first) = sites.first().map(place) else {
+        return false;
+    };
+    let Some(second) = sites.iter().position(|site| place(site) != first) else {
+        return false;
+    };
+    sites.swap(1, second);
+    let second = place(&sites[1]);
+    let Some(third) = (sites.iter()).position(|site| !on_a_line([first, second, place(site)]))
+    else {
+        return false;
+    };
+    sites.swap(2, third);
+    true
+}
+
+fn place<V: HasPosition<Scalar = f64>>(site: &V) -> [f64; 2] {
+    let Point2 { x, y } = site.position();
+    [x, y]
+}
+
+/// Whether three points are exactly on one line: the predicates are exact, so there is a face if and only if the points span one.
+fn on_a_line(points: [[f64; 2]; 3]) -> bool {
+    let corners = points.map(|[x, y]| Point2::new(x, y)).to_vec();
+    DelaunayTriangulation::<_>::bulk_load(corners).is_ok_and(|found| found.num_inner_faces() == 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(
+        points: impl IntoIterator<Item = [f64; 2]>,
+    ) -> Option<DelaunayTriangulation<Point2<f64>>> {
+        let sites = points.into_iter().map(|[x, y]| Point2::new(x, y)).collect();
+        delaunay(sites).expect("accepted")
+    }
+
+    #[test]
+    fn a_refused_coordinate_is_an_error_and_no_panic() {
+        for bad in [f64::NAN, f64::INFINITY, 1e70, 1e-60] {
+            let sites = vec![Point2::new(0.0, 0.0), Point2::new(bad, 1.0)];
+            assert!(delaunay(sites).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lines_are_recognised_exactly() {
+        assert!(found([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]]).is_none());
+        assert!(found([[0.3, 0.1], [0.3, 0.7], [0.3, 0.2]]).is_none());
+        assert!(found([[0.3, 0.1]; 5]).is_none() && found([]).is_none());
+        let above = f64::from_bits(0.5f64.to_bits() + 1);
+        let found = found([[0.0, 0.0], [0.5, above], [1.0, 1.0]]).expect("a triangle");
+        assert_eq!(found.num_inner_faces(), 1);
+    }
+
+    fn faces(found: &DelaunayTriangulation<Point2<f64>>) -> Vec<[[u64; 2]; 3]> {
+        let mut faces: Vec<_> = found
+            .inner_faces()
+            .map(|face| {
+                let mut corners = face.positions().map(|p| [p.x.to_bits(), p.y.to_bits()]);
+                corners.sort_unstable();
+                corners
+            })
+            .collect();
+        faces.sort_unstable();
+        faces
+    }
+
+    /// Points in general position have one triangulation, whatever the order.
+    #[test]
+    fn the_order_changes_nothing() {
+        let point = |i: u32| [0.754_877, 0.569_84].map(|step| (f64::from(i) * step).fract());
+        let points: Vec<_> = (0..2000).map(point).collect();
+        let sites = points.iter().map(|[x, y]| Point2::new(*x, *y)).collect();
+        let swept = DelaunayTriangulation::bulk_load(sites).expect("accepted");
+        assert_eq!(faces(&found(points).expect("triangles")), faces(&swept));
+    }
+}

@@ -1,0 +1,24 @@
+//! Numbers in messages.
+
+use std::fmt;
+
+/// A number as it is read best: with an exponent where digits alone would be very many.
+///
+/// ```
+/// use tilescope_analysis::Number;
+/// assert_eq!(Number(0.025).to_string(), "0.025");
+/// assert_eq!(Number(1e300).to_string(), "1e300");
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if (1e-5..1e16).contains(&size) || size == 0.0 {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}

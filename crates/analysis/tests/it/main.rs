@@ -1,0 +1,17 @@
+//! Integration tests of `tilescope-analysis`.
+
+mod against_truth;
+mod averages;
+mod blue_noise;
+mod distances;
+mod distant_pairs;
+mod order;
+mod periodogram;
+mod refusals;
+mod shares;
+mod spectra;
+mod streams;
+mod support;
+mod tessellation;
+mod uniformity;
+mod verdicts;

@@ -1,0 +1,348 @@
+//! The window frame by frame, without a driver: what is pressed in one slow frame, what lists scroll to, and whether
+//! sentences are whole.
+
+use egui::accesskit::{Node, NodeId, Role};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
+
+use super::*;
+use crate::clock::Clock;
+use crate::command::{DebugCommand, TimeCommand};
+use crate::panels::happened;
+use tilescope_debugger::{Kind, Target};
+
+/// A window that is shown nowhere.
+struct Window {
+    ctx: Context,
+    app: App,
+    size: egui::Vec2,
+    nodes: Vec<(NodeId, Node)>,
+    shapes: Vec<egui::epaint::ClippedShape>,
+}
+
+impl Window {
+    fn opened(size: [f32; 2]) -> Self {
+        let ctx = Context::default();
+        ctx.enable_accesskit();
+        let mut app = App::new(&ctx);
+        app.state.settle();
+        let mut window = Self {
+            ctx,
+            app,
+            size: size.into(),
+            nodes: Vec::new(),
+            shapes: Vec::new(),
+        };
+        window.rest();
+        window
+    }
+
+    /// Shows one frame in which these events arrive.
+    fn frame(&mut self, events: Vec<Event>) {
+        let input = RawInput {
+            events,
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
+            ..RawInput::default()
+        };
+        let app = &mut self.app;
+        let output = self.ctx.run_ui(input, |ui| app.show(ui));
+        if let Some(update) = &output.platform_output.accesskit_update {
+            self.nodes.clone_from(&update.nodes);
+        }
+        self.shapes.clone_from(&output.shapes);
+        output.drop_without_applying_deltas();
+    }
+
+    /// Shows frames until what was asked for has been drawn.
+    fn rest(&mut self) {
+        for _ in 0..5 {
+            self.app.state.settle();
+            self.frame(Vec::new());
+        }
+    }
+
+    fn apply(&mut self, command: Command) {
+        self.app.state.apply(command);
+        self.rest();
+    }
+
+    fn cursor(&self) -> usize {
+        self.app.state.cursor().expect("events").0
+    }
+
+    /// Returns where the slider with a name is.
+    fn place_of(&self, role: Role, name: &str) -> Rect {
+        let named = |node: &&(NodeId, Node)| node.1.role() == role && node.1.label() == Some(name);
+        let bounds = self
+            .nodes
+            .iter()
+            .find(named)
+            .and_then(|node| node.1.bounds());
+        let bounds = bounds.unwrap_or_else(|| panic!("there is no {role:?} \"{name}\""));
+        let scale = self.ctx.pixels_per_point();
+        Rect::from_min_max(
+            egui::pos2(bounds.x0 as f32, bounds.y0 as f32) / scale,
+            egui::pos2(bounds.x1 as f32, bounds.y1 as f32) / scale,
+        )
+    }
+}
+
+fn press(key: Key, modifiers: Modifiers) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    }
+}
+
+fn click(at: Pos2) -> [Event; 3] {
+    let button = |pressed| Event::PointerButton {
+        pos: at,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    [Event::PointerMoved(at), button(true), button(false)]
+}
+
+#[test]
+fn a_click_within_one_frame_goes_there_on_the_timeline() {
+    for size in [[1440.0, 900.0], [390.0, 844.0]] {
+        let mut window = Window::opened(size);
+        let track = window.place_of(Role::Slider, "Moment");
+        let (_, len) = window.app.state.cursor().unwrap();
+        let mut before = len;
+        for part in [0.8, 0.35, 0.6] {
+            // On the bar; its lower half has the names of the stages.
+            let at = egui::pos2(track.left() + part * track.width(), track.top() + 8.0);
+            window.frame(click(at).to_vec());
+            window.rest();
+            assert_ne!(window.cursor(), before);
+            before = window.cursor();
+        }
+    }
+}
+
+#[test]
+fn keys_of_one_frame_count_one_after_the_other() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    let event = Command::Time(TimeCommand::Clock(Clock::Event));
+    window.apply(event);
+    let keys = |keys: &[Key]| {
+        keys.iter()
+            .map(|&key| press(key, Modifiers::NONE))
+            .collect()
+    };
+    // At the end nothing goes forward; behind Home it does.
+    window.frame(keys(&[Key::Home, Key::ArrowRight, Key::ArrowRight]));
+    assert_eq!(window.cursor(), 2);
+    window.frame(keys(&[Key::End, Key::ArrowLeft]));
+    let (cursor, len) = window.app.state.cursor().unwrap();
+    assert_eq!(cursor, len - 1);
+    // Each run to an event goes on from the one before.
+    window.frame(keys(&[Key::Home, Key::E, Key::E]));
+    let state = &window.app.state;
+    let recording = state.session.as_ref().unwrap().recording().unwrap();
+    let eliminations = recording.tape().from(0).take(window.cursor());
+    let count = eliminations.filter(|(_, event)| event.kind() == Kind::Eliminate);
+    assert_eq!(count.count(), 2);
+    // What opens the list of actions and what closes it.
+    window.frame(vec![
+        press(Key::K, Modifiers::COMMAND),
+        press(Key::Escape, Modifiers::NONE),
+    ]);
+    window.rest();
+    assert!(window.app.state.palette.is_none());
+}
+
+/// Returns the names of what is marked as current.
+fn current(window: &Window, beginning: &str) -> Vec<String> {
+    let is_meant = |node: &&(NodeId, Node)| {
+        node.1
+            .label()
+            .is_some_and(|label| label.starts_with(beginning))
+            && node.1.toggled() == Some(egui::accesskit::Toggled::True)
+            && !node.1.is_hidden()
+    };
+    let found = window.nodes.iter().filter(is_meant);
+    found
+        .filter_map(|node| node.1.label().map(str::to_owned))
+        .collect()
+}
+
+#[test]
+fn the_tree_shows_the_last_event_wherever_one_goes() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    window.apply(Command::OpenPanel(Panel::Events));
+    let (_, len) = window.app.state.cursor().unwrap();
+    // Far and near, to and fro, into parts that were never expanded.
+    let mut at = 7_usize;
+    for step in 0..40 {
+        at = (at * 7_919 + 13 * step) % len + 1;
+        window.apply(Command::Time(TimeCommand::Jump(at)));
+        let number = crate::sentence::event_number(at - 1);
+        let expected = format!("Event {number}:");
+        let found = current(&window, "Event ");
+        assert!(
+            matches!(&found[..], [one] if one.starts_with(&expected)),
+            "at {at} the tree marks {found:?}"
+        );
+    }
+}
+
+#[test]
+fn what_stands_on_one_screen_is_of_one_moment() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    window.apply(Command::OpenPanel(Panel::Events));
+    window.apply(Command::FirstStage);
+    for target in [
+        Target::Conflict,
+        Target::Elimination,
+        Target::Gap,
+        Target::Insertion,
+    ] {
+        let forwards = tilescope_debugger::Direction::Forwards;
+        window.apply(Command::Time(TimeCommand::RunTo(target, forwards)));
+        let (cursor, recording) = {
+            let state = &window.app.state;
+            let session = state.session.as_ref().unwrap();
+            (
+                state.cursor().unwrap().0,
+                Arc::clone(session.recording().unwrap()),
+            )
+        };
+        // The row, the line and the sentence are those of the last event.
+        let row = crate::sentence::event_number(cursor - 1);
+        assert!(current(&window, "Event ")[0].starts_with(&format!("Event {row}:")));
+        let listings = tilescope_debugger::Listings::shipped();
+        let id = |index: usize| {
+            let event = recording.event(index).unwrap();
+            listings.line(event.line()).unwrap().id.clone()
+        };
+        let lines = current(&window, "Line ");
+        let [line] = &lines[..] else {
+            panic!("{lines:?}");
+        };
+        assert!(
+            line.starts_with(&format!("Line {}, done", id(cursor - 1))),
+            "{line}"
+        );
+        // The line that is about to run is named as that.
+        let next = id(cursor);
+        let is_next = |node: &(NodeId, Node)| {
+            let label = node.1.label().unwrap_or_default();
+            label.starts_with(&format!("Line {next}, ")) && label.contains("next: ")
+        };
+        assert!(window.nodes.iter().any(is_next), "{next}");
+    }
+}
+
+/// Returns the galleys with a text that are drawn, each with its place and what it is clipped to.
+fn drawn(window: &Window, text: &str) -> Vec<(bool, Rect, Rect)> {
+    fn visit(shape: &egui::Shape, clip: Rect, text: &str, found: &mut Vec<(bool, Rect, Rect)>) {
+        match shape {
+            egui::Shape::Text(shape) if shape.galley.text() == text => {
+                let place = Rect::from_min_size(shape.pos, shape.galley.size());
+                found.push((shape.galley.elided, place, clip));
+            }
+            egui::Shape::Vec(shapes) => {
+                for shape in shapes {
+                    visit(shape, clip, text, found);
+                }
+            }
+            _ => {}
+        }
+    }
+    let mut found = Vec::new();
+    for clipped in &window.shapes {
+        visit(&clipped.shape, clipped.clip_rect, text, &mut found);
+    }
+    found
+}
+
+/// Returns the longest sentence of each kind of event and the ends of the stages, as cursors.
+fn longest(window: &Window) -> Vec<usize> {
+    let session = window.app.state.session.as_ref().unwrap();
+    let recording = session.recording().unwrap();
+    let mut longest = std::collections::BTreeMap::<&str, (usize, usize)>::new();
+    for (index, event) in recording.tape().from(0) {
+        let length = tilescope_debugger::sentence(recording, index).len();
+        let most = longest.entry(event.kind().name()).or_default();
+        *most = (*most).max((length, index + 1));
+    }
+    let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
+    longest
+        .values()
+        .map(|&(_, cursor)| cursor)
+        .chain(ends)
+        .collect()
+}
+
+#[test]
+fn sentences_are_whole() {
+    let projector = Some(Look::Projector);
+    let player = Some(Embedding::Player);
+    for (size, look, embedding) in [
+        ([1280.0, 720.0], None, None),
+        ([1024.0, 768.0], None, None),
+        ([1600.0, 1000.0], None, None),
+        ([1920.0, 1080.0], projector, None),
+        ([1280.0, 720.0], projector, None),
+        ([860.0, 480.0], None, player),
+        ([844.0, 390.0], None, None),
+    ] {
+        let mut window = Window::opened(size);
+        window.app.state.embedding = embedding;
+        if let Some(look) = look {
+            window.apply(Command::Look(look));
+            // What a projector shows is larger.
+            window.size /= window.ctx.zoom_factor();
+            window.rest();
+        }
+        let mut places = std::collections::BTreeSet::new();
+        for cursor in longest(&window) {
+            window
+                .app
+                .state
+                .apply(Command::Time(TimeCommand::Jump(cursor)));
+            window.frame(Vec::new());
+            window.frame(Vec::new());
+            let text = happened(&window.app.state);
+            let found = drawn(&window, &text);
+            let whole = |&(elided, place, clip): &(bool, Rect, Rect)| {
+                !elided && clip.expand(0.5).contains_rect(place)
+            };
+            assert!(found.iter().any(whole), "{size:?} \"{text}\": {found:?}");
+            let track = window.place_of(Role::Slider, "Moment");
+            let all = Rect::from_min_size(Pos2::ZERO, window.size);
+            assert!(all.contains_rect(track), "{size:?}: {track:?}");
+            places.insert(track.top() as i32);
+        }
+        // Nothing moves from event to event.
+        assert_eq!(places.len(), 1, "{size:?}: {places:?}");
+    }
+}
+
+#[test]
+fn the_default_session_has_its_gaps_where_it_fits() {
+    for size in [[1280.0, 720.0], [1024.0, 768.0], [1440.0, 900.0]] {
+        let mut window = Window::opened(size);
+        window.apply(Command::Fit);
+        while window.app.state.advance(0.1) {}
+        let scale = window.app.state.camera.scale;
+        assert!(scale >= crate::canvas::MIN_DISK_SCALE, "{size:?}: {scale}");
+    }
+}
+
+#[test]
+fn a_bookmark_and_a_row_lead_to_the_same_moment() {
+    let mut window = Window::opened([1440.0, 900.0]);
+    window.apply(Command::OpenPanel(Panel::Events));
+    window.apply(Command::Time(TimeCommand::Jump(4_000)));
+    window.apply(Command::Debug(DebugCommand::Bookmark));
+    window.apply(Command::FirstStage);
+    let last = window.app.state.debugger.as_ref().unwrap().bookmarks[0].event - 1;
+    window.apply(Command::Debug(DebugCommand::SelectEvent(last)));
+    assert_eq!(window.cursor(), 4_000);
+}

@@ -1,0 +1,194 @@
+//! What a screen reader says where it cannot be given the tree of the window, as on a page: name, role, state and value of what
+//! has the focus, whenever one of them is new. All of it comes from the tree that AccessKit is given elsewhere.
+
+use egui::accesskit::{Node, NodeId, Role, Toggled, TreeUpdate};
+use egui::{Context, FullOutput, Plugin};
+
+/// Something to say.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Spoken {
+    /// What is new; empty where a field was left for nothing.
+    pub text: String,
+    /// The name of the field into which the keyboard writes, empty if it writes into none.
+    pub field: String,
+}
+
+/// Whom it is said to.
+type Hearer = Box<dyn Fn(&Spoken) + Send + Sync>;
+
+/// Finds out after each frame what there is to say.
+pub struct Speaker {
+    hearer: Hearer,
+    before: Option<Told>,
+    /// While time runs by itself values change in every frame, and nobody can listen to that.
+    pub is_playing: bool,
+}
+
+impl Speaker {
+    /// Returns one that says things to `hearer`.
+    #[must_use]
+    pub fn new(hearer: impl Fn(&Spoken) + Send + Sync + 'static) -> Self {
+        Self {
+            hearer: Box::new(hearer),
+            before: None,
+            is_playing: false,
+        }
+    }
+
+    fn follow(&mut self, tree: &TreeUpdate) {
+        let now = Told::of(tree);
+        let spoken = now.as_ref().and_then(|now| now.since(self.before.as_ref()));
+        let is_of_value = match (&now, &self.before) {
+            (Some(now), Some(before)) => now.focus == before.focus,
+            _ => false,
+        };
+        let writes = |told: &Option<Told>| told.as_ref().is_some_and(|told| told.is_field);
+        let is_left = now.is_none() && writes(&self.before);
+        self.before = now;
+        if is_left {
+            (self.hearer)(&Spoken::default());
+        }
+        if let Some(spoken) = spoken.filter(|_| !(is_of_value && self.is_playing)) {
+            (self.hearer)(&spoken);
+        }
+    }
+}
+
+impl Plugin for Speaker {
+    fn debug_name(&self) -> &'static str {
+        "speaker"
+    }
+
+    fn setup(&mut self, ctx: &Context) {
+        ctx.enable_accesskit();
+    }
+
+    fn output_hook(&mut self, _: &Context, output: &mut FullOutput) {
+        if let Some(tree) = &output.platform_output.accesskit_update {
+            self.follow(tree);
+        }
+    }
+}
+
+/// What there is to say of what has the focus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Told {
+    focus: NodeId,
+    is_field: bool,
+    name: String,
+    role: &'static str,
+    state: String,
+    value: String,
+    /// What is chosen in the list that the focus narrows.
+    chosen: String,
+}
+
+impl Told {
+    /// Returns it of the node that has the focus; the window itself is none.
+    fn of(tree: &TreeUpdate) -> Option<Self> {
+        let root = tree.tree.as_ref().map(|tree| tree.root);
+        if root == Some(tree.focus) {
+            return None;
+        }
+        let node = find(tree, tree.focus)?;
+        let chosen = node.active_descendant().and_then(|id| find(tree, id));
+        Some(Self {
+            focus: tree.focus,
+            is_field: matches!(node.role(), Role::TextInput | Role::MultilineTextInput),
+            name: name(tree, node),
+            role: role(node.role()),
+            state: state(node),
+            value: value(node),
+            chosen: chosen.map_or_else(String::new, |node| name(tree, node)),
+        })
+    }
+
+    /// Returns what of it is new, if anything: all of it where the focus has moved.
+    fn since(&self, before: Option<&Self>) -> Option<Spoken> {
+        let parts = |told: &Self| {
+            let parts: [&str; 5] = [
+                &told.name,
+                told.role,
+                &told.state,
+                &told.value,
+                &told.chosen,
+            ];
+            parts.map(str::to_owned)
+        };
+        let old = before
+            .filter(|before| before.focus == self.focus)
+            .map(parts)
+            .unwrap_or_default();
+        let new: Vec<String> = parts(self)
+            .into_iter()
+            .zip(old)
+            .filter(|(now, old)| now != old && !now.is_empty())
+            .map(|(now, _)| now)
+            .collect();
+        let field = if self.is_field {
+            self.name.as_str()
+        } else {
+            ""
+        };
+        (!new.is_empty()).then(|| Spoken {
+            text: new.join(", "),
+            field: field.to_owned(),
+        })
+    }
+}
+
+fn find(tree: &TreeUpdate, id: NodeId) -> Option<&Node> {
+    let found = tree.nodes.iter().find(|(one, _)| *one == id);
+    found.map(|(_, node)| node)
+}
+
+/// Its own name, or else that of what stands beside it as its label.
+fn name(tree: &TreeUpdate, node: &Node) -> String {
+    if let Some(label) = node.label() {
+        return label.to_owned();
+    }
+    let labels = node.labelled_by().iter().filter_map(|id| find(tree, *id));
+    let texts = labels.filter_map(|label| label.value().or(label.label()));
+    texts.collect::<Vec<_>>().join(" ")
+}
+
+const fn role(role: Role) -> &'static str {
+    match role {
+        Role::Button | Role::DefaultButton => "button",
+        Role::CheckBox => "check box",
+        Role::RadioButton => "radio button",
+        Role::ComboBox => "drop-down list",
+        Role::TextInput | Role::MultilineTextInput => "text field",
+        Role::SpinButton => "number field",
+        Role::Slider => "slider",
+        Role::Link => "link",
+        Role::Canvas | Role::Image => "picture",
+        Role::Row | Role::ListBoxOption => "row",
+        _ => "",
+    }
+}
+
+fn state(node: &Node) -> String {
+    let toggled = match (node.role(), node.toggled()) {
+        (Role::CheckBox, Some(Toggled::True)) => "checked",
+        (Role::CheckBox, Some(Toggled::False)) => "not checked",
+        (Role::CheckBox, Some(Toggled::Mixed)) => "partly checked",
+        (_, Some(Toggled::True)) => "selected",
+        _ => "",
+    };
+    match (toggled, node.is_disabled()) {
+        (toggled, false) => toggled.to_owned(),
+        ("", true) => "unavailable".to_owned(),
+        (toggled, true) => format!("{toggled}, unavailable"),
+    }
+}
+
+fn value(node: &Node) -> String {
+    let is_field = matches!(node.role(), Role::TextInput | Role::MultilineTextInput);
+    match (node.value(), node.numeric_value()) {
+        (Some(""), _) if is_field => "empty".to_owned(),
+        (Some(text), _) => text.to_owned(),
+        (None, Some(number)) => format!("{}", (number * 1e6).round() / 1e6),
+        (None, None) => String::new(),
+    }
+}

@@ -1,0 +1,262 @@
+//! Time: the camera when play leaves the pattern, what runs to an event show, and what is counted at moments.
+
+use super::{settled, type_in};
+use crate::State;
+use crate::clock::Clock;
+use crate::command::{Choice, Command, DebugCommand, Field, TimeCommand};
+use crate::compare::CompareCommand;
+use crate::panels::{happened, told};
+use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
+use tilescope_debugger::{Direction, Target, moves};
+
+const FORWARDS: Direction = Direction::Forwards;
+const BACKWARDS: Direction = Direction::Backwards;
+
+fn time(state: &mut State, command: TimeCommand) {
+    state.apply(Command::Time(command));
+}
+
+/// Returns whether the camera shows all of what is shown.
+fn fits(state: &State) -> bool {
+    state.camera == state.fitting()
+}
+
+#[test]
+fn play_fits_the_domain_behind_the_pattern() {
+    for clock in [Clock::Stage, Clock::Event, Clock::Line] {
+        let mut state = settled();
+        time(&mut state, TimeCommand::Clock(clock));
+        state.apply(Command::TogglePlay);
+        assert_eq!(state.current_stage(), Some(Stage::Pattern));
+        assert!(fits(&state));
+        state.advance(clock.tick_secs());
+        assert_eq!(state.current_stage(), Some(Stage::Blocks), "{clock:?}");
+        assert!(fits(&state), "{clock:?}");
+    }
+}
+
+#[test]
+fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
+    let mut state = settled();
+    state.apply(Command::FlyTo([3.0, 90.0], 5.0));
+    while state.advance(0.1) {}
+    state.apply(Command::FirstStage);
+    state.apply(Command::Fit);
+    // The flight is under way when the pattern goes.
+    state.apply(Command::TogglePlay);
+    state.advance(Clock::Stage.tick_secs());
+    assert_eq!(state.current_stage(), Some(Stage::Blocks));
+    assert!(fits(&state) && state.flight.is_none());
+}
+
+#[test]
+fn a_loop_over_the_pattern_fits_both() {
+    let mut state = settled();
+    time(&mut state, TimeCommand::Clock(Clock::Event));
+    time(&mut state, TimeCommand::Loop(Some(0..3)));
+    state.apply(Command::TogglePlay);
+    for _ in 0..7 {
+        assert!(fits(&state), "{:?}", state.cursor());
+        state.advance(Clock::Event.tick_secs());
+    }
+}
+
+#[test]
+fn a_breakpoint_that_takes_several_frames_leaves_the_pattern() {
+    let mut state = settled();
+    state.apply(Command::FirstStage);
+    let line = tilescope_debugger::Listings::shipped()
+        .find("tile.3")
+        .unwrap();
+    state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
+    let condition = "event == 10600".to_owned();
+    state.apply(Command::Debug(DebugCommand::Condition(0, condition)));
+    time(&mut state, TimeCommand::Continue(FORWARDS));
+    assert!(state.continuing.is_some());
+    while state.continuing.is_some() {
+        state.advance(0.01);
+    }
+    assert_eq!(state.cursor().unwrap().0, 10_599);
+    assert!(fits(&state));
+}
+
+#[test]
+fn the_second_run_fits_too() {
+    let mut state = settled();
+    type_in(&mut state, Field::Radius, "0.02");
+    state.apply(Command::Run);
+    state.settle();
+    state.apply(Command::FirstStage);
+    state.apply(Command::Compare(CompareCommand::Keep));
+    state.settle();
+    state.apply(Command::Compare(CompareCommand::LinkCameras(false)));
+    let viewport = egui::Rect::from_min_size(egui::pos2(0.0, 0.0), egui::vec2(300.0, 500.0));
+    let on_second = |command| Command::Compare(CompareCommand::OnOther(Box::new(command)));
+    state.apply(on_second(Command::Viewport(viewport)));
+    state.apply(Command::TogglePlay);
+    state.advance(Clock::Stage.tick_secs());
+    let fitted = state.with_second(|second| {
+        assert_eq!(second.current_stage(), Some(Stage::Blocks));
+        fits(second)
+    });
+    assert_eq!(fitted, Some(true));
+    assert!(fits(&state));
+}
+
+/// Returns sessions of some hundred samples, of every kind that has events.
+fn small() -> Vec<State> {
+    let mut all = Vec::new();
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        for (variant, insertion) in [
+            (Variant::Staged, Insertion::Circumcentre),
+            (Variant::Staged, Insertion::Uniform),
+            (Variant::AsPrinted, Insertion::Circumcentre),
+        ] {
+            let mut state = settled();
+            type_in(&mut state, Field::Radius, "0.06");
+            type_in(&mut state, Field::Leaf, "7");
+            for choice in [
+                Choice::Boundary(boundary),
+                Choice::Variant(variant),
+                Choice::Insertion(insertion),
+            ] {
+                state.apply(Command::Choose(choice));
+            }
+            assert_eq!(state.run_refusal(), None);
+            state.apply(Command::Run);
+            state.settle();
+            assert!(state.cursor().is_some());
+            all.push(state);
+        }
+    }
+    all
+}
+
+#[test]
+fn a_run_to_an_event_shows_the_event() {
+    for mut state in small() {
+        for target in [
+            Target::Conflict,
+            Target::Elimination,
+            Target::Gap,
+            Target::Insertion,
+        ] {
+            state.apply(Command::FirstStage);
+            let mut places = Vec::new();
+            for way in [FORWARDS, FORWARDS, FORWARDS, BACKWARDS] {
+                time(&mut state, TimeCommand::RunTo(target, way));
+                let (cursor, _) = state.cursor().unwrap();
+                let shown = state.shown().unwrap();
+                let recording = shown.session.recording().unwrap();
+                let event = shown.last_event().unwrap();
+                assert!(moves::matches_target(recording, cursor - 1, event, target));
+                let sentence = tilescope_debugger::sentence(recording, cursor - 1);
+                assert_eq!(happened(&state), sentence);
+                // The canvas draws what the context has and the last event, unless a stage ends here.
+                assert!(!shown.ends_stage());
+                places.push(cursor);
+            }
+            assert!(places[0] < places[1] && places[1] < places[2]);
+            assert_eq!(places[3], places[1], "{target:?}");
+        }
+    }
+}
+
+/// Counts again what there is, from the tape alone.
+fn recount(state: &State) -> (usize, usize) {
+    let session = state.session.as_ref().unwrap();
+    let (cursor, _) = state.cursor().unwrap();
+    let (mut blocks, mut samples) = (0, 0);
+    for (_, event) in session.recording().unwrap().tape().from(0).take(cursor) {
+        match event.moment() {
+            Some(Moment::Leaf { .. }) => blocks += 1,
+            Some(Moment::Tiled { inside: true, .. } | Moment::Insert { .. }) => samples += 1,
+            Some(Moment::Eliminate { .. }) => samples -= 1,
+            _ => {}
+        }
+    }
+    (blocks, samples)
+}
+
+#[test]
+fn what_is_counted_is_what_is_there() {
+    for mut state in small() {
+        let (_, len) = state.cursor().unwrap();
+        let session = state.session.clone().unwrap();
+        let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
+        let ends = ends.flat_map(|end| [end.saturating_sub(1), end, end + 1]);
+        let spread = (0..60).chain((60..len).step_by(len / 150));
+        for cursor in ends.chain(spread).filter(|&cursor| cursor <= len) {
+            time(&mut state, TimeCommand::Jump(cursor));
+            let (blocks, samples) = recount(&state);
+            let stage = state.current_stage().unwrap();
+            let number = match stage {
+                Stage::Pattern => session.run().pattern.samples().len(),
+                Stage::Blocks => blocks,
+                _ => samples,
+            };
+            let noun = if stage == Stage::Blocks {
+                "block"
+            } else {
+                "sample"
+            };
+            let expected = crate::sentence::counted(number, noun, &format!("{noun}s"));
+            let told = told(&state);
+            assert_eq!(told[0], expected, "{stage:?} {cursor}");
+            // The number of the last event is how many have happened.
+            let last = cursor.checked_sub(1).map(crate::sentence::event_number);
+            let last = last.unwrap_or_else(|| "0".to_owned());
+            assert_eq!(
+                told[1],
+                format!("event {last} of {}", crate::sentence::grouped(len))
+            );
+            let iteration = session.recording().unwrap().context(cursor).iteration;
+            let is_in = matches!(stage, Stage::Iterate(_));
+            let expected = is_in.then(|| format!("iteration {iteration}"));
+            assert_eq!(told.get(2), expected.as_ref(), "{cursor}");
+        }
+    }
+}
+
+#[test]
+fn the_timeline_has_the_iterations_of_the_tree() {
+    for state in small() {
+        let session = state.session.as_ref().unwrap();
+        let recording = session.recording().unwrap();
+        let outline = session.outline.as_ref().unwrap();
+        // Roots of the tree are the stages behind the first, one for one and where these begin.
+        let roots: Vec<Stage> = outline
+            .roots()
+            .map(|root| match recording.event(root).unwrap().moment() {
+                Some(Moment::Begin(stage)) => stage,
+                Some(Moment::Iteration { number, .. }) => Stage::Iterate(number),
+                other => panic!("{other:?} is a root"),
+            })
+            .collect();
+        assert_eq!(roots, session.stages[1..]);
+        for (place, root) in outline.roots().enumerate() {
+            assert_eq!(session.stage_end(place), Some(root));
+        }
+        // The detectors of every iteration are as many as its event says.
+        for root in outline.roots() {
+            let moment = recording.event(root).unwrap().moment();
+            if let Some(Moment::Iteration { number, detectors }) = moment {
+                let iteration = session.iteration(number).unwrap();
+                let found = iteration.detectors.len().max(iteration.cells.len());
+                assert_eq!(found, detectors as usize, "{number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn passes_and_presses_at_the_ends_change_nothing() {
+    let mut state = settled();
+    let (end, _) = state.cursor().unwrap();
+    time(&mut state, TimeCommand::RunTo(Target::Gap, FORWARDS));
+    assert_eq!(state.cursor().unwrap().0, end);
+    assert!(state.notice.as_ref().unwrap().text.contains("gap found"));
+    state.apply(Command::FirstStage);
+    time(&mut state, TimeCommand::RunTo(Target::Gap, BACKWARDS));
+    assert_eq!(state.cursor().unwrap().0, 0);
+}

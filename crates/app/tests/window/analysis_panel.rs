@@ -1,0 +1,359 @@
+//! The panel of the analysis as a user meets it: what it says, what it is held against, and that the keyboard reaches it.
+
+use std::path::PathBuf;
+
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::analysis::AnalysisCommand;
+use tilescope_app::analysis::brush::{Axis, Brush};
+use tilescope_app::command::{Choice, Field, TimeCommand};
+use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layout::{Layout, Panel};
+use tilescope_app::{App, Command};
+use tilescope_core::Boundary;
+
+use crate::support::sessions::{apply, folder, go, notice, text};
+use crate::support::{opened_at, settle};
+
+/// A small session, and its analysis with room for all of it.
+fn analysing() -> Harness<'static, App> {
+    let mut harness = opened_at([1000.0, 1100.0]);
+    for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
+        apply(&mut harness, Command::Type(field, value.to_owned()));
+    }
+    apply(&mut harness, Command::Run);
+    let id = egui::Id::unique("a panel alone");
+    let alone = egui_tiles::Tree::new_tabs(id, vec![Panel::Analysis]);
+    harness.state_mut().state.layout = Layout(alone);
+    settle(&mut harness);
+    harness
+}
+
+fn says(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness.query_all_by_label_contains(text).next().is_some()
+}
+
+#[test]
+fn the_panel_says_the_numbers_and_describes_its_charts() {
+    let mut harness = analysing();
+    let state = &harness.state().state;
+    let count = state.session.as_ref().unwrap().summary.count;
+    let count = tilescope_app::sentence::grouped(count);
+    assert!(says(
+        &harness,
+        &format!("finish: {count} samples, 0 conflicts, 0 open places.")
+    ));
+    assert!(says(&harness, &format!("Samples: {count}, reference 27,8")));
+    assert!(says(
+        &harness,
+        "Chart: Radial mean power P(\u{3bd}) over frequency"
+    ));
+    assert!(says(&harness, "reference: highest"));
+    assert!(says(&harness, "Periodogram, frequencies up to"));
+    assert!(says(
+        &harness,
+        "reference: dart throwing, 200 r periodic, 27,8"
+    ));
+    apply(&mut harness, Command::Time(TimeCommand::Jump(1_500)));
+    assert!(says(&harness, "Event 1,500, tile:"));
+    assert!(!says(&harness, &format!("Samples: {count}, ")));
+}
+
+/// Writes independent samples of the unit square; returns where.
+fn noise(name: &str) -> PathBuf {
+    let path = folder(name).join("noise.csv");
+    let mut state = 5_u64;
+    let mut draw = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let lines: Vec<String> = (0..900)
+        .map(|_| format!("{},{}\n", draw(), draw()))
+        .collect();
+    std::fs::write(&path, format!("x,y\n{}", lines.concat())).unwrap();
+    path
+}
+
+#[test]
+fn a_file_is_held_against_the_run_until_it_is_cleared() {
+    let mut harness = analysing();
+    harness.get_by_label("Hold against a file\u{2026}").click();
+    harness.run();
+    let path = noise("against");
+    apply(&mut harness, Command::File(FileCommand::Path(text(&path))));
+    apply(&mut harness, Command::File(FileCommand::Go));
+    assert!(harness.state().state.file.is_none(), "the sheet is closed");
+    let held = harness.state().state.held().unwrap().unwrap().clone();
+    assert_eq!(held.measured.samples, 900);
+    // Noise has conflicts; the radius is the run's.
+    assert!(held.measured.verdict().unwrap().conflicts > 100);
+    assert!(says(
+        &harness,
+        "file: noise.csv (unit square assumed), judged at r = 0.02"
+    ));
+    assert!(says(&harness, " noise.csv: highest"));
+    assert!(says(&harness, ", file 900"));
+    assert!(!says(&harness, "hold the run against it again"));
+    // Another radius: what does not depend on it stays, what was judged with the old one goes.
+    let conflicts = format!(
+        "file {}",
+        tilescope_app::sentence::grouped(held.measured.verdict().unwrap().conflicts as usize)
+    );
+    assert!(says(&harness, &conflicts));
+    assert!(says(&harness, "file 0.3600"), "900 samples times r\u{b2}");
+    apply(
+        &mut harness,
+        Command::Type(Field::Radius, "0.03".to_owned()),
+    );
+    apply(&mut harness, Command::Run);
+    assert!(says(&harness, "file 0.8100"));
+    assert!(!says(&harness, &conflicts) && says(&harness, "file \u{2013}"));
+    assert!(says(
+        &harness,
+        "The file was judged at r = 0.02, and this run's r is 0.03"
+    ));
+    apply(
+        &mut harness,
+        Command::Type(Field::Radius, "0.02".to_owned()),
+    );
+    apply(&mut harness, Command::Run);
+    assert!(says(&harness, &conflicts));
+    // Another domain: it is kept, not drawn, and the panel says why.
+    apply(&mut harness, Command::Type(Field::Width, "2".to_owned()));
+    apply(&mut harness, Command::Run);
+    assert!(harness.state().state.held().unwrap().is_err());
+    assert!(!says(&harness, ", file 900"));
+    assert!(says(
+        &harness,
+        "1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic"
+    ));
+    harness.get_by_label("Clear").click();
+    harness.run();
+    assert!(harness.state().state.held().is_none());
+    assert!(!says(&harness, "noise.csv"));
+    let clear = harness.get_by_label("Clear");
+    assert!(clear.accesskit_node().is_disabled());
+}
+
+#[test]
+fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
+    let mut harness = analysing();
+    let path = noise("another-domain");
+    for (command, said) in [
+        (
+            Command::Type(Field::Width, "2".to_owned()),
+            "is a set on a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic",
+        ),
+        (
+            Command::Type(Field::Height, "0.5".to_owned()),
+            "is a set on a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 0.5 periodic",
+        ),
+    ] {
+        apply(&mut harness, command);
+        apply(&mut harness, Command::Run);
+        apply(&mut harness, Command::DismissNotice);
+        go(&mut harness, Purpose::Against, &path);
+        let (text, is_error) = notice(&harness);
+        assert!(is_error && text.contains(said), "{text}");
+        assert!(harness.state().state.held().is_none());
+    }
+    // The border counts as well: a file of the unit torus, where the run ends at its border.
+    let torus = path.with_file_name("torus.txt");
+    std::fs::write(&torus, "4\n0.1 0.1\n0.6 0.1\n0.1 0.6\n0.6 0.6\n").unwrap();
+    for command in [
+        Command::Type(Field::Width, "1".to_owned()),
+        Command::Type(Field::Height, "1".to_owned()),
+    ] {
+        apply(&mut harness, command);
+    }
+    apply(&mut harness, Command::Run);
+    go(&mut harness, Purpose::Against, &torus);
+    assert!(harness.state().state.held().unwrap().is_ok());
+    apply(&mut harness, Command::Analysis(AnalysisCommand::Clear));
+    apply(
+        &mut harness,
+        Command::Choose(Choice::Boundary(Boundary::Bounded)),
+    );
+    apply(&mut harness, Command::Run);
+    apply(&mut harness, Command::DismissNotice);
+    go(&mut harness, Purpose::Against, &torus);
+    let (text, _) = notice(&harness);
+    assert!(
+        text.contains("1 \u{d7} 1 periodic") && text.contains("1 \u{d7} 1 bounded"),
+        "{text}"
+    );
+}
+
+#[test]
+fn files_made_to_do_harm_are_refused_and_the_session_stays() {
+    let mut harness = analysing();
+    let folder = folder("hostile-sets");
+    let before = harness.state().state.session.clone().unwrap();
+    let lines = |line: &str, count: usize| format!("x,y\n{}", line.repeat(count)).into_bytes();
+    for (name, bytes) in [
+        ("empty.csv", Vec::new()),
+        ("head.csv", b"x,y\n".to_vec()),
+        ("nan.csv", b"x,y\n0.1,NaN\n0.2,0.3\n0.5,0.5\n".to_vec()),
+        ("infinite.csv", b"x,y\n0.1,inf\n0.2,0.3\n0.5,0.5\n".to_vec()),
+        ("outside.csv", b"x,y\n0.1,7.5\n0.2,0.3\n0.5,0.5\n".to_vec()),
+        ("two.csv", b"x,y\n0.1,0.2\n0.2,0.3\n".to_vec()),
+        ("one-place.csv", lines("0.25,0.75\n", 50)),
+        ("binary.csv", vec![0xff, 0xfe, 0x00, 0x01, 0x80]),
+        ("huge-count.txt", b"99999999999\n0.1 0.1\n".to_vec()),
+    ] {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        apply(&mut harness, Command::DismissNotice);
+        go(&mut harness, Purpose::Against, &path);
+        let (text, is_error) = notice(&harness);
+        assert!(is_error && text.contains(name), "{name}: {text}");
+        assert!(harness.state().state.held().is_none(), "{name}");
+    }
+    apply(&mut harness, Command::DismissNotice);
+    go(&mut harness, Purpose::Against, &folder);
+    assert!(notice(&harness).1, "a folder is no file");
+    let after = harness.state().state.session.clone().unwrap();
+    assert!(std::sync::Arc::ptr_eq(&before, &after));
+    // Twice the same place is a conflict, and is measured like all others.
+    let twice = folder.join("twice.csv");
+    let rest = "0.9,0.4\n0.6,0.1\n0.2,0.3\n0.2,0.3\n";
+    std::fs::write(&twice, format!("x,y\n{rest}")).unwrap();
+    go(&mut harness, Purpose::Against, &twice);
+    let held = harness.state().state.held().unwrap().unwrap().clone();
+    let verdict = held.measured.verdict().expect("a verdict");
+    assert!(verdict.conflicts > 0 && held.measured.spectrum.is_some());
+}
+
+#[test]
+fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    assert!(!harness.state().state.analyses());
+    harness.key_press(Key::A);
+    harness.run();
+    settle(&mut harness);
+    assert!(harness.state().state.analyses());
+    let focused = |harness: &Harness<'_, App>, role, label: &str| {
+        harness.query_all_by_role(role).any(|node| {
+            node.accesskit_node().is_focused()
+                && node.accesskit_node().label().as_deref() == Some(label)
+        })
+    };
+    let tab_to = |harness: &mut Harness<'_, App>, role, label: &str| {
+        for _ in 0..200 {
+            harness.key_press(Key::Tab);
+            harness.run();
+            if focused(harness, role, label) {
+                return;
+            }
+        }
+        panic!("Tab does not lead to {label}");
+    };
+    tab_to(&mut harness, Role::CheckBox, "Distances");
+    harness.key_press(Key::Space);
+    harness.run();
+    settle(&mut harness);
+    let brush = harness.state().state.analysis.brush;
+    assert_eq!(brush, Brush::between(Axis::Distance, 1.0, 1.05));
+    tab_to(&mut harness, Role::SpinButton, "Brush: Distances to");
+    assert!(harness.state().state.session.is_some());
+    harness.key_press(Key::Escape);
+    harness.run();
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(harness.state().state.analysis.brush, None);
+}
+
+#[test]
+fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
+    let mut harness = analysing();
+    let rect = harness
+        .get_by_label_contains("Chart: Pair correlation")
+        .rect();
+    let at = |part: f32| rect.left_center() + egui::vec2(part * rect.width(), 0.0);
+    harness.drag_at(at(0.3));
+    harness.run();
+    harness.hover_at(at(0.4));
+    harness.run();
+    harness.drop_at(at(0.4));
+    harness.run();
+    let brush = harness.state().state.analysis.brush.expect("a brush");
+    assert_eq!(brush.axis, Axis::Distance);
+    let [low, high] = brush.range;
+    assert!(low > 1.0 && high < 2.0 && high - low > 0.3, "{brush:?}");
+    // A frequency takes the place of a distance.
+    let rect = harness.get_by_label_contains("Chart: Radial").rect();
+    let at = |part: f32| rect.left_center() + egui::vec2(part * rect.width(), 0.0);
+    harness.drag_at(at(0.5));
+    harness.run();
+    harness.hover_at(at(0.4));
+    harness.run();
+    harness.drop_at(at(0.4));
+    harness.run();
+    let brush = harness.state().state.analysis.brush.expect("a brush");
+    assert!(brush.axis == Axis::Frequency && brush.range[0] < brush.range[1]);
+    harness.get_by_label_contains("Chart: Radial").click();
+    harness.run();
+    assert_eq!(harness.state().state.analysis.brush, None);
+}
+
+#[test]
+fn oblong_domains_are_drawn_with_the_panel_open() {
+    let mut harness = analysing();
+    for (width, height) in [("2", "1"), ("1", "1.7")] {
+        for (field, value) in [(Field::Width, width), (Field::Height, height)] {
+            apply(&mut harness, Command::Type(field, value.to_owned()));
+        }
+        apply(&mut harness, Command::Run);
+        settle(&mut harness);
+        let image = harness.render().expect("a picture of the panel");
+        assert_eq!(image.width(), 1000);
+        let rect = harness.get_by_label_contains("Periodogram, freq").rect();
+        // The picture has as many shades as a periodogram.
+        let inside = image
+            .enumerate_pixels()
+            .filter(|(x, y, _)| rect.contains(egui::pos2(*x as f32, *y as f32)));
+        let shades: std::collections::BTreeSet<[u8; 4]> = inside.map(|(_, _, at)| at.0).collect();
+        assert!(shades.len() > 50, "{width} x {height}: {}", shades.len());
+    }
+}
+
+/// Counts the pixels of the canvas that differ.
+fn differing(harness: &Harness<'_, App>, a: &[u8], b: &[u8], width: u32) -> usize {
+    let canvas = harness.state().state.viewport;
+    let pixels = a.chunks(4).zip(b.chunks(4)).enumerate();
+    let changed = pixels.filter(|(index, (a, b))| {
+        let (x, y) = (*index as u32 % width, *index as u32 / width);
+        a != b && canvas.contains(egui::pos2(x as f32, y as f32))
+    });
+    changed.count()
+}
+
+#[test]
+fn what_is_brushed_is_seen_on_the_canvas_and_goes_again() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    apply(&mut harness, Command::OpenPanel(Panel::Analysis));
+    let width = 1440;
+    let mut picture = |brush: Option<Brush>| {
+        apply(
+            &mut harness,
+            Command::Analysis(AnalysisCommand::Brush(brush)),
+        );
+        let image = harness.render().expect("a picture of the window");
+        assert_eq!(image.width(), width);
+        image.into_raw()
+    };
+    let without = picture(None);
+    let pairs = picture(Brush::between(Axis::Distance, 1.0, 1.05));
+    let ring = picture(Brush::between(Axis::Frequency, 0.8, 1.0));
+    let nothing = picture(Brush::between(Axis::Distance, 0.1, 0.9));
+    let again = picture(None);
+    assert!(differing(&harness, &without, &pairs, width) > 5_000);
+    assert!(differing(&harness, &without, &ring, width) > 5_000);
+    assert!(differing(&harness, &pairs, &ring, width) > 5_000);
+    assert_eq!(differing(&harness, &without, &nothing, width), 0);
+    assert_eq!(differing(&harness, &without, &again, width), 0);
+}

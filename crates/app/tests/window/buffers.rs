@@ -1,0 +1,293 @@
+//! Buffers of the GPU on the canvas, as a user meets them: where their rows lie, when they are drawn, what is said of
+//! them. Needs an adapter; one that computes on the CPU will do.
+
+use std::collections::BTreeSet;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::clock::Clock;
+use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::device::Engine;
+use tilescope_app::layout::Panel;
+use tilescope_app::passes::placed::Rows;
+use tilescope_app::passes::{PassCommand, Side};
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command, State};
+use tilescope_core::{Fate, Stage};
+use tilescope_debugger::{Direction, Step};
+use tilescope_gpu::Spot;
+use tilescope_gpu::layout::Name;
+
+use crate::support::{opened, settle};
+
+fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    harness.state_mut().state.apply(command);
+    settle(harness);
+}
+
+fn pass(harness: &mut Harness<'_, App>, command: PassCommand) {
+    apply(harness, Command::Passes(command));
+}
+
+/// Returns the window with the passes of a small run.
+fn with_passes() -> Harness<'static, App> {
+    let mut harness = opened();
+    let radius = Command::Type(Field::Radius, "0.02".to_owned());
+    for command in [radius, Command::Run, Command::Engine(Engine::Gpu)] {
+        apply(&mut harness, command);
+    }
+    apply(&mut harness, Command::OpenPasses);
+    assert!(state(&harness).passes.is_some());
+    harness
+}
+
+fn state<'a>(harness: &'a Harness<'_, App>) -> &'a State {
+    &harness.state().state
+}
+
+/// Goes to the first pass of a name, and to one of its buffers.
+fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
+    let entries = state(harness).passes.as_ref().unwrap().entries();
+    let place = entries.iter().position(|entry| entry.report.name == name);
+    pass(harness, PassCommand::Select(place.expect("such a pass")));
+    let visit = state(harness).passes.as_ref().unwrap().visit().unwrap();
+    let place = visit.buffers.iter().position(|table| table.name == buffer);
+    pass(harness, PassCommand::Buffer(place.expect("such a buffer")));
+}
+
+fn rows<'a>(harness: &'a Harness<'_, App>) -> Rows<'a> {
+    let shown = state(harness).buffers_on_canvas().expect("a buffer");
+    shown.rows.expect("its rows")
+}
+
+/// Returns the points of the rows on the canvas that lie in the domain.
+fn points(harness: &Harness<'_, App>) -> BTreeSet<(i32, i32)> {
+    let rows = rows(harness);
+    let spots = rows.shown.rows().iter().flat_map(|&row| rows.marks(row));
+    let inside = spots.filter(|spot| rows.lies_inside(spot));
+    let point = |spot: &Spot| match *spot {
+        Spot::Point(p) => Some((p.x, p.y)),
+        _ => None,
+    };
+    inside.filter_map(point).collect()
+}
+
+fn samples(harness: &Harness<'_, App>, wanted: impl Fn(Fate) -> bool) -> BTreeSet<(i32, i32)> {
+    let run = state(harness).session.as_ref().unwrap().run();
+    let first = run
+        .iterations
+        .first()
+        .map_or(usize::MAX, |i| i.inserted.start as usize);
+    let fated = run
+        .samples
+        .points
+        .iter()
+        .zip(&run.samples.fates)
+        .take(first);
+    let fated = fated.filter(|(_, fate)| wanted(**fate));
+    fated.map(|(p, _)| (p.x, p.y)).collect()
+}
+
+#[test]
+fn places_and_the_grid_are_on_the_canvas_where_the_session_has_its_samples() {
+    let mut harness = with_passes();
+    go(&mut harness, "tile", Name::Places);
+    assert_eq!(points(&harness), samples(&harness, |_| true));
+    pass(&mut harness, PassCommand::Side(Side::Before));
+    assert!(points(&harness).is_empty());
+    harness.get_by_label_contains("buffer places, before: no pass has written it so far");
+    go(&mut harness, "survive", Name::Grid);
+    pass(&mut harness, PassCommand::Side(Side::After));
+    assert_eq!(
+        points(&harness),
+        samples(&harness, |fate| fate == Fate::Kept)
+    );
+    assert_ne!(points(&harness), samples(&harness, |_| true));
+}
+
+#[test]
+fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
+    let mut harness = with_passes();
+    apply(&mut harness, Command::OpenPanel(Panel::Passes));
+    go(&mut harness, "tile", Name::Places);
+    let counts = rows(&harness).shown.counts();
+    assert!(counts.inside > 1_000 && counts.inside < counts.rows);
+    harness.get_by_label("Show canvas").click();
+    harness.run();
+    settle(&mut harness);
+    assert!(state(&harness).layout.shows(Panel::Canvas));
+    assert_eq!(state(&harness).playback.clock, Clock::Pass);
+    harness.get_by_label_contains("On the canvas: pass 7 tile, buffer places, after: ");
+    let with = harness.render().expect("a picture");
+    pass(&mut harness, PassCommand::OnCanvas(false));
+    assert!(
+        harness
+            .query_by_label_contains("On the canvas: pass")
+            .is_none()
+    );
+    let without = harness.render().expect("a picture");
+    assert!(with.as_raw() != without.as_raw());
+    pass(&mut harness, PassCommand::OnCanvas(true));
+    let again = harness.render().expect("a picture");
+    assert!(with.as_raw() == again.as_raw());
+    let rows = rows(&harness);
+    let is_inside = |&row: &u32| rows.marks(row).iter().any(|spot| rows.lies_inside(spot));
+    let inside = rows.shown.rows().iter().copied().find(is_inside);
+    pass(&mut harness, PassCommand::PickRow(inside));
+    let picked = harness.render().expect("a picture");
+    assert!(with.as_raw() != picked.as_raw());
+}
+
+#[test]
+fn a_run_without_passes_has_the_clock_from_before_them() {
+    let mut harness = with_passes();
+    let before = Command::Time(TimeCommand::Clock(Clock::Line));
+    apply(&mut harness, before);
+    pass(&mut harness, PassCommand::ShowCanvas);
+    assert_eq!(state(&harness).playback.clock, Clock::Pass);
+    assert!(state(&harness).engine_said().is_some());
+    // The CPU samples next: neither the clock nor the test of the GPU is of that run.
+    apply(&mut harness, Command::Engine(Engine::Auto));
+    assert_eq!(state(&harness).engine_said(), None);
+    apply(&mut harness, Command::Run);
+    assert_eq!(state(&harness).playback.clock, Clock::Line);
+}
+
+#[test]
+fn arrow_keys_go_from_pass_to_pass_and_the_tag_follows() {
+    let mut harness = with_passes();
+    go(&mut harness, "tile", Name::Places);
+    pass(&mut harness, PassCommand::ShowCanvas);
+    for (key, tag) in [
+        (
+            egui::Key::ArrowRight,
+            "On the canvas: pass 8 prepare, buffer ",
+        ),
+        (
+            egui::Key::ArrowRight,
+            "On the canvas: pass 9 eliminate, buffer places, after: ",
+        ),
+        (
+            egui::Key::ArrowLeft,
+            "On the canvas: pass 8 prepare, buffer ",
+        ),
+        (
+            egui::Key::ArrowLeft,
+            "On the canvas: pass 7 tile, buffer places, after: ",
+        ),
+    ] {
+        harness.key_press(key);
+        harness.step();
+        settle(&mut harness);
+        harness.get_by_label_contains(tag);
+        // What the canvas shows is whole.
+        assert_eq!(state(&harness).current_stage(), Some(Stage::Tile));
+    }
+}
+
+#[test]
+fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
+    let mut harness = with_passes();
+    let entries = state(&harness).passes.as_ref().unwrap().entries().to_vec();
+    for (place, stage) in [("survive", Stage::Eliminate), ("attribute", Stage::Tile)] {
+        go(&mut harness, place, Name::Places);
+        assert_eq!(state(&harness).current_stage(), Some(stage), "{place}");
+    }
+    pass(&mut harness, PassCommand::Select(0));
+    assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));
+    // The timeline leads, too, and is not led back.
+    apply(&mut harness, Command::LastStage);
+    let passes = state(&harness).passes.as_ref().unwrap();
+    assert_eq!(passes.selected(), Some(entries.len() - 1));
+    assert_eq!(state(&harness).current_stage(), Some(Stage::Finish));
+}
+
+#[test]
+fn a_session_that_is_stepped_through_by_events_is_not_drawn_over() {
+    let mut harness = opened();
+    assert!(state(&harness).buffers_on_canvas().is_none());
+    drop(harness);
+    harness = with_passes();
+    assert!(state(&harness).buffers_on_canvas().is_none());
+    go(&mut harness, "tile", Name::Places);
+    // The canvas is in front, and the timeline stands where the pass has led it.
+    assert!(state(&harness).buffers_on_canvas().is_some());
+    let there = state(&harness).cursor().unwrap().0;
+    let step = || Command::Time(TimeCommand::Step(Step::Into, Direction::Forwards));
+    apply(&mut harness, step());
+    assert!(state(&harness).buffers_on_canvas().is_none());
+    apply(&mut harness, Command::Time(TimeCommand::Jump(there)));
+    assert!(state(&harness).buffers_on_canvas().is_some());
+    apply(&mut harness, step());
+    apply(&mut harness, Command::OpenPanel(Panel::Passes));
+    assert!(state(&harness).buffers_on_canvas().is_some());
+    apply(&mut harness, Command::Look(Look::Projector));
+    assert!(state(&harness).buffers_on_canvas().is_none());
+}
+
+#[test]
+fn a_filter_chooses_the_rows_and_unchanged_cells() {
+    let mut harness = with_passes();
+    go(&mut harness, "tile", Name::Places);
+    pass(&mut harness, PassCommand::Filter("row<10".to_owned()));
+    assert_eq!(
+        (
+            rows(&harness).shown.counts().rows,
+            rows(&harness).shown.rows().len()
+        ),
+        (10, 10)
+    );
+    harness.get_by_label_contains("after: 10 rows, 10 changed");
+    pass(&mut harness, PassCommand::Filter(String::new()));
+    go(&mut harness, "tile", Name::Starts);
+    assert_eq!(rows(&harness).shown.counts().rows, 0);
+    harness.get_by_label_contains("buffer starts, after: no row changed; a filter shows others");
+    pass(&mut harness, PassCommand::Filter("row<10".to_owned()));
+    assert_eq!(rows(&harness).shown.counts().rows, 10);
+    go(&mut harness, "tile", Name::Counters);
+    harness.get_by_label_contains("buffer counters, after: its rows are numbers, not places");
+}
+
+#[test]
+fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
+    let mut harness = opened();
+    apply(&mut harness, Command::Engine(Engine::Gpu));
+    apply(&mut harness, Command::OpenPasses);
+    go(&mut harness, "tile", Name::Places);
+    let all = rows(&harness).shown.counts().rows;
+    assert!(all > 20_000);
+    assert!(
+        harness
+            .query_by_label_contains("more marks are in view")
+            .is_none()
+    );
+    apply(&mut harness, Command::FlyTo([60.0, 60.0], 260.0));
+    for _ in 0..200 {
+        harness.step();
+    }
+    harness.run();
+    let left_out = format!("; {} more marks are in view", all - 20_000);
+    harness.get_by_label_contains(&left_out);
+}
+
+#[test]
+fn only_the_first_of_two_compared_runs_has_them() {
+    let mut harness = with_passes();
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::Start(Rival::Typed)),
+    );
+    go(&mut harness, "tile", Name::Places);
+    pass(&mut harness, PassCommand::ShowCanvas);
+    assert!(state(&harness).subject().unwrap().buffers.is_some());
+    assert!(state(&harness).second_subject().unwrap().buffers.is_none());
+    let tags = harness.query_all_by_label_contains("On the canvas: pass");
+    assert_eq!(tags.count(), 1);
+    assert!(
+        !harness
+            .get_by_label("Canvas of run B")
+            .accesskit_node()
+            .is_disabled()
+    );
+}

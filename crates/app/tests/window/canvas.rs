@@ -1,0 +1,317 @@
+//! The canvas as pictures and in words: drawn by instancing and by meshes it shows the same, layer by layer, and it names
+//! what is under the pointer.
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::canvas::layers::{Colouring, Layer};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::layout::Panel;
+use tilescope_app::sentence::grouped;
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+use tilescope_core::stages::blocks::Axis;
+use tilescope_core::{Fate, Moment, R};
+
+/// Places in the default session's list of stages.
+const BLOCKS_STAGE: usize = 1;
+const TILE_STAGE: usize = 2;
+const FIRST_ITERATION: usize = 4;
+
+use crate::support::{MOST_FRAMES, opened, settle};
+
+/// Returns the window on its default session, its samples drawn by instancing or as meshes.
+fn window(instanced: bool) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size([1_100.0, 760.0])
+        .with_max_steps(MOST_FRAMES)
+        .wgpu()
+        .build_eframe(move |creation| {
+            let mut app = App::new(&creation.egui_ctx);
+            if instanced {
+                app.draw_with(creation.wgpu_render_state.as_ref().expect("a device"));
+            }
+            app
+        });
+    settle(&mut harness);
+    apply(&mut harness, Command::ToggleReducedMotion);
+    harness
+}
+
+fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    harness.state_mut().state.apply(command);
+    settle(harness);
+}
+
+/// How many pixels are taken together on each side: a mesh's symbols are blurred by less than one.
+const TILE: usize = 4;
+
+/// The canvas as mean colours of tiles of pixels.
+fn shoot(harness: &mut Harness<'_, App>) -> Vec<f64> {
+    // What was thinned out while the camera moved is whole in the next frame.
+    harness.step();
+    let image = harness.render().expect("a picture");
+    let rect = harness.state().state.viewport.shrink(1.0);
+    let [left, top, right, bottom] =
+        [rect.left(), rect.top(), rect.right(), rect.bottom()].map(|side| side as usize);
+    let mut tiles = Vec::new();
+    for y in (top..bottom - TILE).step_by(TILE) {
+        for x in (left..right - TILE).step_by(TILE) {
+            let mut sums = [0.0; 3];
+            for k in 0..TILE * TILE {
+                let pixel = image.get_pixel((x + k % TILE) as u32, (y + k / TILE) as u32);
+                for (sum, part) in sums.iter_mut().zip(pixel.0) {
+                    *sum += f64::from(part) / (TILE * TILE) as f64;
+                }
+            }
+            tiles.extend(sums);
+        }
+    }
+    tiles
+}
+
+/// The mean difference of two pictures, in steps of a byte.
+fn difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+    sum / a.len() as f64
+}
+
+fn cameras() -> [Command; 3] {
+    [
+        Command::Fit,
+        Command::FlyTo([37.0, 45.0], 40.0),
+        Command::FlyTo([1.5, 60.0], 9.0),
+    ]
+}
+
+#[test]
+fn instancing_and_meshes_show_the_same() {
+    let (mut on_gpu, mut as_meshes) = (window(true), window(false));
+    for harness in [&mut on_gpu, &mut as_meshes] {
+        apply(harness, Command::ToggleLayer(Layer::Disks));
+    }
+    for (stage, colouring) in [
+        (TILE_STAGE, Colouring::Block),
+        (FIRST_ITERATION, Colouring::Provenance),
+        (usize::MAX, Colouring::Block),
+    ] {
+        for camera in cameras() {
+            let shoot_stage = |harness: &mut Harness<'_, App>, stage| {
+                apply(harness, Command::ShowStage(stage));
+                apply(harness, Command::Colour(colouring));
+                apply(harness, camera.clone());
+                shoot(harness)
+            };
+            let a = shoot_stage(&mut on_gpu, stage);
+            let b = shoot_stage(&mut as_meshes, stage);
+            let near = difference(&a, &b);
+            let far = difference(&a, &shoot_stage(&mut as_meshes, BLOCKS_STAGE));
+            assert!(near < 2.0, "{near} at stage {stage}, {camera:?}");
+            assert!(far > 5.0 * near, "{far} and {near} at {stage}, {camera:?}");
+        }
+    }
+}
+
+#[test]
+fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
+    let (mut on_gpu, mut as_meshes) = (window(true), window(false));
+    let view = Command::FlyTo([37.0, 45.0], 14.0);
+    let mut shots = Vec::new();
+    for harness in [&mut on_gpu, &mut as_meshes] {
+        apply(harness, Command::ShowStage(FIRST_ITERATION));
+        apply(harness, view.clone());
+        let whole = shoot(harness);
+        let mut changes = Vec::new();
+        for layer in [
+            Layer::Samples,
+            Layer::Inserted,
+            Layer::Eliminated,
+            Layer::Disks,
+        ] {
+            apply(harness, Command::ToggleLayer(layer));
+            let other = shoot(harness);
+            assert!(difference(&whole, &other) > 0.02, "{layer:?} shows nothing");
+            changes.push(other);
+            apply(harness, Command::ToggleLayer(layer));
+        }
+        let back = difference(&whole, &shoot(harness));
+        assert!(back < 0.01, "toggled back, it is as before: {back}");
+        shots.push(changes);
+    }
+    for (by_gpu, (k, by_mesh)) in shots[0].iter().zip(shots[1].iter().enumerate()) {
+        let own = difference(by_gpu, by_mesh);
+        let others = (0..shots[1].len()).filter(|other| *other != k);
+        let nearest = others
+            .map(|other| difference(by_gpu, &shots[1][other]))
+            .fold(f64::INFINITY, f64::min);
+        assert!(own < nearest, "{own} from its own, {nearest} from another");
+    }
+}
+
+#[test]
+fn steps_and_leaps_through_time_lead_to_the_same_picture() {
+    let (mut stepping, mut leaping) = (window(true), window(true));
+    let jump = |cursor| Command::Time(TimeCommand::Jump(cursor));
+    for harness in [&mut stepping, &mut leaping] {
+        apply(harness, Command::FlyTo([37.0, 45.0], 60.0));
+    }
+    let session = stepping.state().state.session.clone().expect("a session");
+    let end_of = |stage| session.stage_end(stage).expect("events");
+    for (from, to) in [
+        (end_of(TILE_STAGE) + 10, end_of(TILE_STAGE) + 9_010),
+        (end_of(FIRST_ITERATION) - 1_000, end_of(FIRST_ITERATION) - 1),
+        (end_of(FIRST_ITERATION) - 1, end_of(FIRST_ITERATION) - 900),
+    ] {
+        apply(&mut stepping, jump(from));
+        let before = shoot(&mut stepping);
+        let steps = 12;
+        for k in 1..=steps {
+            let cursor = (from * (steps - k) + to * k) / steps;
+            apply(&mut stepping, jump(cursor));
+        }
+        apply(&mut leaping, jump(0));
+        apply(&mut leaping, jump(to));
+        let (after, direct) = (shoot(&mut stepping), shoot(&mut leaping));
+        assert!(difference(&after, &before) > 0.01, "{from} to {to}");
+        let apart = difference(&after, &direct);
+        assert!(apart < 1e-3, "{apart} apart, {from} to {to}");
+    }
+}
+
+/// How much the canvas changes along a line of the domain when the KD-tree is switched.
+fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
+    let mut shoot = || {
+        harness.step();
+        let image = harness.render().expect("a picture");
+        let state = &harness.state().state;
+        let along = (0..40).map(|k| {
+            let t = 0.05 + 0.9 * f64::from(k) / 40.0;
+            let place = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
+            let pos = state.camera.screen_from_domain(state.viewport, place);
+            f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
+        });
+        let seen: Vec<f64> = along.collect();
+        harness
+            .state_mut()
+            .state
+            .apply(Command::ToggleLayer(Layer::Tree));
+        seen
+    };
+    let (before, after) = (shoot(), shoot());
+    difference(&before, &after)
+}
+
+#[test]
+fn the_tree_shows_the_splits_that_were_made() {
+    let mut harness = window(false);
+    let session = harness.state().state.session.clone().expect("a session");
+    let splits = session.run().blocks.splits.clone();
+    let line = |k: usize| {
+        let split = &splits[k];
+        let (rect, plane) = (&split.rect, split.plane);
+        let ends = match split.axis {
+            Axis::X => [[plane, rect.min.y], [plane, rect.max.y]],
+            Axis::Y => [[rect.min.x, plane], [rect.max.x, plane]],
+        };
+        ends.map(|end| end.map(|units| f64::from(units) / f64::from(R)))
+    };
+    let after = |harness: &Harness<'_, App>, wanted: u32| {
+        let recording = harness.state().state.debugger.as_ref().expect("events");
+        let mut events = recording.recording().tape().from(0);
+        let found = events.find(|(_, event)| {
+            matches!(event.moment(), Some(Moment::Split { index, .. }) if index == wanted)
+        });
+        found.expect("that split").0 + 1
+    };
+    let second = after(&harness, 1);
+    apply(&mut harness, Command::Time(TimeCommand::Jump(second)));
+    assert!(tree_at(&mut harness, line(0)) > 40.0);
+    assert!(tree_at(&mut harness, line(1)) > 40.0);
+    for later in 2..splits.len() {
+        assert!(tree_at(&mut harness, line(later)) < 8.0, "split {later}");
+    }
+    apply(&mut harness, Command::ShowStage(BLOCKS_STAGE));
+    for made in 0..splits.len() {
+        assert!(tree_at(&mut harness, line(made)) > 20.0, "split {made}");
+    }
+}
+
+#[test]
+fn ages_colour_the_samples() {
+    let mut harness = window(true);
+    apply(&mut harness, Command::FlyTo([37.0, 45.0], 30.0));
+    let by_block = shoot(&mut harness);
+    apply(&mut harness, Command::Colour(Colouring::Age));
+    let by_age = shoot(&mut harness);
+    assert!(difference(&by_block, &by_age) > 0.5);
+    apply(&mut harness, Command::OpenPanel(Panel::Legend));
+    harness.get_by_label_contains("Ramp of ages");
+    apply(&mut harness, Command::Colour(Colouring::Block));
+    assert!(harness.query_by_label_contains("Ramp of ages").is_none());
+    assert!(difference(&by_block, &shoot(&mut harness)) < 1e-3);
+}
+
+/// What the canvas says of a place of the domain.
+fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
+    let state = &harness.state().state;
+    let pos = state.camera.screen_from_domain(state.viewport, place);
+    harness.hover_at(pos);
+    settle(harness);
+    // What is hovered is known a frame later.
+    harness.run();
+    let canvas = harness.get_by_label("Canvas of samples");
+    canvas
+        .accesskit_node()
+        .data()
+        .description()
+        .map(str::to_owned)
+}
+
+#[test]
+fn what_is_under_the_pointer_is_named() {
+    let mut harness = opened();
+    let session = harness.state().state.session.clone().expect("a session");
+    let run = session.run();
+    apply(&mut harness, Command::ToggleReducedMotion);
+    apply(&mut harness, Command::ShowStage(3));
+    let lost = (0..run.samples.len() as u32).find(|&id| {
+        let place = session.place(id);
+        let inside = place.iter().all(|x| (20.0..100.0).contains(x));
+        inside && matches!(run.samples.fates[id as usize], Fate::Eliminated { .. })
+    });
+    let lost = lost.expect("an eliminated sample");
+    let Fate::Eliminated { by } = run.samples.fates[lost as usize] else {
+        unreachable!()
+    };
+    apply(&mut harness, Command::FlyTo(session.place(lost), 6.0));
+    let said = said_of(&mut harness, session.place(lost)).expect("a sample");
+    let number = |id: u32| grouped(id as usize);
+    assert!(
+        said.starts_with(&format!("Sample {} ", number(lost))),
+        "{said}"
+    );
+    assert!(said.ends_with(&format!(": eliminated by sample {}", number(by))));
+    apply(&mut harness, Command::ShowStage(TILE_STAGE));
+    let said = said_of(&mut harness, session.place(lost)).expect("a sample");
+    assert!(said.ends_with(": not decided yet"), "{said}");
+
+    let inserted = run.iterations[0].inserted.start;
+    apply(&mut harness, Command::LastStage);
+    apply(&mut harness, Command::FlyTo(session.place(inserted), 6.0));
+    let said = said_of(&mut harness, session.place(inserted)).expect("a sample");
+    let expected = format!("Sample {} inserted in iteration 1: valid", number(inserted));
+    assert_eq!(said, expected);
+
+    apply(&mut harness, Command::ShowStage(3));
+    let said = said_of(&mut harness, session.place(inserted)).expect("a gap");
+    assert!(said.starts_with("Gap: area 0."), "{said}");
+    apply(&mut harness, Command::ShowStage(BLOCKS_STAGE));
+    let block = said_of(&mut harness, session.place(inserted)).expect("a block");
+    assert!(block.starts_with("Block ") && block.contains("cut off by split"));
+    apply(&mut harness, Command::Look(Look::Projector));
+    apply(&mut harness, Command::FlyTo(session.place(inserted), 6.0));
+    let brief = said_of(&mut harness, session.place(inserted)).expect("a block");
+    assert!(block.starts_with(&brief) && !brief.contains("split"));
+    apply(&mut harness, Command::FlyTo([-90.0, -90.0], 6.0));
+    assert_eq!(said_of(&mut harness, [-90.0, -90.0]), None);
+}

@@ -1,0 +1,381 @@
+//! Two runs side by side, as a user meets them: what differs, where they part, and that view and time hang together.
+
+use egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::clock::Clock;
+use tilescope_app::command::{Choice, Field, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::jobs::Job;
+use tilescope_app::layout::Panel;
+use tilescope_app::state::Side;
+use tilescope_app::{App, Command, State};
+use tilescope_core::{Boundary, SampleError, Stage};
+use tilescope_debugger::{Direction, Divergence, Step};
+
+use crate::support::{opened, settle};
+
+fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    harness.state_mut().state.apply(command);
+    settle(harness);
+}
+
+fn compared(rival: Rival) -> Harness<'static, App> {
+    let mut harness = opened();
+    apply(&mut harness, Command::Compare(CompareCommand::Start(rival)));
+    harness
+}
+
+fn second(state: &State) -> &Side {
+    &state.comparison.as_ref().expect("a second run").0
+}
+
+fn divergence(state: &State) -> Divergence {
+    let (side, comparison) = state.comparison.as_ref().expect("a second run");
+    let (a, b) = (
+        state.session.as_ref().unwrap(),
+        side.session.as_ref().unwrap(),
+    );
+    comparison.divergence(a, b).expect("known").clone()
+}
+
+fn cursors(state: &State) -> [usize; 2] {
+    let second = second(state).debugger.as_ref().expect("events");
+    [state.cursor().expect("events").0, second.state().cursor()]
+}
+
+fn differing(state: &State) -> [usize; 3] {
+    let (side, comparison) = state.comparison.as_ref().expect("a second run");
+    let (a, b) = (state.shown().unwrap(), side.shown().unwrap());
+    let found = comparison.differences.of(&a, &b).expect("known");
+    [found.common, found.first.len(), found.second.len()]
+}
+
+#[test]
+fn another_seed_is_sampled_verified_and_shares_no_sample() {
+    let mut harness = opened();
+    apply(&mut harness, Command::OpenPanel(Panel::Compare));
+    harness.get_by_label("the next seed").click();
+    harness.run();
+    settle(&mut harness);
+    let state = &harness.state().state;
+    let side = second(state);
+    assert_eq!(side.session.as_ref().unwrap().run().parameters.seed, 2);
+    assert_eq!(state.session.as_ref().unwrap().run().parameters.seed, 1);
+    let tilescope_app::state::Verification::Done(verdict) = &side.verification else {
+        panic!("the second run is not verified");
+    };
+    assert!(verdict.report.valid());
+    let [common, first, second] = differing(state);
+    assert_eq!(
+        common + first,
+        state.session.as_ref().unwrap().summary.count
+    );
+    assert!(common < 10 && second > 9_000, "{common} {second}");
+    harness.get_by_label_contains("Run A: seed 1");
+    harness.get_by_label_contains("Run B: seed 2");
+}
+
+#[test]
+fn the_same_parameters_give_the_same_run_to_the_last_event() {
+    let mut harness = compared(Rival::Typed);
+    assert_eq!(divergence(&harness.state().state), Divergence::Same);
+    let [_, first, second] = differing(&harness.state().state);
+    assert_eq!([first, second], [0, 0]);
+    for cursor in [0, 17, 12_345, 40_000] {
+        apply(&mut harness, Command::Time(TimeCommand::Jump(cursor)));
+        assert_eq!(cursors(&harness.state().state), [cursor; 2]);
+    }
+    harness.get_by_label_contains("Nowhere: every event is the same");
+    // There is no such event to go to.
+    assert!(
+        harness
+            .get_by_label("Go there in both")
+            .accesskit_node()
+            .is_disabled()
+    );
+}
+
+#[test]
+fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
+    let mut harness = compared(Rival::Search);
+    let Divergence::Events { a, b, .. } = divergence(&harness.state().state) else {
+        panic!("the searches must part at an event");
+    };
+    assert_eq!(a, b);
+    let stage = harness.state().state.session.as_ref().unwrap();
+    assert!(stage.stages[stage.stage_at(a)] >= Stage::Iterate(1));
+    // Up to there the cursors are the same, one by one.
+    apply(&mut harness, Command::Time(TimeCommand::Jump(a - 5)));
+    assert_eq!(cursors(&harness.state().state), [a - 5; 2]);
+    harness.key_press(Key::D);
+    harness.run();
+    settle(&mut harness);
+    assert_eq!(cursors(&harness.state().state), [a + 1, b + 1]);
+}
+
+#[test]
+fn clocks_run_together_until_they_are_told_not_to() {
+    let mut harness = compared(Rival::NextSeed);
+    apply(
+        &mut harness,
+        Command::Time(TimeCommand::Clock(Clock::Stage)),
+    );
+    harness.key_press(Key::Home);
+    harness.run();
+    let stages = |state: &State| {
+        let side = second(state);
+        let other = side.session.as_ref().unwrap().stages[side.stage];
+        [state.current_stage().unwrap(), other]
+    };
+    for _ in 0..5 {
+        harness.key_press(Key::ArrowRight);
+        harness.run();
+        let [a, b] = stages(&harness.state().state);
+        assert_eq!(a, b);
+    }
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::LinkClocks(false)),
+    );
+    let before = cursors(&harness.state().state);
+    let into = TimeCommand::Step(Step::Into, Direction::Backwards);
+    apply(&mut harness, Command::Time(into));
+    let after = cursors(&harness.state().state);
+    assert_eq!((after[0] + 1, after[1]), (before[0], before[1]));
+}
+
+#[test]
+fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
+    let mut harness = compared(Rival::NextSeed);
+    let cameras = |harness: &Harness<'_, App>| {
+        let state = &harness.state().state;
+        [state.camera, second(state).camera]
+    };
+    apply(&mut harness, Command::Pan(vec2(40.0, 10.0)));
+    let [a, b] = cameras(&harness);
+    assert_eq!(a, b);
+    let on_b = |command| Command::Compare(CompareCommand::OnOther(Box::new(command)));
+    let at = second(&harness.state().state).viewport.center();
+    apply(&mut harness, on_b(Command::Zoom(at, 3.0)));
+    let [zoomed, b] = cameras(&harness);
+    assert_eq!(zoomed, b);
+    assert!((zoomed.scale / a.scale - 3.0).abs() < 1e-9);
+    assert!((0..2).all(|k| (zoomed.center[k] - a.center[k]).abs() < 1e-9));
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::LinkCameras(false)),
+    );
+    apply(&mut harness, on_b(Command::Pan(vec2(5.0, 0.0))));
+    let [a, b] = cameras(&harness);
+    assert_eq!(a, zoomed);
+    assert_ne!(a, b);
+}
+
+#[test]
+fn the_runs_change_places_and_the_second_one_goes() {
+    let mut harness = compared(Rival::NextSeed);
+    let seed = |state: &State| state.session.as_ref().unwrap().run().parameters.seed;
+    harness.key_press(Key::X);
+    harness.run();
+    let state = &harness.state().state;
+    assert_eq!(seed(state), 2);
+    assert_eq!(state.draft.parameters.seed, 2);
+    assert_eq!(
+        second(state)
+            .session
+            .as_ref()
+            .unwrap()
+            .run()
+            .parameters
+            .seed,
+        1
+    );
+    settle(&mut harness);
+    let Divergence::Events { .. } = divergence(&harness.state().state) else {
+        panic!("two seeds part at an event");
+    };
+    apply(&mut harness, Command::Compare(CompareCommand::Close));
+    assert!(harness.state().state.comparison.is_none());
+    assert_eq!(seed(&harness.state().state), 2);
+}
+
+#[test]
+fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
+    let mut harness = opened();
+    apply(&mut harness, Command::Compare(CompareCommand::Keep));
+    assert_eq!(divergence(&harness.state().state), Divergence::Same);
+    apply(
+        &mut harness,
+        Command::Choose(Choice::Boundary(Boundary::Bounded)),
+    );
+    apply(&mut harness, Command::Type(Field::Leaf, "12".to_owned()));
+    apply(&mut harness, Command::Run);
+    let Divergence::Domain { .. } = divergence(&harness.state().state) else {
+        panic!("a periodic and a bounded domain cannot be compared");
+    };
+    harness.get_by_label_contains("The domains differ: places cannot be compared");
+    harness.get_by_label_contains("Run A: boundary bounded");
+    // Time still goes on in both, stage by stage.
+    apply(&mut harness, Command::ShowStage(2));
+    let state = &harness.state().state;
+    assert_eq!(state.current_stage(), Some(Stage::Tile));
+    let side = second(state);
+    assert_eq!(
+        side.session.as_ref().unwrap().stages[side.stage],
+        Stage::Tile
+    );
+}
+
+#[test]
+fn what_cannot_be_compared_says_why() {
+    let mut harness = opened();
+    apply(&mut harness, Command::OpenPanel(Panel::Compare));
+    assert!(
+        harness
+            .get_by_label("the other engine")
+            .accesskit_node()
+            .is_disabled()
+    );
+    let refusal = harness.state().state.rival_refusal(Rival::Engine);
+    assert!(refusal.expect("a reason").contains("Choose the GPU"));
+    apply(&mut harness, Command::Type(Field::Radius, "0".to_owned()));
+    let refusal = harness.state().state.rival_refusal(Rival::Typed);
+    assert!(refusal.expect("a reason").contains("radius"));
+    // A refused command does nothing.
+    let start = CompareCommand::Start(Rival::Typed);
+    apply(&mut harness, Command::Compare(start));
+    assert!(harness.state().state.comparison.is_none());
+    harness.key_press_modifiers(Modifiers::NONE, Key::X);
+    harness.run();
+    assert!(harness.state().state.comparison.is_none());
+}
+
+#[test]
+fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
+    for rival in [Rival::Leaf, Rival::Insertion, Rival::NextSeed] {
+        let mut harness = compared(rival);
+        let Divergence::Events { a, b, .. } = divergence(&harness.state().state) else {
+            panic!("{rival:?} parts at an event");
+        };
+        harness.key_press(Key::D);
+        harness.run();
+        settle(&mut harness);
+        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{rival:?}");
+        // From there on time goes on in both, and back again to the same places.
+        let mut last = cursors(&harness.state().state);
+        for cursor in (a + 2..a + 400).step_by(7) {
+            apply(&mut harness, Command::Time(TimeCommand::Jump(cursor)));
+            let now = cursors(&harness.state().state);
+            assert!(now[1] >= last[1], "{rival:?}: {last:?} {now:?}");
+            last = now;
+        }
+        apply(&mut harness, Command::Time(TimeCommand::Jump(a + 1)));
+        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{rival:?}");
+    }
+}
+
+#[test]
+fn a_key_zooms_once_whichever_canvas_has_the_pointer() {
+    let mut harness = compared(Rival::NextSeed);
+    let scale = |harness: &Harness<'_, App>| harness.state().state.camera.scale;
+    for viewport in [
+        harness.state().state.viewport,
+        second(&harness.state().state).viewport,
+    ] {
+        harness.hover_at(viewport.center());
+        harness.run();
+        let before = scale(&harness);
+        // One key has both signs on many keyboards.
+        harness.key_press(Key::Plus);
+        harness.key_press(Key::Equals);
+        harness.run();
+        assert!((scale(&harness) / before - 1.25 * 1.25).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_kept_run_is_at_the_same_moment_even_when_clocks_are_apart() {
+    let mut harness = compared(Rival::NextSeed);
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::LinkClocks(false)),
+    );
+    apply(&mut harness, Command::Time(TimeCommand::Jump(12_000)));
+    apply(&mut harness, Command::Compare(CompareCommand::Keep));
+    assert_eq!(cursors(&harness.state().state), [12_000; 2]);
+    harness.key_press(Key::X);
+    harness.run();
+    apply(&mut harness, Command::OpenPanel(Panel::Events));
+    assert!(harness.state().state.rows.is_some());
+}
+
+#[test]
+fn breakpoints_are_the_users_whichever_run_is_in_front() {
+    let mut harness = opened();
+    let line = tilescope_debugger::Listings::shipped()
+        .find("eliminate.5")
+        .expect("a line");
+    let set = tilescope_app::command::DebugCommand::ToggleBreakpoint(line);
+    apply(&mut harness, Command::Debug(set));
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::Start(Rival::NextSeed)),
+    );
+    harness.key_press(Key::X);
+    harness.run();
+    settle(&mut harness);
+    let state = &harness.state().state;
+    assert_eq!(state.debugger.as_ref().unwrap().breakpoints().len(), 1);
+    // They are marked where a run of this one stops.
+    let hits = state.hits.events().to_vec();
+    assert!(hits.len() > 100);
+    harness.key_press(Key::Home);
+    harness.run();
+    for &hit in &hits[..5] {
+        harness.key_press(Key::F5);
+        harness.run();
+        assert_eq!(cursors(&harness.state().state)[0], hit);
+    }
+}
+
+#[test]
+fn what_goes_wrong_with_the_second_run_is_said_of_it() {
+    let mut harness = compared(Rival::NextSeed);
+    let (side, _) = harness.state_mut().state.comparison.as_mut().unwrap();
+    let cancelled = SampleError::Cancelled { stage: Stage::Tile };
+    let wake: tilescope_app::jobs::Wake = std::sync::Arc::new(|| {});
+    side.sampling = Some(Job::start(&wake, move |_| Err(cancelled.into())));
+    settle(&mut harness);
+    let state = &harness.state().state;
+    let notice = state.notice.as_ref().expect("a notice");
+    assert!(
+        notice.text.starts_with("Run B: Cancelled"),
+        "{}",
+        notice.text
+    );
+    let seed = |session: &Option<std::sync::Arc<tilescope_app::Session>>| {
+        session.as_ref().unwrap().run().parameters.seed
+    };
+    assert_eq!([seed(&state.session), seed(&second(state).session)], [1, 2]);
+}
+
+#[test]
+fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
+    let note = "Too many samples differ to mark them at this scale: zoom in.";
+    let drawn = |rival: Rival, command: Command| {
+        let mut harness = compared(rival);
+        harness.state_mut().state.reduced_motion = true;
+        apply(&mut harness, Command::LastStage);
+        apply(&mut harness, command);
+        harness.run();
+        let said = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            egui::Shape::Text(text) => text.galley.text() == note,
+            _ => false,
+        };
+        harness.output().shapes.iter().any(said)
+    };
+    assert!(drawn(Rival::NextSeed, Command::Fit));
+    assert!(!drawn(Rival::NextSeed, Command::FlyTo([37.0, 45.0], 9.0)));
+    assert!(!drawn(Rival::Search, Command::Fit));
+}

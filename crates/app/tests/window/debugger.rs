@@ -1,0 +1,375 @@
+//! The debugger as a user meets it: breakpoints, steps both ways, the event browser, bookmarks, watches, all by label
+//! or by key.
+
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::actions::projector_action;
+use tilescope_app::canvas::layers::Layer;
+use tilescope_app::clock::Clock;
+use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::layout::Panel;
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+use tilescope_core::Stage;
+use tilescope_debugger::{Kind, Listings};
+
+use crate::support::{cursor, last_kind, next_kind, opened, settle};
+
+fn apply(harness: &mut Harness<'_, App>, command: Command) {
+    harness.state_mut().state.apply(command);
+    settle(harness);
+}
+
+fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    harness.run();
+}
+
+#[test]
+fn a_conditional_breakpoint_stops_where_it_holds() {
+    let mut harness = opened();
+    press(&mut harness, Modifiers::NONE, Key::Home);
+    assert_eq!(cursor(&harness), 0);
+    // The line comes into view where it has just run.
+    press(&mut harness, Modifiers::NONE, Key::E);
+    harness
+        .get_by_label("Breakpoint on line eliminate.5")
+        .click();
+    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::Home);
+    apply(&mut harness, Command::OpenPanel(Panel::Bookmarks));
+    harness.get_by_label("Condition on eliminate.5").focus();
+    harness.run();
+    harness
+        .get_by_label("Condition on eliminate.5")
+        .type_text("distance < 0.2");
+    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::F5);
+    assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
+    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
+    assert!(distance < 0.2);
+    let first = cursor(&harness);
+    press(&mut harness, Modifiers::NONE, Key::F5);
+    assert!(cursor(&harness) > first);
+    press(&mut harness, Modifiers::SHIFT, Key::F5);
+    assert_eq!(cursor(&harness), first);
+    // An unreadable condition says so beside it.
+    let broken = DebugCommand::Condition(0, "distance <".to_owned());
+    apply(&mut harness, Command::Debug(broken));
+    let breakpoints = harness
+        .state()
+        .state
+        .debugger
+        .as_ref()
+        .unwrap()
+        .breakpoints();
+    let error = breakpoints[0].error().expect("an error").to_string();
+    harness.get_by_label(&error);
+}
+
+#[test]
+fn time_goes_both_ways_by_keys_alone() {
+    let mut harness = opened();
+    let end = cursor(&harness);
+    press(&mut harness, Modifiers::SHIFT, Key::E);
+    assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
+    let at = cursor(&harness);
+    press(&mut harness, Modifiers::NONE, Key::F11);
+    assert_eq!(cursor(&harness), at + 1);
+    press(&mut harness, Modifiers::ALT, Key::F11);
+    assert_eq!(cursor(&harness), at);
+    press(&mut harness, Modifiers::SHIFT, Key::F11);
+    let out = cursor(&harness);
+    assert!(out > at);
+    press(&mut harness, Modifiers::SHIFT, Key::F10);
+    press(&mut harness, Modifiers::NONE, Key::F10);
+    assert_eq!(cursor(&harness), out);
+    for (key, kind) in [
+        (Key::G, Kind::Candidate),
+        (Key::I, Kind::Insert),
+        (Key::S, Kind::Insert),
+    ] {
+        press(&mut harness, Modifiers::NONE, key);
+        assert_eq!(last_kind(&harness), Some(kind));
+    }
+    press(&mut harness, Modifiers::NONE, Key::V);
+    assert!(
+        harness
+            .state()
+            .state
+            .notice
+            .as_ref()
+            .unwrap()
+            .text
+            .contains("no violated invariant")
+    );
+    press(&mut harness, Modifiers::NONE, Key::End);
+    assert_eq!(cursor(&harness), end);
+}
+
+#[test]
+fn a_press_counts_with_the_modifiers_of_its_moment() {
+    let mut harness = opened();
+    let end = cursor(&harness);
+    // All in one frame, as a slow machine or a fast typist has it: Shift is up again when the frame begins.
+    for pressed in [true, false] {
+        harness.event_modifiers(
+            egui::Event::Key {
+                key: Key::E,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers: Modifiers::SHIFT,
+            },
+            Modifiers::NONE,
+        );
+    }
+    harness.run();
+    assert!(cursor(&harness) < end);
+    assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
+}
+
+#[test]
+fn the_arrows_follow_the_clock() {
+    let mut harness = opened();
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    let stage = |harness: &Harness<'_, App>| harness.state().state.current_stage();
+    assert_eq!(stage(&harness), Some(Stage::Iterate(3)));
+    let whole = cursor(&harness);
+    apply(
+        &mut harness,
+        Command::Time(TimeCommand::Clock(Clock::Event)),
+    );
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(cursor(&harness), whole - 1);
+    harness.get_by_label("Event forward (Right)").click();
+    harness.run();
+    assert_eq!(cursor(&harness), whole);
+    apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
+    press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
+    let debugger = harness.state().state.debugger.as_ref().unwrap();
+    let lines = [whole, cursor(&harness)].map(|at| debugger.recording().event(at).unwrap().line());
+    assert_ne!(lines[0], lines[1]);
+}
+
+#[test]
+fn the_event_browser_finds_selects_and_says_what_is_wrong() {
+    let mut harness = opened();
+    apply(&mut harness, Command::OpenPanel(Panel::Events));
+    harness.get_by_label("Find events").focus();
+    harness.run();
+    harness
+        .get_by_label("Find events")
+        .type_text("insert iteration>1");
+    harness.run();
+    settle(&mut harness);
+    let found = harness.state().state.query.found.events().to_vec();
+    assert!(!found.is_empty());
+    let start = format!("Event {}:", tilescope_app::sentence::event_number(found[0]));
+    harness.get_by_label_contains(&start).click();
+    harness.run();
+    assert_eq!(cursor(&harness), found[0] + 1);
+    apply(
+        &mut harness,
+        Command::Debug(DebugCommand::Query("insert colour=3".to_owned())),
+    );
+    harness.get_by_label_contains("there is no \"colour\"");
+    // The tree: selecting a stage goes behind all that it holds.
+    apply(
+        &mut harness,
+        Command::Debug(DebugCommand::Query(String::new())),
+    );
+    apply(&mut harness, Command::Time(TimeCommand::Jump(1)));
+    let session = harness.state().state.session.clone().unwrap();
+    let place = session
+        .stages
+        .iter()
+        .position(|&stage| stage == Stage::Tile)
+        .unwrap();
+    let begin = session.stage_end(place - 1).unwrap();
+    apply(
+        &mut harness,
+        Command::Debug(DebugCommand::SelectEvent(begin)),
+    );
+    assert_eq!(Some(cursor(&harness)), session.stage_end(place));
+}
+
+#[test]
+fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
+    let mut harness = opened();
+    apply(&mut harness, Command::FirstStage);
+    press(&mut harness, Modifiers::NONE, Key::E);
+    let at = cursor(&harness);
+    let sample = {
+        let debugger = harness.state().state.debugger.as_ref().unwrap();
+        debugger.recording().event(at - 1).unwrap().samples()[0]
+    };
+    apply(
+        &mut harness,
+        Command::Debug(DebugCommand::Pick(Selection::Sample(sample))),
+    );
+    apply(&mut harness, Command::OpenPanel(Panel::Inspector));
+    harness.get_by_label_contains("History:");
+    let history = harness.state().state.history_found.events().to_vec();
+    assert!(history.contains(&(at - 1)) && history.len() >= 2);
+    press(&mut harness, Modifiers::NONE, Key::W);
+    assert!(cursor(&harness) < at);
+    // What is not there yet stays selected: its history lies ahead.
+    apply(&mut harness, Command::FirstStage);
+    assert_eq!(harness.state().state.selected, Some(sample));
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert_eq!(harness.state().state.selected, None);
+}
+
+#[test]
+fn bookmarks_and_watches_stay_with_their_moments() {
+    let mut harness = opened();
+    press(&mut harness, Modifiers::SHIFT, Key::I);
+    let at = cursor(&harness);
+    press(&mut harness, Modifiers::NONE, Key::B);
+    apply(&mut harness, Command::OpenPanel(Panel::Bookmarks));
+    harness.get_by_label("Note of bookmark 1").focus();
+    harness.run();
+    harness
+        .get_by_label("Note of bookmark 1")
+        .type_text("the last one");
+    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    apply(&mut harness, Command::FirstStage);
+    let label = format!("event {}", tilescope_app::sentence::grouped(at));
+    harness.get_by_label(&label).click();
+    harness.run();
+    assert_eq!(cursor(&harness), at);
+    let debugger = harness.state().state.debugger.as_ref().unwrap();
+    assert_eq!(debugger.bookmarks[0].note, "the last one");
+    apply(&mut harness, Command::OpenPanel(Panel::Watches));
+    apply(
+        &mut harness,
+        Command::Debug(DebugCommand::Watch("inserted + 1".to_owned())),
+    );
+    let value = harness
+        .state()
+        .state
+        .debugger
+        .as_ref()
+        .unwrap()
+        .evaluate("inserted + 1")
+        .unwrap();
+    harness.get_by_label(&format!("= {value}"));
+    apply(
+        &mut harness,
+        Command::Debug(DebugCommand::EditWatch(0, "inserted +".to_owned())),
+    );
+    assert!(harness.query_by_label(&format!("= {value}")).is_none());
+}
+
+#[test]
+fn the_list_of_actions_is_reached_by_keys_and_does_what_it_says() {
+    let mut harness = opened();
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    harness
+        .get_by_label("Find an action")
+        .type_text("projector");
+    harness.run();
+    press(&mut harness, Modifiers::NONE, Key::Enter);
+    assert_eq!(harness.state().state.look, Look::Projector);
+    assert!(harness.state().state.palette.is_none());
+    harness.get_by_label_contains("Finish: 10,041 samples");
+    press(&mut harness, Modifiers::COMMAND, Key::K);
+    press(&mut harness, Modifiers::NONE, Key::Escape);
+    assert!(harness.state().state.palette.is_none());
+    // What cannot be done now is listed, and not done.
+    apply(&mut harness, Command::TogglePalette);
+    apply(
+        &mut harness,
+        Command::PaletteText("tick forward".to_owned()),
+    );
+    let entry = harness.get_by_label("Tick forward");
+    assert!(entry.accesskit_node().is_disabled());
+}
+
+#[test]
+fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
+    let mut harness = opened();
+    let start = harness.state().state.layout.clone();
+    let seed = harness.state().state.draft.text(Field::Seed).to_owned();
+    let other = Command::Type(Field::Seed, "7".to_owned());
+    apply(&mut harness, other);
+    apply(&mut harness, Command::ToggleLayer(Layer::Disks));
+    let layers = harness.state().state.layers;
+    harness.get_by_label("Bookmarks").click();
+    harness.run();
+    assert!(harness.state().state.layout.shows(Panel::Bookmarks));
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert_eq!(harness.state().state.draft.text(Field::Seed), seed);
+    let state = &harness.state().state;
+    assert!(state.layout.shows(Panel::Bookmarks) && state.layers == layers);
+    press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(harness.state().state.draft.text(Field::Seed), "7");
+    apply(&mut harness, Command::ResetLayout);
+    assert_eq!(harness.state().state.layout, start);
+    press(&mut harness, Modifiers::COMMAND, Key::Z);
+    assert!(harness.state().state.layout.shows(Panel::Bookmarks));
+}
+
+#[test]
+fn the_projector_shows_a_way_out() {
+    let mut harness = opened();
+    let window = harness.render().expect("a picture");
+    let leave = projector_action(Look::Projector);
+    assert!(harness.query_by_label(leave).is_none());
+    press(&mut harness, Modifiers::NONE, Key::F2);
+    assert_eq!(harness.state().state.look, Look::Projector);
+    harness.get_by_label(leave).click();
+    harness.run();
+    assert_eq!(harness.state().state.look, Look::Dark);
+    for key in [Key::F2, Key::Escape] {
+        press(&mut harness, Modifiers::NONE, Key::F2);
+        // Escape closes what is open first.
+        harness.get_by_label("Speed").click();
+        harness.run();
+        press(&mut harness, Modifiers::NONE, Key::Escape);
+        assert_eq!(harness.state().state.look, Look::Projector);
+        press(&mut harness, Modifiers::NONE, key);
+        assert_eq!(harness.state().state.look, Look::Dark, "{key:?}");
+    }
+    let again = harness.render().expect("a picture");
+    assert_eq!(again.dimensions(), window.dimensions());
+}
+
+#[test]
+fn every_panel_is_drawn_in_every_look() {
+    let mut harness = opened();
+    apply(&mut harness, Command::FirstStage);
+    press(&mut harness, Modifiers::NONE, Key::G);
+    press(&mut harness, Modifiers::NONE, Key::F11);
+    for look in [Look::Dark, Look::Light] {
+        apply(&mut harness, Command::Look(look));
+        let mut pictures = std::collections::BTreeSet::new();
+        for panel in Panel::ALL {
+            apply(&mut harness, Command::OpenPanel(panel));
+            assert!(harness.state().state.layout.shows(panel));
+            let picture = harness.render().expect("a picture");
+            pictures.insert(picture.as_raw().clone());
+        }
+        // Opening a panel that can be seen already changes nothing; each of the others changes the picture.
+        assert!(pictures.len() >= 8, "{look:?}: {}", pictures.len());
+    }
+}
+
+#[test]
+fn every_line_of_the_listings_that_run_has_a_gutter() {
+    let harness = opened();
+    for name in ["blocks", "tile", "eliminate", "detect", "insert", "finish"] {
+        let listings = &Listings::shipped().listings;
+        let listing = listings
+            .iter()
+            .find(|listing| listing.name == name)
+            .unwrap();
+        for number in 1..=listing.lines.len() {
+            harness.get_by_label(&format!("Breakpoint on line {name}.{number}"));
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! The window as a part of another page: everything fits into small frames, the page around can be scrolled, and Tab leads
+//! through and out.
+
+use egui::accesskit::{Live, Role};
+use egui::{Event, Key, Modifiers, Pos2, Rect, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::canvas::hint::{self, Hint};
+use tilescope_app::embedding::Embedding;
+use tilescope_app::focus::{self, End};
+use tilescope_app::{App, Command};
+
+use crate::support::{opened_at, settle};
+
+fn embedded(embedding: Embedding, size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = opened_at(size);
+    let state = &mut harness.state_mut().state;
+    state.embedding = Some(embedding);
+    state.reduced_motion = true;
+    harness.run();
+    harness
+}
+
+const SIZES: [[f32; 2]; 10] = [
+    [300.0, 200.0],
+    [300.0, 299.0],
+    [300.0, 300.0],
+    [360.0, 640.0],
+    [430.0, 300.0],
+    [479.0, 270.0],
+    [559.0, 420.0],
+    [560.0, 200.0],
+    [860.0, 480.0],
+    [960.0, 540.0],
+];
+
+#[test]
+fn a_player_of_any_size_has_what_it_takes() {
+    for size in SIZES {
+        let mut harness = embedded(Embedding::Player, size);
+        let window = Rect::from_min_size(Pos2::ZERO, size.into()).expand(0.5);
+        let needed = [
+            (Role::Button, "Stage back (Left)"),
+            (Role::Button, "Play (Space)"),
+            (Role::Button, "Stage forward (Right)"),
+            (Role::Slider, "Moment"),
+        ];
+        for (role, name) in needed {
+            harness.get_by_role_and_label(role, name);
+        }
+        let moment = harness.get_by_role_and_label(Role::Slider, "Moment").rect();
+        assert!(moment.width() >= 100.0, "{size:?}: {moment:?}");
+        let canvas = harness.get_by_role(Role::Canvas).rect();
+        assert!(canvas.height() >= 0.39 * size[1], "{size:?}: {canvas:?}");
+        let controls = [Role::Button, Role::ComboBox, Role::Slider, Role::Label];
+        let nodes = harness.query_all_by(|node| controls.contains(&node.role()));
+        for node in nodes {
+            let (rect, node) = (node.rect(), node.accesskit_node());
+            let name = node.label().or(node.value());
+            // What the label of a stage would be is left out where it does not fit.
+            assert!(window.contains_rect(rect), "{size:?}: {name:?} {rect:?}");
+        }
+        let sentence = harness.query_all_by(|node| node.live() == Live::Polite);
+        let heights: Vec<f32> = sentence.map(|node| node.rect().height()).collect();
+        assert!(heights.iter().any(|height| *height > 10.0), "{size:?}");
+        harness
+            .get_by_role_and_label(Role::Button, "Stage back (Left)")
+            .click();
+        let before = harness.state().state.stage;
+        harness.run();
+        assert_eq!(harness.state().state.stage, before - 1, "{size:?}");
+    }
+}
+
+fn wheel(modifiers: Modifiers) -> Event {
+    Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 60.0),
+        phase: TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers,
+    }
+}
+
+#[test]
+fn the_plain_wheel_is_left_to_the_page_around() {
+    for embedding in Embedding::ALL {
+        let mut harness = embedded(embedding, [600.0, 400.0]);
+        let before = harness.state().state.camera;
+        harness.hover_at(harness.state().state.viewport.center());
+        harness.event(wheel(Modifiers::NONE));
+        harness.step();
+        harness.step();
+        assert_eq!(harness.state().state.camera, before);
+        assert_eq!(hint::given(&harness.ctx), Some(Hint::Wheel));
+        // The hint goes by itself.
+        for _ in 0..12 {
+            harness.step();
+        }
+        assert_eq!(hint::given(&harness.ctx), None);
+        harness.event(wheel(Modifiers::COMMAND));
+        harness.run();
+        assert!(harness.state().state.camera.scale > before.scale);
+        assert_eq!(hint::given(&harness.ctx), None);
+    }
+}
+
+/// Sends what a browser does of fingers, each from one place to another.
+fn drag(harness: &mut Harness<'_, App>, tracks: &[(Pos2, Vec2)]) {
+    let touch = |id: usize, phase, pos| Event::Touch {
+        device_id: TouchDeviceId(0),
+        id: TouchId(id as u64),
+        phase,
+        pos,
+        force: None,
+    };
+    let button = |pressed| Event::PointerButton {
+        pos: tracks[0].0,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(button(true));
+    for (id, (from, _)) in tracks.iter().enumerate() {
+        harness.event(touch(id, TouchPhase::Start, *from));
+    }
+    harness.step();
+    for k in 1..=4 {
+        let at = |(from, by): (Pos2, Vec2)| from + by * (k as f32 / 4.0);
+        harness.event(Event::PointerMoved(at(tracks[0])));
+        for (id, track) in tracks.iter().enumerate() {
+            harness.event(touch(id, TouchPhase::Move, at(*track)));
+        }
+        harness.step();
+    }
+    harness.event(button(false));
+    harness.event(Event::PointerGone);
+    for (id, (from, by)) in tracks.iter().enumerate() {
+        harness.event(touch(id, TouchPhase::End, *from + *by));
+    }
+    harness.step();
+    harness.step();
+}
+
+#[test]
+fn one_finger_is_left_to_the_page_around_and_two_move_the_picture() {
+    let mut harness = embedded(Embedding::Player, [600.0, 400.0]);
+    let viewport = harness.state().state.viewport;
+    let (middle, before) = (viewport.center(), harness.state().state.camera);
+    drag(&mut harness, &[(middle, vec2(0.0, 60.0))]);
+    assert_eq!(harness.state().state.camera, before);
+    assert_eq!(hint::given(&harness.ctx), Some(Hint::Fingers));
+    let state = &harness.state().state;
+    assert!(state.selected.is_none() && state.place.is_none());
+    let apart = vec2(40.0, 0.0);
+    drag(
+        &mut harness,
+        &[(middle - apart, -apart), (middle + apart, apart)],
+    );
+    assert!(harness.state().state.camera.scale > 1.5 * before.scale);
+    // Only the picture is left to the page: the controls and the line take their touches.
+    let app = harness.state();
+    assert!(app.scrolls_at(&harness.ctx, middle));
+    let moment = harness.get_by_role_and_label(Role::Slider, "Moment").rect();
+    assert!(!app.scrolls_at(&harness.ctx, moment.center()));
+    let mut whole = opened_at([600.0, 400.0]);
+    whole.run();
+    assert!(
+        !whole
+            .state()
+            .scrolls_at(&whole.ctx, whole.state().state.viewport.center())
+    );
+}
+
+#[test]
+fn a_button_leads_back_to_the_whole_domain() {
+    for embedding in Embedding::ALL {
+        let mut harness = embedded(embedding, [320.0, 240.0]);
+        let name = "Show the whole domain (F)";
+        assert!(harness.query_by_label(name).is_none());
+        let before = harness.state().state.camera;
+        let state = &mut harness.state_mut().state;
+        state.apply(Command::Pan(vec2(900.0, 0.0)));
+        harness.run();
+        harness.get_by_label(name).click();
+        settle(&mut harness);
+        assert_eq!(harness.state().state.camera, before);
+        assert!(harness.query_by_label(name).is_none());
+    }
+}
+
+/// Returns what has the focus.
+fn focused(harness: &Harness<'_, App>) -> Option<String> {
+    let mut nodes = harness.query_all_by(|node| node.is_focused() && !node.is_root());
+    let node = nodes.next()?.accesskit_node();
+    node.label()
+}
+
+/// Goes from one end of the frame to where Tab leads out, as the page has it; returns what had the focus, in sequence.
+fn tab_through(harness: &mut Harness<'_, App>, backwards: bool) -> Vec<String> {
+    let (from, to, modifiers) = if backwards {
+        (End::Last, End::First, Modifiers::SHIFT)
+    } else {
+        (End::First, End::Last, Modifiers::NONE)
+    };
+    focus::enter(&harness.ctx, from);
+    harness.run();
+    let mut visited = Vec::new();
+    for _ in 0..60 {
+        visited.push(focused(harness).expect("something has the focus"));
+        if focus::leave(&harness.ctx, to) {
+            harness.run();
+            assert_eq!(focused(harness), None);
+            return visited;
+        }
+        harness.key_press_modifiers(modifiers, Key::Tab);
+        harness.run();
+    }
+    panic!("Tab does not lead out: {visited:?}");
+}
+
+#[test]
+fn tab_leads_through_and_out_of_a_frame_both_ways() {
+    let mut canvas = embedded(Embedding::Canvas, [480.0, 360.0]);
+    for backwards in [false, true] {
+        assert_eq!(tab_through(&mut canvas, backwards), ["Canvas of samples"]);
+    }
+    let mut player = embedded(Embedding::Player, [860.0, 480.0]);
+    player.state_mut().state.apply(Command::StepBack);
+    player.state_mut().state.apply(Command::Pan(vec2(9.0, 0.0)));
+    player.run();
+    let forwards = tab_through(&mut player, false);
+    assert_eq!(forwards[0], "Canvas of samples");
+    for name in [
+        "Show the whole domain (F)",
+        "Play (Space)",
+        "Clock",
+        "Speed",
+        "Moment",
+    ] {
+        assert!(forwards.iter().any(|at| at == name), "{name}: {forwards:?}");
+    }
+    let mut backwards = tab_through(&mut player, true);
+    backwards.reverse();
+    assert_eq!(backwards, forwards);
+    // With a notice over it, too.
+    player.state_mut().state.notice = Some(tilescope_app::state::Notice {
+        text: "Something went wrong.".to_owned(),
+        is_error: true,
+    });
+    player.run();
+    let with_notice = tab_through(&mut player, false);
+    assert_eq!(with_notice.last().map(String::as_str), Some("Dismiss"));
+    let mut backwards = tab_through(&mut player, true);
+    backwards.reverse();
+    assert_eq!(backwards, with_notice);
+}

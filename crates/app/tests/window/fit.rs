@@ -1,0 +1,320 @@
+//! Every panel at the sizes of small screens: no widget and no text is cut off, and Run can always be seen.
+
+use egui::accesskit::Role;
+use egui::epaint::ClippedShape;
+use egui::{Rect, Shape, Vec2, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::arrangement::DrawerCommand;
+use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::device::Engine;
+use tilescope_app::layout::Panel;
+use tilescope_app::{App, Command};
+use tilescope_debugger::{Direction, Listings, Target};
+
+use crate::support::{opened_at, settle};
+
+/// Projectors, small laptops, and the smallest window with tiles.
+const SCREENS: [[f32; 2]; 4] = [
+    [1024.0, 768.0],
+    [1280.0, 720.0],
+    [1366.0, 768.0],
+    [960.0, 600.0],
+];
+/// 1280 x 720 at 200% and at 400%, and phones that lie.
+const LOW: [[f32; 2]; 4] = [
+    [640.0, 360.0],
+    [320.0, 180.0],
+    [568.0, 320.0],
+    [667.0, 375.0],
+];
+
+/// A small run in the middle of its elimination, with something in every panel.
+fn busy(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = opened_at(size);
+    let state = &mut harness.state_mut().state;
+    for command in [
+        Command::ToggleReducedMotion,
+        Command::Type(Field::Radius, "0.03".to_owned()),
+        Command::Type(Field::Leaf, "12".to_owned()),
+        Command::Run,
+    ] {
+        state.apply(command);
+    }
+    state.settle();
+    let line = Listings::shipped().find("eliminate.5").expect("a line");
+    for command in [
+        Command::FirstStage,
+        Command::Time(TimeCommand::RunTo(Target::Elimination, Direction::Forwards)),
+        Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+        Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
+        Command::Debug(DebugCommand::Watch("distance".to_owned())),
+        Command::Debug(DebugCommand::Bookmark),
+        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::Compare(CompareCommand::Start(Rival::Order)),
+    ] {
+        state.apply(command);
+    }
+    settle(&mut harness);
+    harness
+}
+
+fn flat<'a>(shape: &'a Shape, found: &mut Vec<&'a Shape>) {
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| flat(shape, found)),
+        shape => found.push(shape),
+    }
+}
+
+/// Returns whether a stretch is cut off at an end by `clip`, but can be seen in part.
+fn is_cut(rect: Rect, clip: Rect) -> bool {
+    let is_seen = rect.intersect(clip).is_positive();
+    is_seen && (rect.left() < clip.left() - 1.0 || rect.right() > clip.right() + 1.0)
+}
+
+/// Returns the texts that are shortened or cut off at the left or right, but for those over the canvas and the sentence, which
+/// is as long as what happened.
+fn cut_texts(harness: &Harness<'_, App>) -> Vec<String> {
+    let state = &harness.state().state;
+    let mut canvas = state.viewport.expand(0.5);
+    if let Some((second, _)) = &state.comparison {
+        // The two runs have headings.
+        canvas = canvas.union(second.viewport.expand(0.5));
+        canvas.min.y -= 50.0;
+    }
+    let sentence = state.debugger.as_ref().map(|debugger| {
+        let last = debugger.state().cursor().saturating_sub(1);
+        tilescope_debugger::sentence(debugger.recording(), last)
+    });
+    let window = harness.ctx.content_rect();
+    let mut cut = Vec::new();
+    for ClippedShape {
+        clip_rect, shape, ..
+    } in &harness.output().shapes
+    {
+        if canvas.contains_rect(*clip_rect) {
+            continue;
+        }
+        let clip = clip_rect.intersect(window);
+        let mut shapes = Vec::new();
+        flat(shape, &mut shapes);
+        for shape in shapes {
+            let Shape::Text(text) = shape else {
+                continue;
+            };
+            if sentence.as_deref() == Some(text.galley.text()) {
+                continue;
+            }
+            let rect = text.visual_bounding_rect();
+            let is_short = text.galley.elided && rect.intersects(clip);
+            if is_short || is_cut(rect, clip) {
+                cut.push(format!("{:?} at {rect:?} in {clip:?}", text.galley.text()));
+            }
+        }
+    }
+    cut
+}
+
+/// Returns what can be pressed but is cut off at the left or right.
+fn cut_widgets(harness: &Harness<'_, App>) -> Vec<String> {
+    harness.ctx.viewport(|viewport| {
+        let layers = viewport.this_pass.widgets.layers();
+        let widgets = layers.flat_map(|(_, widgets)| widgets);
+        let pressed = widgets.filter(|it| it.sense.interactive());
+        let cut = pressed.filter(|it| is_cut(it.rect, it.interact_rect));
+        cut.map(|it| format!("{:?} in {:?}", it.rect, it.interact_rect))
+            .collect()
+    })
+}
+
+fn within(harness: &Harness<'_, App>, role: Role, label: &str) -> Rect {
+    let rect = harness.get_by_role_and_label(role, label).rect();
+    let window = harness.ctx.content_rect().expand(0.5);
+    assert!(
+        window.contains_rect(rect),
+        "{label}: {rect:?} in {window:?}"
+    );
+    rect
+}
+
+#[test]
+fn no_panel_is_cut_off_on_a_small_screen() {
+    for size in SCREENS {
+        let mut harness = busy(size);
+        for panel in Panel::ALL {
+            harness.state_mut().state.apply(Command::OpenPanel(panel));
+            harness.run();
+            // Rows of lists are as long as what happened: the tip has all of it.
+            let listed = [Panel::Inspector, Panel::Events].contains(&panel);
+            let texts = cut_texts(&harness);
+            assert!(
+                listed || texts.is_empty(),
+                "{panel:?} at {size:?}: {texts:#?}"
+            );
+            let widgets = cut_widgets(&harness);
+            assert!(widgets.is_empty(), "{panel:?} at {size:?}: {widgets:#?}");
+            within(&harness, Role::Button, "Play (Space)");
+            within(&harness, Role::Button, "Eliminate");
+            let arrow = harness.query_by_label("Scroll tabs right");
+            assert!(arrow.is_none(), "no room for all tabs at {size:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_of_the_bar_lies_over_another() {
+    for size in SCREENS {
+        let harness = opened_at(size);
+        let buttons = harness.query_all_by(|node| {
+            let bounds = node.bounding_box();
+            bounds.is_some_and(|bounds| bounds.y1 <= 46.0)
+        });
+        let said = buttons.filter(|node| {
+            let label = node.accesskit_node().label();
+            // Of lists that are scrolled rows lie behind the bar.
+            let is_row =
+                |label: &str| label.starts_with("Line ") || label.starts_with("Breakpoint");
+            label.is_some_and(|label| !is_row(&label))
+        });
+        let places: Vec<(Rect, String)> = said
+            .map(|node| {
+                (
+                    node.rect(),
+                    node.accesskit_node().label().unwrap_or_default(),
+                )
+            })
+            .collect();
+        assert!(places.len() > 8);
+        for (k, (a, name)) in places.iter().enumerate() {
+            for (b, other) in &places[..k] {
+                let over = a.intersect(*b);
+                let is_free = !over.is_positive() || over.width() < 1.0;
+                assert!(is_free || name == other, "{name} over {other} at {size:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn run_is_seen_at_every_size() {
+    for size in [
+        [1024.0, 768.0],
+        [1280.0, 720.0],
+        [640.0, 480.0],
+        [390.0, 844.0],
+    ] {
+        let mut harness = opened_at(size);
+        // What is said of the engine does not push it away.
+        let state = &mut harness.state_mut().state;
+        state.apply(Command::NameAdapter(Some("no such adapter".to_owned())));
+        state.apply(Command::Engine(Engine::Gpu));
+        settle(&mut harness);
+        harness.state_mut().state.notice = None;
+        let open = Command::OpenPanel(Panel::Parameters);
+        harness.state_mut().state.apply(open);
+        for text in ["0.00836", "0"] {
+            let radius = Command::Type(Field::Radius, text.to_owned());
+            harness.state_mut().state.apply(radius);
+            harness.run();
+            within(&harness, Role::Button, "Run");
+        }
+    }
+}
+
+#[test]
+fn low_windows_reach_everything() {
+    for size in LOW {
+        let mut harness = busy(size);
+        for panel in Panel::ALL {
+            // The tabs of panels are scrolled.
+            let show = DrawerCommand::Show(Some(panel));
+            harness.state_mut().state.apply(Command::Drawer(show));
+            settle(&mut harness);
+            let tab = |text: &String| TABS.iter().any(|tab| text.starts_with(&format!("{tab:?}")));
+            let listed = [Panel::Inspector, Panel::Events, Panel::Passes].contains(&panel);
+            let mut texts = cut_texts(&harness);
+            texts.retain(|text| !tab(text));
+            assert!(
+                listed || texts.is_empty(),
+                "{panel:?} at {size:?}: {texts:#?}"
+            );
+        }
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Drawer(DrawerCommand::Show(Some(
+                Panel::Parameters,
+            ))));
+        settle(&mut harness);
+        for label in [
+            "Menu",
+            "Play (Space)",
+            "Last stage (End)",
+            "Parameters",
+            "Run",
+        ] {
+            let node = harness.get_by_role_and_label(Role::Button, label);
+            node.focus();
+            harness.run();
+            within(&harness, Role::Button, label);
+        }
+        let chip = harness.get_by_label_contains("Verdict: ").rect();
+        let title = harness.query_by_label("Tilescope").map(|node| node.rect());
+        assert!(
+            title.is_none_or(|title| !title.intersects(chip)),
+            "{size:?}"
+        );
+    }
+}
+
+/// The names on the tabs of a compact window.
+const TABS: [&str; 14] = [
+    "Parameters",
+    "Layers",
+    "Clocks",
+    "Inspector",
+    "Pseudocode",
+    "Statistics",
+    "Verification",
+    "Events",
+    "Bookmarks",
+    "Watches",
+    "Analysis",
+    "Compare",
+    "GPU passes",
+    "Legend",
+];
+
+#[test]
+fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    let run = |harness: &Harness<'_, App>| {
+        let button = harness.get_by_role_and_label(Role::Button, "Run");
+        button.rect()
+    };
+    let before = run(&harness);
+    let edge = pos2(harness.state().state.viewport.left() - 1.0, 400.0);
+    harness.drag_at(edge);
+    harness.run();
+    for x in [300.0, 200.0, 100.0, 20.0] {
+        harness.hover_at(pos2(x, 400.0));
+        harness.run();
+    }
+    harness.drop_at(pos2(20.0, 400.0));
+    harness.run();
+    let after = run(&harness);
+    assert!(after.width() < before.width() + 0.5);
+    assert!(harness.state().state.viewport.left() > 200.0);
+    assert_eq!(cut_texts(&harness), Vec::<String>::new());
+    assert_eq!(cut_widgets(&harness), Vec::<String>::new());
+}
+
+#[test]
+fn what_is_cut_off_would_be_found() {
+    let text = |x: f32| Rect::from_min_size(pos2(x, 10.0), Vec2::new(40.0, 10.0));
+    let clip = Rect::from_min_size(pos2(0.0, 0.0), Vec2::new(100.0, 100.0));
+    assert!(!is_cut(text(60.0), clip) && is_cut(text(80.0), clip) && is_cut(text(-9.0), clip));
+    // What is scrolled away is not.
+    assert!(!is_cut(text(120.0), clip));
+}

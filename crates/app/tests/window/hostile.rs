@@ -1,0 +1,152 @@
+//! Session files that are broken, newer, too large or made to do harm: each is refused with a sentence, and the session
+//! at hand stays.
+
+use serde_json::{Value, json};
+use tilescope_app::Command;
+use tilescope_app::files::Purpose;
+
+use crate::support::opened;
+use crate::support::sessions::{apply, busy, folder, go, notice};
+
+/// Saves a session, changes its text, opens it: returns what is said.
+fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
+    let path = folder(name).join("changed.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let mut value: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    change(&mut value);
+    std::fs::write(&path, value.to_string()).unwrap();
+    let before = harness.state().state.saved();
+    apply(&mut harness, Command::DismissNotice);
+    go(&mut harness, Purpose::Open, &path);
+    let said = notice(&harness);
+    if said.1 {
+        // The session before it is still here, and so is the sheet.
+        assert_eq!(harness.state().state.saved(), before);
+        assert!(harness.state().state.file.is_some());
+    }
+    said
+}
+
+#[test]
+fn what_is_wrong_with_a_session_is_said_and_the_one_at_hand_stays() {
+    let (said, is_error) = changed("newer", |value| {
+        value["version"] = json!(99);
+    });
+    assert!(is_error && said.contains("version 99"), "{said}");
+    let (said, is_error) = changed("digest", |value| {
+        value["digest"] = json!("0123456789abcdef");
+    });
+    assert!(is_error && said.contains("0123456789abcdef"), "{said}");
+    let (said, is_error) = changed("cursor", |value| {
+        value["cursor"] = json!(99_999_999);
+    });
+    assert!(is_error && said.contains("99999999"), "{said}");
+    let (said, is_error) = changed("line", |value| {
+        value["breakpoints"][0]["line"] = json!("eliminate.999");
+    });
+    assert!(is_error && said.contains("eliminate.999"), "{said}");
+    let (said, is_error) = changed("huge", |value| {
+        value["parameters"]["radius"] = json!(1e-4);
+    });
+    assert!(is_error && said.contains("at most 2000000"), "{said}");
+    let (said, is_error) = changed("radius", |value| {
+        value["parameters"]["radius"] = json!(0.0);
+    });
+    assert!(is_error && said.contains("radius"), "{said}");
+}
+
+#[test]
+fn parts_of_a_view_that_make_no_sense_are_named_and_the_rest_is_opened() {
+    let (said, is_error) = changed("view", |value| {
+        value["view"]["camera"]["scale"] = json!(-4.0);
+        value["view"]["selection"] = json!({"sample": 4_000_000});
+    });
+    assert!(!is_error);
+    assert!(said.ends_with("left out: camera, selection."), "{said}");
+}
+
+#[test]
+fn files_that_are_no_sessions_are_refused() {
+    let folder = folder("corrupt");
+    let mut harness = opened();
+    for (name, bytes) in [
+        ("empty.json", &b""[..]),
+        ("cut.json", b"{\"version\": 1, \"parameters\": {"),
+        ("list.json", b"[1, 2, 3]"),
+        ("binary.json", b"\xff\xfe\x00\x01"),
+    ] {
+        let path = folder.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        go(&mut harness, Purpose::Open, &path);
+        let (said, is_error) = notice(&harness);
+        assert!(is_error && said.contains(name), "{said}");
+        assert!(said.contains("no saved session"), "{said}");
+    }
+    let missing = folder.join("missing.json");
+    go(&mut harness, Purpose::Open, &missing);
+    let (said, is_error) = notice(&harness);
+    assert!(is_error && said.contains("missing.json"), "{said}");
+    let long = folder.join("long.json");
+    let file = std::fs::File::create(&long).unwrap();
+    file.set_len(17_000_000).unwrap();
+    go(&mut harness, Purpose::Open, &long);
+    let (said, _) = notice(&harness);
+    assert!(
+        said.contains("17,000,000 bytes") && said.contains("at most 16,000,000"),
+        "{said}"
+    );
+    // Nowhere to write to.
+    let nowhere = folder.join("no-such-folder").join("x.json");
+    go(&mut harness, Purpose::Save, &nowhere);
+    let (said, is_error) = notice(&harness);
+    assert!(is_error && said.contains("not written"), "{said}");
+}
+
+#[test]
+fn what_a_view_asks_for_is_limited() {
+    let (said, is_error) = changed("view-huge", |value| {
+        let mut second = value["parameters"].clone();
+        second["radius"] = json!(0.000_1);
+        second["variant"] = json!("as-printed");
+        value["view"]["second"] = second;
+        value["view"]["selection"] = json!({"place": [150_000.0, 3.0]});
+        // A layout that holds itself.
+        let layout = &mut value["view"]["layout"];
+        let root = layout["root"].clone();
+        let key = root.to_string();
+        let tile = &mut layout["tiles"]["tiles"][&key];
+        let children = tile["Container"]["Linear"]["children"].as_array_mut();
+        children.expect("a column of panels").push(root);
+    });
+    assert!(!is_error);
+    let expected = "left out: layout, second, selection.";
+    assert!(said.ends_with(expected), "{said}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_pattern_that_is_no_file_is_not_read() {
+    let (said, is_error) = changed("device", |value| {
+        value["pattern"] = json!({"path": "/dev/zero", "digest": "0123456789abcdef"});
+    });
+    assert!(is_error && said.contains("/dev/zero is no file"), "{said}");
+    let (said, is_error) = changed("elsewhere", |value| {
+        let path = "//elsewhere/sets/own.csv";
+        value["pattern"] = json!({"path": path, "digest": "0123456789abcdef"});
+    });
+    assert!(is_error && said.contains("on another machine"), "{said}");
+}
+
+#[test]
+fn what_could_not_be_opened_again_is_not_saved() {
+    let path = folder("too-much").join("notes.json");
+    let mut harness = busy();
+    let note = "n".repeat(10_001);
+    let note = tilescope_app::command::DebugCommand::Note(0, note);
+    apply(&mut harness, Command::Debug(note));
+    go(&mut harness, Purpose::Save, &path);
+    let (said, is_error) = notice(&harness);
+    assert!(is_error && said.contains("10000"), "{said}");
+    assert!(!path.exists());
+}

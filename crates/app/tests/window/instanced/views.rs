@@ -1,0 +1,159 @@
+//! Where samples are drawn: places, images across borders, what the view leaves out, crowds.
+
+use tilescope_app::camera::Camera;
+use tilescope_app::canvas::instanced::{Limits, Look, PaintOptions, Symbol, Symbols};
+use tilescope_core::{Boundary, Point, R};
+
+use super::probe::{Probe, RED, at, crowd, domain, probe, shoot, shoot_now};
+
+#[test]
+fn places_are_exact_far_from_the_origin() {
+    let domain = domain([65_000.0, 10.0], Boundary::Bounded);
+    let units = Point::new(60_000 * R + 12_345, 5 * R + 777);
+    for scale in [2_000.0, 4_000.0] {
+        let camera = Camera {
+            center: [60_000.375, 5.023_712_158],
+            scale,
+        };
+        let mut harness = probe(&domain, &[units], camera);
+        let centroid = shoot(&mut harness).centroid();
+        let place = [units.x, units.y].map(|u| f64::from(u) / f64::from(R));
+        let rect = Probe::rect();
+        let expected = [
+            f64::from(rect.center().x) + (place[0] - camera.center[0]) * scale,
+            f64::from(rect.center().y) - (place[1] - camera.center[1]) * scale,
+        ];
+        for k in 0..2 {
+            let off = (centroid[k] - expected[k]).abs();
+            assert!(off < 0.05, "{off} pixels at {scale}");
+        }
+        let single = place[0] as f32 - camera.center[0] as f32;
+        let in_single = f64::from(rect.center().x) + f64::from(single) * scale;
+        let off = (in_single - expected[0]).abs();
+        assert!(off > 1.0, "single precision would be {off} pixels off");
+    }
+}
+
+#[test]
+fn images_appear_across_a_periodic_border_and_only_there() {
+    let camera = Camera {
+        center: [0.0, 20.0],
+        scale: 20.0,
+    };
+    let sample = at(38.0, 20.5);
+    for (boundary, images) in [
+        (Boundary::Periodic, true),
+        (Boundary::Periodic, false),
+        (Boundary::Bounded, true),
+    ] {
+        let mut harness = probe(&domain([40.0; 2], boundary), &[sample], camera);
+        let options = PaintOptions::symbols(Symbols::ALL, camera.scale);
+        harness.state_mut().layers = vec![options.with_images(images)];
+        let picture = shoot(&mut harness);
+        let pos = camera.screen_from_domain(Probe::rect(), [-2.0, 20.5]);
+        if boundary == Boundary::Periodic && images {
+            assert_eq!(picture.at_pos(pos), RED.to_array());
+            assert!((picture.centroid()[0] - f64::from(pos.x)).abs() < 0.02);
+        } else {
+            assert_eq!(picture.marked(), 0);
+        }
+    }
+}
+
+#[test]
+fn what_is_left_out_for_the_view_would_not_be_seen() {
+    let domain = domain([100.0; 2], Boundary::Periodic);
+    let points = crowd(20_000, 100.0);
+    for center in [[50.0, 50.0], [0.5, 99.0], [33.0, 0.0]] {
+        let camera = Camera {
+            center,
+            scale: 15.0,
+        };
+        let mut harness = probe(&domain, &points, camera);
+        let look = |id: u32| Look::new(Symbol::Dot, RED).with_disk(id.is_multiple_of(7));
+        let canvas = &mut harness.state_mut().canvas;
+        canvas.set_looks(2, look);
+        // A kept picture is rounded once more than one drawn in place.
+        canvas.set_limits(Limits {
+            still: usize::MAX,
+            ..canvas.limits()
+        });
+        let mut shot = |cull: bool| {
+            let layers = [
+                PaintOptions::disks(),
+                PaintOptions::symbols(Symbols::ALL, camera.scale),
+            ];
+            let layers = layers.map(|options| PaintOptions { cull, ..options }.with_images(true));
+            harness.state_mut().layers = layers.to_vec();
+            shoot(&mut harness)
+        };
+        let (part, whole) = (shot(true), shot(false));
+        assert!(part.marked() > 4_000);
+        assert_eq!(part.difference(&whole), 0);
+    }
+}
+
+#[test]
+fn a_moving_camera_sees_a_subset_and_a_resting_one_all() {
+    let domain = domain([100.0; 2], Boundary::Bounded);
+    let camera = Camera {
+        center: [50.0; 2],
+        scale: 2.0,
+    };
+    let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);
+    harness.state_mut().canvas.set_limits(Limits {
+        moving_symbols: 2_000,
+        ..Limits::SOFTWARE
+    });
+    let rest = shoot(&mut harness);
+    assert!(!harness.state().due);
+    harness.state_mut().camera.center[0] += 0.5;
+    harness.step();
+    assert!(harness.state().due, "another frame is due");
+    let moving = shoot_now(&mut harness);
+    assert!(moving.marked() * 4 < rest.marked());
+    assert!(moving.marked() > 1_250 * 3);
+    harness.step();
+    assert!(!harness.state().due);
+    let after = shoot_now(&mut harness);
+    assert!(after.marked() * 10 > rest.marked() * 9);
+    harness.state_mut().camera.center[0] -= 0.5;
+    assert_eq!(shoot(&mut harness).difference(&rest), 0);
+}
+
+#[test]
+fn a_crowd_becomes_points_of_one_pixel() {
+    let domain = domain([400.0; 2], Boundary::Bounded);
+    let camera = Camera {
+        center: [200.0; 2],
+        scale: 0.6,
+    };
+    let points: Vec<Point> = crowd(400_000, 400.0);
+    let mut harness = probe(&domain, &points, camera);
+    let radii = |id: u32| {
+        let point = points[id as usize];
+        [point.x, point.y].map(|units| f64::from(units) / f64::from(R))
+    };
+    let is_central = |&id: &u32| radii(id).iter().all(|x| (x - 200.0).abs() < 5.0);
+    let chosen = (0..400_000).find(is_central).expect("a sample there");
+    let shown = |id| {
+        if id == chosen {
+            Look::new(Symbol::Diamond, RED)
+        } else {
+            Look::HIDDEN
+        }
+    };
+    harness.state_mut().canvas.set_looks(2, shown);
+    harness.state_mut().camera.center = radii(chosen);
+    let picture = shoot(&mut harness);
+    assert_eq!(picture.marked(), 1);
+    let centroid = picture.centroid();
+    let pos = Probe::rect().center();
+    assert!((centroid[0] - f64::from(pos.x)).abs() <= 0.6);
+    assert!((centroid[1] - f64::from(pos.y)).abs() <= 0.6);
+    let red = picture.marks().map(|mark| mark.2).fold(0.0, f64::max);
+    assert!(
+        (50.0..56.0).contains(&red),
+        "a quarter, where many share a pixel: {red}"
+    );
+}

@@ -1,0 +1,415 @@
+//! A whole session by keyboard alone, as somebody without a mouse, or with a screen reader, goes through it.
+
+use crate::support;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::layout::Panel;
+use tilescope_app::{App, Command};
+use tilescope_debugger::Kind;
+
+use crate::support::{cursor, last_kind, next_kind, opened, settle};
+
+const NONE: Modifiers = Modifiers::NONE;
+
+fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
+    harness.key_press_modifiers(modifiers, key);
+    harness.run();
+    settle(harness);
+}
+
+/// Does an action by its name in the list of all actions.
+fn act(harness: &mut Harness<'_, App>, name: &str) {
+    press(harness, Modifiers::COMMAND, Key::K);
+    harness.event(Event::Text(name.to_owned()));
+    harness.run();
+    press(harness, NONE, Key::Enter);
+    assert!(
+        harness.state().state.palette.is_none(),
+        "{name} was not done"
+    );
+}
+
+/// Presses Tab until the focus is on what has this role and this label.
+fn tab_to(harness: &mut Harness<'_, App>, role: Role, label: &str) {
+    for _ in 0..200 {
+        press(harness, NONE, Key::Tab);
+        let there = harness.query_all_by_role(role).any(|node| {
+            node.accesskit_node().is_focused()
+                && node.accesskit_node().label().as_deref() == Some(label)
+        });
+        if there {
+            return;
+        }
+    }
+    panic!("Tab does not lead to {label}");
+}
+
+#[test]
+fn a_session_needs_no_mouse() {
+    let mut harness = opened();
+    // A run of one's own: the radius is typed into its field.
+    act(&mut harness, "panel: parameters");
+    tab_to(&mut harness, Role::TextInput, "Radius");
+    press(&mut harness, Modifiers::COMMAND, Key::A);
+    harness.event(Event::Text("0.02".to_owned()));
+    harness.run();
+    press(&mut harness, Modifiers::COMMAND, Key::Enter);
+    let session = harness.state().state.session.clone().expect("a session");
+    assert!((session.run().parameters.radius - 0.02).abs() < 1e-12);
+    press(&mut harness, NONE, Key::Escape);
+
+    // A breakpoint where samples die, with a condition.
+    act(&mut harness, "first stage");
+    act(&mut harness, "next elimination");
+    assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
+    act(&mut harness, "step into backwards");
+    assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
+    act(&mut harness, "breakpoint on the next line");
+    act(&mut harness, "panel: bookmarks");
+    tab_to(&mut harness, Role::TextInput, "Condition on eliminate.5");
+    harness.event(Event::Text("distance < 0.3".to_owned()));
+    harness.run();
+    press(&mut harness, NONE, Key::Escape);
+    act(&mut harness, "first stage");
+    press(&mut harness, NONE, Key::F5);
+    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
+    assert!(distance < 0.3);
+    assert!(!harness.state().state.hits.events().is_empty());
+
+    // What is going on is read out; the cause is asked for; back again.
+    let stopped = cursor(&harness);
+    press(&mut harness, NONE, Key::F11);
+    assert_eq!(cursor(&harness), stopped + 1);
+    let mut said = harness.query_all_by(|node| {
+        node.live() == egui::accesskit::Live::Polite
+            && node.value().is_some_and(|said| said.contains("eliminates"))
+    });
+    assert!(said.next().is_some());
+    drop(said);
+    press(&mut harness, NONE, Key::W);
+    assert!(cursor(&harness) <= stopped + 1);
+    act(&mut harness, "panel: inspector");
+    press(&mut harness, Modifiers::SHIFT, Key::F5);
+    press(&mut harness, NONE, Key::F5);
+    assert_eq!(cursor(&harness), stopped);
+    press(&mut harness, NONE, Key::B);
+    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    assert_eq!(debugger.bookmarks[0].event, stopped);
+
+    // The view moves, and what is in its middle is selected.
+    act(&mut harness, "zoom in");
+    let before = harness.state().state.camera;
+    press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
+    let after = harness.state().state.camera;
+    assert!(after.center[0] > before.center[0]);
+    press(&mut harness, NONE, Key::M);
+    let state = &harness.state().state;
+    assert!(state.selected.is_some() || state.place.is_some());
+
+    // Beside it the same with another seed; both at once to where they part.
+    act(&mut harness, "compare with the next seed");
+    act(&mut harness, "go to where A and B part");
+    let (second, _) = harness
+        .state()
+        .state
+        .comparison
+        .as_ref()
+        .expect("a second run");
+    assert!(second.session.is_some());
+    assert!(cursor(&harness) < stopped);
+    act(&mut harness, "close B");
+    assert!(harness.state().state.comparison.is_none());
+}
+
+#[test]
+fn space_plays_and_pauses_unless_a_button_has_the_focus() {
+    let mut harness = opened();
+    let playing = |harness: &Harness<'_, App>| harness.state().state.playback.is_playing();
+    let space = |harness: &mut Harness<'_, App>| {
+        harness.key_press(Key::Space);
+        harness.step();
+        harness.step();
+    };
+    press(&mut harness, NONE, Key::Home);
+    space(&mut harness);
+    assert!(playing(&harness));
+    space(&mut harness);
+    assert!(!playing(&harness));
+    press(&mut harness, NONE, Key::End);
+    harness.get_by_label("First stage (Home)").focus();
+    harness.step();
+    space(&mut harness);
+    // The button was pressed, and nothing plays.
+    assert_eq!(cursor(&harness), 0);
+    assert!(!playing(&harness));
+}
+
+/// Presses Tab until the focus comes back to where it was first; returns what had it, in sequence.
+fn tab_round(harness: &mut Harness<'_, App>) -> Vec<String> {
+    let mut round: Vec<String> = Vec::new();
+    let mut first = None;
+    for _ in 0..400 {
+        harness.key_press(Key::Tab);
+        harness.run();
+        let focused = harness
+            .query_all_by(|node| node.is_focused() && !node.is_hidden())
+            .next();
+        let Some(node) = focused else { continue };
+        let node = node.accesskit_node();
+        let name = node.label().or(node.value()).unwrap_or_default();
+        let name = format!("{:?} {name}", node.role());
+        if first == Some(node.id()) {
+            return round;
+        }
+        first = first.or(Some(node.id()));
+        round.push(name);
+    }
+    panic!("Tab goes on and on: {round:?}");
+}
+
+/// Returns what can be pressed or typed into, but for what is disabled.
+fn controls(harness: &Harness<'_, App>) -> Vec<String> {
+    const ROLES: [Role; 8] = [
+        Role::Button,
+        Role::CheckBox,
+        Role::ComboBox,
+        Role::TextInput,
+        Role::Slider,
+        Role::Canvas,
+        Role::Link,
+        Role::RadioButton,
+    ];
+    let nodes = harness.query_all_by(|node| ROLES.contains(&node.role()) && !node.is_disabled());
+    nodes
+        .map(|node| {
+            let node = node.accesskit_node();
+            let name = node.label().or(node.value()).unwrap_or_default();
+            format!("{:?} {name}", node.role())
+        })
+        .collect()
+}
+
+#[test]
+fn tab_reaches_every_control_of_every_panel() {
+    for size in [[1440.0, 900.0], [390.0, 844.0]] {
+        let mut harness = support::opened_at(size);
+        for panel in Panel::ALL {
+            harness.state_mut().state.apply(Command::OpenPanel(panel));
+            settle(&mut harness);
+            let round = tab_round(&mut harness);
+            let missing: Vec<String> = controls(&harness)
+                .into_iter()
+                .filter(|control| !round.contains(control))
+                .collect();
+            assert_eq!(missing, Vec::<String>::new(), "{panel:?} at {size:?}");
+        }
+    }
+}
+
+#[test]
+fn tab_goes_through_a_small_window_from_top_to_bottom() {
+    let mut harness = support::opened_at([390.0, 844.0]);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::OpenPanel(Panel::Parameters));
+    settle(&mut harness);
+    let round = tab_round(&mut harness);
+    let place = |name: &str| {
+        let found = round.iter().position(|at| at == name);
+        found.unwrap_or_else(|| panic!("{name} is not in {round:?}"))
+    };
+    let places = [
+        "Button Menu",
+        "Canvas Canvas of samples",
+        "Button First stage (Home)",
+        "Button Play (Space)",
+        "Button Parameters",
+        "TextInput Radius",
+        "Button Run",
+    ]
+    .map(place);
+    assert!(places.is_sorted(), "{round:?}");
+}
+
+#[test]
+fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
+    let mut harness = opened();
+    let last = cursor(&harness);
+    harness.get_by_label("Canvas of samples").focus();
+    harness.run();
+    let before = harness.state().state.camera;
+    press(&mut harness, NONE, Key::ArrowRight);
+    press(&mut harness, NONE, Key::ArrowDown);
+    let after = harness.state().state.camera;
+    assert!(after.center[0] > before.center[0] && after.center[1] < before.center[1]);
+    assert_eq!(cursor(&harness), last);
+    assert!(harness.get_by_label("Canvas of samples").is_focused());
+    press(&mut harness, NONE, Key::Plus);
+    assert!(harness.state().state.camera.scale > after.scale);
+    press(&mut harness, NONE, Key::Enter);
+    let state = &harness.state().state;
+    assert!(state.selected.is_some() || state.place.is_some());
+    // Elsewhere the same keys go through time, and leave the focus where it is.
+    harness.get_by_label("Play (Space)").focus();
+    harness.run();
+    let camera = harness.state().state.camera;
+    press(&mut harness, NONE, Key::ArrowLeft);
+    assert!(cursor(&harness) < last);
+    assert!(harness.get_by_label("Play (Space)").is_focused());
+    assert_eq!(harness.state().state.camera, camera);
+}
+
+#[test]
+fn tabs_rows_and_menus_are_pressed_by_enter() {
+    let mut harness = opened();
+    tab_to(&mut harness, Role::Button, "Events");
+    press(&mut harness, NONE, Key::Enter);
+    assert!(harness.state().state.shows(Panel::Events));
+    act(&mut harness, "first stage");
+    tab_to(&mut harness, Role::Button, "Event 1: begin: blocks");
+    press(&mut harness, NONE, Key::Enter);
+    assert!(cursor(&harness) > 0);
+    tab_to(&mut harness, Role::Button, "Eliminate");
+    press(&mut harness, NONE, Key::Enter);
+    let stage = harness.state().state.current_stage();
+    assert_eq!(stage, Some(tilescope_core::Stage::Eliminate));
+    // A menu opens by Enter, and Tab goes on in it.
+    tab_to(&mut harness, Role::Button, "File");
+    press(&mut harness, NONE, Key::Enter);
+    tab_to(&mut harness, Role::Button, "Save session\u{2026} Ctrl+S");
+    press(&mut harness, NONE, Key::Enter);
+    assert!(harness.state().state.file.is_some());
+}
+
+#[test]
+fn a_panel_scrolls_to_what_has_the_focus() {
+    let mut harness = support::opened_at([390.0, 844.0]);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::OpenPanel(Panel::Parameters));
+    settle(&mut harness);
+    let window = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(390.0, 844.0));
+    let place = |harness: &Harness<'_, App>| {
+        let variant = harness.get_by_role_and_label(Role::ComboBox, "Variant");
+        variant.rect()
+    };
+    let above = |harness: &Harness<'_, App>| harness.get_by_label("Run").rect().top();
+    assert!(place(&harness).bottom() > above(&harness));
+    tab_to(&mut harness, Role::ComboBox, "Variant");
+    harness.run();
+    let seen = window.with_max_y(above(&harness));
+    assert!(seen.contains_rect(place(&harness)));
+}
+
+fn key(key: Key, modifiers: Modifiers) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    }
+}
+
+#[test]
+fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
+    let mut harness = opened();
+    let before = cursor(&harness);
+    let letters = |text: &str| -> Vec<Event> {
+        let pressed = text
+            .chars()
+            .filter_map(|c| Key::from_name(&c.to_uppercase().to_string()));
+        let texts = text.chars().map(|c| Event::Text(c.to_string()));
+        pressed
+            .map(|one| key(one, NONE))
+            .zip(texts)
+            .flat_map(|(a, b)| [a, b])
+            .collect()
+    };
+    // All in one frame: the list opens, and what follows is no shortcut.
+    let events = &mut harness.input_mut().events;
+    events.push(key(Key::K, Modifiers::COMMAND));
+    events.extend(letters("projector"));
+    events.push(key(Key::Enter, NONE));
+    harness.step();
+    settle(&mut harness);
+    assert_eq!(
+        harness.state().state.look,
+        tilescope_app::theme::Look::Projector
+    );
+    assert!(harness.state().state.palette.is_none());
+    assert_eq!(cursor(&harness), before);
+    // The list is open, and its field has not the focus yet.
+    let events = &mut harness.input_mut().events;
+    events.push(key(Key::K, Modifiers::COMMAND));
+    events.extend(letters("lig"));
+    harness.step();
+    assert_eq!(harness.state().state.palette.as_ref().unwrap().text, "lig");
+    settle(&mut harness);
+    harness.event(Event::Text("ht".to_owned()));
+    harness.run();
+    press(&mut harness, NONE, Key::Enter);
+    assert_eq!(
+        harness.state().state.look,
+        tilescope_app::theme::Look::Light
+    );
+    // Enter before anything was typed does nothing.
+    let events = &mut harness.input_mut().events;
+    events.push(key(Key::K, Modifiers::COMMAND));
+    events.push(key(Key::Enter, NONE));
+    harness.step();
+    press(&mut harness, NONE, Key::Enter);
+    assert!(harness.state().state.palette.is_some());
+    assert!(harness.state().state.sampling.is_none());
+}
+
+fn press_of(key: Key, modifiers: Modifiers) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    }
+}
+
+#[test]
+fn escape_in_the_frame_of_ctrl_k_closes_the_list() {
+    let mut harness = opened();
+    let open = press_of(Key::K, Modifiers::COMMAND);
+    let close = press_of(Key::Escape, NONE);
+    let frame = |harness: &mut Harness<'_, App>, events: &[&Event]| {
+        let events = events.iter().map(|event| (*event).clone());
+        harness.input_mut().events.extend(events);
+        harness.run();
+        harness.state().state.palette.is_some()
+    };
+    assert!(!frame(&mut harness, &[&open, &close]), "opened and closed");
+    assert!(frame(&mut harness, &[&open]));
+    assert!(!frame(&mut harness, &[&open, &close]), "closed twice");
+    assert!(frame(&mut harness, &[&open]));
+    assert!(!frame(&mut harness, &[&close]));
+}
+
+#[test]
+fn alt_and_enter_ask_for_the_full_screen_and_give_it_back() {
+    let mut harness = opened();
+    let mut asked = |fullscreen: bool| {
+        let viewport = harness.input_mut().viewports.entry(ViewportId::ROOT);
+        viewport.or_default().fullscreen = Some(fullscreen);
+        let press = press_of(Key::Enter, Modifiers::ALT);
+        harness.input_mut().events.push(press);
+        harness.step();
+        let viewports = harness.output().viewport_output.values();
+        let commands: Vec<ViewportCommand> = viewports.flat_map(|v| v.commands.clone()).collect();
+        commands
+    };
+    let full = |on: bool| vec![ViewportCommand::Fullscreen(on)];
+    assert_eq!(asked(false), full(true));
+    assert_eq!(asked(true), full(false));
+}

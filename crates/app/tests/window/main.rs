@@ -1,0 +1,26 @@
+//! What needs a graphics driver: the window as it is drawn, and the GPU's passes.
+
+mod analysis_panel;
+mod buffers;
+mod canvas;
+mod compact;
+mod compare;
+mod debugger;
+mod embedded;
+mod export_sheet;
+mod fit;
+mod hostile;
+mod instanced;
+mod keyboard;
+mod link;
+mod marks;
+mod names;
+mod passes;
+mod passes_panel;
+mod rest;
+mod sessions;
+mod snapshots;
+#[path = "../support/mod.rs"]
+mod support;
+mod touch;
+mod window;

@@ -1,0 +1,193 @@
+//! What a screen reader is given: whatever can have the focus has a name, and no two fields on the screen have the same.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
+use egui::accesskit::{Action, NodeId, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::export::{ExportCommand, Kind};
+use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layout::Panel;
+use tilescope_app::spoken::Spoken;
+use tilescope_app::{App, Command};
+
+use crate::support::sessions::{apply, busy};
+use crate::support::{opened_at, settle};
+
+/// Fields that hold a value: one name for two of them would tell nobody which is which.
+const FIELDS: [Role; 5] = [
+    Role::TextInput,
+    Role::MultilineTextInput,
+    Role::ComboBox,
+    Role::Slider,
+    Role::SpinButton,
+];
+
+/// What can have the focus: id, role and name.
+fn focusable(harness: &Harness<'_, App>) -> Vec<(NodeId, Role, String)> {
+    let nodes = harness.query_all_by(|node| node.data().supports_action(Action::Focus));
+    let told = nodes.map(|node| {
+        let node = node.accesskit_node();
+        let name = node.label().unwrap_or_default();
+        (node.locate().0, node.role(), name.trim().to_owned())
+    });
+    told.collect()
+}
+
+fn check(harness: &Harness<'_, App>, place: &str) {
+    let all = focusable(harness);
+    assert!(!all.is_empty(), "{place}: nothing can have the focus");
+    let nameless: Vec<_> = all.iter().filter(|(.., name)| name.is_empty()).collect();
+    assert!(nameless.is_empty(), "{place}: without a name: {nameless:?}");
+    let mut fields: BTreeMap<(String, &str), usize> = BTreeMap::new();
+    for (_, role, name) in all.iter().filter(|(_, role, _)| FIELDS.contains(role)) {
+        *fields.entry((format!("{role:?}"), name)).or_default() += 1;
+    }
+    fields.retain(|_, count| *count > 1);
+    assert!(fields.is_empty(), "{place}: equal names: {fields:?}");
+}
+
+/// Two of each that there can be several of: watches, bookmarks, breakpoints.
+fn crowded() -> Harness<'static, App> {
+    let mut harness = busy();
+    let line = tilescope_debugger::Listings::shipped()
+        .find("eliminate.4")
+        .expect("a line");
+    for command in [
+        Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+        Command::Debug(DebugCommand::Watch("block".to_owned())),
+        Command::Time(TimeCommand::Jump(3_100)),
+        Command::Debug(DebugCommand::Bookmark),
+        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::Compare(CompareCommand::Start(Rival::Order)),
+    ] {
+        apply(&mut harness, command);
+    }
+    harness
+}
+
+#[test]
+fn whatever_can_have_the_focus_has_a_name_of_its_own() {
+    let mut harness = crowded();
+    for size in [[1440.0, 900.0], [390.0, 844.0]] {
+        harness.set_size(size.into());
+        harness.run();
+        for panel in Panel::ALL {
+            apply(&mut harness, Command::OpenPanel(panel));
+            check(&harness, &format!("{panel:?} at {size:?}"));
+        }
+    }
+}
+
+#[test]
+fn sheets_and_lists_have_names_too() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    for kind in Kind::ALL {
+        apply(&mut harness, Command::Export(ExportCommand::Open(kind)));
+        check(&harness, &format!("the sheet of {kind:?}"));
+    }
+    harness.key_press(egui::Key::Escape);
+    settle(&mut harness);
+    for purpose in [
+        Purpose::Save,
+        Purpose::Open,
+        Purpose::Pattern,
+        Purpose::Combination,
+        Purpose::Against,
+    ] {
+        apply(&mut harness, Command::File(FileCommand::Sheet(purpose)));
+        check(&harness, purpose.title());
+        apply(&mut harness, Command::File(FileCommand::Close));
+    }
+    apply(&mut harness, Command::TogglePalette);
+    check(&harness, "the list of all actions");
+    apply(&mut harness, Command::TogglePalette);
+    harness
+        .get_by_role_and_label(Role::ComboBox, "Clock")
+        .click();
+    harness.run();
+    check(&harness, "an open list");
+}
+
+/// What was said since it was asked last.
+fn taken(said: &Mutex<Vec<Spoken>>) -> Vec<Spoken> {
+    std::mem::take(&mut said.lock().expect("nothing failed"))
+}
+
+fn texts(said: &Mutex<Vec<Spoken>>) -> Vec<String> {
+    taken(said).into_iter().map(|spoken| spoken.text).collect()
+}
+
+#[test]
+fn what_has_the_focus_is_said_and_what_changes_of_it() {
+    let mut harness = opened_at([1440.0, 900.0]);
+    let said = Arc::new(Mutex::new(Vec::new()));
+    let hearer = Arc::clone(&said);
+    App::speak_to(&harness.ctx, move |spoken| {
+        hearer.lock().expect("nothing failed").push(spoken.clone());
+    });
+    harness.run();
+    assert_eq!(taken(&said), []);
+    let focus = |harness: &mut Harness<'_, App>, role, name| {
+        harness.get_by_role_and_label(role, name).focus();
+        harness.run();
+    };
+    // A field is named by what stands beside it.
+    focus(&mut harness, Role::TextInput, "Radius");
+    let spoken = taken(&said);
+    let typed = |harness: &Harness<'_, App>| {
+        let draft = &harness.state().state.draft;
+        draft.text(Field::Radius).to_owned()
+    };
+    let before = typed(&harness);
+    assert_eq!(spoken[0].text, format!("Radius, text field, {before}"));
+    assert_eq!(spoken[0].field, "Radius");
+    harness.event(egui::Event::Text("5".to_owned()));
+    harness.run();
+    assert_ne!(typed(&harness), before);
+    assert_eq!(texts(&said), [typed(&harness)]);
+    focus(&mut harness, Role::ComboBox, "Clock");
+    let spoken = taken(&said);
+    assert_eq!(spoken[0].text, "Clock, drop-down list, stage");
+    assert_eq!(spoken[0].field, "");
+    focus(&mut harness, Role::CheckBox, "Disks");
+    assert!(texts(&said)[0].starts_with("Disks, check box, "));
+    harness.key_press(egui::Key::Space);
+    harness.run();
+    let changed = texts(&said);
+    assert!(
+        ["checked", "not checked"].contains(&changed[0].as_str()),
+        "{changed:?}"
+    );
+    // Nothing is said of what moves by itself.
+    apply(&mut harness, Command::FirstStage);
+    focus(&mut harness, Role::Slider, "Moment");
+    assert_eq!(texts(&said), ["Moment, slider, 0"]);
+    harness.state_mut().state.apply(Command::TogglePlay);
+    for _ in 0..8 {
+        harness.step();
+    }
+    assert!(harness.state().state.cursor().expect("events").0 > 0);
+    assert_eq!(texts(&said), Vec::<String>::new());
+    harness.state_mut().state.apply(Command::TogglePlay);
+    harness.run();
+    taken(&said);
+    // In the list of all actions the field keeps the focus, and the choice is said.
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    harness.run();
+    let opened = texts(&said).join(" ");
+    assert!(opened.contains("Find an action, text field"), "{opened}");
+    harness.key_press(egui::Key::ArrowDown);
+    harness.run();
+    let second = tilescope_app::actions::actions(&harness.state().state)[1]
+        .name
+        .clone();
+    assert_eq!(texts(&said), [second]);
+    // A field that is left is no longer written into.
+    harness.key_press(egui::Key::Escape);
+    harness.run();
+    assert_eq!(taken(&said).last(), Some(&Spoken::default()));
+}

@@ -1,0 +1,62 @@
+//! A window at rest draws nothing anew: whoever looks at a result spends no power on it.
+
+use std::time::Duration;
+
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tilescope_app::layout::Panel;
+use tilescope_app::{App, Command};
+
+use crate::support::{opened, settle};
+
+/// Asserts that no frame is due unless something happens.
+fn assert_rests(harness: &mut Harness<'_, App>, what: &str) {
+    settle(harness);
+    // What appears slowly has appeared.
+    harness.run_steps(30);
+    harness.run();
+    harness.step();
+    let output = &harness.output().viewport_output[&egui::ViewportId::ROOT];
+    assert!(
+        output.repaint_delay > Duration::from_hours(1),
+        "{what}: due in {:?}, because of {:?}",
+        output.repaint_delay,
+        harness.ctx.repaint_causes()
+    );
+}
+
+#[test]
+fn every_panel_comes_to_rest() {
+    let mut harness = opened();
+    for panel in Panel::ALL {
+        harness.state_mut().state.apply(Command::OpenPanel(panel));
+        assert_rests(&mut harness, panel.name());
+    }
+}
+
+#[test]
+fn a_field_that_has_the_focus_comes_to_rest() {
+    let mut harness = opened();
+    let seed = |harness: &Harness<'_, App>| {
+        let session = harness.state().state.session.clone();
+        session.expect("a session").run().parameters.seed
+    };
+    let before = seed(&harness);
+    harness
+        .get_by_role_and_label(Role::TextInput, "Seed")
+        .click();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::TextInput, "Seed")
+        .type_text("2");
+    harness.run();
+    assert!(harness.ctx.text_edit_focused());
+    assert_rests(&mut harness, "a field");
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Enter);
+    harness.step();
+    settle(&mut harness);
+    assert_ne!(seed(&harness), before);
+    assert!(harness.ctx.text_edit_focused());
+    assert_rests(&mut harness, "a field after its run");
+}

@@ -1,0 +1,333 @@
+//! Sessions saved and opened, and patterns from files, as a user meets them; and every way in which a file can be wrong.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::canvas::layers::Layer;
+use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layout::Panel;
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+
+use crate::support::sessions::{apply, busy, folder, go, notice, text};
+use crate::support::{opened, settle};
+
+#[test]
+fn a_session_is_opened_where_it_was_left() {
+    let path = folder("round").join("one.json");
+    let mut harness = busy();
+    apply(&mut harness, Command::OpenPanel(Panel::Events));
+    apply(&mut harness, Command::Look(Look::Light));
+    let before = harness.state().state.saved().expect("a session");
+    let digest = before.digest.clone();
+    go(&mut harness, Purpose::Save, &path);
+    assert_eq!(
+        notice(&harness),
+        (format!("The session is in {}.", text(&path)), false)
+    );
+    drop(harness);
+
+    let mut other = opened();
+    assert_ne!(
+        other.state().state.saved().expect("a session").digest,
+        digest
+    );
+    go(&mut other, Purpose::Open, &path);
+    let state = &other.state().state;
+    let after = state.saved().expect("a session");
+    assert_eq!(after, before);
+    assert!(state.verdict().expect("verified").report.valid());
+    assert_eq!(state.selected, Some(40));
+    assert_eq!(state.look, Look::Light);
+    assert!(state.layers.has(Layer::Disks));
+    assert!(state.layout.shows(Panel::Events));
+    assert_eq!(state.draft.parameters, before.parameters);
+    assert_eq!(state.debugger.as_ref().unwrap().bookmarks[0].note, "here");
+}
+
+#[test]
+fn the_second_run_comes_back_too() {
+    let path = folder("second").join("two.json");
+    let mut harness = busy();
+    let start = CompareCommand::Start(Rival::NextSeed);
+    apply(&mut harness, Command::Compare(start));
+    go(&mut harness, Purpose::Save, &path);
+    let mut other = opened();
+    go(&mut other, Purpose::Open, &path);
+    let (side, _) = other
+        .state()
+        .state
+        .comparison
+        .as_ref()
+        .expect("a second run");
+    assert_eq!(side.session.as_ref().unwrap().run().parameters.seed, 2);
+}
+
+#[test]
+fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
+    let path = folder("keys").join("mine.json");
+    std::fs::write(&path, "somebody else's").unwrap();
+    let mut harness = busy();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.run();
+    // The name is chosen whole: typing replaces it, Enter goes on.
+    harness.event(egui::Event::Text(text(&path)));
+    harness.run();
+    harness.key_press(Key::Enter);
+    harness.run();
+    settle(&mut harness);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "somebody else's");
+    harness.get_by_label("There is such a file already.");
+    harness.get_by_label("Replace the file");
+    harness.key_press(Key::Enter);
+    harness.run();
+    settle(&mut harness);
+    assert!(
+        std::fs::read_to_string(&path)
+            .unwrap()
+            .contains("\"digest\"")
+    );
+    assert!(harness.state().state.file.is_none());
+    // The file is this session's now.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.run();
+    harness.get_by_label("Save").click();
+    harness.run();
+    settle(&mut harness);
+    assert!(harness.state().state.file.is_none());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.run();
+    harness.get_by_label("Open");
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert!(harness.state().state.file.is_none());
+}
+
+/// Writes a pattern of one's own: the result of a small run, with its certificate.
+fn pattern(harness: &mut Harness<'_, App>, folder: &Path) -> PathBuf {
+    let path = folder.join("own.csv");
+    let session = harness.state().state.session.clone().expect("a session");
+    let run = session.run();
+    let region = tilescope_analysis::Region {
+        width: 1.0,
+        height: 1.0,
+        boundary: tilescope_analysis::Boundary::Periodic,
+    };
+    let context = tilescope_formats::ExportContext::new(region, run.domain.radius());
+    let control = |_| std::ops::ControlFlow::Continue(());
+    let set = tilescope_formats::PointSet {
+        points: run.positions(),
+        provenance: None,
+    };
+    tilescope_formats::export(&path, &set, &context, &control).expect("an export");
+    path
+}
+
+#[test]
+fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
+    let folder = folder("pattern");
+    let mut harness = busy();
+    let own = pattern(&mut harness, &folder);
+    go(&mut harness, Purpose::Pattern, &own);
+    assert!(notice(&harness).0.contains("The next run clips from"));
+    apply(&mut harness, Command::Type(Field::Seed, "3".to_owned()));
+    apply(&mut harness, Command::Run);
+    let session = harness.state().state.session.clone().unwrap();
+    let held = session.own.as_ref().expect("a pattern of one's own");
+    assert_eq!(held.file.path, text(&own));
+    assert_eq!(
+        session.run().pattern.samples().len(),
+        held.pattern.samples().len()
+    );
+    assert!(harness.state().state.verdict().unwrap().report.valid());
+    let path = folder.join("with-pattern.json");
+    go(&mut harness, Purpose::Save, &path);
+    let saved = harness.state().state.saved();
+
+    let mut other = opened();
+    go(&mut other, Purpose::Open, &path);
+    assert_eq!(other.state().state.saved(), saved);
+    // The same content elsewhere, beside the session.
+    let moved = folder.join("moved");
+    std::fs::create_dir(&moved).unwrap();
+    for name in ["own.csv", "with-pattern.json"] {
+        std::fs::copy(folder.join(name), moved.join(name)).unwrap();
+    }
+    let certificate = tilescope_formats::certificate_path(&own);
+    let name = certificate.file_name().unwrap();
+    std::fs::copy(&certificate, moved.join(name)).unwrap();
+    std::fs::remove_file(&own).unwrap();
+    go(&mut other, Purpose::Open, &moved.join("with-pattern.json"));
+    let found = other.state().state.session.as_ref().unwrap().own.clone();
+    assert_eq!(found.expect("found").file.digest, held.file.digest);
+    // Gone altogether.
+    go(&mut other, Purpose::Open, &path);
+    let (said, is_error) = notice(&other);
+    assert!(
+        is_error && said.contains("own.csv cannot be loaded"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_is_no_pattern_is_refused() {
+    let folder = folder("no-pattern");
+    let mut harness = opened();
+    let bare = folder.join("bare.csv");
+    std::fs::write(&bare, "x,y\n0.1,0.2\n0.5,0.6\n").unwrap();
+    go(&mut harness, Purpose::Pattern, &bare);
+    let (said, is_error) = notice(&harness);
+    assert!(is_error && said.contains("certificate"), "{said}");
+    assert!(harness.state().state.own_pattern.is_none());
+    go(&mut harness, Purpose::Pattern, &folder.join("none.csv"));
+    assert!(notice(&harness).1);
+}
+
+#[test]
+fn a_dropped_file_is_opened_for_what_it_is() {
+    let folder = folder("dropped");
+    let path = folder.join("dropped.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let saved = harness.state().state.saved();
+    let own = pattern(&mut harness, &folder);
+    let mut other = opened();
+    apply(
+        &mut other,
+        Command::File(FileCommand::Dropped(vec![text(&path)])),
+    );
+    assert_eq!(other.state().state.saved(), saved);
+    apply(
+        &mut other,
+        Command::File(FileCommand::Dropped(vec![text(&own)])),
+    );
+    assert!(other.state().state.own_pattern.is_some());
+    apply(&mut other, Command::OpenPanel(Panel::Parameters));
+    other.get_by_label_contains("The pattern comes from");
+    other.get_by_label("Use a generated pattern").click();
+    other.run();
+    assert!(other.state().state.own_pattern.is_none());
+}
+
+#[test]
+fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_limit() {
+    let mut harness = opened();
+    // A domain that is one block: nothing conflicts but across the border.
+    apply(
+        &mut harness,
+        Command::Type(Field::Radius, "0.05".to_owned()),
+    );
+    apply(&mut harness, Command::Run);
+    let state = &harness.state().state;
+    let session = state.session.as_ref().unwrap();
+    assert_eq!(session.summary.blocks, 1);
+    assert!(state.verdict().unwrap().report.valid());
+    for place in 0..session.stages.len() {
+        apply(&mut harness, Command::ShowStage(place));
+    }
+    // As few samples as there can be: a side of 6 r.
+    apply(
+        &mut harness,
+        Command::Choose(tilescope_app::command::Choice::Boundary(
+            tilescope_core::Boundary::Bounded,
+        )),
+    );
+    apply(
+        &mut harness,
+        Command::Type(Field::Radius, "0.1666".to_owned()),
+    );
+    apply(&mut harness, Command::Run);
+    let state = &harness.state().state;
+    let count = state.session.as_ref().unwrap().summary.count;
+    assert!((15..40).contains(&count), "{count}");
+    assert!(state.verdict().unwrap().report.valid());
+    let all = [
+        Layer::Disks,
+        Layer::Delaunay,
+        Layer::Voronoi,
+        Layer::Circumcircles,
+    ];
+    for layer in all {
+        apply(&mut harness, Command::ToggleLayer(layer));
+    }
+    for _ in 0..200 {
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Time(TimeCommand::Step(
+                tilescope_debugger::Step::Into,
+                tilescope_debugger::Direction::Backwards,
+            )));
+        harness.run();
+    }
+    // Three samples have no room for a gap detector's disk.
+    let before = harness.state().state.saved();
+    apply(&mut harness, Command::Type(Field::Radius, "0.5".to_owned()));
+    apply(&mut harness, Command::OpenPanel(Panel::Parameters));
+    assert!(harness.get_by_label("Run").accesskit_node().is_disabled());
+    harness.get_by_label_contains("it must be at least 6 r");
+    apply(&mut harness, Command::Run);
+    assert_eq!(harness.state().state.saved(), before);
+}
+
+#[test]
+fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
+    let path = folder("at-work").join("one.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let saved = harness.state().state.saved();
+    let mut other = opened();
+    let state = &mut other.state_mut().state;
+    state.apply(Command::Type(Field::Seed, "77".to_owned()));
+    state.apply(Command::Run);
+    for command in [
+        FileCommand::Sheet(Purpose::Open),
+        FileCommand::Path(text(&path)),
+        FileCommand::Go,
+    ] {
+        state.apply(Command::File(command));
+    }
+    settle(&mut other);
+    assert_eq!(other.state().state.saved(), saved);
+    // And a run that is begun while a file is read is not replaced by it.
+    let state = &mut other.state_mut().state;
+    state.apply(Command::File(FileCommand::Sheet(Purpose::Open)));
+    state.apply(Command::File(FileCommand::Go));
+    state.apply(Command::Type(Field::Seed, "78".to_owned()));
+    state.apply(Command::Run);
+    settle(&mut other);
+    let session = other.state().state.session.clone().unwrap();
+    assert_eq!(session.run().parameters.seed, 78);
+}
+
+#[test]
+fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
+    let path = folder("closed").join("one.json");
+    let mut harness = busy();
+    go(&mut harness, Purpose::Save, &path);
+    let first = std::fs::read_to_string(&path).unwrap();
+    let mut other = opened();
+    let before = other.state().state.saved();
+    let state = &mut other.state_mut().state;
+    for command in [
+        FileCommand::Sheet(Purpose::Open),
+        FileCommand::Path(text(&path)),
+        FileCommand::Go,
+        FileCommand::Close,
+    ] {
+        state.apply(Command::File(command));
+    }
+    settle(&mut other);
+    assert_eq!(other.state().state.saved(), before);
+    // Opened after all; then another run: the file is not its own.
+    go(&mut other, Purpose::Open, &path);
+    apply(&mut other, Command::Type(Field::Seed, "5".to_owned()));
+    apply(&mut other, Command::Run);
+    go(&mut other, Purpose::Save, &path);
+    other.get_by_label("There is such a file already.");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), first);
+}

@@ -1,0 +1,202 @@
+//! Every panel in both themes as a small picture, compared with the one that was judged good. `UPDATE_SNAPSHOTS=1 cargo
+//! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
+
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
+use egui_tiles::Tree;
+use tilescope_app::arrangement::DrawerCommand;
+use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::embedding::Embedding;
+use tilescope_app::layout::{Layout, Panel};
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+use tilescope_debugger::{Direction, Listings, Target};
+
+use crate::support::{opened_at, settle};
+
+/// Of a panel, without the bar.
+const SIZE: [f32; 2] = [480.0, 380.0];
+
+/// Software drivers of different versions may round a few edges differently.
+fn options() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(0.8).max_failed_pixels(60)
+}
+
+/// A small run in the middle of its elimination, with something in every panel.
+fn prepared(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = opened_at(size);
+    let state = &mut harness.state_mut().state;
+    let line = Listings::shipped().find("eliminate.5").expect("a line");
+    for command in [
+        Command::ToggleReducedMotion,
+        Command::Type(Field::Radius, "0.03".to_owned()),
+        Command::Type(Field::Leaf, "12".to_owned()),
+        Command::Run,
+    ] {
+        state.apply(command);
+    }
+    state.settle();
+    for command in [
+        Command::FirstStage,
+        Command::Time(TimeCommand::RunTo(Target::Elimination, Direction::Forwards)),
+        Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+        Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
+        Command::Debug(DebugCommand::Watch("distance".to_owned())),
+        Command::Debug(DebugCommand::Watch("nonsense(".to_owned())),
+        Command::Debug(DebugCommand::Bookmark),
+        Command::Debug(DebugCommand::Note(0, "the first one dies".to_owned())),
+        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::Compare(CompareCommand::Start(Rival::Order)),
+    ] {
+        state.apply(command);
+    }
+    settle(&mut harness);
+    harness
+}
+
+fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
+    let id = egui::Id::unique("a panel alone");
+    harness.state_mut().state.layout = Layout(Tree::new_tabs(id, vec![panel]));
+    settle(harness);
+}
+
+fn every_panel(look: Look) -> SnapshotResults {
+    let mut harness = prepared(SIZE);
+    harness.state_mut().state.bare = true;
+    harness.state_mut().state.apply(Command::Look(look));
+    let mut results = SnapshotResults::new();
+    for panel in Panel::ALL {
+        alone(&mut harness, panel);
+        let theme = look.name().to_lowercase().replace(' ', "-");
+        let name = format!("{theme}/{}", panel.name().to_lowercase().replace(' ', "-"));
+        let image = harness.render().expect("a picture of the panel");
+        results.add(try_image_snapshot_options(&image, name, &options()));
+    }
+    results
+}
+
+#[test]
+fn every_panel_looks_as_it_did_in_the_dark() {
+    every_panel(Look::Dark).unwrap();
+}
+
+#[test]
+fn every_panel_looks_as_it_did_in_the_light() {
+    every_panel(Look::Light).unwrap();
+}
+
+#[test]
+fn the_projector_shows_what_it_did() {
+    let mut harness = prepared([800.0, 500.0]);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Look(Look::Projector));
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Compare(CompareCommand::Close));
+    settle(&mut harness);
+    let image = harness.render().expect("a picture of the window");
+    try_image_snapshot_options(&image, "projector/window", &options()).unwrap();
+}
+
+/// Small windows, each with one of the panels or none.
+fn small(windows: &[(&str, [f32; 2], Option<Panel>)]) -> SnapshotResults {
+    let mut results = SnapshotResults::new();
+    for &(name, size, panel) in windows {
+        let mut harness = prepared(size);
+        let state = &mut harness.state_mut().state;
+        state.apply(Command::Compare(CompareCommand::Close));
+        state.apply(Command::Drawer(DrawerCommand::Show(panel)));
+        settle(&mut harness);
+        let image = harness.render().expect("a picture of the window");
+        let name = format!("small/{name}");
+        results.add(try_image_snapshot_options(&image, name, &options()));
+    }
+    results
+}
+
+#[test]
+fn a_phone_shows_the_canvas_and_one_panel() {
+    let upright = [390.0, 844.0];
+    small(&[
+        ("phone", upright, None),
+        ("phone-parameters", upright, Some(Panel::Parameters)),
+        ("phone-inspector", upright, Some(Panel::Inspector)),
+    ])
+    .unwrap();
+}
+
+#[test]
+fn a_lying_a_small_phone_and_a_tablet_have_the_same() {
+    small(&[
+        ("lying", [844.0, 390.0], Some(Panel::Statistics)),
+        ("small-phone", [360.0, 640.0], Some(Panel::Canvas)),
+        ("tablet", [768.0, 1024.0], Some(Panel::Events)),
+    ])
+    .unwrap();
+}
+
+#[test]
+fn a_projector_has_room_for_all() {
+    let mut harness = prepared([1920.0, 1080.0]);
+    let state = &mut harness.state_mut().state;
+    state.apply(Command::Look(Look::Projector));
+    state.apply(Command::Compare(CompareCommand::Close));
+    settle(&mut harness);
+    let image = harness.render().expect("a picture of the window");
+    try_image_snapshot_options(&image, "projector/full-hd", &options()).unwrap();
+}
+
+#[test]
+fn what_is_embedded_is_the_canvas_or_the_player_alone() {
+    let mut harness = prepared([640.0, 420.0]);
+    let state = &mut harness.state_mut().state;
+    state.apply(Command::Compare(CompareCommand::Close));
+    let mut results = SnapshotResults::new();
+    for embedding in Embedding::ALL {
+        harness.state_mut().state.embedding = Some(embedding);
+        settle(&mut harness);
+        let labels = ["Export\u{2026}", "File", "Disks", "Run", "Parameters"];
+        for label in labels {
+            let there = harness.query_by_label(label).is_some();
+            assert!(!there, "{embedding:?} shows {label}");
+        }
+        let plays = harness.query_by_label("Play (Space)").is_some();
+        assert_eq!(plays, embedding == Embedding::Player);
+        let image = harness.render().expect("a picture of the window");
+        let name = format!("embedded/{}", embedding.name());
+        results.add(try_image_snapshot_options(&image, name, &options()));
+    }
+    // Without it there are panels again.
+    harness.state_mut().state.embedding = None;
+    settle(&mut harness);
+    assert!(harness.query_by_label("Parameters").is_some());
+    results.unwrap();
+}
+
+#[test]
+fn another_panel_and_another_moment_are_told_apart() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut harness = prepared(SIZE);
+    harness.state_mut().state.bare = true;
+    alone(&mut harness, Panel::Timeline);
+    let image = harness.render().expect("a picture");
+    image.save(folder.join("known.png")).unwrap();
+    let known = options().output_path(&folder);
+    assert!(try_image_snapshot_options(&image, "known", &known).is_ok());
+    let updating = std::env::var_os("UPDATE_SNAPSHOTS").is_some();
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Time(TimeCommand::Jump(3_000)));
+    settle(&mut harness);
+    let later = harness.render().expect("a picture");
+    assert!(try_image_snapshot_options(&later, "known", &known).is_err() || updating);
+    alone(&mut harness, Panel::Legend);
+    let other = harness.render().expect("a picture");
+    assert!(try_image_snapshot_options(&other, "known", &known).is_err() || updating);
+}

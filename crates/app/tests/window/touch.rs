@@ -1,0 +1,370 @@
+//! Fingers on the canvas, as a browser tells of them: the first one is a pointer, too.
+
+use crate::support;
+use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use tilescope_app::camera::Camera;
+use tilescope_app::canvas::touch::release_cancelled;
+use tilescope_app::command::{Command, Selection};
+use tilescope_app::layout::Panel;
+use tilescope_app::{App, command::DebugCommand};
+
+/// So long takes a frame, in seconds.
+const FRAME: f32 = 1.0 / 60.0;
+
+fn opened(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_step_dt(FRAME)
+        .with_max_steps(support::MOST_FRAMES)
+        .build_eframe(|creation| App::new(&creation.egui_ctx));
+    support::settle(&mut harness);
+    // Near enough to tell samples apart.
+    let state = &mut harness.state_mut().state;
+    state.reduced_motion = true;
+    state.apply(Command::FlyTo([60.0, 60.0], 12.0));
+    support::settle(&mut harness);
+    harness
+}
+
+fn finger(harness: &mut Harness<'_, App>, id: u64, phase: TouchPhase, pos: Pos2) {
+    let is_first = id == 0;
+    let button = |pressed| Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let touch = Event::Touch {
+        device_id: TouchDeviceId(0),
+        id: TouchId(id),
+        phase,
+        pos,
+        force: None,
+    };
+    let mut events = Vec::new();
+    match phase {
+        TouchPhase::Start if is_first => events.push(button(true)),
+        TouchPhase::Move if is_first => events.push(Event::PointerMoved(pos)),
+        TouchPhase::End if is_first => events.extend([button(false), Event::PointerGone]),
+        _ => {}
+    }
+    events.push(touch);
+    for event in events {
+        harness.event(event);
+    }
+}
+
+fn down(harness: &mut Harness<'_, App>, id: u64, pos: Pos2) {
+    finger(harness, id, TouchPhase::Start, pos);
+    harness.step();
+}
+
+fn moved(harness: &mut Harness<'_, App>, id: u64, pos: Pos2) {
+    finger(harness, id, TouchPhase::Move, pos);
+    harness.step();
+}
+
+fn up(harness: &mut Harness<'_, App>, id: u64, pos: Pos2) {
+    finger(harness, id, TouchPhase::End, pos);
+    harness.step();
+}
+
+fn tap(harness: &mut Harness<'_, App>, pos: Pos2) {
+    down(harness, 0, pos);
+    up(harness, 0, pos);
+}
+
+fn wait(harness: &mut Harness<'_, App>, secs: f32) {
+    for _ in 0..(secs / FRAME) as usize {
+        harness.step();
+    }
+}
+
+fn camera(harness: &Harness<'_, App>) -> Camera {
+    harness.state().state.camera
+}
+
+fn middle(harness: &Harness<'_, App>) -> Pos2 {
+    harness.state().state.viewport.center()
+}
+
+/// Returns a valid sample near the middle, and where it is on the screen.
+fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
+    let state = &harness.state().state;
+    let session = state.session.as_ref().expect("a session");
+    let shown = state.shown().expect("a moment");
+    let mut best = (f64::INFINITY, 0);
+    session.index.visit([60.0; 2], [60.0; 2], 2.0, |seen| {
+        let distance = (seen.place[0] - 60.0).hypot(seen.place[1] - 60.0);
+        if shown.covers(seen.id) && distance < best.0 {
+            best = (distance, seen.id);
+        }
+    });
+    (best.1, place_of(harness, best.1))
+}
+
+fn place_of(harness: &Harness<'_, App>, id: u32) -> Pos2 {
+    let state = &harness.state().state;
+    let session = state.session.as_ref().expect("a session");
+    state
+        .camera
+        .screen_from_domain(state.viewport, session.place(id))
+}
+
+fn is_nothing_selected(harness: &Harness<'_, App>) -> bool {
+    let state = &harness.state().state;
+    state.selected.is_none() && state.place.is_none()
+}
+
+const SIZES: [[f32; 2]; 2] = [[390.0, 844.0], [1440.0, 900.0]];
+
+#[test]
+fn a_tap_selects_and_leaves_no_hover() {
+    for size in SIZES {
+        let mut harness = opened(size);
+        let (id, at) = sample(&harness);
+        down(&mut harness, 0, at);
+        assert_eq!(harness.state().state.hovered, None);
+        up(&mut harness, 0, at);
+        harness.step();
+        let state = &harness.state().state;
+        assert_eq!((state.selected, state.hovered), (Some(id), None));
+        // A mouse hovers, as ever.
+        wait(&mut harness, 0.5);
+        let at = place_of(&harness, id);
+        harness.hover_at(at);
+        harness.step();
+        harness.step();
+        assert_eq!(harness.state().state.hovered, Some(id));
+    }
+}
+
+#[test]
+fn a_finger_drags() {
+    let mut harness = opened(SIZES[0]);
+    let from = middle(&harness);
+    let before = camera(&harness);
+    down(&mut harness, 0, from);
+    for k in 1..=10 {
+        moved(&mut harness, 0, from + 6.0 * k as f32 * Vec2::X);
+    }
+    up(&mut harness, 0, from + 60.0 * Vec2::X);
+    wait(&mut harness, 0.3);
+    let after = camera(&harness);
+    let moved_by = (before.center[0] - after.center[0]) * before.scale;
+    assert!((moved_by - 60.0).abs() < 8.0, "{moved_by}");
+    assert!((after.scale - before.scale).abs() < 1e-9);
+    assert!(is_nothing_selected(&harness));
+}
+
+#[test]
+fn two_fingers_pinch_about_their_middle_and_pan() {
+    let mut harness = opened(SIZES[0]);
+    // Away from the middle of the view, so that it matters what stays where it is.
+    let between = middle(&harness) + vec2(50.0, -80.0);
+    let view = harness.state().state.viewport;
+    let place = camera(&harness).domain_from_screen(view, between);
+    let before = camera(&harness);
+    let apart = |k: usize| vec2(30.0 + 3.0 * k as f32, 0.0);
+    down(&mut harness, 0, between - apart(0));
+    down(&mut harness, 1, between + apart(0));
+    for k in 1..=10 {
+        finger(&mut harness, 0, TouchPhase::Move, between - apart(k));
+        moved(&mut harness, 1, between + apart(k));
+    }
+    let after = camera(&harness);
+    assert!((after.scale / before.scale - 2.0).abs() < 0.02);
+    let now = after.screen_from_domain(view, place);
+    assert!((now - between).length() < 2.0, "{now:?} {between:?}");
+    for k in 1..=10 {
+        let by = vec2(0.0, 4.0 * k as f32);
+        finger(&mut harness, 0, TouchPhase::Move, between - apart(10) + by);
+        moved(&mut harness, 1, between + apart(10) + by);
+    }
+    let now = camera(&harness).screen_from_domain(view, place);
+    assert!((now - between - vec2(0.0, 40.0)).length() < 2.0);
+    up(&mut harness, 1, between);
+    up(&mut harness, 0, between);
+    wait(&mut harness, 0.3);
+    assert!(is_nothing_selected(&harness));
+    assert!((camera(&harness).scale / before.scale - 2.0).abs() < 0.02);
+}
+
+#[test]
+fn two_fingers_select_nothing_however_they_are_lifted() {
+    for size in SIZES {
+        let mut harness = opened(size);
+        let at = middle(&harness);
+        let beside = at + vec2(60.0, 0.0);
+        // A quick tap of both, in either sequence, and both in one frame.
+        for last in [0, 1] {
+            down(&mut harness, 0, at);
+            down(&mut harness, 1, beside);
+            up(&mut harness, 1 - last, at);
+            up(&mut harness, last, at);
+            assert!(is_nothing_selected(&harness));
+        }
+        finger(&mut harness, 0, TouchPhase::Start, at);
+        finger(&mut harness, 1, TouchPhase::Start, beside);
+        finger(&mut harness, 1, TouchPhase::End, beside);
+        finger(&mut harness, 0, TouchPhase::End, at);
+        harness.step();
+        harness.step();
+        assert!(is_nothing_selected(&harness));
+        // Two fingers that rest are no long press.
+        down(&mut harness, 0, at);
+        down(&mut harness, 1, beside);
+        wait(&mut harness, 1.5);
+        assert!(is_nothing_selected(&harness));
+        assert!(!harness.state().state.shows(Panel::Inspector));
+        up(&mut harness, 1, beside);
+        up(&mut harness, 0, at);
+        // Afterwards one finger selects again.
+        wait(&mut harness, 0.5);
+        tap(&mut harness, at);
+        harness.step();
+        assert!(!is_nothing_selected(&harness));
+    }
+}
+
+#[test]
+fn a_double_tap_flies_to_the_block() {
+    let mut harness = opened(SIZES[0]);
+    let before = camera(&harness);
+    let at = middle(&harness);
+    tap(&mut harness, at);
+    wait(&mut harness, 0.1);
+    tap(&mut harness, at);
+    wait(&mut harness, 0.1);
+    let after = camera(&harness);
+    assert!(
+        after.scale < 0.8 * before.scale,
+        "a block is larger than 12 r"
+    );
+    // Nothing came between the two taps, or after them.
+    wait(&mut harness, 1.0);
+    assert_eq!(harness.state().state.drawer.open, None);
+    // Two taps that are far apart in time are two taps.
+    let mut harness = opened(SIZES[0]);
+    tap(&mut harness, at);
+    wait(&mut harness, 1.0);
+    tap(&mut harness, at);
+    wait(&mut harness, 0.1);
+    assert!((camera(&harness).scale - before.scale).abs() < 1e-9);
+}
+
+#[test]
+fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
+    let mut harness = opened(SIZES[0]);
+    let state = &mut harness.state_mut().state;
+    let bottom = state.viewport.center_bottom() - vec2(0.0, 20.0);
+    let before = state.viewport;
+    tap(&mut harness, bottom);
+    wait(&mut harness, 0.5);
+    let state = &harness.state().state;
+    assert!(state.shows(Panel::Inspector));
+    assert!(
+        state.viewport.bottom() < bottom.y,
+        "the panel took a part of {before:?}"
+    );
+    let place = match state.selected {
+        Some(id) => state.session.as_ref().expect("a session").place(id),
+        None => state.place.expect("a place"),
+    };
+    let now = state.camera.screen_from_domain(state.viewport, place);
+    assert!(state.viewport.contains(now), "{now:?}");
+    // A tap beside the domain lets go, and opens nothing.
+    harness
+        .state_mut()
+        .state
+        .apply(Command::OpenPanel(Panel::Canvas));
+    harness.state_mut().state.apply(Command::Fit);
+    support::settle(&mut harness);
+    let corner = harness.state().state.viewport.center_top() + vec2(0.0, 12.0);
+    tap(&mut harness, corner);
+    wait(&mut harness, 0.5);
+    assert!(is_nothing_selected(&harness));
+    assert!(!harness.state().state.shows(Panel::Inspector));
+}
+
+#[test]
+fn a_click_shows_what_is_known_of_a_sample_at_once() {
+    let mut harness = opened(SIZES[1]);
+    let (id, at) = sample(&harness);
+    assert!(!harness.state().state.shows(Panel::Inspector));
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    harness.step();
+    let state = &harness.state().state;
+    assert_eq!(state.selected, Some(id));
+    assert!(state.shows(Panel::Inspector));
+    assert!(!state.can_undo(), "a selection is nothing to undo");
+}
+
+#[test]
+fn a_long_press_opens_the_history() {
+    for size in SIZES {
+        let mut harness = opened(size);
+        let (id, at) = sample(&harness);
+        down(&mut harness, 0, at);
+        wait(&mut harness, 0.4);
+        assert!(is_nothing_selected(&harness));
+        wait(&mut harness, 0.8);
+        let state = &harness.state().state;
+        assert_eq!(state.selected, Some(id));
+        assert!(state.shows(Panel::Inspector));
+        up(&mut harness, 0, at);
+        support::settle(&mut harness);
+        let state = &harness.state().state;
+        assert_eq!((state.selected, state.hovered), (Some(id), None));
+        harness.get_by_label_contains("History:");
+    }
+}
+
+#[test]
+fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
+    let mut harness = opened(SIZES[0]);
+    let at = middle(&harness);
+    let before = camera(&harness);
+    down(&mut harness, 0, at);
+    let mut raw = egui::RawInput::default();
+    raw.events.push(Event::Touch {
+        device_id: TouchDeviceId(0),
+        id: TouchId(0),
+        phase: TouchPhase::Cancel,
+        pos: at,
+        force: None,
+    });
+    release_cancelled(&mut raw);
+    assert_eq!(raw.events.len(), 4);
+    harness.input_mut().events.extend(raw.events);
+    harness.step();
+    harness.step();
+    assert!(is_nothing_selected(&harness));
+    assert_eq!(camera(&harness), before);
+    assert!(!harness.ctx.input(|input| input.pointer.any_down()));
+    assert_eq!(harness.state().state.hovered, None);
+    // Nothing is added where nothing was taken back.
+    let mut raw = egui::RawInput::default();
+    raw.events.push(Event::PointerGone);
+    release_cancelled(&mut raw);
+    assert_eq!(raw.events.len(), 1);
+}
+
+#[test]
+fn what_was_selected_can_be_let_go_by_a_tap_outside() {
+    let mut harness = opened(SIZES[0]);
+    let pick = DebugCommand::Pick(Selection::Sample(40));
+    harness.state_mut().state.apply(Command::Debug(pick));
+    harness.state_mut().state.apply(Command::Fit);
+    support::settle(&mut harness);
+    let corner = harness.state().state.viewport.center_top() + vec2(0.0, 12.0);
+    tap(&mut harness, corner);
+    harness.step();
+    assert!(is_nothing_selected(&harness));
+}

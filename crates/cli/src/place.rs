@@ -1,0 +1,40 @@
+//! Where a command writes: what could not be written at its end is refused before any work.
+
+use std::path::Path;
+
+use anyhow::{Result, bail, ensure};
+use tilescope_formats::{Format, FormatError, certificate_path, destination};
+
+/// Refuses a point set that could not be written at its end. `option` names a format.
+pub fn check_target(path: &Path, format: Option<Format>, option: &str) -> Result<()> {
+    match Format::to_write(path, format) {
+        Err(FormatError::UnknownFormat { .. }) => {
+            let mut known = Format::ALL.map(Format::extension).to_vec();
+            known.dedup();
+            bail!(
+                "{}: the extension names no format (known: {}); give {option}",
+                path.display(),
+                known.join(", ")
+            );
+        }
+        outcome => outcome?,
+    };
+    destination(&certificate_path(path))?;
+    check_place(path)
+}
+
+/// Refuses a file that could not be made or replaced at its end.
+pub fn check_place(path: &Path) -> Result<()> {
+    let file = destination(path)?;
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder {
+        ensure!(
+            folder.is_dir(),
+            "{}: there is no such folder",
+            folder.display()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,7 @@
+//! Integration tests of `tilescope-core`.
+
+mod combine;
+mod combine_refusals;
+mod combining;
+mod definition;
+mod extremes;

@@ -1,0 +1,182 @@
+//! Events that are found again in other runs: the stage, the kind, and which of its kind in that stage an event is.
+
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::{Moment, Stage};
+
+use crate::kind::Kind;
+use crate::recording::Recording;
+
+/// An event by its place in its stage. As text it is such as `eliminate.test.12` or `iterate-2.insert.1`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Anchor {
+    /// The stage.
+    pub stage: Stage,
+    /// The kind of the event.
+    pub kind: Kind,
+    /// Which one of this kind it is in the stage, from 1.
+    pub ordinal: usize,
+}
+
+/// A text that is no anchor.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("\"{0}\" is no anchor such as eliminate.test.12")]
+pub struct AnchorError(String);
+
+impl fmt::Display for Anchor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let stage = self.stage.to_string().replace(' ', "-");
+        write!(f, "{stage}.{}.{}", self.kind.name(), self.ordinal)
+    }
+}
+
+impl From<Anchor> for String {
+    fn from(anchor: Anchor) -> Self {
+        anchor.to_string()
+    }
+}
+
+impl TryFrom<String> for Anchor {
+    type Error = AnchorError;
+
+    fn try_from(text: String) -> Result<Self, AnchorError> {
+        text.parse()
+    }
+}
+
+impl FromStr for Anchor {
+    type Err = AnchorError;
+
+    fn from_str(text: &str) -> Result<Self, AnchorError> {
+        let read = || {
+            let mut parts = text.split('.');
+            let anchor = Self {
+                stage: stage_named(parts.next()?)?,
+                kind: Kind::named(parts.next()?)?,
+                ordinal: parts.next()?.parse().ok().filter(|&ordinal| ordinal > 0)?,
+            };
+            parts.next().is_none().then_some(anchor)
+        };
+        read().ok_or_else(|| AnchorError(text.to_owned()))
+    }
+}
+
+fn stage_named(name: &str) -> Option<Stage> {
+    let others = [
+        Stage::Pattern,
+        Stage::Blocks,
+        Stage::Tile,
+        Stage::Eliminate,
+        Stage::Finish,
+    ];
+    match name.strip_prefix("iterate-") {
+        Some(number) => number.parse().ok().map(Stage::Iterate),
+        None => others.into_iter().find(|stage| stage.to_string() == name),
+    }
+}
+
+impl Recording {
+    /// Returns the stages in their sequence, each with its events.
+    fn stages(&self) -> Vec<(Stage, Range<usize>)> {
+        let mut stages: Vec<(Stage, Range<usize>)> = Vec::new();
+        for &begin in self.begins() {
+            let begin = begin as usize;
+            let stage = match self.event(begin).and_then(crate::Event::moment) {
+                Some(Moment::Begin(stage)) => stage,
+                Some(Moment::Iteration { number, .. }) => Stage::Iterate(number),
+                _ => continue,
+            };
+            if let Some((last, events)) = stages.last_mut() {
+                if *last == stage {
+                    continue;
+                }
+                events.end = begin;
+            }
+            stages.push((stage, begin..self.len()));
+        }
+        stages
+    }
+
+    /// Returns the anchor of an event.
+    #[must_use]
+    pub fn anchor(&self, event: usize) -> Option<Anchor> {
+        let kind = self.event(event)?.kind();
+        let stages = self.stages();
+        let (stage, events) = stages.iter().find(|(_, events)| events.contains(&event))?;
+        let before = |end| self.classes().count(end, |other| other.kind() == kind);
+        Some(Anchor {
+            stage: *stage,
+            kind,
+            ordinal: before(event + 1) - before(events.start),
+        })
+    }
+
+    /// Returns the event of an anchor, if this run has it.
+    #[must_use]
+    pub fn anchored(&self, anchor: &Anchor) -> Option<usize> {
+        let stages = self.stages();
+        let (_, events) = stages.iter().find(|(stage, _)| *stage == anchor.stage)?;
+        let before = |end| {
+            self.classes()
+                .count(end, |other| other.kind() == anchor.kind)
+        };
+        let wanted = before(events.start).checked_add(anchor.ordinal)?;
+        if wanted > before(events.end) {
+            return None;
+        }
+        // The first end that has so many before it lies just behind the event.
+        let (mut low, mut high) = (events.start, events.end);
+        while low + 1 < high {
+            let middle = usize::midpoint(low, high);
+            if before(middle) < wanted {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(high - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn anchors_are_read_as_they_are_written() {
+        for (text, stage, kind, ordinal) in [
+            ("blocks.split.1", Stage::Blocks, Kind::Split, 1),
+            (
+                "iterate-12.no-gap.340",
+                Stage::Iterate(12),
+                Kind::NoGap,
+                340,
+            ),
+            ("finish.finish.1", Stage::Finish, Kind::Finish, 1),
+        ] {
+            let anchor = Anchor {
+                stage,
+                kind,
+                ordinal,
+            };
+            assert_eq!(anchor.to_string(), text);
+            assert_eq!(text.parse(), Ok(anchor));
+        }
+        for text in [
+            "",
+            "tile",
+            "tile.test",
+            "tile.test.0",
+            "tile.test.-1",
+            "tile.test.1.2",
+            "shore.test.1",
+            "tile.shell.1",
+        ] {
+            assert!(text.parse::<Anchor>().is_err(), "{text}");
+        }
+    }
+}

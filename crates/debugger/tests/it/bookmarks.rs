@@ -1,0 +1,101 @@
+//! Bookmarks outlive their run: they stand at its own events, in other runs where their anchors are, or nowhere.
+
+use std::sync::Arc;
+
+use tilescope_core::{Parameters, Unobserved};
+use tilescope_debugger::{Bookmark, DEFAULT_BUDGET, Debugger, Marked, Recording, Session};
+
+fn debugger(seed: u64, radius: f64) -> Debugger {
+    let parameters = Parameters {
+        seed,
+        radius,
+        leaf: 8.0,
+        ..Parameters::default()
+    };
+    let recording = Recording::new(&parameters, DEFAULT_BUDGET, &mut Unobserved).unwrap();
+    Debugger::new(Arc::new(recording), DEFAULT_BUDGET)
+}
+
+/// Where the bookmarks of a session are.
+fn places(debugger: &Debugger) -> Vec<Marked> {
+    let marks = debugger.bookmarks.iter();
+    marks.map(|mark| debugger.marked(mark)).collect()
+}
+
+#[test]
+fn every_event_is_found_by_its_anchor() {
+    let debugger = debugger(1, 0.04);
+    let recording = debugger.recording();
+    for event in (0..recording.len()).step_by(37) {
+        let anchor = recording.anchor(event).unwrap();
+        assert_eq!(recording.anchored(&anchor), Some(event), "{anchor}");
+        assert_eq!(anchor.to_string().parse(), Ok(anchor));
+    }
+    let last = recording.anchor(recording.len() - 1).unwrap();
+    let behind = tilescope_debugger::Anchor {
+        ordinal: last.ordinal + 1,
+        ..last
+    };
+    assert_eq!(recording.anchored(&behind), None);
+    let far = tilescope_debugger::Anchor {
+        ordinal: usize::MAX,
+        ..last
+    };
+    assert_eq!(recording.anchored(&far), None);
+}
+
+#[test]
+fn bookmarks_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
+    let mut first = debugger(1, 0.02);
+    let len = first.recording().len();
+    let moments = [0, 5, len / 2, len - 40, len];
+    for cursor in moments {
+        first.jump(cursor);
+        first.bookmark();
+        first.bookmark();
+    }
+    first.bookmarks[2].note = "half".to_owned();
+    assert_eq!(places(&first), moments.map(Marked::Here));
+    let set = first.bookmarks.clone();
+    // A run of fewer samples does not have them all.
+    let mut small = debugger(2, 0.06);
+    small.put_stops(first.take_stops()).unwrap();
+    assert!(first.bookmarks.is_empty());
+    let there = places(&small);
+    assert_eq!(there[0], Marked::Like(0));
+    assert!(there.contains(&Marked::Nowhere));
+    for mark in &small.bookmarks {
+        if let Marked::Like(cursor) = small.marked(mark) {
+            let last = cursor.checked_sub(1);
+            let anchor = last.and_then(|event| small.recording().anchor(event));
+            assert_eq!(anchor, mark.anchor);
+        }
+    }
+    // They are saved with this run, though its events are fewer, and come back with the first.
+    let text = small.session().to_json().unwrap();
+    let saved = Session::from_json(&text).unwrap();
+    let mut restored = Debugger::restore(&saved, &mut Unobserved).unwrap();
+    assert_eq!(restored.bookmarks, small.bookmarks);
+    let mut again = debugger(1, 0.02);
+    again.put_stops(restored.take_stops()).unwrap();
+    assert_eq!(again.bookmarks, set);
+    assert_eq!(places(&again), moments.map(Marked::Here));
+}
+
+#[test]
+fn bookmarks_of_older_files_are_of_the_run_that_was_saved() {
+    let mut debugger = debugger(1, 0.04);
+    debugger.jump(77);
+    debugger.bookmark();
+    let set = debugger.bookmarks.clone();
+    let mut saved = debugger.session();
+    saved.bookmarks = vec![Bookmark {
+        event: 77,
+        ..Bookmark::default()
+    }];
+    let text = saved.to_json().unwrap();
+    assert!(!text.contains("anchor") && !text.contains("\"run\""));
+    let saved = Session::from_json(&text).unwrap();
+    let back = Debugger::restore(&saved, &mut Unobserved).unwrap();
+    assert_eq!(back.bookmarks, set);
+}

@@ -1,0 +1,222 @@
+//! Indices, the tree of events and counts give what plain scans of the tape give.
+
+use proptest::prelude::*;
+use tilescope_core::{Moment, Parameters, Stage, Variant, Verdict};
+use tilescope_debugger::{
+    DEFAULT_BUDGET, Debugger, Density, Direction, Kind, LineId, Listings, Outline, OutlineRows,
+    Recording, Stop, Target, density, moves, phases, why,
+};
+
+use crate::support::{record, variants};
+
+const FORWARDS: Direction = Direction::Forwards;
+const BACKWARDS: Direction = Direction::Backwards;
+
+fn scan(recording: &Recording, cursor: usize, target: Target, way: Direction) -> Option<usize> {
+    moves::find(recording, cursor, way, |index, event| {
+        moves::matches_target(recording, index, event, target)
+    })
+}
+
+fn targets(recording: &Recording, line: u8, sample: u32) -> Vec<Target> {
+    let mut all = vec![
+        Target::Conflict,
+        Target::Elimination,
+        Target::Gap,
+        Target::Insertion,
+        Target::SecondInsertion,
+        Target::Violation,
+        Target::Line(LineId(line)),
+        Target::Sample(sample % recording.run().samples.len() as u32),
+        Target::Sample(u32::MAX - 1),
+    ];
+    all.extend(Kind::ALL.iter().map(|&kind| Target::Kind(kind)));
+    all
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(tilescope_tests::cases(12)))]
+
+    #[test]
+    fn runs_reach_what_a_scan_reaches(
+        variant in 0_usize..6,
+        places in prop::collection::vec(any::<prop::sample::Index>(), 4),
+        line in 0_u8..60,
+        sample: u32,
+    ) {
+        let recording = record(&variants()[variant], DEFAULT_BUDGET);
+        let ends = [0, recording.len(), recording.len() - 1];
+        let inner = places.iter().map(|place| place.index(recording.len()));
+        for cursor in inner.chain(ends) {
+            for target in targets(&recording, line, sample) {
+                for way in [FORWARDS, BACKWARDS] {
+                    let found = moves::run_to(&recording, cursor, target, way);
+                    let expected = scan(&recording, cursor, target, way);
+                    prop_assert_eq!(found, expected, "{:?} {:?} {}", target, way, cursor);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn counts_are_those_of_a_scan(
+        variant in 0_usize..6,
+        places in prop::array::uniform2(any::<prop::sample::Index>()),
+        buckets in 1_usize..300,
+    ) {
+        let recording = record(&variants()[variant], DEFAULT_BUDGET);
+        let mut ends = places.map(|place| place.index(recording.len() + 1));
+        ends.sort_unstable();
+        let (start, end) = (ends[0], ends[1]);
+        let found = density(&recording, start..end, buckets);
+        prop_assert_eq!(found.len(), buckets);
+        let bound = |k: usize| start + (end - start) * k / buckets;
+        for (k, counts) in found.iter().enumerate() {
+            prop_assert_eq!(*counts, counted(&recording, bound(k), bound(k + 1)));
+        }
+    }
+}
+
+/// The counts, written down again from the moments.
+fn counted(recording: &Recording, start: usize, end: usize) -> Density {
+    let mut counts = Density::default();
+    for (_, event) in recording.tape().from(start).take(end - start) {
+        let count = match event.moment() {
+            Some(Moment::Test { covers: false, .. }) => &mut counts.tests,
+            Some(Moment::Test { .. } | Moment::Eliminate { .. }) => &mut counts.conflicts,
+            Some(Moment::Insert { .. }) => &mut counts.insertions,
+            Some(Moment::Candidate { verdict, .. } | Moment::Dart { verdict, .. })
+                if verdict != Verdict::Accepted =>
+            {
+                &mut counts.tests
+            }
+            _ if Recording::is_gap(event) => &mut counts.gaps,
+            _ => &mut counts.others,
+        };
+        *count += 1;
+    }
+    counts
+}
+
+#[test]
+fn ranges_beyond_the_tape_and_no_buckets_are_empty() {
+    let recording = record(&variants()[0], DEFAULT_BUDGET);
+    assert_eq!(density(&recording, 0..usize::MAX, 0), []);
+    let all = density(&recording, 0..usize::MAX, 1);
+    assert_eq!(all[0].total() as usize, recording.len());
+    let none = density(&recording, recording.len()..usize::MAX, 3);
+    assert_eq!(none, [Density::default(); 3]);
+    let inserted: usize = recording.run().summary().inserted.iter().sum();
+    assert_eq!(all[0].insertions as usize, inserted);
+}
+
+#[test]
+fn phases_cover_the_tape_without_holes() {
+    for parameters in variants() {
+        let recording = record(&parameters, DEFAULT_BUDGET);
+        let phases = phases(&recording);
+        assert_eq!(phases[0].events.start, 0);
+        assert_eq!(phases.last().unwrap().events.end, recording.len());
+        for pair in phases.windows(2) {
+            assert_eq!(pair[0].events.end, pair[1].events.start);
+            assert!(!pair[0].events.is_empty());
+            assert!(pair[0].stage < pair[1].stage, "{pair:?}");
+        }
+        for phase in &phases {
+            let here = recording.context(phase.events.end).phase;
+            assert_eq!(here, Some(phase.stage));
+        }
+        let names: Vec<&str> = phases.iter().map(|phase| phase.name.as_str()).collect();
+        assert_eq!(names[..3], ["Blocks", "Tile", "Eliminate"]);
+        assert_eq!(phases.last().unwrap().stage, Stage::Finish);
+        let first = match parameters.variant {
+            Variant::Staged => "Iteration 1",
+            Variant::AsPrinted => "Iteration 2",
+        };
+        assert_eq!(names[3], first);
+    }
+}
+
+#[test]
+fn histories_and_causes_are_those_of_a_scan() {
+    for parameters in variants() {
+        let recording = record(&parameters, DEFAULT_BUDGET);
+        recording.prepare();
+        for sample in (0..recording.run().samples.len() as u32 + 2).step_by(29) {
+            let events = recording.tape().from(0);
+            let named = events.filter(|(_, event)| event.touches(sample));
+            let expected: Vec<usize> = named.map(|(index, _)| index).collect();
+            assert_eq!(why::history_of_sample(&recording, sample), expected);
+        }
+        for (index, event) in recording.tape().from(0) {
+            if matches!(event.kind(), Kind::NoGap | Kind::Call) && index % 13 == 0 {
+                let mut before = recording.tape().before(index);
+                let search = before.find(|(_, event)| event.kind() == Kind::Search);
+                assert_eq!(
+                    why::cause(&recording, index),
+                    search.map(|(index, _)| index)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_stops_at_every_event_of_its_lines() {
+    let recording = std::sync::Arc::new(record(&variants()[3], DEFAULT_BUDGET));
+    let mut debugger = Debugger::new(recording.clone(), DEFAULT_BUDGET);
+    let lines = ["eliminate.5", "insert.3", "finish.2"].map(|id| Listings::shipped().find(id));
+    for line in lines.into_iter().flatten() {
+        debugger.add_breakpoint(line, "");
+    }
+    let mut stops = Vec::new();
+    while debugger.run(FORWARDS) != Stop::End {
+        stops.push(debugger.state().cursor());
+    }
+    let events = recording.tape().from(0);
+    let armed = events.filter(|(_, event)| lines.contains(&Some(event.line())));
+    let expected: Vec<usize> = armed.map(|(index, _)| index).collect();
+    assert_eq!(stops, expected);
+    debugger.jump(recording.len());
+    let mut back = Vec::new();
+    while debugger.run(BACKWARDS) != Stop::End {
+        back.push(debugger.state().cursor());
+    }
+    back.reverse();
+    assert_eq!(back, expected);
+}
+
+#[test]
+fn the_tree_of_a_recording_reaches_every_event_once() {
+    let thinned = Parameters {
+        radius: 1.0 / 44.0,
+        ..variants()[2]
+    };
+    let thinned = record(&thinned, 150_000);
+    assert!(thinned.tape().left_out() > 0);
+    let whole = variants().into_iter().map(|p| record(&p, DEFAULT_BUDGET));
+    for recording in whole.chain([thinned]) {
+        let outline = Outline::new(&recording);
+        let mut stack: Vec<usize> = outline.roots().collect();
+        let mut seen = vec![0_u8; recording.len()];
+        while let Some(event) = stack.pop() {
+            seen[event] += 1;
+            for child in outline.children(event) {
+                assert_eq!(outline.parent(child), Some(event));
+                assert!(
+                    recording.event(child).unwrap().depth()
+                        > recording.event(event).unwrap().depth()
+                );
+                stack.push(child);
+            }
+        }
+        assert!(seen.iter().all(|&times| times == 1));
+        let mut rows = OutlineRows::new(&outline);
+        for event in (0..recording.len()).step_by(recording.len() / 40) {
+            rows.expand_to(&outline, event);
+            let row = rows.row_of(event).and_then(|k| rows.row(k)).unwrap();
+            assert_eq!(row.event, event);
+            assert_eq!(row.level, outline.parents(event).count());
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Integration tests of `tilescope-figures`.
+
+mod animations;
+mod moments;

@@ -1,0 +1,5 @@
+//! Integration tests of `tilescope-gpu`.
+
+mod device;
+mod shaders;
+mod support;

@@ -1,0 +1,441 @@
+//! Engines, windows and sets written as they come, end to end: the real binary, real files, real
+//! interruptions.
+
+use crate::support::runs;
+use std::fs;
+use std::process::{Child, Command as Process};
+
+use crate::support::runs::{json, partial, read};
+use crate::support::{names, tilescope};
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+use tempfile::{TempDir, tempdir};
+
+/// A set that is written as it comes, in several bands.
+const LARGE: [&str; 7] = [
+    "sample", "--count", "1300000", "--leaf", "40", "--seed", "5",
+];
+
+#[test]
+fn engines_write_the_same_bytes() {
+    let folder = tempdir().unwrap();
+    for (k, options) in [
+        vec![],
+        vec!["--boundary", "bounded", "--order", "random", "--leaf", "11"],
+        vec!["--insertion", "uniform", "--dihedral", "--order", "index"],
+        vec![
+            "--order",
+            "phase-group",
+            "--search",
+            "2",
+            "--pattern-side",
+            "33",
+        ],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        for extension in ["ply", "json", "csv", "npy"] {
+            // JSON files name themselves.
+            let name = |engine: &str| format!("{engine}/{k}.{extension}");
+            for engine in ["sequential", "parallel", "auto"] {
+                let out = name(engine);
+                fs::create_dir_all(folder.path().join(engine)).unwrap();
+                let mut arguments = vec!["sample", "--radius", "0.012", "--seed", "3"];
+                arguments.extend(["--engine", engine, "--threads", "3", "--out", &out]);
+                arguments.extend(&options);
+                tilescope(&folder).args(arguments).output().unwrap();
+            }
+            let bytes = read(&folder, &name("sequential"));
+            assert!(bytes.len() > 30_000);
+            assert!(
+                bytes == read(&folder, &name("parallel")),
+                "{options:?} {extension}"
+            );
+            assert!(
+                bytes == read(&folder, &name("auto")),
+                "{options:?} {extension}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_large_set_is_the_same_whoever_makes_it_and_verifies() {
+    let folder = tempdir().unwrap();
+    let with = |more: &[&'static str]| [LARGE.as_slice(), more].concat();
+    let streamed = json(&folder, &with(&["--out", "streamed.npy"]));
+    let whole = json(
+        &folder,
+        &with(&["--engine", "sequential", "--out", "whole.npy"]),
+    );
+    let unwritten = json(&folder, &with(&["--threads", "1"]));
+    for key in [
+        "count",
+        "conflicts",
+        "gaps",
+        "min_distance_r",
+        "covering_radius_r",
+        "radius",
+    ] {
+        assert_eq!(streamed[key], whole[key], "{key}");
+        assert_eq!(streamed[key], unwritten[key], "{key}");
+    }
+    for key in ["blocks", "tiled", "eliminated", "inserted"] {
+        assert_eq!(streamed[key], whole[key], "{key}");
+    }
+    assert!(read(&folder, "streamed.npy") == read(&folder, "whole.npy"));
+    let certificate = |name: &str| -> Value {
+        serde_json::from_slice(&read(&folder, &format!("{name}.certificate.json"))).unwrap()
+    };
+    let (mut a, b) = (certificate("streamed.npy"), certificate("whole.npy"));
+    assert_eq!(a["valid"], true);
+    a["file"] = b["file"].clone();
+    assert_eq!(a, b);
+    let verified = json(&folder, &["verify", "streamed.npy"]);
+    assert_eq!(verified["differences"], Value::Array(vec![]));
+    // Negative control: one sample moved is a conflict and another digest.
+    let path = folder.path().join("streamed.npy");
+    let mut bytes = fs::read(&path).unwrap();
+    let (from, to) = ((bytes.len() / 2) & !15, (bytes.len() / 2 + 16) & !15);
+    let sample: Vec<u8> = bytes[from..from + 16].to_vec();
+    bytes[to..to + 16].copy_from_slice(&sample);
+    bytes[to] ^= 1;
+    fs::write(&path, bytes).unwrap();
+    let mut verify = tilescope(&folder);
+    verify.args(["verify", "streamed.npy"]).assert().code(1);
+}
+
+#[test]
+fn without_verification_there_is_no_certificate_and_the_file_is_the_same() {
+    let folder = tempdir().unwrap();
+    let base = ["sample", "--radius", "0.004", "--out"];
+    let verified = json(&folder, &[base.as_slice(), &["a.npy"]].concat());
+    let plain = json(
+        &folder,
+        &[base.as_slice(), &["b.npy", "--no-verify"]].concat(),
+    );
+    assert_eq!(plain["count"], verified["count"]);
+    assert_eq!(plain["verified"], false);
+    assert_eq!(plain["valid"], Value::Null);
+    assert!(read(&folder, "a.npy") == read(&folder, "b.npy"));
+    assert_eq!(
+        names(folder.path()),
+        ["a.npy", "a.npy.certificate.json", "b.npy"]
+    );
+}
+
+/// Starts a large run and waits for its first checkpoint.
+fn started(folder: &TempDir, name: &str) -> Child {
+    let mut child = runs::started(folder, &LARGE, name);
+    assert!(
+        child.try_wait().unwrap().is_none(),
+        "it ended before a checkpoint"
+    );
+    child
+}
+
+fn signal(child: &Child, name: &str) {
+    let mut kill = Process::new("kill");
+    let status = kill
+        .args([format!("-{name}"), child.id().to_string()])
+        .status();
+    assert!(status.unwrap().success());
+}
+
+#[test]
+fn what_was_killed_goes_on_to_the_same_file() {
+    let folder = tempdir().unwrap();
+    let whole = json(
+        &folder,
+        &[LARGE.as_slice(), &["--out", "whole.npy"]].concat(),
+    );
+    for (kill, name) in [
+        ("KILL", "killed.npy"),
+        ("INT", "stopped.npy"),
+        ("TERM", "ended.npy"),
+        ("HUP", "left.npy"),
+    ] {
+        let mut child = started(&folder, name);
+        signal(&child, kill);
+        let status = child.wait().unwrap();
+        if kill != "KILL" {
+            assert_eq!(status.code(), Some(130), "{kill}");
+            assert!(!folder.path().join(format!("{name}.lock")).exists());
+        }
+        assert!(!status.success());
+        assert!(
+            !folder.path().join(name).exists(),
+            "{kill}: an unfinished file has the name"
+        );
+        assert!(partial(&folder, name).exists());
+        let resumed = json(
+            &folder,
+            &[LARGE.as_slice(), &["--out", name, "--resume"]].concat(),
+        );
+        for key in [
+            "count",
+            "blocks",
+            "tiled",
+            "eliminated",
+            "inserted",
+            "covering_radius_r",
+        ] {
+            assert_eq!(resumed[key], whole[key], "{kill}: {key}");
+        }
+        assert!(read(&folder, name) == read(&folder, "whole.npy"), "{kill}");
+        assert!(!partial(&folder, name).exists());
+        let verified = json(&folder, &["verify", name]);
+        assert_eq!(verified["differences"], Value::Array(vec![]));
+    }
+}
+
+#[test]
+fn a_second_run_of_a_name_is_refused() {
+    let folder = tempdir().unwrap();
+    let mut first = started(&folder, "set.npy");
+    for more in [[].as_slice(), &["--resume"]] {
+        let mut second = tilescope(&folder);
+        second.args(LARGE).args(["--out", "set.npy"]).args(more);
+        let said = contains("set.npy: another process is writing it");
+        second.assert().code(2).stderr(said);
+    }
+    signal(&first, "TERM");
+    assert_eq!(first.wait().unwrap().code(), Some(130));
+    assert!(partial(&folder, "set.npy").exists());
+}
+
+#[test]
+fn a_resume_that_cannot_be_is_refused_and_nothing_is_lost() {
+    let folder = tempdir().unwrap();
+    let mut nothing = tilescope(&folder);
+    nothing.args(LARGE).args(["--out", "set.npy", "--resume"]);
+    nothing.assert().code(2).stderr(contains("set.npy"));
+    let mut child = started(&folder, "set.npy");
+    signal(&child, "KILL");
+    child.wait().unwrap();
+    let mut other = tilescope(&folder);
+    other
+        .args(LARGE)
+        .args(["--order", "random", "--out", "set.npy", "--resume"]);
+    other.assert().code(2).stderr(contains("order"));
+    let mut unverified = tilescope(&folder);
+    unverified
+        .args(LARGE)
+        .args(["--out", "set.npy", "--resume", "--no-verify"]);
+    unverified
+        .assert()
+        .code(2)
+        .stderr(contains("verified, without --no-verify"));
+    assert!(partial(&folder, "set.npy").exists());
+    // A byte of the unfinished file is wrong.
+    let path = partial(&folder, "set.npy");
+    let mut bytes = fs::read(&path).unwrap();
+    bytes[5_000] ^= 1;
+    fs::write(&path, &bytes).unwrap();
+    let mut damaged = tilescope(&folder);
+    damaged.args(LARGE).args(["--out", "set.npy", "--resume"]);
+    damaged.assert().code(2).stderr(contains("set.npy.partial"));
+    assert!(!folder.path().join("set.npy").exists());
+}
+
+#[test]
+fn a_full_disk_leaves_no_file_and_keeps_the_old_one() {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("set.npy"), b"old").unwrap();
+    let binary = assert_cmd::cargo::cargo_bin("tilescope");
+    // A limit on file sizes makes writes fail as a full disk does.
+    let script = format!("ulimit -f 2000; exec '{}' \"$@\"", binary.display());
+    let output = Process::new("sh")
+        .current_dir(folder.path())
+        .env("TILESCOPE_CACHE", "")
+        .args(["-c", &script, "sh"])
+        .args(LARGE)
+        .args(["--out", "set.npy"])
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("set.npy"), "{errors}");
+    assert_eq!(read(&folder, "set.npy"), b"old");
+    assert_eq!(names(folder.path()), ["set.npy"]);
+}
+
+/// Returns the positions of a CSV file.
+fn positions(folder: &TempDir, name: &str) -> Vec<[f64; 2]> {
+    let text = String::from_utf8(read(folder, name)).unwrap();
+    let number = |part: Option<&str>| part.unwrap().parse::<f64>().unwrap();
+    text.lines()
+        .skip(1)
+        .map(|line| {
+            let mut parts = line.split(',');
+            [number(parts.next()), number(parts.next())]
+        })
+        .collect()
+}
+
+#[test]
+fn a_window_holds_what_the_whole_set_has_there() {
+    let folder = tempdir().unwrap();
+    for boundary in ["periodic", "bounded"] {
+        let base = [
+            "sample",
+            "--radius",
+            "0.01",
+            "--boundary",
+            boundary,
+            "--leaf",
+            "9",
+        ];
+        json(
+            &folder,
+            &[base.as_slice(), &["--out", "whole.csv"]].concat(),
+        );
+        let whole = positions(&folder, "whole.csv");
+        for window in [["0.2", "0.3", "0.7", "0.45"], ["0.9", "-0.1", "1.3", "0.2"]] {
+            let mut arguments = [base.as_slice(), &["--window"], &window].concat();
+            arguments.extend(["--out", "part.csv"]);
+            let found = json(&folder, &arguments);
+            assert_eq!(found["valid"], true, "{boundary} {window:?}");
+            let [x0, y0, x1, y1] = window.map(|v| v.parse::<f64>().unwrap());
+            let inside = |value: f64, low: f64, high: f64| {
+                let images = if boundary == "periodic" {
+                    -1..=1
+                } else {
+                    0..=0
+                };
+                images
+                    .into_iter()
+                    .any(|k| (low..high).contains(&(value + f64::from(k))))
+            };
+            let expected: Vec<[f64; 2]> = whole
+                .iter()
+                .copied()
+                .filter(|p| inside(p[0], x0, x1) && inside(p[1], y0, y1))
+                .collect();
+            assert!(expected.len() > 100);
+            assert_eq!(
+                positions(&folder, "part.csv"),
+                expected,
+                "{boundary} {window:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn windows_that_meet_share_no_sample_and_miss_none() {
+    let folder = tempdir().unwrap();
+    let base = ["sample", "--radius", "0.02", "--boundary", "bounded"];
+    json(
+        &folder,
+        &[base.as_slice(), &["--out", "whole.csv"]].concat(),
+    );
+    let mut found = Vec::new();
+    for [low, high] in [["-1e-3", "0.5"], ["0.5", "1"]] {
+        let window = ["--window", "0", low, "1", high, "--out", "part.csv"];
+        json(&folder, &[base.as_slice(), &window].concat());
+        found.extend(positions(&folder, "part.csv"));
+    }
+    let whole = positions(&folder, "whole.csv");
+    assert!(
+        whole.iter().any(|p| p[0] >= 1.0 || p[1] >= 1.0),
+        "none on the border"
+    );
+    assert_eq!(found, whole);
+    let mut text = tilescope(&folder);
+    text.args(base).args(["--window", "0.5", "0", "1", "0.5"]);
+    text.assert()
+        .success()
+        .stdout(contains("[0.5, 1] x [0, 0.5) of"));
+}
+
+#[test]
+fn a_window_without_a_sample_makes_no_file() {
+    let folder = tempdir().unwrap();
+    let empty = [
+        "sample", "--radius", "0.05", "--window", "0.5", "0.5", "0.5001", "0.5001",
+    ];
+    let found = json(&folder, &empty);
+    assert_eq!(found["count"], 0);
+    let mut command = tilescope(&folder);
+    command.args(empty).args(["--out", "part.csv"]);
+    let said = contains("part.csv: no sample lies in the window");
+    command.assert().code(2).stderr(said);
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn a_window_of_a_huge_plane_comes_at_once() {
+    let folder = tempdir().unwrap();
+    let window = ["--window", "0.7", "0.2", "0.702", "0.202"];
+    let base = ["sample", "--count", "2500000000", "--leaf", "40"];
+    let found = json(&folder, &[base.as_slice(), &window].concat());
+    let count = found["count"].as_u64().unwrap();
+    assert!((9_000..11_000).contains(&count), "{count}");
+    assert_eq!(found["valid"], true);
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_value_and_limit() {
+    let folder = tempdir().unwrap();
+    let base = ["sample", "--radius", "0.01"];
+    for (more, message) in [
+        (
+            vec!["--threads", "0"],
+            "--threads is 0; it must be between 1 and 1024",
+        ),
+        (
+            vec!["--engine", "parallel", "--variant", "as-printed"],
+            "needs the sequential engine",
+        ),
+        (vec!["--window", "0", "0", "nan", "1"], "NaN"),
+        (vec!["--window", "0.5", "0", "0.5", "1"], "from 0.5 to 0.5"),
+        (vec!["--window", "0", "0", "1.5", "1"], "at most 1 long"),
+        (
+            vec!["--window", "0", "0", "1", "1", "--engine", "sequential"],
+            "--window needs the parallel",
+        ),
+        (vec!["--resume", "--out", "a.json"], "written as it comes"),
+        (
+            vec!["--resume", "--engine", "sequential", "--out", "a.npy"],
+            "needs the parallel engine",
+        ),
+    ] {
+        let mut command = tilescope(&folder);
+        command.args(base).args(&more);
+        command.assert().code(2).stderr(contains(message));
+    }
+    let mut outside = tilescope(&folder);
+    outside
+        .args(base)
+        .args(["--boundary", "bounded", "--window", "2", "0", "2.5", "1"]);
+    outside.assert().code(2).stderr(contains(
+        "from 2 to 2.5, which holds no place of the domain's 0 to 1",
+    ));
+    let mut wide = tilescope(&folder);
+    wide.args([
+        "sample", "--radius", "2e-5", "--window", "0", "0", "1", "0.5",
+    ]);
+    wide.assert()
+        .code(2)
+        .stderr(contains("at most 2e7 can be shown"));
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn a_soak_compares_and_verifies() {
+    let folder = tempdir().unwrap();
+    let found = json(&folder, &["soak", "--samples", "60000", "--seed", "7"]);
+    assert!(found["samples"].as_u64().unwrap() >= 60_000);
+    for key in ["conflicts", "gaps", "unequal"] {
+        assert_eq!(found[key], 0, "{key}");
+    }
+    assert!(found["covering_radius_r"].as_f64().unwrap() > 1.0);
+    let mut text = tilescope(&folder);
+    text.args(["soak", "--samples", "1"]);
+    text.assert()
+        .success()
+        .stdout(contains("as promised").and(contains("rounds")));
+}

@@ -1,0 +1,15 @@
+//! Tests of the program `tilescope`, run as its users run it.
+
+mod analyze;
+mod analyze_many;
+mod combine;
+mod command_line;
+mod device;
+mod judging;
+mod large_sets;
+mod pattern_cache;
+#[cfg(unix)]
+mod places;
+mod reproduce;
+mod support;
+mod web;

@@ -1,0 +1,31 @@
+//! What the end-to-end tests share: the real binary in a folder of its own.
+
+pub mod analysis;
+pub mod runs;
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// Returns the program, to run in `folder`.
+pub fn tilescope(folder: &TempDir) -> Command {
+    let mut command = Command::cargo_bin("tilescope").expect("the binary is built");
+    command
+        .current_dir(folder.path())
+        // No test touches the user's own cache.
+        .env("TILESCOPE_CACHE", "")
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY");
+    command
+}
+
+/// Returns the names of a folder's files, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string();
+    let mut names: Vec<String> = entries.map(|entry| name(entry).unwrap()).collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,138 @@
+//! The crates depend on each other as the map in `crates/README.md` says, and only so.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
+
+/// The rows of the map: a crate and what it may use, read from the README's table.
+fn map() -> BTreeMap<String, BTreeSet<String>> {
+    let readme = include_str!("../../../crates/README.md");
+    let rows = readme
+        .lines()
+        .filter(|line| line.starts_with("| `tilescope"));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let names = |cell: &str| {
+            let quoted = cell.split('`').skip(1).step_by(2);
+            quoted
+                .filter(|name| name.starts_with("tilescope"))
+                .map(str::to_owned)
+                .collect()
+        };
+        let of: BTreeSet<String> = names(cells[1]);
+        (
+            of.into_iter().next().expect("a row names its crate"),
+            names(cells[3]),
+        )
+    })
+    .collect()
+}
+
+fn metadata() -> Metadata {
+    let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml");
+    let mut command = MetadataCommand::new();
+    command.manifest_path(manifest).no_deps().exec().unwrap()
+}
+
+/// Every arrow between crates of the workspace that is used at run time.
+fn arrows() -> BTreeMap<String, BTreeSet<String>> {
+    let metadata = metadata();
+    let packages = metadata
+        .packages
+        .iter()
+        .filter(|p| !p.name.starts_with("tilescope-tests"));
+    packages
+        .map(|package| {
+            let used = package
+                .dependencies
+                .iter()
+                .filter(|d| d.kind == DependencyKind::Normal);
+            let ours = used
+                .filter(|d| d.name.starts_with("tilescope"))
+                .map(|d| d.name.clone());
+            (package.name.to_string(), ours.collect())
+        })
+        .collect()
+}
+
+fn strays(
+    arrows: &BTreeMap<String, BTreeSet<String>>,
+    map: &BTreeMap<String, BTreeSet<String>>,
+) -> Vec<String> {
+    let none = BTreeSet::new();
+    arrows
+        .iter()
+        .flat_map(|(from, to)| {
+            let allowed = map.get(from).unwrap_or(&none);
+            to.difference(allowed)
+                .map(move |to| format!("{from} -> {to}"))
+        })
+        .collect()
+}
+
+#[test]
+fn every_arrow_is_on_the_map() {
+    let (arrows, map) = (arrows(), map());
+    let (have, drawn): (BTreeSet<_>, BTreeSet<_>) = (arrows.keys().collect(), map.keys().collect());
+    assert_eq!(have, drawn, "the map must list every crate");
+    assert_eq!(strays(&arrows, &map), Vec::<String>::new());
+}
+
+#[test]
+fn an_arrow_that_the_map_lacks_is_found() {
+    let mut arrows = arrows();
+    let analysis = arrows.get_mut("tilescope-analysis").unwrap();
+    analysis.insert("tilescope-core".to_owned());
+    assert_eq!(
+        strays(&arrows, &map()),
+        ["tilescope-analysis -> tilescope-core"]
+    );
+}
+
+/// What the judge and the accused are made of, at run time: no window, no GPU, no files, no clock.
+#[test]
+fn core_and_analysis_use_little_else() {
+    let metadata = metadata();
+    for (name, allowed) in [
+        (
+            "tilescope-core",
+            &["fearless_simd", "rayon", "serde", "serde_json", "thiserror"][..],
+        ),
+        (
+            "tilescope-analysis",
+            &["rayon", "rustfft", "serde", "spade", "thiserror"],
+        ),
+    ] {
+        let package = metadata
+            .packages
+            .iter()
+            .find(|p| p.name.as_str() == name)
+            .unwrap();
+        let used = package
+            .dependencies
+            .iter()
+            .filter(|d| d.kind != DependencyKind::Development);
+        let used: BTreeSet<&str> = used.map(|d| d.name.as_str()).collect();
+        assert_eq!(used, allowed.iter().copied().collect(), "{name}");
+    }
+}
+
+/// The judge does not know the accused, not even through another crate or in its tests.
+#[test]
+fn the_verifier_never_meets_the_sampler() {
+    let metadata = metadata();
+    for name in ["tilescope-analysis", "tilescope-formats"] {
+        let package = metadata
+            .packages
+            .iter()
+            .find(|p| p.name.as_str() == name)
+            .unwrap();
+        assert!(
+            package
+                .dependencies
+                .iter()
+                .all(|d| d.name != "tilescope-core"),
+            "{name}"
+        );
+    }
+}

@@ -1,0 +1,12 @@
+//! Tests that span the crates.
+
+mod arrows;
+mod device;
+mod digests;
+mod engines;
+mod instructions;
+mod numbers;
+mod patterns;
+mod properties;
+mod support;
+mod wasm;
