@@ -223,7 +223,7 @@ test("the page can be installed: its manifest is sound, and its icons are of the
 function film() {
   window.film = new Set();
   window.filmed = () => {
-    const small = new OffscreenCanvas(100, 90).getContext("2d", { willReadFrequently: true });
+    const small = new OffscreenCanvas(100, 90).getContext("2d");
     const canvas = document.getElementById("canvas");
     const place = [420, 200, 400, 350].map((length) => (length * canvas.width) / canvas.clientWidth);
     small.drawImage(canvas, ...place, 0, 0, 100, 90);
