@@ -23,6 +23,9 @@ const MAX_BINS: usize = 1 << 16;
 /// Parts that are counted apart and added in sequence, so that sums do not depend on threads.
 const PARTS: usize = 64;
 
+/// A cell with more samples than this is looked at on several threads.
+const CROWD: usize = 1 << 10;
+
 /// Cells along the largest distance: more look at fewer samples in vain but at more cells.
 const CELLS_ALONG: f64 = 5.0;
 
@@ -171,12 +174,7 @@ impl Search<'_> {
             .collect::<Result<_, _>>()?;
         let mut sum = self.empty();
         for part in parts {
-            for (total, count) in sum.counts.iter_mut().zip(part.counts) {
-                *total += count;
-            }
-            for (total, weight) in sum.weights.iter_mut().zip(part.weights) {
-                *total += weight;
-            }
+            sum.add(part);
         }
         sum.counts.pop();
         let domain = &self.neighbors.grid.domain;
@@ -212,29 +210,87 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// Pairs beyond the distance go into a bin of their own: half of those looked at are, and a branch
-    /// would guess wrong as often.
     fn cell(&self, [column, row]: [usize; 2], found: &mut Found) {
-        let domain = &self.neighbors.grid.domain;
         let own = self.neighbors.grid.run(row, &(column..column + 1));
-        let per_length = self.bins as f64 / self.distance;
         let partners = |run: &[Entry], once: bool| {
-            for a in own {
-                for b in run {
-                    let [dx, dy] = self.neighbors.offset(a, b);
-                    let length = (dx * dx + dy * dy).sqrt();
-                    let bin = ((length * per_length) as usize).min(self.bins);
-                    let new = once || a.id < b.id;
-                    found.counts[bin] += u64::from(new);
-                    if !domain.periodic && new && bin < self.bins {
-                        let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
-                        found.weights[bin] += 1.0 / overlap;
-                    }
-                }
+            if once && self.is_one_bin([own, run]) {
+                found.counts[0] += own.len() as u64 * run.len() as u64;
+            } else if !std::ptr::eq(own, run) {
+                self.crowd(own, found, |a, found| self.pairs(a, run, once, found));
+            } else if self.is_one_bin([own, own]) {
+                found.counts[0] += own.len() as u64 * (own.len() as u64 - 1) / 2;
+            } else {
+                let behind = |(k, a)| (a, &own[k + 1..]);
+                let each: Vec<(&Entry, &[Entry])> = own.iter().enumerate().map(behind).collect();
+                self.crowd(&each, found, |(a, behind), found| {
+                    self.pairs(a, behind, true, found);
+                });
             }
         };
         self.neighbors
             .partners([column, row], self.distance, partners);
+    }
+
+    /// Looks at each of `own`: on all threads where they are so many that a cluster fills the cell.
+    fn crowd<T: Sync>(&self, own: &[T], found: &mut Found, look: impl Fn(&T, &mut Found) + Sync) {
+        if own.len() <= CROWD {
+            own.iter().for_each(|one| look(one, found));
+            return;
+        }
+        let chunks = own.par_chunks(CROWD).map(|chunk| {
+            let mut part = self.empty();
+            chunk.iter().for_each(|one| look(one, &mut part));
+            part
+        });
+        // Added in sequence, so that sums do not depend on threads.
+        for part in chunks.collect::<Vec<Found>>() {
+            found.add(part);
+        }
+    }
+
+    /// Counts the pairs of a sample with those of a run. Pairs beyond the distance go into a bin of their own: half of those
+    /// looked at are, and a branch would guess wrong as often.
+    fn pairs(&self, a: &Entry, run: &[Entry], once: bool, found: &mut Found) {
+        let domain = &self.neighbors.grid.domain;
+        let per_length = self.bins as f64 / self.distance;
+        for b in run {
+            let [dx, dy] = self.neighbors.offset(a, b);
+            let length = (dx * dx + dy * dy).sqrt();
+            let bin = ((length * per_length) as usize).min(self.bins);
+            let new = once || a.id < b.id;
+            found.counts[bin] += u64::from(new);
+            if !domain.periodic && new && bin < self.bins {
+                let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
+                found.weights[bin] += 1.0 / overlap;
+            }
+        }
+    }
+
+    /// Returns whether all pairs of two runs are certainly in the first bin, which a tight cluster fills with as many pairs
+    /// as the square of its samples. Where pairs are weighed each must be looked at.
+    fn is_one_bin(&self, runs: [&[Entry]; 2]) -> bool {
+        let is_crowd = runs[0].len() * runs[1].len() > CROWD;
+        if !is_crowd || !self.neighbors.grid.domain.periodic {
+            return false;
+        }
+        let [dx, dy] = [0, 1].map(|axis| {
+            let all = runs.into_iter().flatten().map(|entry| entry.position[axis]);
+            let ends = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = all.fold(ends, |[low, high], x| [low.min(x), high.max(x)]);
+            high - low
+        });
+        (dx * dx + dy * dy).sqrt() * (self.bins as f64 / self.distance) < 1.0
+    }
+}
+
+impl Found {
+    fn add(&mut self, other: Self) {
+        for (total, count) in self.counts.iter_mut().zip(other.counts) {
+            *total += count;
+        }
+        for (total, weight) in self.weights.iter_mut().zip(other.weights) {
+            *total += weight;
+        }
     }
 }
 
@@ -273,6 +329,56 @@ mod tests {
                     matches!(refused, Err(MeasureError::OutOfRange { .. })),
                     "{unit}"
                 );
+            }
+        }
+    }
+
+    /// Clusters tighter than a bin, as wide as many, and both, against every pair looked at by itself.
+    #[test]
+    fn clusters_are_counted_as_pair_by_pair() {
+        let go_on = |_: Progress| ControlFlow::Continue(());
+        let spread = |i: u32, step: f64| (f64::from(i) * step).fract() - 0.5;
+        for boundary in [Boundary::Periodic, Boundary::Bounded] {
+            let region = Region {
+                width: 1.0,
+                height: 1.0,
+                boundary,
+            };
+            for sizes in [[1e-7, 1e-7], [0.03, 0.03], [1e-7, 0.03]] {
+                let points: Vec<[f64; 2]> = (0..3_000_u32)
+                    .map(|i| {
+                        let size = sizes[(i % 2) as usize];
+                        let at = [0.75_f64.mul_add(f64::from(i % 2), 0.125), 0.5];
+                        [
+                            at[0] + size * spread(i, 0.754_877_666),
+                            at[1] + size * spread(i, 0.569_840_29),
+                        ]
+                    })
+                    .collect();
+                let found = PairCorrelation::to_look_at(&points, region, &go_on).unwrap();
+                let most = found.bin_width * found.g.len() as f64 * found.r_max;
+                let mut counts = vec![0; found.g.len()];
+                for (k, a) in points.iter().enumerate() {
+                    for b in &points[k + 1..] {
+                        let [dx, dy] = [0, 1].map(|axis| {
+                            let direct = (a[axis] - b[axis]).abs();
+                            match boundary {
+                                Boundary::Periodic => direct.min(1.0 - direct),
+                                Boundary::Bounded => direct,
+                            }
+                        });
+                        let bin = (dx.hypot(dy) / most * counts.len() as f64) as usize;
+                        if let Some(count) = counts.get_mut(bin) {
+                            *count += 1_u64;
+                        }
+                    }
+                }
+                let differ: u64 = (counts.iter().zip(&found.counts))
+                    .map(|(a, b)| a.abs_diff(*b))
+                    .sum();
+                // Distances at the very edge of a bin may be rounded otherwise.
+                assert!(differ <= 4, "{boundary:?} {sizes:?}: {differ}");
+                assert!(found.counts.iter().sum::<u64>() > 1_000_000);
             }
         }
     }
