@@ -42,14 +42,17 @@ pub mod spectrum;
 mod stream;
 pub mod tessellation;
 mod verify;
+mod witness;
 mod worst;
 
 pub use error::VerifyError;
 pub use monitor::Progress;
 pub use number::Number;
+pub use pairs::MOST_CONFLICTS;
 pub use region::{Boundary, Region};
-pub use report::{Conflict, Gap, GapKind, MOST_CONFLICTS, Report};
+pub use report::Report;
 pub use spectrum::{RadialBin, radial_mean_power};
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};
+pub use witness::{Conflict, Gap, GapKind};

@@ -6,12 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::cover::Cover;
 use crate::domain::Domain;
-use crate::pairs::Pairs;
+use crate::pairs::{MOST_CONFLICTS, Pairs};
 use crate::region::Region;
-
-/// Pairs in conflict are counted up to so many: a set with more has been misread, or asked about with a wrong radius, and
-/// counting them all would take a time that grows with the square of its samples.
-pub const MOST_CONFLICTS: u64 = 1_000_000;
+use crate::witness::{Conflict, Gap};
 
 /// What both searches found, in the domain's unit.
 pub(crate) struct Found {
@@ -114,41 +111,6 @@ impl Report {
     pub fn valid(&self) -> bool {
         self.conflict_free() && self.maximal()
     }
-}
-
-/// A pair of samples closer than the radius.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Conflict {
-    /// The smaller index.
-    pub first: usize,
-    /// The larger index; equal to `first` when a period is shorter than the radius, so that a sample
-    /// is too close to its own copy.
-    pub second: usize,
-    /// Their distance, around the torus when periodic; less than the radius.
-    pub distance: f64,
-}
-
-/// The centre of an empty circle larger than the radius allows.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Gap {
-    /// A place of the region.
-    pub center: [f64; 2],
-    /// Distance from there to the nearest sample.
-    pub distance: f64,
-    /// What kind of place it is.
-    pub kind: GapKind,
-}
-
-/// Where the centre of a largest empty circle can be. A place of several kinds counts as the last.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum GapKind {
-    /// Equally far from three or more samples.
-    VoronoiVertex,
-    /// On the border of a bounded region, equally far from two samples.
-    Border,
-    /// A corner of a bounded region.
-    Corner,
 }
 
 /// Writes an infinite number as null and reads it back: JSON knows no infinity.

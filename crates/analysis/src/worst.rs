@@ -4,7 +4,7 @@
 
 use std::cmp::Ordering;
 
-use crate::report::{Conflict, Gap};
+use crate::witness::{Conflict, Gap};
 
 /// A witness with a total order in which the worst comes first.
 pub(crate) trait Witness: Copy {

@@ -6,73 +6,20 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use clap::{Args, ValueEnum};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tilescope_analysis::Report;
 use tilescope_core::{
-    Domain, Key, Parameters, Pattern, Plane, Point, SampleError, Sequential, Stream, Sweep, Window,
-    radius_estimate, reference_sample,
+    Domain, Key, Parameters, Pattern, Plane, Point, SampleError, Sequential, Stream, Window,
+    reference_sample,
 };
 
-use crate::engine::AdapterArguments;
+use crate::bench_common::{
+    BenchArguments, Measured, median, parallel, parameters, stop_on_interrupt, yes,
+};
 use crate::options::region;
 use crate::progress::Bar;
 use crate::{bench_gpu, interrupt, make, output, verdict_code, window};
-
-/// Arguments of `tilescope bench`.
-#[derive(Debug, Args)]
-#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
-pub struct BenchArguments {
-    /// What is measured: the CPU's engines against the reference sampler, or a GPU against all threads
-    #[arg(long, value_enum, default_value = "cpu")]
-    engine: Measured,
-    #[command(flatten)]
-    pub adapter: AdapterArguments,
-    /// Samples of each set, about
-    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    pub samples: u64,
-    /// Leaf sizes of KDRT, in radii
-    #[arg(long, value_name = "LEAF", num_args = 1.., default_values_t = [20.0, 40.0, 80.0])]
-    pub leaf: Vec<f64>,
-    /// Numbers of threads of the parallel engine; one and as many as there are cores, if not given
-    #[arg(long, value_name = "N", num_args = 1..)]
-    pub threads: Vec<usize>,
-    /// Measure the sequential engine, too
-    #[arg(long)]
-    pub sequential: bool,
-    /// Rounds; in each, every method runs once, and the median round is shown
-    #[arg(long, value_name = "K", default_value_t = 5)]
-    pub rounds: usize,
-    /// Seed of the first round; each round has its own
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
-    /// Samples of the plane of which windows of 10,000 samples are taken
-    #[arg(long, value_name = "N", default_value_t = 1_000_000_000)]
-    plane: u64,
-    /// Print one JSON object
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Measured {
-    /// The engines of the CPU
-    Cpu,
-    /// A GPU
-    Gpu,
-}
-
-const EXAMPLES: &str = "\
-A rate is that of making the whole set in memory, on the lattice and in canonical order, with the
-pattern ready-made. The ratio is to the reference sampler in the same round, and the median over the
-rounds; so is the ratio of threads, to one thread. With --engine gpu it is to all threads.
-
-Examples:
-  tilescope bench --samples 1000000 --leaf 20 40 80
-  tilescope bench --samples 10000000 --leaf 40 --threads 1 2 4 --sequential
-  tilescope bench --engine gpu --samples 100000000 --leaf 40";
 
 /// Samples of a window.
 const WINDOW_SAMPLES: f64 = 10_000.0;
@@ -150,16 +97,6 @@ pub fn run(arguments: &BenchArguments) -> Result<u8> {
         output::emit(&to_text(&rows, &windows, pattern_seconds, arguments))?;
     }
     Ok(verdict_code(valid))
-}
-
-pub fn parameters(arguments: &BenchArguments, samples: u64) -> Result<Parameters> {
-    let base = Parameters {
-        leaf: 40.0,
-        seed: arguments.seed,
-        ..Parameters::default()
-    };
-    let radius = radius_estimate(&base, samples)?;
-    Ok(Parameters { radius, ..base })
 }
 
 /// Returns a pool of threads for each number asked for.
@@ -251,18 +188,9 @@ fn measure(
     Ok(rows)
 }
 
-pub fn stop_on_interrupt(_: tilescope_core::Progress) -> std::ops::ControlFlow<()> {
-    interrupt::flow()
-}
-
 fn sequential(parameters: &Parameters, pattern: &Arc<Pattern>) -> Result<Vec<Point>, SampleError> {
     let engine = Sequential::new(parameters, Arc::clone(pattern))?;
     Ok(engine.finish(&mut stop_on_interrupt)?.points())
-}
-
-pub fn parallel(parameters: &Parameters, pattern: &Pattern) -> Result<Vec<Point>, SampleError> {
-    let sweep = Sweep::new(parameters, pattern, false)?;
-    Ok(sweep.finish(&mut stop_on_interrupt)?.0.points)
 }
 
 /// Takes windows at random places of a large plane, one a round.
@@ -293,12 +221,6 @@ fn measure_windows(
         windows.valid &= window::is_valid(&plane, &window)?;
     }
     Ok(windows)
-}
-
-pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.into_iter().collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 impl Row {
@@ -404,10 +326,6 @@ fn to_text(
         pattern_seconds * 1e3
     );
     out
-}
-
-pub const fn yes(is: bool) -> &'static str {
-    if is { "yes" } else { "NO" }
 }
 
 fn to_json(rows: &[Row], windows: &Windows, pattern_seconds: f64) -> Value {

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tilescope_core::{Domain, Parameters, Pattern, Point, Stage};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Options, PassReport};
 
-use crate::bench::{BenchArguments, median, parallel, parameters, stop_on_interrupt, yes};
+use crate::bench_common::{BenchArguments, median, parallel, parameters, stop_on_interrupt, yes};
 use crate::options::region;
 use crate::progress::Bar;
 use crate::{make, output, verdict_code};

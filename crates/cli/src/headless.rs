@@ -11,7 +11,8 @@ use tilescope_core::{Parameters, Run, Stage, sample};
 use tilescope_figures::{PictureOptions, seam_window, stage_scene, to_png};
 use tilescope_formats::write_whole;
 
-use crate::make::{Facts, from_run};
+use crate::facts::Facts;
+use crate::make::from_run;
 use crate::output::{self, Outcome};
 use crate::progress::{Stopwatch, verifying};
 use crate::{interrupt, verdict_code};

@@ -4,12 +4,14 @@
 mod analyze;
 mod bands;
 mod bench;
+mod bench_common;
 mod bench_gpu;
 mod combine;
 mod completions;
 mod convert;
 mod draw;
 mod engine;
+mod facts;
 mod gpu;
 mod headless;
 mod interrupt;
@@ -22,6 +24,7 @@ mod place;
 mod progress;
 mod reproduce;
 mod sample;
+mod sample_arguments;
 mod soak;
 mod stream;
 mod verify;
@@ -60,7 +63,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Make a maximal Poisson-disk set, verify it and save it
-    Sample(Box<sample::SampleArguments>),
+    Sample(Box<sample_arguments::SampleArguments>),
     /// Verify a point set, against its certificate if it has one
     Verify(verify::VerifyArguments),
     /// Measure point sets: spectra, distances, order; as a table and as a report
@@ -72,7 +75,7 @@ pub enum Command {
     /// Draw a point set as PNG or SVG
     Draw(draw::DrawArguments),
     /// Measure KDRT against the reference sampler, or a GPU against the threads
-    Bench(bench::BenchArguments),
+    Bench(bench_common::BenchArguments),
     /// Sample at random parameters, with both engines, and verify everything
     Soak(soak::SoakArguments),
     /// Run the default session without a window and save pictures of its stages

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tilescope_analysis::{Boundary, MOST_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
 
-use crate::make::Facts;
+use crate::facts::Facts;
 
 /// Prints text. A closed pipe is no error: whoever read has seen enough, and the exit code is for somebody else.
 pub fn emit(text: &str) -> anyhow::Result<()> {

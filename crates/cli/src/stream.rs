@@ -16,8 +16,9 @@ use tilescope_formats::{
 
 use crate::bands::Bands;
 use crate::engine::Chosen;
+use crate::facts::Facts;
 use crate::interrupt;
-use crate::make::{self, Facts};
+use crate::make;
 use crate::parameters::RunArguments;
 use crate::progress::Stopwatch;
 

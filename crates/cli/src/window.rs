@@ -11,11 +11,12 @@ use tilescope_analysis::{Boundary, Region, Report, VerifyOptions};
 use tilescope_core::{Domain, MAXIMAL_DENSITY, Plane, Point, Progress, R, Window};
 use tilescope_formats::PointSet;
 
-use crate::make::{Facts, positions, with_radius};
+use crate::facts::Facts;
+use crate::make::{positions, with_radius};
 use crate::options::region;
 use crate::output;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample::{self, Method, SampleArguments};
+use crate::sample_arguments::{Method, SampleArguments, save_unverified};
 use crate::{interrupt, verdict_code};
 
 /// Units around a window that are computed to judge it: 4r, where 2r would do.
@@ -86,7 +87,7 @@ pub fn run(arguments: &SampleArguments, window: &[f64]) -> Result<u8> {
             path.display()
         );
         let set = PointSet::from_points(positions(domain, &points));
-        sample::save_unverified(arguments, &facts, &set, path)?;
+        save_unverified(arguments, &facts, &set, path)?;
     }
     let shown = Shown {
         parameters: facts.parameters,

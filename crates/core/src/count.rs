@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use crate::engine::sequential::Sequential;
-use crate::error::SampleError;
-use crate::lattice::{MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC};
-use crate::parameters::{Boundary, MAXIMAL_DENSITY, ParameterError, Parameters};
+use crate::error::{ParameterError, SampleError};
+use crate::lattice::{Boundary, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC};
+use crate::parameters::{MAXIMAL_DENSITY, Parameters};
 use crate::pattern::Pattern;
 use crate::progress::Observer;
 use crate::run::Run;

@@ -1,10 +1,14 @@
-//! Why a run ends without a result: one variant per cause.
+//! Why a run ends without a result, and why parameters or patterns are refused: one variant per cause.
+
+mod parameters;
+mod pattern;
 
 use thiserror::Error;
 
-use crate::parameters::ParameterError;
-use crate::pattern::PatternError;
-use crate::progress::Stage;
+use crate::stage::Stage;
+
+pub use parameters::ParameterError;
+pub use pattern::PatternError;
 
 /// Why sampling failed.
 #[derive(Clone, Debug, PartialEq, Error)]

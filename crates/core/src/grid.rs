@@ -149,8 +149,7 @@ pub(crate) fn spans(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::R;
-    use crate::parameters::Boundary;
+    use crate::lattice::{Boundary, R};
     use crate::random::{Key, Stream, below};
     use proptest::prelude::*;
 

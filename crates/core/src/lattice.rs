@@ -2,7 +2,7 @@
 //! This is the only file that converts between user space (`f64`) and lattice units (`i32`).
 //! It never decides anything about sampling beyond "does this sample cover that point".
 
-use crate::parameters::{Boundary, ParameterError};
+use crate::error::ParameterError;
 
 /// The Poisson-disk radius in lattice units: 2^15.
 pub const R: i32 = 1 << 15;
@@ -121,6 +121,19 @@ impl From<Rect> for Window {
             max: [rect.max.x.into(), rect.max.y.into()],
         }
     }
+}
+
+/// How a domain ends.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Boundary {
+    /// Opposite sides are joined.
+    #[default]
+    Periodic,
+    /// Nothing lies outside, and the border itself must be covered.
+    Bounded,
 }
 
 /// The domain in lattice units, with its exact relation to user space.

@@ -13,12 +13,16 @@ mod grid;
 mod lattice;
 mod parameters;
 mod pattern;
+mod pattern_making;
 mod progress;
 mod random;
 mod record;
 mod reference;
 mod run;
+mod samples;
+mod stage;
 pub mod stages;
+mod whole_sets;
 
 /// The parts of the parallel engine that other engines of windows share: frames of cells, the blocks and
 /// pattern samples that reach into them, counts.
@@ -34,24 +38,24 @@ pub use circumcentre::{Offset, circumcentre, on_line, round_half_up};
 pub use count::{radius_estimate, sample_count, search_radius};
 pub use engine::parallel::instructions::InstructionSet;
 pub use engine::parallel::plane::Plane;
-pub use engine::parallel::sweep::{Sampled, Source, Sweep, SweepState};
+pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::sequential::{Sequential, sample, sample_recorded};
-pub use error::SampleError;
+pub use error::{ParameterError, PatternError, SampleError};
 pub use grid::{Near, SampleGrid};
 pub use lattice::{
-    Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R, R_SQUARED,
-    Rect, SIDE_LIMITS, Window, covers_offset,
+    Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R,
+    R_SQUARED, Rect, SIDE_LIMITS, Window, covers_offset,
 };
 pub use parameters::{
-    Boundary, Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY,
-    MIN_LEAF_RADII, MIN_PATTERN_SIDE_RADII, Order, ParameterError, Parameters, PatternSpec, Search,
-    Variant,
+    Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, MIN_LEAF_RADII,
+    MIN_PATTERN_SIDE_RADII, Order, Parameters, PatternSpec, Search, Variant,
 };
-pub use pattern::{
-    PackedError, Pattern, PatternError, READY_MADE, ReadyMade, Symmetry, Variant as PatternVariant,
-};
-pub use progress::{Observer, Progress, Stage, Unobserved};
+pub use pattern::{PackedError, Pattern, Symmetry, Variant as PatternVariant};
+pub use pattern_making::{READY_MADE, ReadyMade};
+pub use progress::{Observer, Progress, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
 pub use record::{Moment, Recorder, Unrecorded, Verdict};
 pub use reference::reference_sample;
-pub use run::{Fate, Iteration, Origin, Run, Samples, Standing, Summary};
+pub use run::{Iteration, Run, Standing, Summary};
+pub use samples::{Fate, Origin, Sampled, Samples, Source};
+pub use stage::Stage;

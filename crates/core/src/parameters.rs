@@ -1,13 +1,10 @@
-//! What a run is made from, and the typed errors that refuse what cannot be made.
+//! What a run is made from, and the checks that refuse what cannot be made.
 //! Everything here is plain data that serialises; a run is a function of it and of its pattern.
-
-mod error;
 
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::{Domain, R, check_side};
-
-pub use error::ParameterError;
+use crate::error::ParameterError;
+use crate::lattice::{Boundary, Domain, R, check_side};
 
 /// The shortest edge of a building block, in radii (paper, section 3.1.2).
 pub const MIN_LEAF_RADII: f64 = 6.0;
@@ -25,17 +22,6 @@ pub const MAX_SEQUENTIAL_SAMPLES: f64 = 2e8;
 
 /// Expected samples of a maximal set per squared radius of area (Ebeida et al. 2012; seen: 0.6960).
 pub const MAXIMAL_DENSITY: f64 = 0.696;
-
-/// How a domain ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Boundary {
-    /// Opposite sides are joined.
-    #[default]
-    Periodic,
-    /// Nothing lies outside, and the border itself must be covered.
-    Bounded,
-}
 
 /// The order in which tiled samples claim their disks; the survivors of elimination are the greedy
 /// maximal independent set of the conflict graph in this order.

@@ -3,41 +3,8 @@
 
 use std::ops::ControlFlow;
 
-use serde::{Deserialize, Serialize};
-
-/// A stage of a run, in the paper's order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
-    /// The small maximal set is made or checked (Ebeida et al. 2012).
-    Pattern,
-    /// The KD-tree's leaves (Algorithm 1).
-    Blocks,
-    /// Each block receives its clip (Algorithm 2).
-    Tile,
-    /// Conflicts are resolved (Algorithm 4, first loop).
-    Eliminate,
-    /// An iteration of detection and insertion, counted from 1 (Algorithms 3 and 4).
-    Iterate(u32),
-    /// All stages from the blocks to the end, region by region: the parallel engine's only stage.
-    Regions,
-    /// The survivors are put into canonical order.
-    Finish,
-}
-
-impl std::fmt::Display for Stage {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Pattern => f.write_str("pattern"),
-            Self::Blocks => f.write_str("blocks"),
-            Self::Tile => f.write_str("tile"),
-            Self::Eliminate => f.write_str("eliminate"),
-            Self::Iterate(k) => write!(f, "iterate {k}"),
-            Self::Regions => f.write_str("regions"),
-            Self::Finish => f.write_str("finish"),
-        }
-    }
-}
+use crate::error::SampleError;
+use crate::stage::Stage;
 
 /// Where a run is: `done` of `total` pieces of work of `stage`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +20,7 @@ pub struct Progress {
 /// Receives progress and may stop the run.
 pub trait Observer {
     /// Called when a stage begins, every few thousand pieces of work, and when it ends. `Break`
-    /// stops the run at once with [`crate::SampleError::Cancelled`].
+    /// stops the run at once with [`SampleError::Cancelled`].
     fn observe(&mut self, progress: Progress) -> ControlFlow<()>;
 }
 
@@ -87,7 +54,7 @@ impl<'a> Meter<'a> {
         observer: &'a mut dyn Observer,
         stage: Stage,
         total: u64,
-    ) -> Result<Self, crate::SampleError> {
+    ) -> Result<Self, SampleError> {
         Self::resume(observer, stage, 0, total)
     }
 
@@ -97,7 +64,7 @@ impl<'a> Meter<'a> {
         stage: Stage,
         done: u64,
         total: u64,
-    ) -> Result<Self, crate::SampleError> {
+    ) -> Result<Self, SampleError> {
         let progress = Progress { stage, done, total };
         let mut meter = Self { observer, progress };
         meter.ask()?;
@@ -111,7 +78,7 @@ impl<'a> Meter<'a> {
 
     /// One piece is done.
     #[inline]
-    pub(crate) fn tick(&mut self) -> Result<(), crate::SampleError> {
+    pub(crate) fn tick(&mut self) -> Result<(), SampleError> {
         self.progress.done += 1;
         if self.progress.done.is_multiple_of(STRIDE) {
             self.ask()
@@ -120,16 +87,16 @@ impl<'a> Meter<'a> {
         }
     }
 
-    pub(crate) fn end(mut self) -> Result<(), crate::SampleError> {
+    pub(crate) fn end(mut self) -> Result<(), SampleError> {
         self.progress.done = self.progress.total;
         self.ask()
     }
 
-    fn ask(&mut self) -> Result<(), crate::SampleError> {
+    fn ask(&mut self) -> Result<(), SampleError> {
         self.progress.done = self.progress.done.min(self.progress.total);
         match self.observer.observe(self.progress) {
             ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(crate::SampleError::Cancelled {
+            ControlFlow::Break(()) => Err(SampleError::Cancelled {
                 stage: self.progress.stage,
             }),
         }

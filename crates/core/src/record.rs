@@ -3,8 +3,8 @@
 //! [`Recorder::ENABLED`] before they gather what only a recording needs.
 
 use crate::lattice::Point;
-use crate::progress::Stage;
-use crate::stages::detect::Sites;
+use crate::samples::Sites;
+use crate::stage::Stage;
 
 /// What became of a place that was examined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -4,8 +4,9 @@
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
-use crate::progress::{Observer, Stage};
+use crate::progress::Observer;
 use crate::random::Key;
+use crate::stage::Stage;
 use crate::stages::darts::DartProcess;
 
 /// Returns a maximal Poisson-disk set of `domain` in canonical order.
@@ -33,7 +34,7 @@ pub fn reference_sample(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Boundary;
+    use crate::lattice::Boundary;
     use crate::progress::Unobserved;
     use crate::stages::disks::DiskGrid;
 

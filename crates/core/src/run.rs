@@ -5,87 +5,17 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::engine::parallel::sweep::{Sampled, Source};
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
 use crate::parameters::{Parameters, Variant};
 use crate::pattern::Pattern;
-use crate::progress::Stage;
 use crate::random::Key;
+use crate::samples::{Fate, Origin, Sampled, Samples, Sites, Source};
+use crate::stage::Stage;
 use crate::stages::blocks::{Blocks, split};
-use crate::stages::detect::{Candidate, Sites};
+use crate::stages::detect::Candidate;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
-
-/// Where a sample comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Origin {
-    /// Clipped from the pattern.
-    Tiled {
-        /// Index of the block.
-        block: u32,
-        /// Index of the pattern's sample.
-        pattern: u32,
-        /// Whether it lies inside its own block, rather than in the margin around it.
-        own: bool,
-    },
-    /// Inserted into a gap.
-    Inserted {
-        /// The iteration, from 1.
-        iteration: u32,
-        /// The samples that made the place.
-        sites: Sites,
-    },
-}
-
-/// What became of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Fate {
-    /// Elimination has not run yet.
-    Undecided,
-    /// It is in the result.
-    Kept,
-    /// A kept sample that covers it claimed the place first.
-    Eliminated {
-        /// That sample's id.
-        by: u32,
-    },
-    /// It was tiled outside a bounded domain.
-    Dropped,
-}
-
-/// All samples that ever were, by id: tiled ones block by block and row by row, then inserted ones
-/// in the sequence of their insertion.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Samples {
-    /// Positions.
-    pub points: Vec<Point>,
-    /// Origins.
-    pub origins: Vec<Origin>,
-    /// Fates.
-    pub fates: Vec<Fate>,
-}
-
-impl Samples {
-    /// Adds a sample.
-    pub fn push(&mut self, point: Point, origin: Origin, fate: Fate) {
-        self.points.push(point);
-        self.origins.push(origin);
-        self.fates.push(fate);
-    }
-
-    /// Returns how many there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.points.len()
-    }
-
-    /// Returns whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
-    }
-}
 
 /// What one iteration of detection and insertion saw and did.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

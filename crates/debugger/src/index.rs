@@ -4,8 +4,16 @@
 use std::ops::Range;
 
 use crate::event::{Event, NONE};
-use crate::moves::Direction;
 use crate::tape::Tape;
+
+/// Which way time runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// Towards the end.
+    Forwards,
+    /// Towards the start.
+    Backwards,
+}
 
 /// Events that are alike: of one kind and line, and all or none of them details.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]

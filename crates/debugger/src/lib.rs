@@ -22,13 +22,14 @@ mod recording;
 mod sentence;
 mod session;
 mod state;
+mod tally;
 mod tape;
 pub mod why;
 
 pub use anchor::{Anchor, AnchorError};
 pub use context::{Context, Examined, Search};
 pub use debugger::{Breakpoint, Debugger, Marked, Stop, Stops};
-pub use density::{Density, Phase, density, phases};
+pub use density::{Phase, density, phases};
 pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};
@@ -46,4 +47,5 @@ pub use session::{
     SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
 };
 pub use state::{Counts, State};
+pub use tally::Density;
 pub use tape::{DEFAULT_BUDGET, Tape};

@@ -10,14 +10,7 @@ use crate::kind::Kind;
 use crate::listing::LineId;
 use crate::recording::Recording;
 
-/// Which way time runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Direction {
-    /// Towards the end.
-    Forwards,
-    /// Towards the start.
-    Backwards,
-}
+pub use crate::index::Direction;
 
 /// How far a step goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -10,12 +10,11 @@ use tilescope_core::{
 };
 
 use crate::context::{Context, Search};
-use crate::density::Density;
 use crate::event::Event;
-use crate::index::{BySample, Classes};
+use crate::index::{BySample, Classes, Direction};
 use crate::kind::Kind;
 use crate::life::{Life, Status, UNBORN, note_change};
-use crate::moves::Direction;
+use crate::tally::Density;
 use crate::tape::Tape;
 
 /// Events between two contexts that are kept.

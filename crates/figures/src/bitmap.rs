@@ -4,10 +4,7 @@
 
 use png::{BitDepth, ColorType, Compression, Encoder};
 
-use crate::error::FigureError;
-
-/// The largest number of columns or rows of a bitmap.
-pub const MAX_BITMAP_SIDE: usize = 4096;
+use crate::error::{FigureError, MAX_BITMAP_SIDE};
 
 /// Opaque pixels in rows, the uppermost row first.
 #[derive(Clone, Debug, PartialEq, Eq)]

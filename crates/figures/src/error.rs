@@ -3,8 +3,6 @@
 //! Both exporters check the same things, so a scene that one refuses the other refuses too. Never
 //! about shapes outside the picture: those are just not seen.
 
-use crate::bitmap::MAX_BITMAP_SIDE;
-
 /// The largest side of a picture in pixels: viewers and the rasteriser's 16.16 fixed-point edges end there.
 pub const MAX_SIDE: f64 = 32_768.0;
 
@@ -14,6 +12,9 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// The largest radius, stroke width, marker or letter in pixels: three times the largest picture. Positions may be
 /// anywhere; what is far outside is cut off.
 pub const MAX_LENGTH: f64 = 100_000.0;
+
+/// The largest number of columns or rows of a bitmap.
+pub const MAX_BITMAP_SIDE: usize = 4096;
 
 /// Why there is no picture.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

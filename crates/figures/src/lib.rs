@@ -34,9 +34,9 @@ mod stages;
 mod svg;
 
 pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
-pub use bitmap::{Bitmap, MAX_BITMAP_SIDE};
+pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
-pub use error::{FigureError, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
+pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
 pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
 pub use moment::{Layers, MomentOptions, fitted, moment_scene};
 pub use palette::{Color, Palette, with_alpha};

@@ -7,8 +7,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::error::FormatError;
-use crate::files::io_error;
+use crate::error::{FormatError, io_error};
 
 /// The most links in a row that are followed, as many as Linux follows.
 const MOST_LINKS: usize = 40;

@@ -1,4 +1,5 @@
-//! Which format some bytes are: by extension, then by content, and on what evidence.
+//! Which format some bytes are: by extension, then by content, and on what evidence; and which format a file may be
+//! written in, so that its name does not make readers take it for another one.
 //!
 //! A file that begins with a format's own mark is of that format whatever its name says. Never parses
 //! beyond the first line; whether the file is *valid* shows on decoding.
@@ -172,6 +173,38 @@ fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
         .then_some(Format::PsaRps)
 }
 
+impl Format {
+    /// The format to write a file called `path` in: `told`, or the one that its extension stands for.
+    ///
+    /// # Errors
+    ///
+    /// [`FormatError::UnknownFormat`] when neither tells, [`FormatError::Misnamed`] when the file would be read as
+    /// another format.
+    pub fn to_write(path: &Path, told: Option<Self>) -> Result<Self, FormatError> {
+        let name = || path.to_string_lossy().into_owned();
+        let named = Self::from_path(path);
+        let format = (told.or(named)).ok_or_else(|| FormatError::UnknownFormat { name: name() })?;
+        match named {
+            Some(named) if !format.is_recognised_as(named) => Err(FormatError::Misnamed {
+                name: name(),
+                named,
+                format,
+            }),
+            _ => Ok(format),
+        }
+    }
+
+    /// Whether a file of this format is recognised under a name that stands for `named`.
+    fn is_recognised_as(self, named: Self) -> bool {
+        let marked = matches!(
+            self,
+            Self::UtkBinary | Self::Npy | Self::PlyAscii | Self::PlyBinary | Self::Json | Self::Svg
+        );
+        // Lines of two numbers are as often called .txt.
+        marked || self == named || (self, named) == (Self::UtkText, Self::PsaText)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -220,5 +253,48 @@ mod tests {
         for bytes in [&b""[..], b"hello world", b"\x00\xFF\xFF\xFF", b"1 2 3 4\n"] {
             assert!(detect(bytes, "picture.jpeg".as_ref()).is_err());
         }
+    }
+
+    #[test]
+    fn what_is_written_is_recognised_under_its_name() {
+        let context = crate::export::ExportContext::new(
+            tilescope_analysis::Region {
+                width: 1.0,
+                height: 1.0,
+                boundary: tilescope_analysis::Boundary::Periodic,
+            },
+            0.5,
+        );
+        let set = crate::PointSet::from_points(vec![[0.25, 0.25], [0.75, 0.75]]);
+        for format in Format::ALL {
+            let name = format!("set.{}", format.extension());
+            let context = crate::ExportContext {
+                format: Some(format),
+                ..context.clone()
+            };
+            let exported = crate::export_bytes(&name, &set, &context, &|_| {
+                std::ops::ControlFlow::Continue(())
+            });
+            let bytes = exported.expect("a verdict").data;
+            for other in Format::ALL {
+                let name = format!("set.{}", other.extension());
+                let found = crate::detect(&bytes, name.as_ref()).expect("its name tells");
+                match Format::to_write(name.as_ref(), Some(format)) {
+                    Ok(_) => assert_eq!(found.format, format, "{name}"),
+                    Err(FormatError::Misnamed { .. }) => assert_ne!(found.format, format, "{name}"),
+                    Err(error) => panic!("{error}"),
+                }
+            }
+            assert_eq!(
+                Format::to_write("set".as_ref(), Some(format)).ok(),
+                Some(format)
+            );
+        }
+        assert!(Format::to_write("set".as_ref(), None).is_err());
+        let error = Format::to_write("y.npy".as_ref(), Some(Format::Csv)).expect_err("misnamed");
+        assert_eq!(
+            error.to_string(),
+            "y.npy: CSV would be read as NumPy array, which the name stands for; call it .csv"
+        );
     }
 }

@@ -243,6 +243,15 @@ pub enum FormatError {
     },
 }
 
+/// What the system said of a file.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn io_error(path: &std::path::Path, source: std::io::Error) -> FormatError {
+    FormatError::Io {
+        path: path.display().to_string(),
+        source,
+    }
+}
+
 fn wish(chosen: Option<usize>) -> String {
     chosen.map_or_else(
         || "none was chosen".to_owned(),

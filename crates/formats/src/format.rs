@@ -7,7 +7,6 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::error::FormatError;
 use serde::{Deserialize, Serialize};
 
 /// A point-set file format.
@@ -71,36 +70,6 @@ impl Format {
             return Some(Self::PlyBinary);
         }
         Self::ALL.into_iter().find(|f| f.extension() == extension)
-    }
-
-    /// The format to write a file called `path` in: `told`, or the one that its extension stands for.
-    ///
-    /// # Errors
-    ///
-    /// [`FormatError::UnknownFormat`] when neither tells, [`FormatError::Misnamed`] when the file would be read as
-    /// another format.
-    pub fn to_write(path: &Path, told: Option<Self>) -> Result<Self, FormatError> {
-        let name = || path.to_string_lossy().into_owned();
-        let named = Self::from_path(path);
-        let format = (told.or(named)).ok_or_else(|| FormatError::UnknownFormat { name: name() })?;
-        match named {
-            Some(named) if !format.is_recognised_as(named) => Err(FormatError::Misnamed {
-                name: name(),
-                named,
-                format,
-            }),
-            _ => Ok(format),
-        }
-    }
-
-    /// Whether a file of this format is recognised under a name that stands for `named`.
-    fn is_recognised_as(self, named: Self) -> bool {
-        let marked = matches!(
-            self,
-            Self::UtkBinary | Self::Npy | Self::PlyAscii | Self::PlyBinary | Self::Json | Self::Svg
-        );
-        // Lines of two numbers are as often called .txt.
-        marked || self == named || (self, named) == (Self::UtkText, Self::PsaText)
     }
 
     /// The short name used on command lines and in certificates, such as `psa-text`.
@@ -272,48 +241,5 @@ mod tests {
             assert_eq!(found, Some(expected));
         }
         assert_eq!(Format::from_path("csv".as_ref()), None);
-    }
-
-    #[test]
-    fn what_is_written_is_recognised_under_its_name() {
-        let context = crate::export::ExportContext::new(
-            tilescope_analysis::Region {
-                width: 1.0,
-                height: 1.0,
-                boundary: tilescope_analysis::Boundary::Periodic,
-            },
-            0.5,
-        );
-        let set = crate::PointSet::from_points(vec![[0.25, 0.25], [0.75, 0.75]]);
-        for format in Format::ALL {
-            let name = format!("set.{}", format.extension());
-            let context = crate::ExportContext {
-                format: Some(format),
-                ..context.clone()
-            };
-            let exported = crate::export_bytes(&name, &set, &context, &|_| {
-                std::ops::ControlFlow::Continue(())
-            });
-            let bytes = exported.expect("a verdict").data;
-            for other in Format::ALL {
-                let name = format!("set.{}", other.extension());
-                let found = crate::detect(&bytes, name.as_ref()).expect("its name tells");
-                match Format::to_write(name.as_ref(), Some(format)) {
-                    Ok(_) => assert_eq!(found.format, format, "{name}"),
-                    Err(FormatError::Misnamed { .. }) => assert_ne!(found.format, format, "{name}"),
-                    Err(error) => panic!("{error}"),
-                }
-            }
-            assert_eq!(
-                Format::to_write("set".as_ref(), Some(format)).ok(),
-                Some(format)
-            );
-        }
-        assert!(Format::to_write("set".as_ref(), None).is_err());
-        let error = Format::to_write("y.npy".as_ref(), Some(Format::Csv)).expect_err("misnamed");
-        assert_eq!(
-            error.to_string(),
-            "y.npy: CSV would be read as NumPy array, which the name stands for; call it .csv"
-        );
     }
 }

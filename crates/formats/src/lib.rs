@@ -49,7 +49,8 @@ pub use error::{FormatError, Place};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use files::{
-    Exported, check, export, export_unverified, read, read_whole, write_through, write_whole,
+    Exported, MOST_IN_MEMORY, check, export, export_unverified, read, read_whole, write_through,
+    write_whole,
 };
 pub use format::{Format, Precision, UnknownFormatName};
 pub use mapping::Mapping;
@@ -57,6 +58,6 @@ pub use point_set::{PointSet, Provenance};
 pub use read::{ReadSet, certificate_path, read_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use stream::{
-    MOST_IN_MEMORY, StreamCheck, StreamExport, StreamOptions, StreamReader, Streamed,
-    WHOLE_FILE_BYTES, check_stream, checkpoint_token, partial_path, resume_path,
+    StreamCheck, StreamExport, StreamOptions, StreamReader, Streamed, WHOLE_FILE_BYTES,
+    check_stream, checkpoint_token, partial_path, resume_path,
 };

@@ -10,10 +10,10 @@ use crate::adapter::Gpu;
 use crate::constants::{GROUP_COLUMNS, WORKGROUP};
 use crate::error::GpuError;
 use crate::layout::{Job, Name};
+use crate::pass_report::PassReport;
 use crate::passes::{Command, Pass, Size};
 use crate::plan::{Phase, Plan};
 use crate::setup::Setup;
-use crate::stepper::PassReport;
 
 /// The place of a job in its buffer: what every device allows.
 const JOB_STRIDE: u64 = 256;
@@ -278,7 +278,7 @@ impl Device {
         place: u64,
         stage: Stage,
     ) {
-        let kernel = self.gpu.kernels.get(&self.gpu, pass);
+        let kernel = self.gpu.kernels.get(&self.gpu.device, pass);
         let group = self.bind(&kernel.layout, pass, place);
         let times = self.times.as_mut().and_then(Times::next);
         self.report(pass, size, stage);

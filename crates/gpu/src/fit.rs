@@ -1,4 +1,5 @@
-//! How large a window a device can take: its limits and its memory, compared with what a window needs.
+//! How large a window a device can take: its limits and its memory, compared with what a window needs; and the halo and
+//! the number of tries with which every window begins.
 
 use tilescope_core::{Point, R, Rect};
 
@@ -6,7 +7,16 @@ use crate::adapter::{AdapterReport, Limits};
 use crate::error::GpuError;
 use crate::plan::{MOST_CELLS, MOST_SIDE, Plan, Room};
 use crate::setup::Setup;
-use crate::sweep::{HALO, SHORTEST_SIDE};
+
+/// Cells around a window that are computed with it at first: what depends on what lies beyond rarely comes
+/// half as far, and then the window is computed again with twice as many.
+pub(crate) const HALO: i32 = 24;
+
+/// The shortest side of a window, in cells.
+pub(crate) const SHORTEST_SIDE: u32 = 8;
+
+/// How often a window may ask for more room before that counts as a fault.
+pub(crate) const MOST_TRIES: usize = 8;
 
 /// Memory to use where nobody said how much: WebGPU does not tell what there is. A discrete GPU has more than the
 /// first, everything else than the second; where it has not, windows become smaller.

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::adapter::Gpu;
 use crate::layout::{Access, Binding};
 use crate::passes::Pass;
 use crate::shader::compose;
@@ -20,11 +19,11 @@ pub(crate) struct Kernel {
 
 impl Kernels {
     /// Returns a pass' pipeline, made now if this is its first use.
-    pub(crate) fn get(&self, gpu: &Gpu, pass: &'static Pass) -> Arc<Kernel> {
+    pub(crate) fn get(&self, device: &wgpu::Device, pass: &'static Pass) -> Arc<Kernel> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let kernel = known
             .entry(pass.name)
-            .or_insert_with(|| Arc::new(Kernel::new(&gpu.device, pass)));
+            .or_insert_with(|| Arc::new(Kernel::new(device, pass)));
         Arc::clone(kernel)
     }
 }

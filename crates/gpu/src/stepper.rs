@@ -7,52 +7,19 @@ use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::Looks;
-use crate::fit::{longest_side, memory_of};
+use crate::fit::{HALO, MOST_TRIES, longest_side, memory_of};
 use crate::ground::Ground;
-use crate::layout::{Access, Name};
+use crate::layout::Name;
+use crate::pass_report::PassReport;
 use crate::plan::{Plan, Room, whole};
 use crate::setup::Setup;
 use crate::state::State;
-use crate::sweep::{HALO, MOST_TRIES};
 use crate::table::Table;
 use crate::upload;
 use crate::work::{Outcome, Work};
 
 /// The widest halo, in cells, of a run that is kept stage by stage.
 const WIDEST_HALO: i32 = 192;
-
-/// What a pass did.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PassReport {
-    /// The stage it belongs to.
-    pub stage: Stage,
-    /// Its name: that of its shader.
-    pub name: &'static str,
-    /// Whether the device computed how many workgroups there are, from the length of a list.
-    pub indirect: bool,
-    /// Workgroups on each axis; `None` of indirect passes that ran without the host waiting for each.
-    pub workgroups: Option<[u32; 3]>,
-    /// Invocations, where the workgroups are known.
-    pub invocations: Option<u64>,
-    /// The buffers that it saw, what for, and their lengths in bytes.
-    pub bindings: Vec<(Name, Access, u64)>,
-    /// Seconds on the device, where the adapter measures them.
-    pub seconds: Option<f64>,
-}
-
-impl PassReport {
-    /// Returns the bytes that a pass over all elements moves at least: every buffer that it sees once, those that it
-    /// both reads and writes twice. `None` of indirect passes, which go over lists.
-    #[must_use]
-    pub fn bytes(&self) -> Option<u64> {
-        let moved = |&(_, access, length): &(Name, Access, u64)| match access {
-            Access::Uniform => 0,
-            Access::Read | Access::Write => length,
-            Access::Update | Access::Atomic => 2 * length,
-        };
-        (!self.indirect).then(|| self.bindings.iter().map(moved).sum())
-    }
-}
 
 /// A run on a GPU between two passes.
 ///

@@ -12,24 +12,14 @@ use tilescope_core::{
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::{Device, Looks};
-use crate::fit::{self, longest_side, memory_of};
+use crate::fit::{self, HALO, MOST_TRIES, SHORTEST_SIDE, longest_side, memory_of};
+use crate::pass_report::PassReport;
 use crate::plan::Room;
 use crate::setup::Setup;
-use crate::stepper::PassReport;
 use crate::work::{Outcome, Window, Work};
-
-/// Cells around a window that are computed with it at first: what depends on what lies beyond rarely comes
-/// half as far, and then the window is computed again with twice as many.
-pub(crate) const HALO: i32 = 24;
 
 /// The widest halo, in cells.
 const WIDEST_HALO: i32 = 768;
-
-/// The shortest side of a window, in cells.
-pub(crate) const SHORTEST_SIDE: u32 = 8;
-
-/// How often a window may ask for more room before that counts as a fault.
-pub(crate) const MOST_TRIES: usize = 8;
 
 /// What a run may use and is asked to keep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

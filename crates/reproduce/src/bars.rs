@@ -6,7 +6,7 @@ use tilescope_figures::{
     Anchor, Baseline, Font, Group, Palette, Rect, Scene, Shape, Stroke, Style, Text, text_width,
 };
 
-use crate::report::{count, number};
+use crate::numbers::{count, number};
 
 /// Width of a figure in pixels.
 const WIDTH: f64 = 1200.0;

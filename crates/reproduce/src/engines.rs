@@ -1,7 +1,7 @@
 //! Every engine there is, as something that makes a set: for experiments that take their time.
 //! It takes no time itself and verifies nothing.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use pollster::block_on;
 use rayon::prelude::*;
@@ -10,10 +10,11 @@ use tilescope_core::combine::{CombineOptions, Piece, combine, grid};
 use tilescope_core::{
     Boundary, Domain, Parameters, Pattern, Point, Rect, Sequential, Sweep, reference_sample,
 };
-use tilescope_gpu::{AdapterReport, Choice, Gpu, GpuSweep};
+use tilescope_gpu::{Choice, Gpu, GpuSweep};
 
+use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::study::Control;
+use crate::machine::gpus;
 
 /// Sets along each side of what is made of nine.
 const ALONG: u32 = 3;
@@ -171,43 +172,6 @@ pub fn nine(
             })
         })
         .collect()
-}
-
-/// Returns the adapters that are GPUs, one of each name.
-pub fn gpus() -> &'static [AdapterReport] {
-    static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
-    FOUND.get_or_init(|| {
-        let mut found: Vec<AdapterReport> = adapters()
-            .iter()
-            .filter(|one| !one.is_software)
-            .cloned()
-            .collect();
-        found.dedup_by(|a, b| a.name == b.name);
-        found
-    })
-}
-
-/// Returns why there is no row for a GPU; none where there is one.
-pub fn no_gpu() -> Option<String> {
-    if !gpus().is_empty() {
-        return None;
-    }
-    let mut names: Vec<&str> = adapters().iter().map(|one| one.name.as_str()).collect();
-    names.dedup();
-    Some(if names.is_empty() {
-        "no GPU on this machine".to_owned()
-    } else {
-        format!(
-            "no GPU on this machine; {} computes on the processor and says nothing about one",
-            names.join(", ")
-        )
-    })
-}
-
-/// Adapters do not come and go while a reproduction runs.
-fn adapters() -> &'static [AdapterReport] {
-    static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
-    FOUND.get_or_init(|| block_on(tilescope_gpu::adapters()))
 }
 
 #[cfg(test)]

@@ -1,15 +1,9 @@
-//! The list of experiments: names, titles, and which function carries one out.
+//! The list of experiments: names and titles. Which function carries one out stands in `experiments`.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-
-use crate::error::ReproduceError;
-use crate::experiments::{eq4, fig10, fig11, fig12, fig13, iterations, search, uniformity};
-use crate::outcome::Outcome;
-use crate::study::{Settings, Study};
-use crate::work::Work;
 
 /// An experiment of the paper, or one that a claim of the paper calls for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -80,34 +74,6 @@ impl Experiment {
     #[must_use]
     pub const fn takes_files(self) -> bool {
         matches!(self, Self::Fig10)
-    }
-
-    /// Returns the work that it takes: the sum of its units'.
-    #[must_use]
-    pub fn work(self, settings: &Settings) -> Work {
-        match self {
-            Self::Fig10 => fig10::work(settings),
-            Self::Fig11 => fig11::work(settings),
-            Self::Fig12 => fig12::work(settings),
-            Self::Fig13 => fig13::work(settings),
-            Self::Iterations => iterations::work(settings),
-            Self::Eq4 => eq4::work(settings),
-            Self::Search => search::work(settings),
-            Self::Uniformity => uniformity::work(settings),
-        }
-    }
-
-    pub(crate) fn carry_out(self, study: &Study<'_>) -> Result<Outcome, ReproduceError> {
-        match self {
-            Self::Fig10 => fig10::run(study),
-            Self::Fig11 => fig11::run(study),
-            Self::Fig12 => fig12::run(study),
-            Self::Fig13 => fig13::run(study),
-            Self::Iterations => iterations::run(study),
-            Self::Eq4 => eq4::run(study),
-            Self::Search => search::run(study),
-            Self::Uniformity => uniformity::run(study),
-        }
     }
 }
 

@@ -5,11 +5,14 @@
 //! follows from what was measured in this run. It never draws on a screen and never asks anything.
 
 mod bars;
+mod control;
 mod engines;
 mod error;
 mod experiment;
 mod experiments;
+mod finished;
 mod machine;
+mod numbers;
 mod outcome;
 mod parts;
 mod report;
@@ -18,11 +21,13 @@ mod sets;
 mod study;
 mod work;
 
+pub use control::Watch;
 pub use error::ReproduceError;
 pub use experiment::Experiment;
+pub use finished::Finished;
 pub use machine::Machine;
 pub use outcome::{BEYOND, Cell, Claim, Column, Outcome, Picture, Table, Verdict};
-pub use run::{Finished, Options, Summary, Watch, expected, reproduce};
+pub use run::{Options, Summary, expected, reproduce};
 pub use sets::GivenSet;
 pub use study::Settings;
 pub use work::{Rates, Work};

@@ -1,12 +1,13 @@
-//! The machine that a result comes from. It never measures anything.
+//! The machine that a result comes from, and its GPUs. It never measures anything.
 
 use std::fs;
+use std::sync::OnceLock;
 use std::thread;
 
+use pollster::block_on;
 use serde::{Deserialize, Serialize};
 use tilescope_core::InstructionSet;
-
-use crate::engines::gpus;
+use tilescope_gpu::AdapterReport;
 
 /// A machine, as far as rates depend on it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,4 +60,41 @@ fn processor() -> Option<String> {
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     let name = line.split_once(':')?.1.trim();
     (!name.is_empty()).then(|| name.to_owned())
+}
+
+/// Returns the adapters that are GPUs, one of each name.
+pub fn gpus() -> &'static [AdapterReport] {
+    static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
+    FOUND.get_or_init(|| {
+        let mut found: Vec<AdapterReport> = adapters()
+            .iter()
+            .filter(|one| !one.is_software)
+            .cloned()
+            .collect();
+        found.dedup_by(|a, b| a.name == b.name);
+        found
+    })
+}
+
+/// Returns why there is no row for a GPU; none where there is one.
+pub fn no_gpu() -> Option<String> {
+    if !gpus().is_empty() {
+        return None;
+    }
+    let mut names: Vec<&str> = adapters().iter().map(|one| one.name.as_str()).collect();
+    names.dedup();
+    Some(if names.is_empty() {
+        "no GPU on this machine".to_owned()
+    } else {
+        format!(
+            "no GPU on this machine; {} computes on the processor and says nothing about one",
+            names.join(", ")
+        )
+    })
+}
+
+/// Adapters do not come and go while a reproduction runs.
+fn adapters() -> &'static [AdapterReport] {
+    static FOUND: OnceLock<Vec<AdapterReport>> = OnceLock::new();
+    FOUND.get_or_init(|| block_on(tilescope_gpu::adapters()))
 }

@@ -3,7 +3,6 @@
 
 mod html;
 mod markdown;
-mod numbers;
 
 use std::fs;
 use std::path::Path;
@@ -12,10 +11,8 @@ use tilescope_formats::write_whole;
 
 use crate::error::ReproduceError;
 use crate::experiment::Experiment;
+use crate::finished::Finished;
 use crate::outcome::Claim;
-use crate::run::Finished;
-
-pub use numbers::{count, csv, number};
 
 /// What every report begins with.
 const INTRODUCTION: &str = "Sets by KDRT and by the reference sampler were made by the commands below, on the machines named there, and \

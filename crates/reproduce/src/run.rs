@@ -2,17 +2,18 @@
 //! After every experiment the folder is complete; an interrupted one goes on where it stopped.
 
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
 use tilescope_figures::{to_png, to_svg_with_fonts};
 use tilescope_formats::write_whole;
 
+use crate::control::Watch;
 use crate::error::ReproduceError;
 use crate::experiment::Experiment;
+use crate::finished::Finished;
 use crate::machine::Machine;
-use crate::outcome::{Claim, Outcome, Picture, Table, Verdict};
+use crate::numbers::csv;
+use crate::outcome::{Outcome, Picture, Verdict};
 use crate::parts::Parts;
 use crate::report;
 use crate::study::{Settings, Study};
@@ -27,73 +28,6 @@ pub struct Options {
     pub out: PathBuf,
     /// Forget what was kept of an earlier run.
     pub fresh: bool,
-}
-
-/// Who watches.
-pub trait Watch: Sync {
-    /// Told first: the seconds that everything will take on this machine, and each experiment, without what was kept.
-    fn expected(&self, _seconds: f64, _each: &[(Experiment, f64)]) {}
-
-    /// Told when an experiment begins.
-    fn begins(&self, _experiment: Experiment) {}
-
-    /// Told often, from any thread: how many of these seconds lie behind, and what is going on. `Break` ends it.
-    fn progress(&self, seconds: f64, what: &str) -> ControlFlow<()>;
-
-    /// Told of an experiment that has ended.
-    fn finished(&self, _finished: &Finished) {}
-
-    /// Told of an experiment that could not be carried out.
-    fn failed(&self, _experiment: Experiment, _error: &ReproduceError) {}
-}
-
-/// An experiment that has ended, as it is kept.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finished {
-    /// Which.
-    pub experiment: Experiment,
-    /// Whether its sets were small.
-    pub quick: bool,
-    /// Seed of the first set.
-    pub seed: u64,
-    /// The arguments that name the sets from files that it looked at.
-    pub given: String,
-    /// The machine.
-    pub machine: Machine,
-    /// The program's version.
-    pub version: String,
-    /// What the paper says, and what was measured.
-    pub claims: Vec<Claim>,
-    /// Names and captions of the pictures.
-    pub pictures: Vec<(String, String)>,
-    /// Numbers.
-    pub tables: Vec<Table>,
-    /// How it was done.
-    pub notes: Vec<String>,
-}
-
-impl Finished {
-    /// Returns the verdict of one of its claims in words, marked where small sets gave it.
-    #[must_use]
-    pub fn words(&self, claim: &Claim) -> String {
-        let quick = if self.quick { " (quick)" } else { "" };
-        format!("{}{quick}", claim.words())
-    }
-
-    /// Returns the command that makes it again.
-    #[must_use]
-    pub fn command(&self) -> String {
-        let quick = if self.quick { " --quick" } else { "" };
-        let threads = if self.machine.threads == self.machine.cores {
-            String::new()
-        } else {
-            format!(" --threads {}", self.machine.threads)
-        };
-        format!(
-            "tilescope reproduce {}{quick} --seed {}{threads}{} --out DIR",
-            self.experiment, self.seed, self.given
-        )
-    }
 }
 
 /// What a reproduction came to.
@@ -241,7 +175,7 @@ fn keep(
     }
     for table in &outcome.tables {
         let path = data.join(format!("{experiment}-{}.csv", table.name));
-        write_whole(&path, report::csv(table).as_bytes())?;
+        write_whole(&path, csv(table).as_bytes())?;
     }
     let settings = &options.settings;
     let named = |picture: Picture| (picture.name, picture.caption);

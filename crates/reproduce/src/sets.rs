@@ -8,8 +8,8 @@ use tilescope_core::{
     Boundary, Domain, Parameters, Pattern, PatternSpec, Point, Summary, Sweep, reference_sample,
 };
 
+use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::study::Control;
 
 /// A set from a file, to stand beside the others.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,18 +1,15 @@
-//! What an experiment works with: its settings, its units of work, and the way to tell how far it is and to be stopped.
+//! What an experiment works with: its settings and its units of work.
 //! It knows no experiment.
 
 use std::cell::Cell;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::control::{Control, Watch};
 use crate::error::ReproduceError;
 use crate::experiment::Experiment;
 use crate::parts::Parts;
-use crate::run::Watch;
 use crate::sets::GivenSet;
 use crate::work::{Rates, Work};
 
@@ -96,10 +93,7 @@ impl<'a> Study<'a> {
         work: Work,
         make: impl FnOnce(&Control<'_>) -> Result<T, ReproduceError>,
     ) -> Result<T, ReproduceError> {
-        let control = Control {
-            of_unit: self.rates.seconds(&work),
-            ..self.control(what)
-        };
+        let control = self.control(what).of_unit(self.rates.seconds(&work));
         control.go_on()?;
         if let Some(kept) = self.parts.load(key) {
             return Ok(kept);
@@ -136,14 +130,8 @@ impl<'a> Study<'a> {
 
     /// Returns the control of work that is no unit: what is made anew each time, for pictures.
     pub fn control(&self, what: &str) -> Control<'_> {
-        Control {
-            watch: self.watch,
-            seconds: self.before + self.rates.seconds(&self.told.get()),
-            of_unit: 0.0,
-            what: format!("{}: {what}", self.experiment),
-            began: Instant::now(),
-            told: AtomicU64::new(NEVER),
-        }
+        let seconds = self.before + self.rates.seconds(&self.told.get());
+        Control::new(self.watch, seconds, format!("{}: {what}", self.experiment))
     }
 
     /// Returns the work of all units that were made so far.
@@ -153,58 +141,10 @@ impl<'a> Study<'a> {
     }
 }
 
-/// Milliseconds between two words to who watches: engines ask far more often, also where they are timed.
-const PAUSE: u64 = 50;
-/// Nothing was told yet.
-const NEVER: u64 = u64::MAX;
-
-/// Tells how far a unit is, and whether it shall go on.
-pub struct Control<'a> {
-    watch: &'a dyn Watch,
-    /// Seconds of work before this unit, and expected of it.
-    seconds: f64,
-    of_unit: f64,
-    what: String,
-    began: Instant,
-    /// Milliseconds from the beginning to the last word.
-    told: AtomicU64,
-}
-
-impl Control<'_> {
-    /// Returns whether the caller wants it to go on. How far a unit is follows from its time against the expected one.
-    pub fn flow(&self) -> ControlFlow<()> {
-        let passed = self.began.elapsed();
-        let now = passed.as_millis() as u64;
-        let told = self.told.load(Ordering::Relaxed);
-        if told != NEVER && now < told + PAUSE {
-            return ControlFlow::Continue(());
-        }
-        self.told.store(now, Ordering::Relaxed);
-        let within = passed.as_secs_f64().min(self.of_unit);
-        self.watch.progress(self.seconds + within, &self.what)
-    }
-
-    /// Fails if the caller does not want it to go on.
-    pub fn go_on(&self) -> Result<(), ReproduceError> {
-        match self.watch.progress(self.seconds, &self.what) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(ReproduceError::Cancelled),
-        }
-    }
-
-    /// Returns what samplers want to be watched by.
-    pub fn observer(&self) -> impl FnMut(tilescope_core::Progress) -> ControlFlow<()> + '_ {
-        |_| self.flow()
-    }
-
-    /// Returns what the verifier and measures want to be controlled by.
-    pub fn analysis(&self) -> impl Fn(tilescope_analysis::Progress) -> ControlFlow<()> + Sync + '_ {
-        |_| self.flow()
-    }
-}
-
 #[cfg(test)]
 pub mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::outcome::Outcome;
 

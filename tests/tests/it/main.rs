@@ -1,6 +1,7 @@
 //! Tests that span the crates.
 
 mod arrows;
+mod circles;
 mod device;
 mod digests;
 mod engines;

@@ -63,7 +63,7 @@ use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::monitor::Monitor;
-use crate::report::Gap;
+use crate::witness::Gap;
 use crate::worst::Worst;
 use buried::Buried;
 pub(crate) use places::Places;

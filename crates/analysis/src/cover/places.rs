@@ -6,7 +6,7 @@ use super::survey::Survey;
 use super::tiles::Tile;
 use super::{Cover, Task};
 use crate::domain::Domain;
-use crate::report::Gap;
+use crate::witness::Gap;
 use crate::worst::{Witness, Worst};
 
 /// The gaps of some tiles.
@@ -171,7 +171,7 @@ fn joined(a: &Gap, b: &Gap) -> Gap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::GapKind;
+    use crate::witness::GapKind;
 
     fn gap(x: f64, y: f64, distance: f64, kind: GapKind) -> Gap {
         let center = [x, y];

@@ -10,7 +10,7 @@ use super::circle::{circumcircle, is_below};
 use super::tiles::{Tile, Window};
 use crate::delaunay::delaunay;
 use crate::error::VerifyError;
-use crate::report::{Gap, GapKind};
+use crate::witness::{Gap, GapKind};
 
 /// What a tile shows through a window.
 pub(crate) struct Survey {

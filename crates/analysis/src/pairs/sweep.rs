@@ -12,11 +12,10 @@
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-use super::{Pairs, length, offset};
+use super::{MOST_CONFLICTS, Pairs, length, offset};
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
 use crate::monitor::Monitor;
-use crate::report::MOST_CONFLICTS;
 
 /// Samples between two reports.
 const CHUNK: usize = 4096;

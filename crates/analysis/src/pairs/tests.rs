@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::region::{Boundary, Region};
-use crate::report::MOST_CONFLICTS;
 use std::ops::ControlFlow;
 
 fn run(points: &[[f64; 2]], width: f64, height: f64, periodic: bool, radius: f64) -> Pairs {

@@ -9,8 +9,8 @@ use crate::error::VerifyError;
 use crate::grid::Entry;
 use crate::pairs::Pairs;
 use crate::region::Region;
-use crate::report::{Conflict, Gap, GapKind};
 use crate::verify::VerifyOptions;
+use crate::witness::{Conflict, Gap, GapKind};
 
 use super::StreamVerifier;
 use super::bands::{Bands, Search};

@@ -20,12 +20,13 @@ use tilescope_core::combine::{Combined, combine};
 use tilescope_formats::{Exported, Format, PointSet, Precision};
 
 use crate::engine::ThreadArguments;
-use crate::make::{self, Facts, Made};
+use crate::facts::{Facts, named_by_content};
+use crate::make::{self, Made};
 use crate::options::region;
 use crate::output::{self, Outcome};
 use crate::place::check_target;
 use crate::progress::{Stopwatch, verifying};
-use crate::sample::PrecisionArgument;
+use crate::sample_arguments::PrecisionArgument;
 use crate::{interrupt, verdict_code};
 
 use pieces::Census;
@@ -184,7 +185,7 @@ fn stated(layout: &Layout, placed: &Placed, folder: &Path) -> Result<Value> {
     let mut stated = serde_json::to_value(layout)?;
     for (k, place) in placed.places.iter().enumerate() {
         if let Source::File { path, .. } = &place.source {
-            let named = make::named_by_content(&folder.join(path))?;
+            let named = named_by_content(&folder.join(path))?;
             stated["pieces"][k]["file"] = named["file"].clone();
             stated["pieces"][k]["digest"] = named["digest"].clone();
         }

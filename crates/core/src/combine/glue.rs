@@ -10,10 +10,12 @@ use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
 use crate::parameters::Insertion;
 use crate::pattern::Symmetry;
-use crate::progress::{Meter, Observer, Stage};
+use crate::progress::{Meter, Observer};
 use crate::random::Key;
 use crate::record::Unrecorded;
-use crate::run::{Fate, Iteration, Origin, Samples};
+use crate::run::Iteration;
+use crate::samples::{Fate, Origin, Samples};
+use crate::stage::Stage;
 use crate::stages::blocks::{Block, Blocks};
 use crate::stages::detect::{Candidate, Detection, first_detectors};
 use crate::stages::eliminate::{contested, eliminate};
@@ -284,7 +286,8 @@ fn detect<'a>(
 mod tests {
     use super::*;
     use crate::combine::grid;
-    use crate::parameters::{Boundary, Order};
+    use crate::lattice::Boundary;
+    use crate::parameters::Order;
     use crate::pattern::Pattern;
     use crate::progress::Unobserved;
     use std::sync::Arc;

@@ -23,15 +23,14 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::engine::parallel::sweep::Source;
-use crate::error::SampleError;
+use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect};
-use crate::parameters::{
-    Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, ParameterError, Search,
-};
+use crate::parameters::{Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order, Search};
 use crate::pattern::Pattern;
-use crate::progress::{Meter, Observer, Stage};
-use crate::run::{Fate, Origin, Summary};
+use crate::progress::{Meter, Observer};
+use crate::run::Summary;
+use crate::samples::{Fate, Origin, Source};
+use crate::stage::Stage;
 
 use glue::Glued;
 pub use layout::{Seam, check_rects, grid};

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use super::glue::{blocks, glue_all};
 use super::{CombineError, CombineOptions, Combined, Piece, Seam, check, layout};
-use crate::engine::parallel::sweep::Source;
 use crate::lattice::{Domain, Point, R};
 use crate::parameters::{Parameters, PatternSpec, Variant};
-use crate::progress::{Meter, Observer, Stage};
+use crate::progress::{Meter, Observer};
 use crate::random::Key;
-use crate::run::{Fate, Origin, Run, Samples};
-use crate::stages::detect::Sites;
+use crate::run::Run;
+use crate::samples::{Fate, Origin, Samples, Sites, Source};
+use crate::stage::Stage;
 
 /// A combination with every stage of it.
 #[derive(Clone, Debug)]

@@ -13,8 +13,9 @@ use crate::lattice::{Domain, Point, R, covers_offset};
 use crate::parameters::Search;
 use crate::progress::Meter;
 use crate::record::{Moment, Recorder, Verdict};
-use crate::run::{Fate, Iteration, Origin, Samples};
-use crate::stages::detect::{Border, DETECTOR_REACH, Reach, Sites, clamped};
+use crate::run::Iteration;
+use crate::samples::{Fate, Origin, Samples, Sites};
+use crate::stages::detect::{Border, DETECTOR_REACH, Reach, clamped};
 use crate::stages::eliminate::keep_rest;
 
 /// The state of Algorithm 4: the set `C` and the marks.

@@ -1,36 +1,15 @@
 //! The pattern: a small maximal set from which building blocks clip (paper, section 3.1.2).
 //! A pattern that exists is conflict-free and maximal on the lattice: it was generated, checked, or
-//! unpacked from bytes that only this program writes (`packed`).
+//! unpacked from bytes that only this program writes (`packed`). [`crate::pattern_making`] generates and checks.
 
-mod cache;
 mod packed;
-mod ready;
-mod sets;
 
 pub use packed::PackedError;
-pub use ready::{READY_MADE, ReadyMade};
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-use crate::error::SampleError;
 use crate::lattice::{Domain, Point, Rect};
-use crate::parameters::{Boundary, ParameterError, PatternSpec};
-use crate::progress::Observer;
-use crate::random::{Key, Stream};
-use crate::reference::reference_sample;
-use crate::stages::disks::DiskGrid;
-
-/// How much farther than `R` (as a difference of squares) a lattice point of a *given* pattern may
-/// be from its nearest sample: a distance of 0.12 units. With the 0.71 units between a place and
-/// its lattice point and the 0.17 by which a unit may exceed its share of the radius that stays
-/// below one unit, the promised (1 + 2^-15) r. Nearly all results of KDRT pass (seen: 0.24 units in
-/// one of four sets of 865,000 samples, none elsewhere); those of the reference sampler always do.
-const GIVEN_SLACK: i64 = 7_800;
-
-/// The fewest samples to a squared radius that can cover a plane: 2 / (3 sqrt 3), the triangular
-/// lattice's. Half of it allows for what lies beyond a closed border.
-const LEAST_DENSITY: f64 = 0.5 * 0.384_9;
+use crate::parameters::PatternSpec;
 
 /// A maximal set that blocks clip from. Patterns are equal when blocks clip the same from them,
 /// wherever they came from.
@@ -69,75 +48,8 @@ pub struct Variant {
 }
 
 impl Pattern {
-    /// Returns the pattern that `spec` describes, made by the reference sampler. Runs need not wait
-    /// for that: [`Self::of_spec`] makes a pattern only when there is none yet.
-    pub fn generate(spec: &PatternSpec, observer: &mut dyn Observer) -> Result<Self, SampleError> {
-        let side = spec.side_units()?;
-        let domain = Domain::from_units(side, side, spec.boundary);
-        // A pattern's seed must not make the run's own draws when the two seeds are equal.
-        let [low, high] = Key::from_seed(spec.seed).draw(Stream::Pattern, 0);
-        let seed = u64::from(low) | u64::from(high) << 32;
-        let mut restage = |mut progress: crate::Progress| {
-            progress.stage = crate::Stage::Pattern;
-            observer.observe(progress)
-        };
-        let samples =
-            reference_sample(domain, seed, &mut restage).map_err(|error| match error {
-                SampleError::Cancelled { .. } => SampleError::Cancelled {
-                    stage: crate::Stage::Pattern,
-                },
-                other => other,
-            })?;
-        Ok(Self {
-            domain,
-            samples,
-            seed: Some(spec.seed),
-            covers_lattice: true,
-        })
-    }
-
-    /// Returns the pattern of given positions in user units: a set of radius `radius` on
-    /// `[0, size[0]] x [0, size[1]]`.
-    ///
-    /// Fails, naming samples and places in user units, when the set is empty, not finite, outside,
-    /// too small, not conflict-free or not maximal once rounded to the lattice.
-    pub fn from_positions(
-        positions: &[[f64; 2]],
-        size: [f64; 2],
-        radius: f64,
-        boundary: Boundary,
-    ) -> Result<Self, PatternError> {
-        if positions.is_empty() {
-            return Err(PatternError::Empty);
-        }
-        let domain = Domain::from_size(size, radius, boundary)?;
-        for (index, &[x, y]) in positions.iter().enumerate() {
-            let inside = (0.0..=size[0]).contains(&x) && (0.0..=size[1]).contains(&y);
-            if !inside {
-                return Err(PatternError::Outside {
-                    index,
-                    position: [x, y],
-                    size,
-                });
-            }
-        }
-        check_count(positions.len(), &domain)?;
-        let samples = positions
-            .iter()
-            .map(|&p| domain.lattice_from_user(p))
-            .collect();
-        Self::checked(&domain, samples)
-    }
-
-    /// Returns the pattern of samples of `domain` if they are conflict-free and maximal.
-    fn checked(domain: &Domain, mut samples: Vec<Point>) -> Result<Self, PatternError> {
-        samples.sort_unstable_by_key(|p| p.canonical());
-        let covers_lattice = check(domain, &samples)?;
-        Ok(Self::of_samples(domain, samples, covers_lattice))
-    }
-
     /// Returns the pattern of samples in canonical order that need no check.
-    fn of_samples(domain: &Domain, samples: Vec<Point>, covers_lattice: bool) -> Self {
+    pub(crate) fn of_samples(domain: &Domain, samples: Vec<Point>, covers_lattice: bool) -> Self {
         Self {
             // Blocks see lattice units only; the user's unit ends here.
             domain: Domain::from_units(domain.width(), domain.height(), domain.boundary()),
@@ -145,6 +57,12 @@ impl Pattern {
             seed: None,
             covers_lattice,
         }
+    }
+
+    /// Returns the pattern, generated from `seed`.
+    pub(crate) const fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = Some(seed);
+        self
     }
 
     /// Returns whether this is the pattern that [`Self::generate`] makes of `spec`.
@@ -267,114 +185,10 @@ impl Variant {
     }
 }
 
-/// Refuses too few samples, before any memory is taken that grows with the domain.
-fn check_count(count: usize, domain: &Domain) -> Result<(), PatternError> {
-    let area = domain.area_radii();
-    if count == 0 {
-        return Err(PatternError::Empty);
-    }
-    if (count as f64) < LEAST_DENSITY * area {
-        return Err(PatternError::TooFew { count, area });
-    }
-    Ok(())
-}
-
-/// Checks a given set and returns whether it covers every lattice point.
-fn check(domain: &Domain, samples: &[Point]) -> Result<bool, PatternError> {
-    let conflict = |a: Point, b: Point| {
-        let units = (domain.distance_squared(a, b) as f64).sqrt();
-        PatternError::Conflict {
-            first: domain.user_from_lattice(a),
-            second: domain.user_from_lattice(b),
-            radii: units / f64::from(crate::lattice::R),
-        }
-    };
-    let mut grid = crate::grid::SampleGrid::with_capacity(*domain, samples.len());
-    let mut disks = DiskGrid::new(*domain);
-    for (&p, id) in samples.iter().zip(0..) {
-        let mut other = None;
-        grid.any_near(p, crate::lattice::R, |near| {
-            let covered = crate::lattice::covers_offset(near.offset.0, near.offset.1);
-            if covered {
-                other = Some(samples[near.id as usize]);
-            }
-            covered
-        });
-        if let Some(other) = other {
-            return Err(conflict(other, p));
-        }
-        grid.insert(id, p);
-        let fits = disks.insert(p);
-        debug_assert!(fits, "no conflict was found");
-    }
-    match disks.uncovered_point(GIVEN_SLACK) {
-        None => Ok(disks.uncovered_point(0).is_none()),
-        Some(p) => Err(PatternError::NotMaximal {
-            witness: domain.user_from_lattice(p),
-        }),
-    }
-}
-
-/// Why a pattern cannot serve.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum PatternError {
-    /// There is no sample.
-    #[error("the set is empty")]
-    Empty,
-    /// Its domain or radius is impossible.
-    #[error("the set's domain is impossible: {0}")]
-    Domain(#[from] ParameterError),
-    /// A position is not finite or not inside.
-    #[error("sample {index} of the set, ({}, {}), is not inside [0, {}] x [0, {}]", position[0], position[1], size[0], size[1])]
-    Outside {
-        /// Index of the position as given.
-        index: usize,
-        /// The position.
-        position: [f64; 2],
-        /// The pattern's size.
-        size: [f64; 2],
-    },
-    /// Two samples are no farther apart than the radius.
-    #[error("the set is not conflict-free: ({}, {}) and ({}, {}) are {radii:.6} r apart", first[0], first[1], second[0], second[1])]
-    Conflict {
-        /// One sample, in the pattern's units.
-        first: [f64; 2],
-        /// The other.
-        second: [f64; 2],
-        /// Their distance in radii.
-        radii: f64,
-    },
-    /// So few samples cannot cover the domain.
-    #[error(
-        "the set is not maximal: {count} samples cannot cover {area:.1} squared radii; is its radius right?"
-    )]
-    TooFew {
-        /// How many there are.
-        count: usize,
-        /// The area in squared radii.
-        area: f64,
-    },
-    /// A place is not covered.
-    #[error("the set is not maximal: no sample covers ({}, {})", witness[0], witness[1])]
-    NotMaximal {
-        /// The place, in the pattern's units.
-        witness: [f64; 2],
-    },
-    /// A block does not fit a bounded pattern.
-    #[error("a block of {:.2} x {:.2} r, enlarged by r on each side, does not fit a bounded pattern of {:.2} x {:.2} r: use a larger pattern, a periodic one or a smaller leaf", block[0], block[1], pattern[0], pattern[1])]
-    TooSmall {
-        /// The block's sides in radii.
-        block: [f64; 2],
-        /// The pattern's sides in radii.
-        pattern: [f64; 2],
-    },
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::R;
+    use crate::lattice::{Boundary, R};
     use crate::progress::Unobserved;
 
     fn small(boundary: Boundary) -> Pattern {
@@ -384,60 +198,6 @@ mod tests {
             seed: 3,
         };
         Pattern::generate(&spec, &mut Unobserved).unwrap()
-    }
-
-    fn positions(pattern: &Pattern) -> Vec<[f64; 2]> {
-        pattern
-            .samples
-            .iter()
-            .map(|&p| pattern.domain.user_from_lattice(p))
-            .collect()
-    }
-
-    #[test]
-    fn a_generated_pattern_passes_the_check_for_given_ones() {
-        for boundary in [Boundary::Periodic, Boundary::Bounded] {
-            let pattern = small(boundary);
-            let given =
-                Pattern::from_positions(&positions(&pattern), pattern.domain.size(), 1.0, boundary);
-            assert_eq!(given.unwrap(), pattern);
-        }
-    }
-
-    #[test]
-    fn bad_patterns_are_refused() {
-        let pattern = small(Boundary::Periodic);
-        let size = pattern.domain.size();
-        let make = |p: &[[f64; 2]], r| Pattern::from_positions(p, size, r, Boundary::Periodic);
-        let good = positions(&pattern);
-        assert_eq!(make(&[], 1.0), Err(PatternError::Empty));
-        let mut bad = good.clone();
-        bad.remove(17);
-        let removed = good[17];
-        match make(&bad, 1.0) {
-            Err(PatternError::NotMaximal { witness }) => {
-                assert!((witness[0] - removed[0]).hypot(witness[1] - removed[1]) < 1.01);
-            }
-            other => panic!("{other:?}"),
-        }
-        let mut bad = good.clone();
-        bad.push([good[3][0], good[3][1] + 0.5]);
-        assert!(matches!(
-            make(&bad, 1.0),
-            Err(PatternError::Conflict { .. })
-        ));
-        bad.pop();
-        bad.push([f64::NAN, 1.0]);
-        assert!(matches!(make(&bad, 1.0), Err(PatternError::Outside { .. })));
-        assert!(matches!(
-            make(&good, 1.1),
-            Err(PatternError::Conflict { .. })
-        ));
-        assert!(matches!(
-            make(&good, 0.9),
-            Err(PatternError::NotMaximal { .. })
-        ));
-        assert!(matches!(make(&good, 2.0), Err(PatternError::Domain(_))));
     }
 
     #[test]

@@ -11,8 +11,7 @@
 use thiserror::Error;
 
 use super::Pattern;
-use crate::lattice::{Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, Point, R};
-use crate::parameters::Boundary;
+use crate::lattice::{Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, Point, R};
 
 const MARK: [u8; 8] = *b"tilepatt";
 

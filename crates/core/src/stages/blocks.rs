@@ -202,8 +202,7 @@ const fn halves(rect: &Rect, axis: Axis, plane: i32) -> (Rect, Rect) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::R;
-    use crate::parameters::Boundary;
+    use crate::lattice::{Boundary, R};
     use proptest::prelude::*;
 
     proptest! {

@@ -11,9 +11,10 @@
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
-use crate::progress::{Meter, Observer, Stage};
+use crate::progress::{Meter, Observer};
 use crate::random::{Key, Stream};
 use crate::record::{Moment, Recorder, Unrecorded, Verdict};
+use crate::stage::Stage;
 use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
 
 /// Cumulative probabilities, times 2^32, of 0, 1, 2, ... darts for a mean of 0.85 per active cell
@@ -257,7 +258,7 @@ fn poisson(word: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Boundary;
+    use crate::lattice::Boundary;
     use crate::progress::Unobserved;
 
     /// Runs a process to its end, its cells rearranged before each throw.

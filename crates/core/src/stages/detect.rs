@@ -27,32 +27,16 @@ use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::Search;
 use crate::record::{Moment, Recorder, Unrecorded, Verdict};
-use crate::run::{Fate, Samples};
+use crate::samples::{Fate, Samples};
 use crate::stages::voronoi::RelaxedCell;
+
+pub use crate::samples::Sites;
 
 /// How far a first detector may be from an eliminated sample: 2r and 4 units.
 pub const DETECTOR_REACH: i32 = 2 * R + 4;
 
 /// By how much, in squared units, a sample may be nearer to a candidate than the candidate's own.
 pub const NEARER_SLACK: i64 = 12 * R as i64;
-
-/// The samples that make a candidate. The lowest of several such sets is recorded; ids are of one run,
-/// but the sequence of samples that they stand for is the same in every run over the same plane.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
-)]
-pub enum Sites {
-    /// A circumcentre of three samples, by id.
-    Three([u32; 3]),
-    /// A border point as far from two samples.
-    Border([u32; 2]),
-    /// A corner of the domain, found by one sample.
-    Corner(u32),
-    /// A dart: no samples are concerned.
-    Dart,
-    /// The engine did not keep them.
-    Unrecorded,
-}
 
 /// An uncovered place where a sample may be inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -222,7 +222,7 @@ fn farthest_squared(offset: (i32, i32), extent: (i32, i32)) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Boundary;
+    use crate::lattice::Boundary;
 
     #[test]
     fn an_uncovered_point_is_found() {

@@ -6,7 +6,7 @@ use crate::grid::SampleGrid;
 use crate::lattice::{Domain, R, covers_offset};
 use crate::progress::Meter;
 use crate::record::{Moment, Recorder};
-use crate::run::{Fate, Origin, Samples};
+use crate::samples::{Fate, Origin, Samples};
 use crate::stages::blocks::Blocks;
 use crate::stages::order::Ranking;
 

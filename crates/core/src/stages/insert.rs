@@ -5,7 +5,7 @@ use crate::grid::SampleGrid;
 use crate::lattice::{R, covers_offset};
 use crate::random::{Key, Stream};
 use crate::record::{Moment, Recorder, Unrecorded};
-use crate::run::{Fate, Origin, Samples};
+use crate::samples::{Fate, Origin, Samples};
 use crate::stages::detect::Candidate;
 
 /// Sorts candidates by place and keeps one of each place: the one with the lowest sites.

@@ -93,7 +93,7 @@ impl Phases {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Boundary;
+    use crate::lattice::Boundary;
 
     #[test]
     fn samples_of_one_phase_group_conflict_only_within_a_cell() {

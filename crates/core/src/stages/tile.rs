@@ -1,13 +1,13 @@
 //! Clip and tile: every block, enlarged by r, receives a clip of the pattern (paper, Algorithm 2).
 //! It never resolves a conflict: neighbouring clips overlap by design.
 
-use crate::error::SampleError;
+use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect};
-use crate::pattern::{Pattern, PatternError, Symmetry, Variant};
+use crate::pattern::{Pattern, Symmetry, Variant};
 use crate::progress::Meter;
 use crate::random::{Stream, below};
 use crate::record::{Moment, Recorder};
-use crate::run::{Fate, Origin, Samples};
+use crate::samples::{Fate, Origin, Samples};
 use crate::stages::blocks::{Block, Blocks};
 
 /// What a block clipped.

@@ -3,7 +3,7 @@
 
 use crate::lattice::{Domain, Point, R};
 use crate::random::{Key, Stream};
-use crate::run::{Fate, Samples};
+use crate::samples::{Fate, Samples};
 use crate::stages::darts::{DartProcess, GAP_SIDE};
 use crate::stages::detect::DETECTOR_REACH;
 use crate::stages::disks::{Cell, DiskGrid};

@@ -13,16 +13,13 @@ use crate::certificate::Certificate;
 use crate::check::{Check, CheckError, Difference, Found, Judged, Overrides, differences};
 use crate::detect::Detection;
 use crate::digest::{add_positions, digest_text};
-use crate::files::{check, io_error};
+use crate::error::io_error;
+use crate::files::{MOST_IN_MEMORY, check};
 use crate::format::Precision;
 use crate::pipe::Input;
 
 /// Files up to this many bytes, 32 MiB, are read whole: that takes about 150 MB for two million points.
 pub const WHOLE_FILE_BYTES: u64 = 32 << 20;
-
-/// Most points of a file that is checked in memory because a stream cannot judge it, 2^28: it takes about
-/// 76 bytes for each, in all 20 GB.
-pub const MOST_IN_MEMORY: u64 = 1 << 28;
 
 /// The outcome of a check, without the points.
 #[derive(Clone, Debug)]

@@ -12,9 +12,9 @@ use super::export::StreamExport;
 use super::judge::unjudged;
 use super::resume;
 use crate::certificate::Certificate;
-use crate::error::FormatError;
+use crate::error::{FormatError, io_error};
 use crate::export::{Control, ExportError, Warning, certificate, left_out, warnings};
-use crate::files::{Exported, Temporary, io_error, publish, remove_certificate};
+use crate::files::{Exported, Temporary, publish, remove_certificate};
 use crate::read::certificate_path;
 
 /// A finished stream.

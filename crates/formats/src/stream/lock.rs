@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::with_suffix;
 use crate::destination::check_own;
+use crate::error::io_error;
 use crate::export::ExportError;
-use crate::files::io_error;
 
 /// A lock that ends with the process, whatever ends that.
 #[derive(Debug)]

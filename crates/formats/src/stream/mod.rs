@@ -18,7 +18,7 @@ mod tests;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-pub use check::{MOST_IN_MEMORY, StreamCheck, WHOLE_FILE_BYTES, check_stream};
+pub use check::{StreamCheck, WHOLE_FILE_BYTES, check_stream};
 pub use export::{StreamExport, StreamOptions};
 pub use finish::Streamed;
 pub use read::StreamReader;

@@ -9,9 +9,8 @@ use std::path::{Path, PathBuf};
 use super::partial_path;
 use crate::destination::check_own;
 use crate::digest::digest_text;
-use crate::error::FormatError;
+use crate::error::{FormatError, io_error};
 use crate::export::ExportError;
-use crate::files::io_error;
 
 /// Bytes gathered before they are written, and read at a time.
 pub(super) const BLOCK: usize = 4 << 20;

@@ -19,9 +19,9 @@ use crate::codecs::Target;
 use crate::codecs::rows::Rows;
 use crate::destination::destination;
 use crate::digest::bytes_digest;
-use crate::error::FormatError;
+use crate::error::{FormatError, io_error};
 use crate::export::{ExportContext, ExportError};
-use crate::files::{io_error, read_file};
+use crate::files::read_file;
 use crate::format::{Format, Precision};
 
 /// The version of the checkpoint's layout.

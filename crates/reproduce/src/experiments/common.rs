@@ -7,8 +7,8 @@ use tilescope_figures::chart::{Axis, Figure, LineChart, Look, Panel, Series, fig
 use tilescope_figures::{Anchor, Group, Palette, Rect, Shape, Style, Text};
 
 use crate::error::ReproduceError;
+use crate::numbers::number;
 use crate::outcome::{Column, Picture};
-use crate::report::number;
 use crate::study::Settings;
 
 /// About the samples of a KDRT set to a squared radius.

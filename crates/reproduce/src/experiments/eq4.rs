@@ -6,12 +6,13 @@ mod found;
 use rayon::prelude::*;
 use tilescope_core::{Domain, Fate, Origin, R, Run, SampleGrid, Sequential, covers_offset};
 
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{seed, seeded, square};
+use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
-use crate::report::number;
 use crate::sets::{Set, pattern};
-use crate::study::{Control, Settings, Study};
+use crate::study::{Settings, Study};
 use crate::work::Work;
 use found::Found;
 

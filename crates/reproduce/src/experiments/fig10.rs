@@ -16,8 +16,8 @@ mod sheet;
 mod tables;
 
 use crate::error::ReproduceError;
+use crate::numbers::count;
 use crate::outcome::Outcome;
-use crate::report::count;
 use crate::study::{Settings, Study};
 use crate::work::Work;
 

@@ -7,8 +7,8 @@ mod rows;
 mod stages;
 mod tables;
 
-use crate::engines::no_gpu;
 use crate::error::ReproduceError;
+use crate::machine::no_gpu;
 use crate::outcome::Outcome;
 use crate::study::{Settings, Study};
 use crate::work::Work;

@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::combine::{CombineOptions, Combined, combine};
 use tilescope_core::{Boundary, Domain, R, reference_sample};
 
+use crate::control::Control;
 use crate::engines::{nine, nine_rects};
 use crate::error::ReproduceError;
+use crate::numbers::{count, number};
 use crate::outcome::{Claim, Column, Outcome, Table, Verdict};
-use crate::report::{count, number};
 use crate::sets::Set;
-use crate::study::{Control, Settings, Study};
+use crate::study::{Settings, Study};
 use crate::work::Work;
 
 /// Losses up to this share of all samples count as minor.

@@ -11,10 +11,10 @@ mod spectra;
 mod speed;
 mod tables;
 
-use crate::engines::no_gpu;
 use crate::error::ReproduceError;
+use crate::machine::no_gpu;
+use crate::numbers::number;
 use crate::outcome::{Outcome, Picture};
-use crate::report::number;
 use crate::study::{Settings, Study};
 use crate::work::Work;
 use tilescope_analysis::measures::Summary;

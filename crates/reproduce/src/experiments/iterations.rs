@@ -6,12 +6,13 @@ mod variants;
 
 use tilescope_core::{Order, Parameters};
 
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
+use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
-use crate::report::number;
 use crate::sets::Set;
-use crate::study::{Control, Settings, Study};
+use crate::study::{Settings, Study};
 use crate::work::Work;
 use found::{Case, Found};
 use variants::Printed;

@@ -8,12 +8,13 @@ mod witness;
 use rayon::prelude::*;
 use tilescope_core::{Parameters, Search, Sequential, Variant};
 
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{counted, poisson_interval, seed, seeded, square};
+use crate::numbers::number;
 use crate::outcome::{Claim, Outcome, Verdict};
-use crate::report::number;
 use crate::sets::{Set, pattern};
-use crate::study::{Control, Settings, Study};
+use crate::study::{Settings, Study};
 use crate::work::Work;
 use found::{Found, Judged};
 

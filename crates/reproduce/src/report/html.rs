@@ -6,10 +6,10 @@ use std::path::Path;
 
 use tilescope_figures::escape;
 
+use crate::finished::Finished;
+use crate::numbers::readable;
 use crate::outcome::{Claim, Table, Verdict};
-use crate::run::Finished;
 
-use super::numbers::readable;
 use super::{INTRODUCTION, Pages};
 
 const STYLE: &str = "body{font:15px/1.55 system-ui,sans-serif;color:#1a1d21;margin:2rem auto;max-width:1240px;padding:0 1rem}\

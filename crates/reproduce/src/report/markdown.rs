@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use crate::finished::Finished;
+use crate::numbers::readable;
 use crate::outcome::{Claim, Table};
-use crate::run::Finished;
 
-use super::numbers::readable;
 use super::{INTRODUCTION, Pages};
 
 /// Returns the page.

@@ -1,8 +1,8 @@
 use std::fs;
 
-use super::numbers::{csv, number, readable};
 use super::*;
 use crate::machine::Machine;
+use crate::numbers::{csv, number, readable};
 use crate::outcome::{BEYOND, Cell, Claim, Column, Table, Verdict};
 
 fn finished() -> Finished {

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::LayoutError;
-use crate::lattice::{Domain, Rect};
-use crate::parameters::{Boundary, MAXIMAL_DENSITY, Parameters};
+use crate::lattice::{Boundary, Domain, Rect};
+use crate::parameters::{MAXIMAL_DENSITY, Parameters};
 
 /// A piece, as the file has it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -4,7 +4,8 @@ use thiserror::Error;
 
 use super::{MAX_LAYOUT_BYTES, VERSION};
 use crate::combine::CombineError;
-use crate::parameters::{MAX_SEQUENTIAL_SAMPLES, ParameterError};
+use crate::error::ParameterError;
+use crate::parameters::MAX_SEQUENTIAL_SAMPLES;
 
 /// Why a layout, or a piece of one, cannot serve.
 #[derive(Debug, Error)]

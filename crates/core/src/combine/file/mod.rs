@@ -8,8 +8,8 @@ mod set;
 use serde::{Deserialize, Serialize};
 
 use super::{CombineError, CombineOptions, MAX_PIECES, check_rects};
-use crate::lattice::{Domain, Rect};
-use crate::parameters::{Boundary, Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order};
+use crate::lattice::{Boundary, Domain, Rect};
+use crate::parameters::{Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order};
 
 pub use entry::{Entry, Source};
 pub use error::LayoutError;

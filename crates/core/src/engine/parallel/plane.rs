@@ -7,12 +7,13 @@ use std::sync::{Mutex, PoisonError};
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-use crate::error::SampleError;
+use crate::error::{ParameterError, SampleError};
 use crate::lattice::{Domain, Point, Rect, Window};
-use crate::parameters::{Insertion, Order, ParameterError, Parameters, Variant};
+use crate::parameters::{Insertion, Order, Parameters, Variant};
 use crate::pattern::Pattern;
-use crate::progress::{Meter, Observer, Stage, Unobserved};
+use crate::progress::{Meter, Observer, Unobserved};
 use crate::random::Key;
+use crate::stage::Stage;
 use crate::stages::order::Ranking;
 
 use super::claim::Turns;

@@ -10,8 +10,10 @@ use crate::error::SampleError;
 use crate::lattice::{Point, R, Rect};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
-use crate::progress::{Meter, Observer, Stage};
+use crate::progress::{Meter, Observer};
 use crate::run::{Run, Summary};
+use crate::samples::{Sampled, Source};
+use crate::stage::Stage;
 
 use super::counts::Counts;
 use super::gaps::inserted_in;
@@ -23,32 +25,6 @@ const SHORTEST_SIDE: i32 = 64;
 
 /// More samples to a squared radius than a set has, bounded domains apart.
 const MOST_DENSITY: f64 = 0.71;
-
-/// Where a sample comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// Clipped from the pattern.
-    Tiled {
-        /// Index of the block.
-        block: u32,
-        /// Index of the pattern's sample.
-        pattern: u32,
-    },
-    /// Inserted into a gap.
-    Inserted {
-        /// The iteration, from 1.
-        iteration: u32,
-    },
-}
-
-/// Samples in canonical order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Sampled {
-    /// Positions.
-    pub points: Vec<Point>,
-    /// Where each comes from, if that was asked for.
-    pub sources: Option<Vec<Source>>,
-}
 
 /// Where a [`Sweep`] is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -9,7 +9,8 @@ use crate::lattice::{Domain, Rect};
 use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::progress::Unobserved;
-use crate::run::{Fate, Origin, Run};
+use crate::run::Run;
+use crate::samples::{Fate, Origin};
 
 use super::claim::tiled_tag;
 use super::counts::Counts;

@@ -6,8 +6,8 @@ use super::found::{DENSE, Found, Ratio, errors_of};
 use super::looks::LOW;
 use super::rules::{ALIKE, CLEARLY, alike, both, clearly, undecided};
 use super::samplers::Sampler;
+use crate::numbers::{count, number};
 use crate::outcome::{Claim, Verdict};
-use crate::report::{count, number};
 
 /// Low frequencies are suppressed if they have at most this part of the power of independent samples.
 pub const SUPPRESSED: f64 = 0.2;

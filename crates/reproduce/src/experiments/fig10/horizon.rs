@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::filter::pixel_means;
 use super::samplers::Sampler;
 use super::shades::shade;
+use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::study::{Control, Settings};
+use crate::study::Settings;
 use crate::work::Work;
 
 /// Height of the eye above the board, in cells.

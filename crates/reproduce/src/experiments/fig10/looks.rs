@@ -6,8 +6,9 @@ use tilescope_analysis::measures::{FrequencyWindow, MeanPeriodogram, Periodogram
 use tilescope_analysis::{Boundary, Region};
 
 use super::samplers::Sampler;
+use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::study::{Control, Settings};
+use crate::study::Settings;
 use crate::work::Work;
 
 /// Relative frequencies up to this one are low.

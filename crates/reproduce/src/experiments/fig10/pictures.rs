@@ -10,8 +10,8 @@ use super::samplers::Sampler;
 use super::shades::{ERROR_SHOWN, shade};
 use super::sheet::{Content, Name, Sheet, Tile};
 use crate::error::ReproduceError;
+use crate::numbers::{count, number};
 use crate::outcome::Picture;
-use crate::report::{count, number};
 use crate::study::Settings;
 use tilescope_analysis::measures::Spectrum;
 

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::filter::{MARGIN, SIGMA, gaussian};
 use super::samplers::Sampler;
 use super::shades::{error_shade, shade};
+use crate::control::Control;
 use crate::error::ReproduceError;
-use crate::study::{Control, Settings};
+use crate::study::Settings;
 use crate::work::Work;
 
 /// Local frequency at the right and the upper edge, in cycles per pixel; the image's own Nyquist frequency is 1/2.

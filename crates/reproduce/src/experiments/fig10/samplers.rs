@@ -7,9 +7,10 @@ use tilescope_core::{
     Boundary, Domain, Key, MAXIMAL_DENSITY, Parameters, PatternSpec, Stream, radius_estimate,
 };
 
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::sets::{GivenSet, Set};
-use crate::study::{Control, Settings};
+use crate::study::Settings;
 use crate::work::Work;
 
 /// Shortest edge of a block of KDRT, in radii.

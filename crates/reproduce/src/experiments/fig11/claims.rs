@@ -1,8 +1,8 @@
 //! The verdict on figure 11: which procedure takes longest.
 
 use super::rows::Row;
+use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
-use crate::report::number;
 
 /// Returns the claims: of the staged algorithm, and of Algorithm 4 as printed.
 pub fn claims(rows: &[Row]) -> Vec<Claim> {

@@ -12,10 +12,12 @@ use tilescope_core::{
 };
 use tilescope_gpu::{GpuSweep, Options};
 
-use crate::engines::{Engine, Engines, gpus};
+use crate::control::Control;
+use crate::engines::{Engine, Engines};
 use crate::error::ReproduceError;
+use crate::machine::gpus;
 use crate::sets::{Set, pattern, pattern_side};
-use crate::study::{Control, Study};
+use crate::study::Study;
 use crate::work::Work;
 
 /// Leaf size at which the algorithm as printed and GPUs are timed, in radii.

@@ -9,8 +9,8 @@ use tilescope_figures::{
 };
 
 use super::Glued;
+use crate::numbers::count;
 use crate::outcome::Picture;
-use crate::report::count;
 
 /// Sides of the part that is shown large, in radii.
 const PART: f64 = 36.0;

@@ -5,8 +5,8 @@ use super::against::Against;
 use super::method::Method;
 use super::rates::Row;
 use super::speed;
+use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
-use crate::report::number;
 
 /// Radial mean powers that differ by this share of the power, chance apart, count as very similar.
 const SIMILAR: f64 = 0.05;

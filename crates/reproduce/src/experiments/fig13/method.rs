@@ -4,9 +4,10 @@
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Domain, Parameters, PatternSpec, Point, Rect};
 
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::sets::{Set, pattern_side};
-use crate::study::{Control, Settings};
+use crate::study::Settings;
 use crate::work::Work;
 
 /// Side in radii of the default pattern.

@@ -9,10 +9,12 @@ use tilescope_analysis::Report;
 use tilescope_analysis::measures::Summary;
 use tilescope_core::{Parameters, Pattern, PatternSpec, Point, radius_estimate};
 
-use crate::engines::{Engine, Engines, gpus};
+use crate::control::Control;
+use crate::engines::{Engine, Engines};
 use crate::error::ReproduceError;
+use crate::machine::gpus;
 use crate::sets::{Set, pattern_side};
-use crate::study::{Control, Study};
+use crate::study::Study;
 use crate::work::Work;
 
 /// A set that was timed.

@@ -10,9 +10,9 @@ use tilescope_analysis::measures::{
 
 use super::method::{Group, Method};
 use super::peaks::Peaks;
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::sets::Set;
-use crate::study::Control;
 
 /// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few is biased.
 const LEAST_PAIRS: u64 = 100;

@@ -2,8 +2,8 @@
 //! It takes no time itself.
 
 use super::rates::Row;
+use crate::numbers::number;
 use crate::outcome::{Claim, Verdict};
-use crate::report::number;
 
 /// The paper's lower rate over that of sampling from scratch.
 const FASTER: f64 = 2.5;

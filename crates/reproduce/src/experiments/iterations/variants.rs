@@ -5,11 +5,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Order, Parameters, Sequential, Variant};
 
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::{seed, seeded, square};
 use crate::outcome::{Column, Table};
 use crate::sets::{Set, pattern};
-use crate::study::{Control, Settings, Study};
+use crate::study::{Settings, Study};
 use crate::work::Work;
 
 const LEAF: f64 = 20.0;

@@ -7,11 +7,11 @@ use tilescope_figures::Palette;
 
 use super::witness::{HAIR, Near, Witness};
 use crate::bars::{Bar, Bars, bars_scene, drawn_count, drawn_number};
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::poisson_interval;
 use crate::outcome::{Cell, Column, Picture, Table};
 use crate::sets::Set;
-use crate::study::Control;
 
 /// Places of gaps that are looked at in each set.
 const PLACES: usize = 100_000;

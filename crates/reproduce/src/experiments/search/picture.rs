@@ -9,8 +9,8 @@ use tilescope_figures::{
 
 use super::witness::{Witness, told};
 use crate::error::ReproduceError;
+use crate::numbers::number;
 use crate::outcome::Picture;
-use crate::report::number;
 use crate::sets::Set;
 
 /// Sides of the part that is shown, in radii.

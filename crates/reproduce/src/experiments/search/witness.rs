@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::number;
+use crate::numbers::number;
 use crate::sets::Set;
 
 /// How far the sites of a place may be from its circle, in radii.

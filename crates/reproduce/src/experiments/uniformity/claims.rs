@@ -3,8 +3,8 @@
 use super::CELL;
 use super::counted::MOVED;
 use super::subject::{Found, JUDGED, Off, Subject};
+use crate::numbers::number;
 use crate::outcome::{BEYOND, Claim, Verdict};
-use crate::report::number;
 
 /// Deeper than this many radii lies no conflict; the second of the bands' borders.
 const INTERIOR: f64 = 3.0;

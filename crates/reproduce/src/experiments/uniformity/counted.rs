@@ -9,10 +9,10 @@ use tilescope_core::{
 };
 
 use super::gaps::Gaps;
+use crate::control::Control;
 use crate::error::ReproduceError;
 use crate::experiments::common::seeded;
 use crate::sets::{Set, pattern, region};
-use crate::study::Control;
 
 /// Where classes of distances from a border begin, in radii.
 pub const EDGES: [f64; 14] = [

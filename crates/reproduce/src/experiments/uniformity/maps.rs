@@ -7,8 +7,8 @@ use tilescope_figures::{
 
 use super::subject::{Found, Subject};
 use crate::error::ReproduceError;
+use crate::numbers::number;
 use crate::outcome::Picture;
-use crate::report::number;
 
 /// Deviation at which colours end.
 const END: f64 = 0.1;

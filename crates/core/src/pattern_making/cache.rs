@@ -3,11 +3,13 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::{Pattern, READY_MADE};
-use crate::error::SampleError;
-use crate::lattice::Point;
-use crate::parameters::{Boundary, ParameterError, PatternSpec};
-use crate::progress::{Meter, Observer, Stage};
+use super::READY_MADE;
+use crate::error::{ParameterError, SampleError};
+use crate::lattice::{Boundary, Point};
+use crate::parameters::PatternSpec;
+use crate::pattern::Pattern;
+use crate::progress::{Meter, Observer};
+use crate::stage::Stage;
 
 /// The most patterns kept.
 const MAX_PATTERNS: usize = 8;

@@ -1,7 +1,8 @@
 //! Patterns that come with the program, packed: exactly those that generation makes, so that
 //! no run waits for one. It makes nothing and keeps nothing.
 
-use crate::parameters::{Boundary, PatternSpec};
+use crate::lattice::Boundary;
+use crate::parameters::PatternSpec;
 
 /// A pattern that comes with the program.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,13 @@
 //! Patterns of whole sets: what [`crate::combine`] glues. Sets that this program made
 //! need no check; all others are checked.
 
-use super::{Pattern, PatternError, check_count};
 use crate::engine::parallel::sweep::Sweep;
-use crate::error::SampleError;
+use crate::engine::sequential::Sequential;
+use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point};
 use crate::parameters::{Parameters, Search, Variant};
+use crate::pattern::Pattern;
+use crate::pattern_making::check_count;
 use crate::progress::Observer;
 use crate::reference::reference_sample;
 
@@ -51,7 +53,7 @@ impl Pattern {
                 sweep.finish(observer)?.0.points
             }
             Variant::AsPrinted => {
-                let engine = crate::Sequential::new(parameters, pattern.clone())?;
+                let engine = Sequential::new(parameters, pattern.clone())?;
                 engine.finish(observer)?.points()
             }
         };
@@ -65,8 +67,8 @@ impl Pattern {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::{R, Rect};
-    use crate::parameters::{Boundary, PatternSpec};
+    use crate::lattice::{Boundary, R, Rect};
+    use crate::parameters::PatternSpec;
     use crate::progress::Unobserved;
 
     fn domain() -> Domain {

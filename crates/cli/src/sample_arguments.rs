@@ -1,0 +1,155 @@
+//! The arguments of `tilescope sample`, and what follows from them: how large the set will be, whether it is passed on as it
+//! comes, and what its file states. They make no set.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::{Args, ValueEnum};
+use tilescope_core::{MAXIMAL_DENSITY, radius_estimate};
+use tilescope_formats::{ExportContext, Format, PointSet, Precision, Warning};
+
+use crate::engine::EngineArguments;
+use crate::facts::Facts;
+use crate::parameters::RunArguments;
+
+/// Sets expected to be larger than this are never held as a whole, where that can be avoided.
+const LARGE: f64 = 1e6;
+
+/// Arguments of `tilescope sample`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, allow_negative_numbers = true)]
+pub struct SampleArguments {
+    #[command(flatten)]
+    pub run: RunArguments,
+    #[command(flatten)]
+    pub engine: EngineArguments,
+    /// Only the samples in this rectangle, X0 <= x < X1 and Y0 <= y < Y1: exactly those of the whole
+    /// set, which is never made; in a periodic domain it may lie across the border or beyond, and a bounded
+    /// one's border belongs to the windows that reach it
+    #[arg(long, num_args = 4, value_names = ["X0", "Y0", "X1", "Y1"],
+        conflicts_with_all = ["shuffle", "resume", "no_verify"])]
+    pub window: Option<Vec<f64>>,
+    /// KDRT, or the reference sampler, which makes a maximal set from scratch and of the arguments
+    /// above heeds radius or count, sides, boundary and seed
+    #[arg(long, value_enum, default_value = "kdrt")]
+    pub method: Method,
+    /// Save the set, validated, with a certificate beside it; the extension gives the format.
+    /// Sets of more than a million samples are written as they come: to npy, bin, rps, csv and ply of any size
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Go on with an interrupted --out from its last checkpoint; all other arguments must be the same
+    #[arg(long, requires = "out")]
+    pub resume: bool,
+    /// Seconds between checkpoints of a file written as it comes: what an interruption may cost
+    #[arg(long, value_name = "SECONDS", default_value_t = 10, requires = "out")]
+    pub checkpoint: u64,
+    /// Do not verify; a file then has no certificate
+    #[arg(long, requires = "out")]
+    pub no_verify: bool,
+    /// Format of the file, where the extension does not tell
+    #[arg(long, value_name = "FORMAT", requires = "out")]
+    pub format: Option<Format>,
+    /// Number type, for formats that leave the choice: f32 or f64. Rounding to f32 moves samples of large sets (from some
+    /// 30,000 on) closer than the radius: such a file is NOT VALID, and says up to which radius it is conflict-free
+    #[arg(long, value_enum, default_value = "f64", requires = "out")]
+    pub precision: PrecisionArgument,
+    /// Write the samples in an order drawn from this seed
+    #[arg(long, value_name = "SEED", requires = "out")]
+    pub shuffle: Option<u64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tilescope sample --radius 0.01
+  tilescope sample --count 100000 --seed 7 --out set.npy
+  tilescope sample --radius 0.02 --width 2 --boundary bounded --insertion uniform --out set.csv
+  tilescope sample --count 100000000 --leaf 40 --out huge.npy
+  tilescope sample --count 100000000 --engine gpu --out huge.npy
+  tilescope sample --radius 2e-5 --window 0.5 0.5 0.502 0.502
+  tilescope sample --radius 0.002 --search 2          the experiment that leaves gaps: exit code 1
+  tilescope sample --count 5000 --method reference --json";
+
+/// How to make the set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Randomized tiling
+    Kdrt,
+    /// Ebeida et al. 2012
+    Reference,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum PrecisionArgument {
+    F32,
+    F64,
+}
+
+impl SampleArguments {
+    /// Returns the file's format, if there is a file.
+    fn format(&self) -> Option<Format> {
+        let named = || self.out.as_deref().and_then(Format::from_path);
+        self.format.or_else(named)
+    }
+
+    /// Returns about how many samples the set will have.
+    pub fn expected(&self) -> Result<f64> {
+        Ok(match self.run.count {
+            Some(count) => {
+                // No device is opened for a count that cannot be.
+                radius_estimate(&self.run.parameters(), count)?;
+                count as f64
+            }
+            None => self.run.parameters().validate()?.area_radii() * MAXIMAL_DENSITY,
+        })
+    }
+
+    /// Returns whether the set is to be passed on band by band: when it is large, when it is resumed, and when nobody else wants to see it.
+    pub fn streams(&self, expected: f64) -> Result<bool> {
+        let parameters = self.run.parameters();
+        let engine = self.method == Method::Kdrt && self.engine.makes_bands(&parameters);
+        let format = self.format().is_none_or(Format::streams) && self.shuffle.is_none();
+        if self.resume {
+            ensure!(
+                engine,
+                "--resume needs the parallel engine or a GPU, which make sets band by band"
+            );
+            ensure!(
+                format,
+                "--resume needs a format that is written as it comes ({}), and no --shuffle",
+                Format::ALL
+                    .into_iter()
+                    .filter(|f| f.streams())
+                    .map(Format::extension)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            );
+        }
+        Ok(engine && format && (self.resume || self.no_verify || expected > LARGE))
+    }
+
+    /// Completes what an export states.
+    pub fn complete(&self, context: &mut ExportContext) {
+        context.format = self.format();
+        context.shuffle_seed = self.shuffle;
+        context.precision = match self.precision {
+            PrecisionArgument::F32 => Precision::Single,
+            PrecisionArgument::F64 => Precision::Double,
+        };
+    }
+}
+
+/// Saves a set without a verdict, and so without a certificate.
+pub fn save_unverified(
+    arguments: &SampleArguments,
+    facts: &Facts,
+    set: &PointSet,
+    path: &Path,
+) -> Result<Vec<Warning>> {
+    let mut context = facts.context();
+    arguments.complete(&mut context);
+    tilescope_formats::export_unverified(path, set, &context)
+        .with_context(|| path.display().to_string())
+}

@@ -1,0 +1,118 @@
+//! Samples as plain data: where each comes from and what became of it, in a run that keeps all of them and in one that
+//! keeps its result only. Stages and engines fill it.
+
+use crate::lattice::Point;
+
+/// The samples that make a candidate. The lowest of several such sets is recorded; ids are of one run,
+/// but the sequence of samples that they stand for is the same in every run over the same plane.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
+pub enum Sites {
+    /// A circumcentre of three samples, by id.
+    Three([u32; 3]),
+    /// A border point as far from two samples.
+    Border([u32; 2]),
+    /// A corner of the domain, found by one sample.
+    Corner(u32),
+    /// A dart: no samples are concerned.
+    Dart,
+    /// The engine did not keep them.
+    Unrecorded,
+}
+
+/// Where a sample comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Origin {
+    /// Clipped from the pattern.
+    Tiled {
+        /// Index of the block.
+        block: u32,
+        /// Index of the pattern's sample.
+        pattern: u32,
+        /// Whether it lies inside its own block, rather than in the margin around it.
+        own: bool,
+    },
+    /// Inserted into a gap.
+    Inserted {
+        /// The iteration, from 1.
+        iteration: u32,
+        /// The samples that made the place.
+        sites: Sites,
+    },
+}
+
+/// What became of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Fate {
+    /// Elimination has not run yet.
+    Undecided,
+    /// It is in the result.
+    Kept,
+    /// A kept sample that covers it claimed the place first.
+    Eliminated {
+        /// That sample's id.
+        by: u32,
+    },
+    /// It was tiled outside a bounded domain.
+    Dropped,
+}
+
+/// All samples that ever were, by id: tiled ones block by block and row by row, then inserted ones
+/// in the sequence of their insertion.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Samples {
+    /// Positions.
+    pub points: Vec<Point>,
+    /// Origins.
+    pub origins: Vec<Origin>,
+    /// Fates.
+    pub fates: Vec<Fate>,
+}
+
+impl Samples {
+    /// Adds a sample.
+    pub fn push(&mut self, point: Point, origin: Origin, fate: Fate) {
+        self.points.push(point);
+        self.origins.push(origin);
+        self.fates.push(fate);
+    }
+
+    /// Returns how many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Returns whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+}
+
+/// Where a sample comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// Clipped from the pattern.
+    Tiled {
+        /// Index of the block.
+        block: u32,
+        /// Index of the pattern's sample.
+        pattern: u32,
+    },
+    /// Inserted into a gap.
+    Inserted {
+        /// The iteration, from 1.
+        iteration: u32,
+    },
+}
+
+/// Samples in canonical order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sampled {
+    /// Positions.
+    pub points: Vec<Point>,
+    /// Where each comes from, if that was asked for.
+    pub sources: Option<Vec<Source>>,
+}
