@@ -1,6 +1,8 @@
 //! Small widgets of the house: chips, icon buttons, headings, rows of names and numbers.
 //! They draw and report clicks; they know nothing of the state.
 
+use std::fmt::{self, Debug, Display, Formatter, Write};
+
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
@@ -9,14 +11,58 @@ use egui::{
 use crate::canvas::layers::Layer;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
+/// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
+pub trait Known {
+    /// Takes an id that nothing else on the screen has. What the widget says of itself stays as it is.
+    fn known_as(&self, id: impl Display) -> &Self;
+}
+
+impl Known for Response {
+    /// Pages are not looked at in this way: nothing of the ids is in them.
+    #[cfg(target_arch = "wasm32")]
+    fn known_as(&self, _: impl Display) -> &Self {
+        self
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn known_as(&self, id: impl Display) -> &Self {
+        self.ctx
+            .accesskit_node_builder(self.id, |node| node.set_author_id(id.to_string()));
+        self
+    }
+}
+
+/// A value of the program as a part of an id: `OpenPanel(Passes)` is "open-panel-passes".
+pub struct Kebab<T>(pub T);
+
+impl<T: Debug> Display for Kebab<T> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let (mut last, mut is_apart) = (None::<char>, false);
+        for c in format!("{:?}", self.0).chars() {
+            if !c.is_ascii_alphanumeric() {
+                is_apart = true;
+                continue;
+            }
+            let is_word = c.is_ascii_uppercase() && last.is_some_and(|c| !c.is_ascii_uppercase());
+            if last.is_some() && (is_apart || is_word) {
+                formatter.write_char('-')?;
+            }
+            formatter.write_char(c.to_ascii_lowercase())?;
+            (last, is_apart) = (Some(c), false);
+        }
+        Ok(())
+    }
+}
+
 /// Rows that are only read are at most so high, in screen points.
 const READ: f32 = 24.0;
 
-/// Returns a heading of a section of a panel.
-pub fn heading(ui: &mut Ui, text: &str) {
+/// Shows a heading of a section of a panel.
+pub fn heading(ui: &mut Ui, text: &str) -> Response {
     ui.add_space(4.0);
-    ui.label(RichText::new(text).font(FontId::new(13.5, semibold())));
+    let response = ui.label(RichText::new(text).font(FontId::new(13.5, semibold())));
     ui.add_space(2.0);
+    response
 }
 
 /// A name on the left, a number in tabular figures on the right.
