@@ -436,3 +436,47 @@ pub fn primary_button(
         None => response.on_hover_cursor(CursorIcon::PointingHand),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::{Command, TimeCommand};
+    use crate::layout::Panel;
+    use tilescope_core::Stage;
+
+    #[test]
+    fn ids_are_the_names_of_values_in_small_letters() {
+        let open = Command::OpenPanel(Panel::Passes);
+        assert_eq!(Kebab(&open).to_string(), "open-panel-passes");
+        let endless = Command::Time(TimeCommand::Loop(None));
+        assert_eq!(Kebab(&endless).to_string(), "time-loop-none");
+        assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
+        assert_eq!(Kebab("A").to_string(), "a");
+    }
+
+    #[test]
+    fn an_id_leaves_what_a_widget_says_of_itself() {
+        let ctx = egui::Context::default();
+        ctx.enable_accesskit();
+        let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+            let response = ui.button("Name");
+            response.known_as("early");
+            response.widget_info(|| WidgetInfo::labeled(Role::Link, true, "Other name"));
+            ui.label("Text").known_as("late");
+        });
+        let update = output.platform_output.accesskit_update.clone();
+        output.drop_without_applying_deltas();
+        let nodes = update.expect("it was asked for").nodes;
+        let known = |id| {
+            let mut nodes = nodes.iter().map(|(_, node)| node);
+            nodes.find(|node| node.author_id() == Some(id)).expect(id)
+        };
+        let early = known("early");
+        assert_eq!(
+            (early.role(), early.label()),
+            (Role::Link, Some("Other name"))
+        );
+        let late = known("late");
+        assert_eq!((late.role(), late.value()), (Role::Label, Some("Text")));
+    }
+}

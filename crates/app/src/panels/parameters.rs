@@ -82,7 +82,14 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Boundary::Bounded, "bounded"),
     ];
     let why = "Whether opposite sides are joined.";
-    if let Some(chosen) = choice(ui, ("boundary", "Boundary"), why, p.boundary, &boundaries, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("boundary", "Boundary"),
+        why,
+        p.boundary,
+        &boundaries,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Boundary(chosen)));
     }
     expected(ui, state, palette);
@@ -110,7 +117,14 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     own_pattern(ui, state, commands);
     let turns = [(false, "as it is"), (true, "turned, mirrored")];
     let why = "Whether each block clips from one of the pattern's 8 rotations and mirror images.";
-    if let Some(chosen) = choice(ui, ("dihedral", "Pattern use"), why, p.dihedral, &turns, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("dihedral", "Pattern use"),
+        why,
+        p.dihedral,
+        &turns,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Dihedral(chosen)));
     }
     algorithm(ui, state, commands);
@@ -169,7 +183,14 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Insertion::Uniform, "uniform darts"),
     ];
     let why = "How gaps are filled: at circumcentres (the paper), or without bias.";
-    if let Some(chosen) = choice(ui, ("insertion", "Insertion"), why, p.insertion, &insertions, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("insertion", "Insertion"),
+        why,
+        p.insertion,
+        &insertions,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Insertion(chosen)));
     }
     let searches = [
@@ -185,7 +206,14 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Variant::AsPrinted, "as printed"),
     ];
     let why = "Elimination first, or Algorithm 4 as printed.";
-    if let Some(chosen) = choice(ui, ("variant", "Variant"), why, p.variant, &variants, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("variant", "Variant"),
+        why,
+        p.variant,
+        &variants,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Variant(chosen)));
     }
 }

@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     ui.horizontal_centered(|ui| {
         let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
-        ui.label(title);
+        ui.label(title).known_as("title");
         ui.add_space(6.0);
         menus(ui, state, commands);
         ui.add_space(10.0);
@@ -79,7 +79,8 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     .show(ui, |ui| one_menu(ui, state, commands));
             });
         if ui.available_width() >= ROOM_FOR_TITLE {
-            ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())));
+            ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())))
+                .known_as("title");
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);

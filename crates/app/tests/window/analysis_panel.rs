@@ -16,7 +16,7 @@ use crate::support::sessions::{apply, folder, go, notice, path_text};
 use crate::support::{find, focused, is_disabled, node, opened_at, settle, text};
 
 /// A small session, and its analysis with room for all of it.
-fn analysing() -> Harness<'static, App> {
+pub(crate) fn analysing() -> Harness<'static, App> {
     let mut harness = opened_at([1000.0, 1100.0]);
     for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
         apply(&mut harness, Command::Type(field, value.to_owned()));
@@ -60,7 +60,7 @@ fn the_panel_says_the_numbers_and_describes_its_charts() {
 }
 
 /// Writes independent samples of the unit square; returns where.
-fn noise(name: &str) -> PathBuf {
+pub(crate) fn noise(name: &str) -> PathBuf {
     let path = folder(name).join("noise.csv");
     let mut state = 5_u64;
     let mut draw = || {
@@ -82,7 +82,10 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     node(&harness, "analysis.hold").click();
     harness.run();
     let path = noise("against");
-    apply(&mut harness, Command::File(FileCommand::Path(path_text(&path))));
+    apply(
+        &mut harness,
+        Command::File(FileCommand::Path(path_text(&path))),
+    );
     apply(&mut harness, Command::File(FileCommand::Go));
     assert!(harness.state().state.file.is_none(), "the sheet is closed");
     let held = harness.state().state.held().unwrap().unwrap().clone();
