@@ -39,6 +39,9 @@ impl<T: Debug> Display for Kebab<T> {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let (mut last, mut is_apart) = (None::<char>, false);
         for c in format!("{:?}", self.0).chars() {
+            if c == '-' {
+                formatter.write_str("-minus")?;
+            }
             if !c.is_ascii_alphanumeric() {
                 is_apart = true;
                 continue;
@@ -452,6 +455,7 @@ mod tests {
         assert_eq!(Kebab(&endless).to_string(), "time-loop-none");
         assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
         assert_eq!(Kebab("A").to_string(), "a");
+        assert_eq!(Kebab([-1.5, 2.0]).to_string(), "-minus-1-5-2-0");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::layout::Panel;
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
-use crate::widgets::{Kebab, Known, heading, primary_button};
+use crate::widgets::{Known, heading, primary_button};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;

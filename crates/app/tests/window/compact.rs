@@ -18,7 +18,7 @@ const PHONE: [f32; 2] = [390.0, 844.0];
 const TABS: [(&str, Panel, &str); 14] = [
     ("tab.parameters", Panel::Parameters, "run"),
     ("tab.canvas", Panel::Canvas, "layer.disks"),
-    ("tab.timeline", Panel::Timeline, "time-loop-start"),
+    ("tab.timeline", Panel::Timeline, "loop-start"),
     ("tab.inspector", Panel::Inspector, "inspector.hint"),
     ("tab.pseudocode", Panel::Pseudocode, "blocks.1.breakpoint"),
     ("tab.statistics", Panel::Statistics, "row.tile"),

@@ -21,7 +21,7 @@ use tilescope_gpu::layout::Name;
 use crate::analysis_panel::noise;
 use crate::sessions::pattern;
 use crate::support::sessions::{apply, folder, go, path_text};
-use crate::support::{find, opened_at, settle};
+use crate::support::{find, node, opened_at, settle};
 
 /// A window, and what it said otherwise than it should.
 struct Told {
@@ -77,9 +77,8 @@ fn fits(said: &str, expected: &str) -> bool {
     let Some(said) = said.strip_prefix(before) else {
         return false;
     };
-    let starts = said.char_indices().map(|(at, _)| at).chain([said.len()]);
-    let mut starts = starts;
-    starts.any(|at| fits(&said[at..], rest))
+    let starts = said.char_indices().map(|(at, _)| at);
+    starts.chain([said.len()]).any(|at| fits(&said[at..], rest))
 }
 
 #[test]
@@ -235,7 +234,10 @@ fn parameters_engines_and_verdicts() {
     told.typed(&[(Field::Radius, "0")]);
     told.says(&[("refusal-radius", "*must be a finite number above 0*")]);
     told.typed(&[(Field::Radius, "0.5")]);
-    told.says(&[("refusal-width", "*it must be at least 6 r*")]);
+    told.says(&[(
+        "refusal-width",
+        "The width is 2 r long; it must be at least 10 r: choose a smaller radius.",
+    )]);
     // It is cancelled before it is there.
     told.typed(&[(Field::Radius, "0.0005")]);
     told.harness.state_mut().state.apply(Command::Run);
@@ -247,7 +249,7 @@ fn parameters_engines_and_verdicts() {
     told.after([Command::NameAdapter(Some("no such adapter".to_owned()))]);
     told.after([Command::Engine(Engine::Gpu)]);
     told.says(&[("notice", "*The GPU cannot serve.*")]);
-    crate::support::node(&told.harness, "engine").click();
+    node(&told.harness, "engine").click();
     told.harness.run();
     told.says(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
     told.harness.key_press(egui::Key::Escape);
@@ -318,6 +320,7 @@ fn two_runs_and_the_debugger() {
     told.after([Command::OpenPanel(Panel::Bookmarks)]);
     told.says(&[("no-bookmarks", "B remembers the moment.")]);
     told.after([Command::Debug(DebugCommand::Bookmark)]);
+    let listings = Command::OpenPanel(Panel::Pseudocode);
     let jump = |at| Command::Time(TimeCommand::Jump(at));
     told.after([Command::Debug(DebugCommand::Watch(
         "inserted + 1".to_owned(),
@@ -325,8 +328,9 @@ fn two_runs_and_the_debugger() {
     told.says(&[
         ("bookmark-1", "event *"),
         ("bookmark-1.note", "Note of bookmark 1"),
-        ("eliminate.5.breakpoint", "Breakpoint on line eliminate.5"),
     ]);
+    told.after([listings]);
+    told.says(&[("eliminate.5.breakpoint", "Breakpoint on line eliminate.5")]);
     told.after([jump(3_000), Command::OpenPanel(Panel::Watches)]);
     told.says(&[("watch-1.value", "= *"), ("add-watch", "Add a watch")]);
     told.end();
@@ -380,7 +384,7 @@ fn the_analysis() {
     told.says(&[
         (
             "analysis.status",
-            "Finish: * samples, 0 conflicts, 0 open places.",
+            "Event *, finish: * samples, 0 conflicts, 0 open places.",
         ),
         ("analysis.number-1", "Samples: *, reference 27,8*"),
         (
@@ -456,43 +460,23 @@ fn passes_on_a_device() {
         ("engine-used", "engine: GPU (*"),
         ("verdict", "Verdict: verified"),
     ]);
-    told.after([Command::OpenPasses]);
-    told.says(&[
-        ("passes.summary", "* are equal to the CPU, 0 differ*"),
-        ("pass-3", "Pass 3: count, not comparable (intermediate)"),
-        ("passes.previous", "Previous pass"),
-        ("passes.next", "Next pass"),
-    ]);
-    go_to(&mut told, "tile", Name::Places);
-    told.says(&[
-        (
-            "on-canvas",
-            "On the canvas: pass 7 tile, buffer places, after: *",
-        ),
-        ("passes.show-canvas", "Show canvas"),
-        ("passes.on-canvas", "On the canvas"),
-        ("buffer.origins", "Buffer origins: *"),
-    ]);
     let pass = |command| Command::Passes(command);
+    let filter = |text: &str| Command::Passes(PassCommand::Filter(text.to_owned()));
+    told.after([Command::OpenPasses]);
+    go_to(&mut told, "tile", Name::Places);
+    told.after([pass(PassCommand::ShowCanvas)]);
+    told.says(&[(
+        "on-canvas",
+        "On the canvas: pass 7 tile, buffer places, after: * rows, *",
+    )]);
     told.after([pass(PassCommand::Side(Side::Before))]);
     told.says(&[(
         "on-canvas",
         "*buffer places, before: no pass has written it so far",
     )]);
-    let filter = |text: &str| Command::Passes(PassCommand::Filter(text.to_owned()));
     told.after([pass(PassCommand::Side(Side::After)), filter("row<10")]);
-    told.says(&[
-        ("on-canvas", "*after: 10 rows, 10 changed"),
-        ("filtered", "10 of *"),
-    ]);
-    told.after([filter("picture>1")]);
-    told.says(&[("filtered", "No column is called \"picture\"*")]);
+    told.says(&[("on-canvas", "*after: 10 rows, 10 changed")]);
     told.after([filter("")]);
-    go_to(&mut told, "tile", Name::Origins);
-    told.says(&[(
-        "row-0",
-        "Row 0, changed, image 0, pattern index 0 \u{2192}*",
-    )]);
     go_to(&mut told, "tile", Name::Starts);
     told.says(&[(
         "on-canvas",
@@ -503,27 +487,40 @@ fn passes_on_a_device() {
         "on-canvas",
         "*buffer counters, after: its rows are numbers, not places",
     )]);
+    // Where the panel is there is no canvas.
+    told.after([Command::OpenPanel(Panel::Passes)]);
+    go_to(&mut told, "tile", Name::Origins);
+    told.says(&[
+        ("passes.summary", "* are equal to the CPU, 0 differ*"),
+        ("passes.previous", "Previous pass"),
+        ("passes.next", "Next pass"),
+        ("passes.show-canvas", "Show canvas"),
+        ("passes.on-canvas", "On the canvas"),
+        ("buffer.origins", "Buffer origins: *"),
+        (
+            "row-0",
+            "Row 0, changed, image 0, pattern index 0 \u{2192}*",
+        ),
+    ]);
+    told.after([filter("row<10")]);
+    told.says(&[("filtered", "10 of *")]);
+    told.after([filter("picture>1")]);
+    told.says(&[("filtered", "No column is called \"picture\"*")]);
+    told.after([filter(""), pass(PassCommand::Select(2))]);
+    told.says(&[("pass-3", "Pass 3: count, not comparable (intermediate)")]);
     told.after([pass(PassCommand::Last)]);
-    let last = told
-        .harness
-        .state()
-        .state
-        .passes
-        .as_ref()
-        .unwrap()
-        .entries()
-        .len();
-    let id = format!("pass-{last}");
+    let passes = told.harness.state().state.passes.as_ref();
+    let last = format!("pass-{}", passes.expect("passes").entries().len());
     told.says(&[
         ("passes.place", "pass * of *, stage Finish"),
-        (&id, "Pass *, equal to the CPU"),
+        (&last, "Pass *, equal to the CPU"),
     ]);
     told.after([pass(PassCommand::Previous)]);
     told.says(&[(
         "passes.way",
         "Reached by a new run from the beginning: the device only steps forwards.",
     )]);
-    crate::support::node(&told.harness, "passes.try").click();
+    node(&told.harness, "passes.try").click();
     told.harness.step();
     settle(&mut told.harness);
     told.says(&[(
