@@ -455,7 +455,9 @@ mod tests {
         assert_eq!(Kebab(&endless).to_string(), "time-loop-none");
         assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
         assert_eq!(Kebab("A").to_string(), "a");
-        assert_eq!(Kebab([-1.5, 2.0]).to_string(), "-minus-1-5-2-0");
+        // Signs are told apart.
+        let left = Command::Pan(vec2(-80.0, 0.0));
+        assert_eq!(Kebab(&left).to_string(), "pan-minus80-0-0-0");
     }
 
     #[test]
