@@ -457,7 +457,7 @@ mod tests {
         assert_eq!(Kebab("A").to_string(), "a");
         // Signs are told apart.
         let left = Command::Pan(vec2(-80.0, 0.0));
-        assert_eq!(Kebab(&left).to_string(), "pan-minus80-0-0-0");
+        assert_eq!(Kebab(&left).to_string(), "pan-minus-80-0-0-0");
     }
 
     #[test]
