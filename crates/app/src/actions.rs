@@ -20,6 +20,7 @@ use crate::sentence::grouped;
 use crate::session::MOST_STAGED;
 use crate::state::State;
 use crate::theme::Look;
+use crate::widgets::Kebab;
 pub use keys::{keys_of, press_keys, takes_key};
 
 /// The menus.
@@ -191,6 +192,12 @@ impl List {
 }
 
 impl Action {
+    /// Returns what it is known as, whatever it is called.
+    #[must_use]
+    pub fn id(&self) -> Kebab<(Menu, &Command)> {
+        Kebab((self.menu, &self.command))
+    }
+
     /// Returns the keys that do it.
     pub fn keys(&self) -> impl Iterator<Item = KeyboardShortcut> {
         self.shortcut.into_iter().chain(self.also)

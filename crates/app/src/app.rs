@@ -23,6 +23,7 @@ use crate::presses::Presses;
 use crate::spoken::{Speaker, Spoken};
 use crate::state::{FullScreen, State};
 use crate::theme::{self, Look, Manner};
+use crate::widgets::{Kebab, Known};
 
 /// The application.
 pub struct App {
@@ -396,6 +397,9 @@ impl Behavior<Panel> for Shower<'_> {
     ) -> egui::Response {
         // The tiles at hand lack what is being shown.
         let tiles = &self.state.layout.0.tiles;
+        if let Some(panel) = tiles.get_pane(&tile) {
+            button.known_as(format_args!("tab.{}", Kebab(panel)));
+        }
         let tabs = tiles.parent_of(tile);
         let active = match tabs.and_then(|tabs| tiles.get_container(tabs)) {
             Some(Container::Tabs(tabs)) => tabs.active,

@@ -1,6 +1,8 @@
 //! Small widgets of the house: chips, icon buttons, headings, rows of names and numbers.
 //! They draw and report clicks; they know nothing of the state.
 
+use std::fmt::{self, Debug, Display, Formatter, Write};
+
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
@@ -9,14 +11,61 @@ use egui::{
 use crate::canvas::layers::Layer;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
+/// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
+pub trait Known {
+    /// Takes an id that nothing else on the screen has. What the widget says of itself stays as it is.
+    fn known_as(&self, id: impl Display) -> &Self;
+}
+
+impl Known for Response {
+    /// Pages are not looked at in this way: nothing of the ids is in them.
+    #[cfg(target_arch = "wasm32")]
+    fn known_as(&self, _: impl Display) -> &Self {
+        self
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn known_as(&self, id: impl Display) -> &Self {
+        self.ctx
+            .accesskit_node_builder(self.id, |node| node.set_author_id(id.to_string()));
+        self
+    }
+}
+
+/// A value of the program as a part of an id: `OpenPanel(Passes)` is "open-panel-passes".
+pub struct Kebab<T>(pub T);
+
+impl<T: Debug> Display for Kebab<T> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let (mut last, mut is_apart) = (None::<char>, false);
+        for c in format!("{:?}", self.0).chars() {
+            if c == '-' {
+                formatter.write_str("-minus")?;
+            }
+            if !c.is_ascii_alphanumeric() {
+                is_apart = true;
+                continue;
+            }
+            let is_word = c.is_ascii_uppercase() && last.is_some_and(|c| !c.is_ascii_uppercase());
+            if last.is_some() && (is_apart || is_word) {
+                formatter.write_char('-')?;
+            }
+            formatter.write_char(c.to_ascii_lowercase())?;
+            (last, is_apart) = (Some(c), false);
+        }
+        Ok(())
+    }
+}
+
 /// Rows that are only read are at most so high, in screen points.
 const READ: f32 = 24.0;
 
-/// Returns a heading of a section of a panel.
-pub fn heading(ui: &mut Ui, text: &str) {
+/// Shows a heading of a section of a panel.
+pub fn heading(ui: &mut Ui, text: &str) -> Response {
     ui.add_space(4.0);
-    ui.label(RichText::new(text).font(FontId::new(13.5, semibold())));
+    let response = ui.label(RichText::new(text).font(FontId::new(13.5, semibold())));
     ui.add_space(2.0);
+    response
 }
 
 /// A name on the left, a number in tabular figures on the right.
@@ -388,5 +437,52 @@ pub fn primary_button(
     match refusal {
         Some(refusal) => response.on_hover_text(refusal),
         None => response.on_hover_cursor(CursorIcon::PointingHand),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::command::{Command, TimeCommand};
+    use crate::layout::Panel;
+    use tilescope_core::Stage;
+
+    #[test]
+    fn ids_are_the_names_of_values_in_small_letters() {
+        let open = Command::OpenPanel(Panel::Passes);
+        assert_eq!(Kebab(&open).to_string(), "open-panel-passes");
+        let endless = Command::Time(TimeCommand::Loop(None));
+        assert_eq!(Kebab(&endless).to_string(), "time-loop-none");
+        assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
+        assert_eq!(Kebab("A").to_string(), "a");
+        // Signs are told apart.
+        let left = Command::Pan(vec2(-80.0, 0.0));
+        assert_eq!(Kebab(&left).to_string(), "pan-minus-80-0-0-0");
+    }
+
+    #[test]
+    fn an_id_leaves_what_a_widget_says_of_itself() {
+        let ctx = egui::Context::default();
+        ctx.enable_accesskit();
+        let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+            let response = ui.button("Name");
+            response.known_as("early");
+            response.widget_info(|| WidgetInfo::labeled(Role::Link, true, "Other name"));
+            ui.label("Text").known_as("late");
+        });
+        let update = output.platform_output.accesskit_update.clone();
+        output.drop_without_applying_deltas();
+        let nodes = update.expect("it was asked for").nodes;
+        let known = |id| {
+            let mut nodes = nodes.iter().map(|(_, node)| node);
+            nodes.find(|node| node.author_id() == Some(id)).expect(id)
+        };
+        let early = known("early");
+        assert_eq!(
+            (early.role(), early.label()),
+            (Role::Link, Some("Other name"))
+        );
+        let late = known("late");
+        assert_eq!((late.role(), late.value()), (Role::Label, Some("Text")));
     }
 }

@@ -1,7 +1,7 @@
 //! The window frame by frame, without a driver: what is pressed in one slow frame, what lists scroll to, and whether
 //! sentences are whole.
 
-use egui::accesskit::{Node, NodeId, Role};
+use egui::accesskit::{Node, NodeId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
 
 use super::*;
@@ -69,15 +69,12 @@ impl Window {
         self.app.state.cursor().expect("events").0
     }
 
-    /// Returns where the slider with a name is.
-    fn place_of(&self, role: Role, name: &str) -> Rect {
-        let named = |node: &&(NodeId, Node)| node.1.role() == role && node.1.label() == Some(name);
-        let bounds = self
-            .nodes
-            .iter()
-            .find(named)
-            .and_then(|node| node.1.bounds());
-        let bounds = bounds.unwrap_or_else(|| panic!("there is no {role:?} \"{name}\""));
+    /// Returns where the widget of an id is.
+    fn place_of(&self, id: &str) -> Rect {
+        let known = |node: &&(NodeId, Node)| node.1.author_id() == Some(id);
+        let found = self.nodes.iter().find(known);
+        let bounds = found.and_then(|node| node.1.bounds());
+        let bounds = bounds.unwrap_or_else(|| panic!("nothing is known as {id}"));
         let scale = self.ctx.pixels_per_point();
         Rect::from_min_max(
             egui::pos2(bounds.x0 as f32, bounds.y0 as f32) / scale,
@@ -110,7 +107,7 @@ fn click(at: Pos2) -> [Event; 3] {
 fn a_click_within_one_frame_goes_there_on_the_timeline() {
     for size in [[1440.0, 900.0], [390.0, 844.0]] {
         let mut window = Window::opened(size);
-        let track = window.place_of(Role::Slider, "Moment");
+        let track = window.place_of("moment");
         let (_, len) = window.app.state.cursor().unwrap();
         let mut before = len;
         for part in [0.8, 0.35, 0.6] {
@@ -156,19 +153,19 @@ fn keys_of_one_frame_count_one_after_the_other() {
     assert!(window.app.state.palette.is_none());
 }
 
-/// Returns the names of what is marked as current.
-fn current(window: &Window, beginning: &str) -> Vec<String> {
-    let is_meant = |node: &&(NodeId, Node)| {
-        node.1
-            .label()
-            .is_some_and(|label| label.starts_with(beginning))
-            && node.1.toggled() == Some(egui::accesskit::Toggled::True)
-            && !node.1.is_hidden()
-    };
-    let found = window.nodes.iter().filter(is_meant);
-    found
-        .filter_map(|node| node.1.label().map(str::to_owned))
-        .collect()
+/// Returns the ids of what is marked as current, of those for which `is_meant`.
+fn current(window: &Window, is_meant: fn(&str) -> bool) -> Vec<&str> {
+    let is_current =
+        |node: &Node| node.toggled() == Some(egui::accesskit::Toggled::True) && !node.is_hidden();
+    let found = window.nodes.iter().map(|(_, node)| node);
+    let ids = found
+        .filter(|node| is_current(node))
+        .filter_map(Node::author_id);
+    ids.filter(|id| is_meant(id)).collect()
+}
+
+fn is_event(id: &str) -> bool {
+    id.starts_with("event-")
 }
 
 #[test]
@@ -181,13 +178,8 @@ fn the_tree_shows_the_last_event_wherever_one_goes() {
     for step in 0..40 {
         at = (at * 7_919 + 13 * step) % len + 1;
         window.apply(Command::Time(TimeCommand::Jump(at)));
-        let number = crate::sentence::event_number(at - 1);
-        let expected = format!("Event {number}:");
-        let found = current(&window, "Event ");
-        assert!(
-            matches!(&found[..], [one] if one.starts_with(&expected)),
-            "at {at} the tree marks {found:?}"
-        );
+        let expected = [format!("event-{}", at - 1)];
+        assert_eq!(current(&window, is_event), expected, "at {at}");
     }
 }
 
@@ -213,28 +205,24 @@ fn what_stands_on_one_screen_is_of_one_moment() {
             )
         };
         // The row, the line and the sentence are those of the last event.
-        let row = crate::sentence::event_number(cursor - 1);
-        assert!(current(&window, "Event ")[0].starts_with(&format!("Event {row}:")));
+        let row = format!("event-{}", cursor - 1);
+        assert_eq!(current(&window, is_event)[0], row);
         let listings = tilescope_debugger::Listings::shipped();
         let id = |index: usize| {
             let event = recording.event(index).unwrap();
             listings.line(event.line()).unwrap().id.clone()
         };
-        let lines = current(&window, "Line ");
-        let [line] = &lines[..] else {
-            panic!("{lines:?}");
-        };
-        assert!(
-            line.starts_with(&format!("Line {}, done", id(cursor - 1))),
-            "{line}"
-        );
-        // The line that is about to run is named as that.
-        let next = id(cursor);
-        let is_next = |node: &(NodeId, Node)| {
-            let label = node.1.label().unwrap_or_default();
-            label.starts_with(&format!("Line {next}, ")) && label.contains("next: ")
-        };
-        assert!(window.nodes.iter().any(is_next), "{next}");
+        let line = |index: usize| format!("{}.line", id(index));
+        let lines = current(&window, |id| id.ends_with(".line"));
+        assert_eq!(lines, [line(cursor - 1)]);
+        // They are named as what has run and what is about to.
+        for (index, tag) in [(cursor - 1, "done"), (cursor, "next")] {
+            let line = line(index);
+            let known = |node: &&(NodeId, Node)| node.1.author_id() == Some(line.as_str());
+            let found = window.nodes.iter().find(known);
+            let label = found.and_then(|node| node.1.label()).unwrap_or_default();
+            assert!(label.contains(tag), "{label}");
+        }
     }
 }
 
@@ -314,7 +302,7 @@ fn sentences_are_whole() {
                 !elided && clip.expand(0.5).contains_rect(place)
             };
             assert!(found.iter().any(whole), "{size:?} \"{text}\": {found:?}");
-            let track = window.place_of(Role::Slider, "Moment");
+            let track = window.place_of("moment");
             let all = Rect::from_min_size(Pos2::ZERO, window.size);
             assert!(all.contains_rect(track), "{size:?}: {track:?}");
             places.insert(track.top() as i32);

@@ -14,6 +14,7 @@ use crate::passes::OnCanvas;
 use crate::passes::placed::Rows;
 use crate::session::radii;
 use crate::theme::Palette;
+use crate::widgets::Known;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;
@@ -285,4 +286,5 @@ fn tag(
         let _ = write!(words, "; {left_out} more marks are in view than are drawn");
     }
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+    response.known_as("on-canvas");
 }

@@ -10,6 +10,7 @@ use crate::sentence::stage_sentence;
 use crate::session::Session;
 use crate::state::{Side, State, Verification};
 use crate::theme::{Palette, semibold};
+use crate::widgets::{Kebab, Known};
 
 /// Between two pictures, in screen points.
 const GUTTER: f32 = 3.0;
@@ -159,6 +160,7 @@ pub fn heading(ui: &Ui, rect: Rect, state: &State, title: &Title) -> Rect {
     let response = ui.interact(above, id, egui::Sense::hover());
     let words = format!("Run {}: {}. {}", title.letter, title.run, title.happened);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+    response.known_as(format_args!("run-{}", Kebab(title.letter)));
     response.on_hover_text(words);
     below
 }

@@ -36,6 +36,7 @@ use crate::command::Command;
 use crate::compare::CompareCommand;
 use crate::state::State;
 use crate::theme::{Look, Palette};
+use crate::widgets::Known;
 pub(crate) use contrast::mark as contrast_mark;
 pub(crate) use input::has_focus;
 use pane::Pane;
@@ -86,7 +87,8 @@ impl Canvas {
                 waiting: state.sampling.is_some(),
                 subject,
             };
-            side.show(ui, state, &mut self.first, &mut self.marks, commands);
+            side.show(ui, state, &mut self.first, &mut self.marks, commands)
+                .known_as("canvas");
             return;
         };
         ui.painter()
@@ -99,7 +101,8 @@ impl Canvas {
             waiting: state.sampling.is_some(),
             subject,
         };
-        left.show(ui, state, &mut self.first, &mut self.marks, commands);
+        left.show(ui, state, &mut self.first, &mut self.marks, commands)
+            .known_as("canvas-a");
         if let Some(device) = self.device.take() {
             self.second.draw_with(&device);
         }
@@ -112,7 +115,9 @@ impl Canvas {
             subject,
         };
         let mut own = Vec::new();
-        right.show(ui, state, &mut self.second, &mut self.marks, &mut own);
+        right
+            .show(ui, state, &mut self.second, &mut self.marks, &mut own)
+            .known_as("canvas-b");
         let on_other = |command| CompareCommand::OnOther(Box::new(command));
         commands.extend(own.into_iter().map(on_other).map(Command::Compare));
         contrast::echo(
@@ -144,7 +149,7 @@ impl Side<'_> {
         pane: &mut Pane,
         marks: &mut Sprites,
         commands: &mut Vec<Command>,
-    ) {
+    ) -> egui::Response {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
@@ -156,7 +161,7 @@ impl Side<'_> {
         painter.rect_filled(rect, 0.0, palette.outside);
         let Some(subject) = &self.subject else {
             overlay::waiting(&painter, rect, self.waiting, palette);
-            return;
+            return response;
         };
         let pointer = input::handle(ui, &response, subject, state, commands);
         let note = pane.paint(ui, rect, subject, palette);
@@ -169,5 +174,6 @@ impl Side<'_> {
         if pointer.is_some() {
             hover::show(ui, &painter, &response, subject, palette, brief);
         }
+        response
     }
 }

@@ -9,7 +9,7 @@ use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::{Icon, heading, icon_button};
+use crate::widgets::{Icon, Known, heading, icon_button};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -20,22 +20,18 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     heading(ui, "Bookmarks");
     if debugger.bookmarks.is_empty() {
-        ui.label(RichText::new("B remembers the moment.").color(palette.muted));
+        ui.label(RichText::new("B remembers the moment.").color(palette.muted))
+            .known_as("no-bookmarks");
     }
     for (index, mark) in debugger.bookmarks.iter().enumerate() {
         ui.horizontal(|ui| {
-            if icon_button(
-                ui,
-                Icon::Close,
-                &format!("Remove bookmark {}", index + 1),
-                None,
-                palette,
-            )
-            .clicked()
-            {
+            let name = format!("Remove bookmark {}", index + 1);
+            let remove = icon_button(ui, Icon::Close, &name, None, palette);
+            let id = format_args!("bookmark-{}.remove", index + 1);
+            if remove.known_as(id).clicked() {
                 commands.push(Command::Debug(DebugCommand::RemoveBookmark(index)));
             }
-            place(ui, debugger, mark, palette, commands);
+            place(ui, debugger, (index, mark), palette, commands);
             let mut note = mark.note.clone();
             let response = ui.add(
                 TextEdit::singleline(&mut note)
@@ -50,6 +46,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     format!("Note of bookmark {}", index + 1),
                 )
             });
+            response.known_as(format_args!("bookmark-{}.note", index + 1));
             if response.changed() {
                 commands.push(Command::Debug(DebugCommand::Note(index, note)));
             }
@@ -63,11 +60,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let keys = keys.unwrap_or_default();
         let text =
             format!("A click beside a line of pseudocode sets one; {keys} runs to the next.");
-        ui.label(RichText::new(text).color(palette.muted));
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("no-breakpoints");
     }
     breakpoints(ui, debugger, palette, commands);
     if let Some(said) = state.hits.said() {
-        ui.label(RichText::new(said).color(palette.muted));
+        ui.label(RichText::new(said).color(palette.muted))
+            .known_as("hits");
     }
 }
 
@@ -75,7 +74,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn place(
     ui: &mut Ui,
     debugger: &Debugger,
-    mark: &Bookmark,
+    (index, mark): (usize, &Bookmark),
     palette: &Palette,
     commands: &mut Vec<Command>,
 ) {
@@ -88,7 +87,9 @@ fn place(
     );
     let Some(cursor) = marked.cursor() else {
         let text = RichText::new("not in this run").color(palette.muted);
-        ui.label(text).on_hover_text(origin);
+        let label = ui.label(text);
+        label.known_as(format_args!("bookmark-{}", index + 1));
+        label.on_hover_text(origin);
         return;
     };
     let about = if matches!(marked, Marked::Here(_)) {
@@ -98,7 +99,9 @@ fn place(
     };
     let text = RichText::new(format!("{about}event {}", grouped(cursor))).monospace();
     let event = tilescope_debugger::short(debugger.recording(), cursor);
-    let link = ui.link(text).on_hover_text(match marked {
+    let link = ui.link(text);
+    link.known_as(format_args!("bookmark-{}", index + 1));
+    let link = link.on_hover_text(match marked {
         Marked::Here(_) => event,
         _ => format!("{event}\n{origin} This is the same place of its stage."),
     });
@@ -112,19 +115,14 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
         let line = Listings::shipped().line(breakpoint.line);
         let id = line.map_or("?", |line| line.id.as_str());
         ui.horizontal(|ui| {
-            if icon_button(
-                ui,
-                Icon::Close,
-                &format!("Remove the breakpoint on {id}"),
-                None,
-                palette,
-            )
-            .clicked()
-            {
+            let name = format!("Remove the breakpoint on {id}");
+            let remove = icon_button(ui, Icon::Close, &name, None, palette);
+            if remove.known_as(format_args!("{id}.remove")).clicked() {
                 commands.push(Command::Debug(DebugCommand::RemoveBreakpoint(index)));
             }
             let mut enabled = breakpoint.enabled;
-            if ui.checkbox(&mut enabled, id).changed() {
+            let switch = ui.checkbox(&mut enabled, id);
+            if switch.known_as(format_args!("{id}.enabled")).changed() {
                 commands.push(Command::Debug(DebugCommand::Enable(index, enabled)));
             }
         });
@@ -138,11 +136,13 @@ fn breakpoints(ui: &mut Ui, debugger: &Debugger, palette: &Palette, commands: &m
         response.widget_info(|| {
             WidgetInfo::labeled(Role::TextInput, true, format!("Condition on {id}"))
         });
+        response.known_as(format_args!("{id}.condition"));
         if response.changed() {
             commands.push(Command::Debug(DebugCommand::Condition(index, condition)));
         }
         if let Some(error) = breakpoint.error() {
-            ui.label(RichText::new(error.to_string()).color(palette.conflict));
+            ui.label(RichText::new(error.to_string()).color(palette.conflict))
+                .known_as(format_args!("{id}.refusal"));
         }
         ui.add_space(4.0);
     }

@@ -13,7 +13,7 @@ use crate::focus;
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::{FINGER, Palette};
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, Kebab, Known, icon_button};
 
 /// Height of the bar on top, in screen points.
 const BAR: f32 = 50.0;
@@ -345,11 +345,13 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             } else {
                 (Icon::Taller, "More room for the panel")
             };
-            if icon_button(ui, icon, name, None, palette).clicked() {
+            let room = icon_button(ui, icon, name, None, palette);
+            if room.known_as("drawer.tall").clicked() {
                 push(DrawerCommand::Tall(!is_tall));
             }
         }
-        if icon_button(ui, Icon::Close, "Close the panel", None, palette).clicked() {
+        let close = icon_button(ui, Icon::Close, "Close the panel", None, palette);
+        if close.known_as("drawer.close").clicked() {
             push(DrawerCommand::Show(None));
         }
     });
@@ -370,6 +372,7 @@ fn tab(
     let size = vec2((galley.size().x + 22.0).max(FINGER), FINGER);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_open, name));
+    response.known_as(format_args!("tab.{}", Kebab(panel)));
     let painter = ui.painter();
     if is_open {
         painter.rect_filled(rect, 8.0, palette.accent.gamma_multiply(0.18));

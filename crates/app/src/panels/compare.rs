@@ -8,7 +8,7 @@ use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference}
 use crate::sentence::{counted, grouped, stage_name};
 use crate::state::{Side, State};
 use crate::theme::Palette;
-use crate::widgets::{heading, primary_button, row};
+use crate::widgets::{Kebab, Known, heading, primary_button, row};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -57,6 +57,7 @@ fn second(ui: &mut Ui, side: &Side, palette: &Palette, own: &mut Vec<CompareComm
     ui.horizontal(|ui| {
         let ready = side.session.is_some();
         let swap = ui.add_enabled(ready, Button::new("Swap A and B"));
+        swap.known_as("compare.swap");
         if swap
             .on_hover_text("All panels show run A.")
             .on_disabled_hover_text("The second run is not there yet.")
@@ -64,11 +65,14 @@ fn second(ui: &mut Ui, side: &Side, palette: &Palette, own: &mut Vec<CompareComm
         {
             own.push(CompareCommand::Swap);
         }
-        if ui.button("Close B").clicked() {
+        if ui.button("Close B").known_as("compare.close").clicked() {
             own.push(CompareCommand::Close);
         }
-        if side.sampling.is_some() && ui.button("Cancel B").clicked() {
-            own.push(CompareCommand::OnOther(Box::new(Command::Cancel)));
+        if side.sampling.is_some() {
+            let cancel = ui.button("Cancel B");
+            if cancel.known_as("compare.cancel").clicked() {
+                own.push(CompareCommand::OnOther(Box::new(Command::Cancel)));
+            }
         }
     });
     // The bar has its room whether or not there is progress.
@@ -86,6 +90,7 @@ fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
     for rival in Rival::ALL {
         let refusal = state.rival_refusal(rival);
         let button = ui.add_enabled(refusal.is_none(), Button::new(rival.name()).frame(true));
+        button.known_as(format_args!("compare.{}", Kebab(rival)));
         let button = button.on_disabled_hover_text(refusal.unwrap_or_default());
         if button.clicked() {
             own.push(CompareCommand::Start(rival));
@@ -95,6 +100,7 @@ fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
         state.session.is_some(),
         Button::new("the run after this one"),
     );
+    kept.known_as("compare.keep");
     let kept = kept
         .on_hover_text("Keeps this run as B; then change the parameters and run.")
         .on_disabled_hover_text("There is no session yet.");
@@ -117,11 +123,12 @@ fn parting(
     };
     let Some(divergence) = comparison.divergence(a, b) else {
         let text = comparison.failure().unwrap_or("Being looked for\u{2026}");
-        ui.label(RichText::new(text).color(palette.muted));
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("parting-0");
         return;
     };
-    for line in said(divergence) {
-        ui.label(line);
+    for (k, line) in said(divergence).into_iter().enumerate() {
+        ui.label(line).known_as(format_args!("parting-{k}"));
     }
     let thinned = [a, b].into_iter().any(|session| {
         let left_out = |recording: &std::sync::Arc<Recording>| recording.tape().left_out() > 0;
@@ -132,7 +139,8 @@ fn parting(
         ui.label(RichText::new(text).color(palette.muted));
     }
     let refusal = state.parting_refusal();
-    if primary_button(ui, "Go there in both", refusal, palette).clicked() {
+    let go = primary_button(ui, "Go there in both", refusal, palette);
+    if go.known_as("compare.go").clicked() {
         own.push(CompareCommand::GoToDivergence);
     }
 }
@@ -210,12 +218,15 @@ fn now(
         );
     } else {
         let text = "The domains differ: places cannot be compared.";
-        ui.label(RichText::new(text).color(palette.muted));
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("compare.refusal");
     }
     let mut on = comparison.shows_differences;
     let text = "Mark them on the canvas";
     let hint = "A square: this run alone has it. Four corners: the other run alone has it.";
-    if ui.checkbox(&mut on, text).on_hover_text(hint).changed() {
+    let marks = ui.checkbox(&mut on, text);
+    marks.known_as("compare.marks");
+    if marks.on_hover_text(hint).changed() {
         own.push(CompareCommand::ShowDifferences(on));
     }
 }
@@ -223,17 +234,16 @@ fn now(
 fn links(ui: &mut Ui, comparison: &Comparison, own: &mut Vec<CompareCommand>) {
     heading(ui, "Together");
     let mut on = comparison.linked_cameras;
-    if ui.checkbox(&mut on, "Cameras move together").changed() {
+    let cameras = ui.checkbox(&mut on, "Cameras move together");
+    if cameras.known_as("compare.cameras").changed() {
         own.push(CompareCommand::LinkCameras(on));
     }
     let mut on = comparison.linked_clocks;
     let hint =
         "The same event as long as the runs are the same, then the same share of the same stage.";
-    if ui
-        .checkbox(&mut on, "Clocks run together")
-        .on_hover_text(hint)
-        .changed()
-    {
+    let clocks = ui.checkbox(&mut on, "Clocks run together");
+    clocks.known_as("compare.clocks");
+    if clocks.on_hover_text(hint).changed() {
         own.push(CompareCommand::LinkClocks(on));
     }
 }

@@ -11,7 +11,7 @@ use crate::command::Command;
 use crate::embedding::Embedding;
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, Known, icon_button};
 
 /// From the corner of the canvas to the button in it, in screen points.
 const INSET: Vec2 = vec2(8.0, 8.0);
@@ -67,6 +67,7 @@ fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec
         let ground = ui.painter().add(egui::Shape::Noop);
         let name = "Show the whole domain (F)";
         let response = icon_button(ui, Icon::Fit, name, None, palette);
+        response.known_as("fit");
         let color = palette.panel.gamma_multiply(0.82);
         let fill = egui::Shape::rect_filled(response.rect, 7.0, color);
         ui.painter().set(ground, fill);

@@ -7,6 +7,7 @@ use crate::command::Command;
 use crate::device::Engine;
 use crate::state::State;
 use crate::theme::Palette;
+use crate::widgets::{Kebab, Known};
 
 const EXPLANATION: &str =
     "Who samples. All engines give the same points; choosing the GPU tests it first.";
@@ -24,11 +25,15 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     entry(ui, state, engine, commands);
                 }
             });
-        combo.response.labelled_by(label).on_hover_text(EXPLANATION);
+        let response = combo.response.labelled_by(label);
+        response.known_as("engine");
+        response.on_hover_text(EXPLANATION);
     });
     if let Some((line, all)) = state.engine_said() {
         let line = RichText::new(line).small().color(palette.muted);
-        ui.label(line).on_hover_text(all);
+        let label = ui.label(line);
+        label.known_as("engine-said");
+        label.on_hover_text(all);
     }
 }
 
@@ -39,6 +44,7 @@ fn entry(ui: &mut Ui, state: &State, engine: Engine, commands: &mut Vec<Command>
     };
     let button = Button::selectable(state.engine == engine, text(state, engine));
     let mut response = ui.add_enabled(refusal.is_none(), button);
+    response.known_as(format_args!("engine.{}", Kebab(engine)));
     if let Some(why) = refusal {
         response = response.on_disabled_hover_text(why);
     }

@@ -13,6 +13,7 @@ use crate::focus;
 use crate::sentence::{counted, event_number, grouped};
 use crate::state::{Found, MOST_FOUND, State};
 use crate::theme::{Palette, is_for_fingers, row_height};
+use crate::widgets::Known;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;
@@ -31,6 +32,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .desired_width(ui.available_width() - 16.0);
     let response = ui.add(field);
     response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find events"));
+    response.known_as("find-events");
     if response.changed() {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
@@ -48,7 +50,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (None, Found::Failed(why)) => (why.clone(), palette.conflict),
         (None, Found::Events(events)) => (counted(events.len(), "event", "events"), palette.muted),
     };
-    ui.label(RichText::new(note).color(color));
+    ui.label(RichText::new(note).color(color))
+        .known_as("found-events");
     ui.add_space(2.0);
     let found = match &state.query.found {
         Found::Events(events) => Some(events.as_slice()),
@@ -148,6 +151,7 @@ fn show_row(
     let text = tilescope_debugger::short(debugger.recording(), index);
     let label = format!("Event {}: {text}", event_number(index));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
+    response.known_as(format_args!("event-{index}"));
     if current {
         ui.painter()
             .rect_filled(rect, 3.0, palette.accent.gamma_multiply(0.22));
@@ -215,6 +219,7 @@ fn arrow(
         event_number(event)
     );
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    response.known_as(format_args!("event-{event}.expand"));
     let corners = if expanded {
         [vec2(-4.0, -2.0), vec2(4.0, -2.0), vec2(0.0, 3.0)]
     } else {

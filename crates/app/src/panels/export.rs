@@ -12,7 +12,7 @@ use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::primary_button;
+use crate::widgets::{Kebab, Known, primary_button};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
@@ -58,7 +58,8 @@ impl Sheet<'_> {
     fn contents(&mut self, ui: &mut Ui) {
         self.kinds(ui);
         ui.add_space(6.0);
-        ui.label(RichText::new(self.explanation()).color(self.palette.muted));
+        ui.label(RichText::new(self.explanation()).color(self.palette.muted))
+            .known_as("export.explanation");
         ui.add_space(8.0);
         self.file(ui);
         ui.add_space(6.0);
@@ -91,6 +92,7 @@ impl Sheet<'_> {
                 let button = Button::selectable(chosen, kind.name());
                 // What is chosen stays readable; below it says what is wrong.
                 let response = ui.add_enabled(chosen || refusal.is_none(), button);
+                response.known_as(format_args!("export.{}", Kebab(kind)));
                 let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
                 if response.clicked() {
                     self.commands.push(ExportCommand::Choose(kind));
@@ -148,6 +150,7 @@ impl Sheet<'_> {
                         },
                 );
             let response = ui.add(edit).labelled_by(label.id);
+            response.known_as("export.path");
             if just_opened(ui, "export") {
                 select_all(ui, &response, path.chars().count());
             }
@@ -155,7 +158,11 @@ impl Sheet<'_> {
                 self.commands.push(ExportCommand::Path(path));
             }
             self.write_on_enter(ui, &response);
-            if !web && ui.button("Browse\u{2026}").clicked() {
+            if web {
+                return;
+            }
+            let browse = ui.button("Browse\u{2026}");
+            if browse.known_as("export.browse").clicked() {
                 self.commands.push(ExportCommand::Browse);
             }
         });
@@ -168,11 +175,13 @@ impl Sheet<'_> {
             let all = Refusal::Extension { known };
             (format!("Format: {format}. {all}"), self.palette.muted)
         };
-        ui.label(RichText::new(told).small().color(color));
+        ui.label(RichText::new(told).small().color(color))
+            .known_as("export.format");
         if let Some(taken) = &self.form.taken {
             let name = taken.file_name().unwrap_or_default().to_string_lossy();
             let text = format!("{name} exists already and would be replaced.");
-            ui.label(RichText::new(text).small().color(self.palette.conflict));
+            ui.label(RichText::new(text).small().color(self.palette.conflict))
+                .known_as("export.taken");
         }
     }
 
@@ -189,6 +198,7 @@ impl Sheet<'_> {
                     format.map_or(sheet.form.precision, |f| f.precision(sheet.form.precision));
                 let button = Button::selectable(shown == precision, name);
                 let response = ui.add_enabled(has_choice, button);
+                response.known_as(format_args!("export.{}", Kebab(precision)));
                 let why = "This format leaves no choice.";
                 if response.on_disabled_hover_text(why).clicked() {
                     sheet.commands.push(ExportCommand::Precision(precision));
@@ -229,7 +239,8 @@ impl Sheet<'_> {
             for clock in clocks {
                 let plural = format!("{}s", clock.name());
                 let button = Button::selectable(sheet.form.clock == clock, plural);
-                if ui.add(button).clicked() {
+                let id = format_args!("export.{}", Kebab(clock));
+                if ui.add(button).known_as(id).clicked() {
                     sheet.commands.push(ExportCommand::Clock(clock));
                 }
             }
@@ -273,6 +284,7 @@ impl Sheet<'_> {
             .margin(egui::Margin::symmetric(8, 4))
             .desired_width(NUMBER_WIDTH);
         let response = ui.add_enabled(enabled, edit).labelled_by(label);
+        response.known_as(format_args!("export.{}", Kebab(entry)));
         if response.changed() {
             self.commands.push(ExportCommand::Type(entry, text));
         }
@@ -298,7 +310,8 @@ impl Sheet<'_> {
             }
             Err(refusal) => (refusal.to_string(), self.palette.conflict),
         };
-        ui.label(RichText::new(told).color(color));
+        ui.label(RichText::new(told).color(color))
+            .known_as("export.prospect");
     }
 
     /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so that a double click
@@ -316,8 +329,11 @@ impl Sheet<'_> {
                 ui.set_height(18.0);
                 if job.is_cancelled() {
                     ui.label(RichText::new("Stopping").small().color(self.palette.muted));
-                } else if ui.link(RichText::new("Cancel export").small()).clicked() {
-                    self.commands.push(ExportCommand::Cancel);
+                } else {
+                    let cancel = ui.link(RichText::new("Cancel export").small());
+                    if cancel.known_as("export.cancel").clicked() {
+                        self.commands.push(ExportCommand::Cancel);
+                    }
                 }
             });
             return;
@@ -325,6 +341,7 @@ impl Sheet<'_> {
         let refusal = self.state.export_prospect().err();
         let refusal = refusal.map(|refusal| refusal.to_string());
         let button = primary_button(ui, &self.button(), refusal.as_deref(), self.palette);
+        button.known_as("export.write");
         // The second click of a double click answers no question.
         if button.clicked() && !(self.form.asked && button.double_clicked()) {
             self.commands.push(ExportCommand::Write);

@@ -8,7 +8,7 @@ use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::primary_button;
+use crate::widgets::{Known, primary_button};
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -51,6 +51,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
     };
     let response = ui.label(RichText::new(question).color(palette.conflict));
     read_out(ui, &response);
+    response.known_as("file.question");
     ui.add_space(4.0);
     let verb = if form.asked {
         "Replace the file"
@@ -58,6 +59,7 @@ fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileComma
         form.purpose.verb()
     };
     let button = primary_button(ui, verb, refusal(state, form), palette);
+    button.known_as("file.go");
     // The second click of a double click answers no question.
     if button.clicked() && !(form.asked && button.double_clicked()) {
         own.push(FileCommand::Go);
@@ -94,6 +96,7 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
             .interactive(saves || !web)
             .desired_width(ui.available_width() - 110.0);
         let response = ui.add(edit).labelled_by(label.id);
+        response.known_as("file.path");
         if just_opened(ui, form.purpose.title()) && (saves || !web) {
             select_all(ui, &response, path.chars().count());
         }
@@ -103,7 +106,11 @@ fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>)
         if entered(ui, &response) && refusal(state, form).is_none() {
             own.push(FileCommand::Go);
         }
-        if !(web && saves) && ui.button("Browse\u{2026}").clicked() {
+        if web && saves {
+            return;
+        }
+        let browse = ui.button("Browse\u{2026}");
+        if browse.known_as("file.browse").clicked() {
             own.push(FileCommand::Browse);
         }
     });
@@ -134,7 +141,8 @@ fn busy(state: &State) -> Option<f32> {
 /// Shows how far a file is read or written, and the way out.
 fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCommand>) {
     if let Some(fraction) = busy(state) {
-        if ui.button("Cancel the file").clicked() {
+        let cancel = ui.button("Cancel the file");
+        if cancel.known_as("file.cancel").clicked() {
             own.push(FileCommand::Cancel);
         }
         let bar = ProgressBar::new(fraction).desired_height(6.0);

@@ -12,7 +12,7 @@ use crate::moment::Shown;
 use crate::sentence::{counted, event_number, grouped};
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::{heading, row};
+use crate::widgets::{Known, heading, row};
 
 /// Rows of a history that are shown at once.
 const MOST_ROWS: usize = 200;
@@ -37,7 +37,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
             _ => {
                 let text = "Click a sample, or any place, to read what happened there.";
-                ui.label(RichText::new(text).color(palette.muted));
+                ui.label(RichText::new(text).color(palette.muted))
+                    .known_as("inspector.hint");
             }
         }
     });
@@ -61,7 +62,8 @@ fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     heading(
         ui,
         &format!("History: {}", counted(events.len(), "event", "events")),
-    );
+    )
+    .known_as("history");
     let cursor = debugger.state().cursor();
     for &event in events.iter().take(MOST_ROWS) {
         let past = event < cursor;

@@ -6,7 +6,7 @@ use crate::canvas::layers::Layer;
 use crate::command::Command;
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::chip;
+use crate::widgets::{Kebab, Known, chip};
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -17,7 +17,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let offered = |layer: &Layer| layer.is_of(combination);
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (layer, layer.name_in(combination));
-            if chip(ui, named, state.layers.has(layer), palette).clicked() {
+            let chip = chip(ui, named, state.layers.has(layer), palette);
+            chip.known_as(format_args!("layer.{}", Kebab(layer)));
+            if chip.clicked() {
                 commands.push(Command::ToggleLayer(layer));
             }
         }

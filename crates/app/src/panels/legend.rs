@@ -8,7 +8,7 @@ use crate::canvas::layers::{Colouring, Layer};
 use crate::command::Command;
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::{heading, symbol};
+use crate::widgets::{Kebab, Known, heading, symbol};
 
 /// Shows the legend.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -121,7 +121,9 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ),
         ] {
             let button = Button::selectable(state.colouring == colouring, name);
-            if ui.add(button).on_hover_text(explanation).clicked() {
+            let button = ui.add(button);
+            button.known_as(format_args!("colour.{}", Kebab(colouring)));
+            if button.on_hover_text(explanation).clicked() {
                 commands.push(Command::Colour(colouring));
             }
         }
@@ -139,6 +141,7 @@ fn ages(ui: &mut Ui, ages: Ages, palette: &Palette) {
         let name = "Ramp of ages, dark to light: tiled first to last, then inserted";
         egui::WidgetInfo::labeled(egui::Role::Image, true, name)
     });
+    response.known_as("ages");
     let painter = ui.painter();
     let x = |age: f32| rect.left() + age * rect.width();
     let band = |from: f32, to: f32, age: f32| {

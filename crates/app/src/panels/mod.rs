@@ -40,6 +40,7 @@ use crate::focus;
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::Palette;
+use crate::widgets::Known;
 
 /// Shows the bar on top.
 pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -123,6 +124,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
             let button = ui.add(Button::new(text).fill(palette.panel).small());
             let name = crate::actions::projector_action(crate::theme::Look::Projector);
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+            button.known_as("leave-projector");
             if button.on_hover_text(name).clicked() {
                 commands.push(Command::ToggleProjector);
             }
@@ -244,7 +246,8 @@ fn no_events(ui: &mut Ui, state: &State) {
             crate::sentence::grouped(crate::session::MOST_STAGED as usize)
         ),
     };
-    ui.label(egui::RichText::new(text).color(palette.muted));
+    ui.label(egui::RichText::new(text).color(palette.muted))
+        .known_as("no-events");
 }
 
 /// The list and the table of passes need so much room, in screen points.
@@ -271,6 +274,7 @@ fn passes(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.label(egui::RichText::new(text).color(palette.muted));
     let refusal = state.passes_refusal();
     let button = ui.add_enabled(refusal.is_none(), egui::Button::new("Run the passes"));
+    button.known_as("passes.run");
     let button = button.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
     if button.clicked() {
         commands.push(Command::OpenPasses);

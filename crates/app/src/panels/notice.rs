@@ -5,7 +5,7 @@ use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 use crate::command::Command;
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::{Icon, icon_button, verdict_mark};
+use crate::widgets::{Icon, Known, icon_button, verdict_mark};
 
 /// Shows the notice, if there is one, over the canvas.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -48,8 +48,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                             let text = RichText::new(&notice.text);
                             let response = ui.add(egui::Label::new(text).wrap());
                             super::read_out(ui, &response);
+                            response.known_as("notice");
                         });
-                        if icon_button(ui, Icon::Close, "Dismiss", None, palette).clicked() {
+                        let dismiss = icon_button(ui, Icon::Close, "Dismiss", None, palette);
+                        if dismiss.known_as("dismiss").clicked() {
                             commands.push(Command::DismissNotice);
                         }
                     });

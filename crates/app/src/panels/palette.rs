@@ -9,6 +9,7 @@ use crate::actions::{Action, Palette as Actions};
 use crate::command::Command;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
+use crate::widgets::Known;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 30.0;
@@ -74,6 +75,7 @@ fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> (egui::Id,
             .desired_width(f32::INFINITY),
     );
     response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find an action"));
+    response.known_as("find-action");
     if !response.has_focus() {
         response.request_focus();
     }
@@ -115,6 +117,7 @@ fn show_action(
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), row_height(ui.ctx(), ROW)), sense);
     response.widget_info(|| WidgetInfo::selected(Role::Button, enabled, chosen, &action.name));
+    response.known_as(format_args!("action.{}", action.id()));
     if chosen {
         // The field keeps the focus; screen readers follow the choice all the same.
         ui.ctx().accesskit_node_builder(field, |node| {

@@ -11,7 +11,7 @@ use crate::layout::Panel;
 use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
-use crate::widgets::{heading, primary_button};
+use crate::widgets::{Known, heading, primary_button};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;
@@ -82,7 +82,14 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Boundary::Bounded, "bounded"),
     ];
     let why = "Whether opposite sides are joined.";
-    if let Some(chosen) = choice(ui, "Boundary", why, p.boundary, &boundaries, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("boundary", "Boundary"),
+        why,
+        p.boundary,
+        &boundaries,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Boundary(chosen)));
     }
     expected(ui, state, palette);
@@ -98,7 +105,7 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let why = "A periodic pattern allows any offset; a bounded one is the paper's.";
     let chosen = choice(
         ui,
-        "Pattern ends",
+        ("pattern-boundary", "Pattern ends"),
         why,
         p.pattern.boundary,
         &boundaries,
@@ -110,13 +117,20 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     own_pattern(ui, state, commands);
     let turns = [(false, "as it is"), (true, "turned, mirrored")];
     let why = "Whether each block clips from one of the pattern's 8 rotations and mirror images.";
-    if let Some(chosen) = choice(ui, "Pattern use", why, p.dihedral, &turns, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("dihedral", "Pattern use"),
+        why,
+        p.dihedral,
+        &turns,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Dihedral(chosen)));
     }
     algorithm(ui, state, commands);
     engine::show(ui, state, commands);
-    for refusal in refusals.iter().filter(|r| r.field.is_none()) {
-        trouble(ui, &refusal.reason, palette);
+    for (k, refusal) in refusals.iter().filter(|r| r.field.is_none()).enumerate() {
+        trouble(ui, &refusal.reason, palette).known_as(format_args!("refusal-{k}"));
     }
 }
 
@@ -132,8 +146,10 @@ fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         own.file.path,
         grouped(own.pattern.samples().len())
     );
-    ui.label(RichText::new(text).color(palette.muted));
-    if ui.link("Use a generated pattern").clicked() {
+    ui.label(RichText::new(text).color(palette.muted))
+        .known_as("own-pattern");
+    let generated = ui.link("Use a generated pattern");
+    if generated.known_as("generated-pattern").clicked() {
         commands.push(Command::File(FileCommand::GeneratedPattern));
     }
 }
@@ -143,7 +159,8 @@ fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
     if let Some(side) = state.draft.side_without_repeats() {
         let text =
             format!("It repeats itself within the largest blocks; a side of {side} r holds them.");
-        ui.label(RichText::new(text).color(palette.muted));
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("pattern-repeats");
     }
 }
 
@@ -158,7 +175,7 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Order::PhaseGroup, "phase groups"),
     ];
     let why = "The order in which tiled samples claim their disks.";
-    if let Some(chosen) = choice(ui, "Order", why, p.order, &orders, palette) {
+    if let Some(chosen) = choice(ui, ("order", "Order"), why, p.order, &orders, palette) {
         commands.push(Command::Choose(Choice::Order(chosen)));
     }
     let insertions = [
@@ -166,7 +183,14 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Insertion::Uniform, "uniform darts"),
     ];
     let why = "How gaps are filled: at circumcentres (the paper), or without bias.";
-    if let Some(chosen) = choice(ui, "Insertion", why, p.insertion, &insertions, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("insertion", "Insertion"),
+        why,
+        p.insertion,
+        &insertions,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Insertion(chosen)));
     }
     let searches = [
@@ -174,7 +198,7 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Search::TwoRadii, "2 r (experiment)"),
     ];
     let why = "How far detectors look. 2 r, which the paper believes to suffice, leaves gaps.";
-    if let Some(chosen) = choice(ui, "Search", why, p.search, &searches, palette) {
+    if let Some(chosen) = choice(ui, ("search", "Search"), why, p.search, &searches, palette) {
         commands.push(Command::Choose(Choice::Search(chosen)));
     }
     let variants = [
@@ -182,7 +206,14 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         (Variant::AsPrinted, "as printed"),
     ];
     let why = "Elimination first, or Algorithm 4 as printed.";
-    if let Some(chosen) = choice(ui, "Variant", why, p.variant, &variants, palette) {
+    if let Some(chosen) = choice(
+        ui,
+        ("variant", "Variant"),
+        why,
+        p.variant,
+        &variants,
+        palette,
+    ) {
         commands.push(Command::Choose(Choice::Variant(chosen)));
     }
 }
@@ -199,7 +230,8 @@ fn expected(ui: &mut Ui, state: &State, palette: &Palette) {
     };
     ui.horizontal(|ui| {
         ui.add_space(FIELD_START);
-        ui.label(RichText::new(text).small().color(palette.muted));
+        ui.label(RichText::new(text).small().color(palette.muted))
+            .known_as("expected");
     });
 }
 
@@ -238,7 +270,7 @@ fn number(
         }
     });
     if let Some(refusal) = refusal {
-        trouble(ui, &refusal.reason, palette);
+        refused(ui, field, refusal, palette);
     }
 }
 
@@ -268,8 +300,10 @@ fn pair(
             );
         }
     });
-    for refusal in fields.iter().filter_map(|(field, _)| refusal(*field)) {
-        trouble(ui, &refusal.reason, palette);
+    for (field, _) in fields {
+        if let Some(refusal) = refusal(field) {
+            refused(ui, field, refusal, palette);
+        }
     }
 }
 
@@ -292,6 +326,7 @@ fn edit(
         .margin(egui::Margin::symmetric(8, 4))
         .desired_width(width);
     let response = ui.add(edit).accessible_name(name).on_hover_text(name);
+    response.known_as(key(field));
     if response.changed() {
         commands.push(Command::Type(field, text));
     }
@@ -301,13 +336,31 @@ fn edit(
     }
 }
 
-fn trouble(ui: &mut Ui, reason: &str, palette: &Palette) {
-    ui.label(RichText::new(reason).small().color(palette.conflict));
+/// Returns a field's key in links and files.
+const fn key(field: Field) -> &'static str {
+    match field {
+        Field::Width => "width",
+        Field::Height => "height",
+        Field::Radius => "radius",
+        Field::Seed => "seed",
+        Field::Leaf => "leaf",
+        Field::PatternSide => "pattern",
+        Field::PatternSeed => "pattern-seed",
+    }
+}
+
+fn refused(ui: &mut Ui, field: Field, refusal: &Refusal, palette: &Palette) {
+    let id = format_args!("refusal-{}", key(field));
+    trouble(ui, &refusal.reason, palette).known_as(id);
+}
+
+fn trouble(ui: &mut Ui, reason: &str, palette: &Palette) -> egui::Response {
+    ui.label(RichText::new(reason).small().color(palette.conflict))
 }
 
 fn choice<T: Copy + PartialEq>(
     ui: &mut Ui,
-    name: &str,
+    (key, name): (&str, &str),
     explanation: &str,
     current: T,
     options: &[(T, &str)],
@@ -325,7 +378,9 @@ fn choice<T: Copy + PartialEq>(
                     ui.selectable_value(&mut chosen, *value, *text);
                 }
             });
-        combo.response.labelled_by(label).on_hover_text(explanation);
+        let response = combo.response.labelled_by(label);
+        response.known_as(key);
+        response.on_hover_text(explanation);
     });
     (chosen != current).then_some(chosen)
 }
@@ -344,6 +399,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let size = vec2(ui.available_width(), REMARK - 2.0);
         let text = RichText::new(&remark).small().color(palette.accent);
         let label = ui.add_sized(size, egui::Label::new(text).truncate());
+        label.known_as("run-remark");
         label.on_hover_text(remark);
     }
     ui.horizontal(|ui| {
@@ -360,7 +416,8 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 return;
             }
             let refusal = state.run_refusal();
-            if primary_button(ui, "Run", refusal.as_deref(), palette).clicked() {
+            let run = primary_button(ui, "Run", refusal.as_deref(), palette);
+            if run.known_as("run").clicked() {
                 commands.push(Command::Run);
             }
         });
@@ -369,12 +426,14 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 ui.label(RichText::new("Stopping").small().color(palette.muted));
             }
             Some(_) => {
-                if ui.link(RichText::new("Cancel").small()).clicked() {
+                let cancel = ui.link(RichText::new("Cancel").small());
+                if cancel.known_as("cancel").clicked() {
                     commands.push(Command::Cancel);
                 }
             }
             None => {
                 let reset = ui.link(RichText::new("Reset").small());
+                reset.known_as("reset-parameters");
                 let reset =
                     reset.on_hover_text("Reset the parameters to those of the first session");
                 if reset.clicked() {

@@ -13,6 +13,7 @@ use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::focus;
 use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+use crate::widgets::Known;
 
 const GUTTER: f32 = 22.0;
 /// Room behind a line for what is said of it.
@@ -148,6 +149,7 @@ fn show_line(
             },
         )
     });
+    text.known_as(format_args!("{}.line", line.id));
     if current {
         ui.painter()
             .rect_filled(rect, 4.0, palette.accent.gamma_multiply(0.2));
@@ -208,6 +210,7 @@ fn breakpoint(
     let response = ui.interact(gutter, ui.scope_id().with(("gutter", id.0)), Sense::click());
     let name = format!("Breakpoint on line {}", line.id);
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, set.is_some(), &name));
+    response.known_as(format_args!("{}.breakpoint", line.id));
     let at = gutter.center();
     let painter = ui.painter();
     match set {
@@ -286,7 +289,8 @@ pub fn next_line(ui: &mut Ui, state: &State) {
         }
         ui.label(RichText::new(number).monospace().color(palette.accent));
         ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
-            ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());
+            ui.add(egui::Label::new(RichText::new(text).monospace()).truncate())
+                .known_as("next-line");
         });
     });
 }

@@ -9,7 +9,7 @@ use crate::sentence::{grouped, name_in, share};
 use crate::session::{MOST_STAGED, Session};
 use crate::state::State;
 use crate::theme::{Palette, row_height};
-use crate::widgets::{heading, row as pair};
+use crate::widgets::{Kebab, Known, heading, row as pair};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         return;
     };
     ui.spacing_mut().item_spacing.y = 1.0;
-    row(ui, ["", "change", "samples"], false, palette, false);
+    row(ui, ["", "change", "samples"], false, palette, None);
     for (place, &stage) in session.stages.iter().enumerate() {
         let texts = [
             name_in(session, stage),
@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             },
         ];
         let texts = texts.each_ref().map(String::as_str);
-        if row(ui, texts, place == state.stage, palette, true) {
+        if row(ui, texts, place == state.stage, palette, Some(stage)) {
             commands.push(Command::ShowStage(place));
         }
     }
@@ -92,7 +92,15 @@ fn change(session: &Session, stage: Stage) -> String {
     }
 }
 
-fn row(ui: &mut Ui, texts: [&str; 3], current: bool, palette: &Palette, click: bool) -> bool {
+/// Shows a row; that of a stage can be clicked.
+fn row(
+    ui: &mut Ui,
+    texts: [&str; 3],
+    current: bool,
+    palette: &Palette,
+    stage: Option<Stage>,
+) -> bool {
+    let click = stage.is_some();
     let sense = if click {
         Sense::click()
     } else {
@@ -109,9 +117,10 @@ fn row(ui: &mut Ui, texts: [&str; 3], current: bool, palette: &Palette, click: b
         ),
         sense,
     );
-    if click {
+    if let Some(stage) = stage {
         let label = format!("Row {}", texts[0]);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &label));
+        response.known_as(format_args!("row.{}", Kebab(stage)));
     }
     let painter = ui.painter();
     if current {

@@ -16,7 +16,7 @@ use crate::command::{Command, TimeCommand};
 use crate::sentence::{counted, grouped, stage_sentence};
 use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers};
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, Kebab, Known, icon_button};
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
@@ -96,7 +96,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             if beside > 0.0 {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     let text = RichText::new(told(state).join("   ")).monospace();
-                    ui.label(text.color(palette.muted));
+                    ui.label(text.color(palette.muted)).known_as("counts");
                 });
             }
         },
@@ -124,6 +124,7 @@ fn sentence(ui: &mut Ui, state: &State, size: f32, room: Vec2, lines: usize) {
         let galley = ui.painter().layout_job(text);
         let response = ui.add(egui::Label::new(galley));
         super::read_out(ui, &response);
+        response.known_as("status");
     });
 }
 
@@ -259,9 +260,11 @@ impl Player {
 /// Shows what a small window has no room for beside its controls: the whole sentence, counts, speed, the line and the loop.
 pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
-    ui.label(RichText::new(happened(state)).size(14.5));
-    for text in told(state) {
-        ui.label(RichText::new(text).monospace().color(palette.muted));
+    ui.label(RichText::new(happened(state)).size(14.5))
+        .known_as("status-whole");
+    for (k, text) in told(state).into_iter().enumerate() {
+        ui.label(RichText::new(text).monospace().color(palette.muted))
+            .known_as(format_args!("counts-{k}"));
     }
     ui.add_space(4.0);
     speed(ui, state, commands);
@@ -272,6 +275,7 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("No loop", TimeCommand::Loop(None)),
         ] {
             let button = ui.add_enabled(state.debugger.is_some(), Button::new(name));
+            button.known_as(Kebab(&command));
             let button = button.on_disabled_hover_text("There are no events to go round.");
             if button.clicked() {
                 commands.push(Command::Time(command));
@@ -352,7 +356,8 @@ fn controls(ui: &mut Ui, state: &State, with_ends: bool, commands: &mut Vec<Comm
         if !with_ends && matches!(icon, Icon::First | Icon::Last) {
             continue;
         }
-        if icon_button(ui, icon, name, refusal, palette).clicked() {
+        let button = icon_button(ui, icon, name, refusal, palette);
+        if button.known_as(Kebab(&command)).clicked() {
             commands.push(command);
         }
     }
@@ -390,6 +395,7 @@ fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
             let refusal = state.clock_refusal(clock);
             let button = Button::selectable(playback.clock == clock, clock.name());
             let response = ui.add_enabled(refusal.is_none(), button);
+            response.known_as(format_args!("clock.{}", Kebab(clock)));
             let response = response.on_disabled_hover_text(refusal.unwrap_or_default());
             if response.clicked() {
                 commands.push(Command::Time(TimeCommand::Clock(clock)));
@@ -398,6 +404,7 @@ fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
     });
     let response = response.response;
     response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Clock"));
+    response.known_as("clock");
     response.on_hover_text("What one tick of play and the arrow keys is");
 }
 
@@ -418,9 +425,9 @@ fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-    response
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Speed"));
+    let response = response.response;
+    response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Speed"));
+    response.known_as("speed");
 }
 
 #[cfg(test)]

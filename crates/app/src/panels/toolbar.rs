@@ -9,7 +9,7 @@ use crate::export::{ExportCommand, Kind};
 use crate::sentence::{counted, grouped};
 use crate::state::State;
 use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, Kebab, Known, icon_button};
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.look);
     ui.horizontal_centered(|ui| {
         let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
-        ui.label(title);
+        ui.label(title).known_as("title");
         ui.add_space(6.0);
         menus(ui, state, commands);
         ui.add_space(10.0);
@@ -34,18 +34,22 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             };
             let count = grouped(session.summary.count);
             let text = format!("{count} samples   r {}   {made}", parameters.radius);
-            ui.label(RichText::new(text).monospace().color(palette.muted));
+            ui.label(RichText::new(text).monospace().color(palette.muted))
+                .known_as("run-shown");
             if room >= ROOM_FOR_ENGINE {
                 let engine = format!("engine: {}", session.engine);
-                ui.label(RichText::new(engine).color(palette.muted));
+                ui.label(RichText::new(engine).color(palette.muted))
+                    .known_as("engine-used");
             }
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             theme_button(ui, state, commands);
-            if icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette).clicked() {
+            let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
+            if fit.known_as("fit").clicked() {
                 commands.push(Command::Fit);
             }
             let export = ui.add_enabled(state.session.is_some(), Button::new("Export\u{2026}"));
+            export.known_as("export");
             let why = "There is nothing to export before the first session is ready.";
             if export.on_disabled_hover_text(why).clicked() {
                 commands.push(Command::Export(ExportCommand::Open(Kind::Result)));
@@ -62,6 +66,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         let button = icon_button(ui, Icon::Menu, "Menu", None, palette);
+        button.known_as("menu");
         let room = ui.ctx().content_rect().size();
         Popup::menu(&button)
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
@@ -74,10 +79,12 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     .show(ui, |ui| one_menu(ui, state, commands));
             });
         if ui.available_width() >= ROOM_FOR_TITLE {
-            ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())));
+            ui.label(RichText::new("Tilescope").font(FontId::new(17.0, semibold())))
+                .known_as("title");
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette).clicked() {
+            let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
+            if fit.known_as("fit").clicked() {
                 commands.push(Command::Fit);
             }
             verification::chip(ui, state, commands);
@@ -101,7 +108,8 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let engine = &session.engine;
         let radius = session.run().parameters.radius;
         let text = format!("{count} samples, r {radius}, engine: {engine}");
-        ui.label(RichText::new(text).color(palette.muted));
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("run-shown");
     }
     let chosen_id = ui.scope_id().with("chosen menu");
     let chosen: Option<Menu> = ui.data(|data| data.get_temp(chosen_id)).flatten();
@@ -119,6 +127,7 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let name = format!("{} menu", menu.name());
             egui::WidgetInfo::selected(egui::Role::Button, true, is_open, name)
         });
+        response.known_as(format_args!("menu.{}", Kebab(menu)));
         if response.clicked() {
             let chosen = (!is_open).then_some(menu);
             ui.data_mut(|data| data.insert_temp(chosen_id, chosen));
@@ -142,7 +151,8 @@ fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let name = other.name();
     let palette = Palette::of(state.look);
-    if icon_button(ui, icon, name, None, palette).clicked() {
+    let button = icon_button(ui, icon, name, None, palette);
+    if button.known_as("toggle-theme").clicked() {
         commands.push(Command::ToggleTheme);
     }
 }
@@ -150,7 +160,7 @@ fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let all = std::cell::OnceCell::new();
     for menu in Menu::ALL {
-        ui.menu_button(menu.name(), |ui| {
+        let button = ui.menu_button(menu.name(), |ui| {
             let all: &Vec<Action> = all.get_or_init(|| actions(state));
             egui::ScrollArea::vertical()
                 .max_height(620.0)
@@ -160,6 +170,8 @@ fn menus(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                     }
                 });
         });
+        let button = button.response;
+        button.known_as(format_args!("menu.{}", Kebab(menu)));
     }
 }
 
@@ -171,6 +183,7 @@ fn entry(ui: &mut Ui, action: &Action, commands: &mut Vec<Command>) {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
     let response = ui.add_enabled(action.refusal.is_none(), button);
+    response.known_as(format_args!("entry.{}", action.id()));
     let response = response.on_disabled_hover_text(action.refusal.as_deref().unwrap_or_default());
     if response.clicked() {
         commands.push(action.command.clone());

@@ -14,6 +14,7 @@ use crate::sentence::{name_in, stage_name};
 use crate::session::Session;
 use crate::state::State;
 use crate::theme::{Palette, is_for_fingers};
+use crate::widgets::{Kebab, Known};
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;
@@ -95,6 +96,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
     let cursor = state.cursor().map_or(state.stage, |(at, _)| at);
     response.widget_info(|| WidgetInfo::slider(true, cursor as f64, "Moment"));
+    response.known_as("moment");
     if response.dragged()
         && let Some(pos) = response.interact_pointer_pos()
     {
@@ -153,6 +155,7 @@ fn show_segment(
         Sense::click(),
     );
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, current, &name));
+    response.known_as(format_args!("stage.{}", Kebab(segment.stage)));
     let hot = response.hovered() || response.has_focus();
     let ink = if current || hot {
         palette.text

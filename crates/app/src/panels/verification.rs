@@ -10,7 +10,7 @@ use crate::sentence::{conflicts_in, counted, grouped};
 use crate::state::{State, Verification};
 use crate::theme::{Palette, semibold};
 use crate::verification::Verdict;
-use crate::widgets::{heading, row, verdict_mark};
+use crate::widgets::{Kebab, Known, heading, row, verdict_mark};
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -22,6 +22,7 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let width = (galley.size().x + 46.0).max(150.0);
     let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Verdict: {text}")));
+    response.known_as("verdict");
     let painter = ui.painter();
     let hot = response.hovered() || response.has_focus();
     let fill = color.gamma_multiply(if hot { 0.26 } else { 0.15 });
@@ -140,6 +141,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ),
         ] {
             let button = ui.add_enabled(known, egui::Button::new(name));
+            button.known_as(Kebab(witness));
             let button = button.on_disabled_hover_text("The verifier has not named one.");
             if button.on_hover_text("Fly there").clicked() {
                 commands.push(Command::FlyToWitness(witness));

@@ -7,7 +7,7 @@ use super::no_events;
 use crate::command::{Command, DebugCommand};
 use crate::state::State;
 use crate::theme::Palette;
-use crate::widgets::{Icon, heading, icon_button, row};
+use crate::widgets::{Icon, Known, heading, icon_button, row};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -19,15 +19,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     heading(ui, "Watches");
     for (index, (text, value)) in debugger.watch_values().into_iter().enumerate() {
         ui.horizontal(|ui| {
-            if icon_button(
-                ui,
-                Icon::Close,
-                &format!("Remove watch {}", index + 1),
-                None,
-                palette,
-            )
-            .clicked()
-            {
+            let name = format!("Remove watch {}", index + 1);
+            let remove = icon_button(ui, Icon::Close, &name, None, palette);
+            let id = format_args!("watch-{}.remove", index + 1);
+            if remove.known_as(id).clicked() {
                 commands.push(Command::Debug(DebugCommand::RemoveWatch(index)));
             }
             let mut typed = text.to_owned();
@@ -40,17 +35,19 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             response.widget_info(|| {
                 WidgetInfo::labeled(Role::TextInput, true, format!("Watch {}", index + 1))
             });
+            response.known_as(format_args!("watch-{}", index + 1));
             if response.changed() {
                 commands.push(Command::Debug(DebugCommand::EditWatch(index, typed)));
             }
         });
-        match value {
+        let label = match value {
             Ok(value) => ui.label(RichText::new(format!("= {value}")).monospace()),
             Err(error) => ui.label(RichText::new(error.to_string()).color(palette.conflict)),
         };
+        label.known_as(format_args!("watch-{}.value", index + 1));
         ui.add_space(4.0);
     }
-    if ui.button("Add a watch").clicked() {
+    if ui.button("Add a watch").known_as("add-watch").clicked() {
         commands.push(Command::Debug(DebugCommand::Watch("distance".to_owned())));
     }
     ui.add_space(10.0);

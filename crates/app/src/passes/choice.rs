@@ -9,6 +9,7 @@ use super::placed::{Counts, Rows};
 use super::{PassCommand, Passes};
 use crate::sentence::{counted, grouped};
 use crate::theme::Palette;
+use crate::widgets::Known;
 
 /// Shows the choice, and what it brings to the canvas.
 pub(super) fn show(
@@ -23,16 +24,19 @@ pub(super) fn show(
     };
     ui.horizontal(|ui| {
         let mut is_on = passes.is_on_canvas();
-        if ui.checkbox(&mut is_on, "On the canvas").changed() {
+        let switch = ui.checkbox(&mut is_on, "On the canvas");
+        if switch.known_as("passes.on-canvas").changed() {
             commands.push(PassCommand::OnCanvas(is_on));
         }
         let tip = "Brings the canvas into view, and the selected row; arrow keys and play then go from pass to pass.";
         let button = ui.add_enabled(is_on, Button::new("Show canvas"));
+        button.known_as("passes.show-canvas");
         if button.on_hover_text(tip).clicked() {
             commands.push(PassCommand::ShowCanvas);
         }
         let (text, tip) = words(&rows);
         let label = ui.add(Label::new(RichText::new(&text).small().color(palette.muted)).truncate());
+        label.known_as("passes.marked");
         if !tip.is_empty() {
             label.on_hover_text(tip);
         }

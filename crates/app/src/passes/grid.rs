@@ -10,6 +10,7 @@ use super::PassCommand;
 use super::shown::Shown;
 use super::table::{BufferTable, Side};
 use crate::theme::Palette;
+use crate::widgets::Known;
 
 /// The height of a row, in screen points.
 const ROW: f32 = 20.0;
@@ -127,6 +128,7 @@ fn row(
     let number = number as usize;
     let changed = table.is_changed(number);
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, label(table, number)));
+    response.known_as(format_args!("row-{number}"));
     if changed {
         ground(ui, rect, palette);
     }

@@ -10,7 +10,7 @@ use super::model::{Badge, Line, PassEntry, duration_text};
 use super::{PassCommand, Passes};
 use crate::sentence::{counted, stage_name};
 use crate::theme::{Palette, semibold};
-use crate::widgets::verdict_mark;
+use crate::widgets::{Known, verdict_mark};
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;
@@ -61,6 +61,7 @@ fn frame(ui: &Ui, passes: &Passes, palette: &Palette) -> Response {
     let place = passes.selected().map_or(0, |place| place + 1);
     let label = format!("Passes: {place} of {}, arrow keys", passes.entries().len());
     response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, &label));
+    response.known_as("passes");
     if response.has_focus() {
         let stroke = Stroke::new(1.0, palette.accent);
         ui.painter()
@@ -140,6 +141,7 @@ fn row(ui: &mut Ui, passes: &Passes, place: usize, longest: f64, palette: &Palet
     let text = pass.badge.text();
     let label = format!("Pass {}: {}, {text}", place + 1, pass.report.name);
     response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, current, &label));
+    response.known_as(format_args!("pass-{}", place + 1));
     let painter = ui.painter();
     if current {
         painter.rect_filled(rect, 5.0, palette.accent.gamma_multiply(0.18));

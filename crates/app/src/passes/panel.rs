@@ -11,7 +11,7 @@ use super::table::{BufferTable, Side};
 use super::{Badge, Fault, PassCommand, Passes, choice, grid};
 use crate::sentence::{counted, grouped, stage_name};
 use crate::theme::{Palette, semibold};
-use crate::widgets::{Icon, icon_button};
+use crate::widgets::{Icon, Kebab, Known, icon_button};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;
@@ -70,8 +70,9 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
                 fault.word,
                 fault.after + 1,
             );
-            ui.label(RichText::new(text).color(palette.margin));
-            if ui.button("Undo").clicked() {
+            ui.label(RichText::new(text).color(palette.margin))
+                .known_as("passes.fault");
+            if ui.button("Undo").known_as("passes.undo").clicked() {
                 commands.push(PassCommand::Fault(None));
             }
         });
@@ -81,20 +82,24 @@ fn work(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pass
         ui.set_height(26.0);
         if let Some((activity, fraction)) = passes.activity() {
             // Before the words, whose lengths change: it stays under the pointer.
-            if ui.button("Cancel").clicked() {
+            if ui.button("Cancel").known_as("passes.cancel").clicked() {
                 commands.push(PassCommand::Cancel);
             }
             let bar = ProgressBar::new(fraction).desired_width(160.0);
             ui.add(bar.desired_height(8.0).fill(palette.accent));
             ui.label(RichText::new(activity).color(palette.muted));
         } else if let Some(notice) = passes.notice() {
-            if ui.button("List passes again").clicked() {
+            let again = ui.button("List passes again");
+            if again.known_as("passes.again").clicked() {
                 commands.push(PassCommand::Again);
             }
             let text = RichText::new(notice).color(palette.margin);
-            ui.add(Label::new(text).truncate()).on_hover_text(notice);
+            let label = ui.add(Label::new(text).truncate());
+            label.known_as("passes.notice");
+            label.on_hover_text(notice);
         } else {
-            ui.label(RichText::new(summary(passes)).color(palette.muted));
+            ui.label(RichText::new(summary(passes)).color(palette.muted))
+                .known_as("passes.summary");
         }
     });
 }
@@ -164,8 +169,9 @@ fn way(ui: &mut Ui, visit: &Visit, palette: &Palette) {
     } else {
         "Reached by stepping forwards."
     };
-    ui.add(Label::new(muted(text, palette)).truncate())
-        .on_hover_text("Lists that many invocations append to may have their rows in another sequence in every run.");
+    let label = ui.add(Label::new(muted(text, palette)).truncate());
+    label.known_as("passes.way");
+    label.on_hover_text("Lists that many invocations append to may have their rows in another sequence in every run.");
 }
 
 fn title(
@@ -180,10 +186,12 @@ fn title(
     let last = (at + 1 == count).then_some("This is the last pass.");
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        if icon_button(ui, Icon::Back, "Previous pass", first, palette).clicked() {
+        let previous = icon_button(ui, Icon::Back, "Previous pass", first, palette);
+        if previous.known_as("passes.previous").clicked() {
             commands.push(PassCommand::Previous);
         }
-        if icon_button(ui, Icon::Forward, "Next pass", last, palette).clicked() {
+        let next = icon_button(ui, Icon::Forward, "Next pass", last, palette);
+        if next.known_as("passes.next").clicked() {
             commands.push(PassCommand::Next);
         }
         ui.add_space(6.0);
@@ -192,7 +200,8 @@ fn title(
         ui.add_space(8.0);
         let stage = stage_name(entry.report.stage);
         let text = format!("pass {} of {count}, stage {stage}", at + 1);
-        ui.label(RichText::new(text).color(palette.muted));
+        ui.label(RichText::new(text).color(palette.muted))
+            .known_as("passes.place");
     });
     ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(16.0, 18.0), egui::Sense::hover());
@@ -259,6 +268,7 @@ fn buffers(
             response.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, &label)
             });
+            response.known_as(format_args!("buffer.{}", Kebab(table.name)));
             if response.clicked() {
                 commands.push(PassCommand::Buffer(place));
             }
@@ -287,10 +297,9 @@ fn tools(
     }
     ui.horizontal(|ui| {
         for side in Side::ALL {
-            if ui
-                .selectable_label(shown.side() == side, side.name())
-                .clicked()
-            {
+            let button = ui.selectable_label(shown.side() == side, side.name());
+            let id = format_args!("side.{}", Kebab(side));
+            if button.known_as(id).clicked() {
                 commands.push(PassCommand::Side(side));
             }
         }
@@ -302,7 +311,8 @@ fn tools(
             .font(egui::TextStyle::Monospace)
             .hint_text("x>5, changed")
             .desired_width(170.0);
-        if ui.add(edit).labelled_by(label.id).changed() {
+        let edit = ui.add(edit).labelled_by(label.id);
+        if edit.known_as("filter").changed() {
             commands.push(PassCommand::Filter(text));
         }
         ui.add_space(6.0);
@@ -311,8 +321,9 @@ fn tools(
             None => (count_text(table, shown.rows().len()), palette.muted),
         };
         let tip = text.clone();
-        let label = Label::new(RichText::new(text).color(color)).truncate();
-        ui.add(label).on_hover_text(tip);
+        let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
+        label.known_as("filtered");
+        label.on_hover_text(tip);
     });
 }
 
@@ -345,10 +356,12 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
             .align(egui::Align2::LEFT_CENTER)
             .font(egui::TextStyle::Monospace)
             .desired_width(260.0);
-        if ui.add(edit).labelled_by(label.id).changed() {
+        let edit = ui.add(edit).labelled_by(label.id);
+        if edit.known_as("passes.path").changed() {
             commands.push(PassCommand::Path(path));
         }
-        if ui.button("Export rows as CSV").clicked() {
+        let export = ui.button("Export rows as CSV");
+        if export.known_as("passes.export").clicked() {
             commands.push(PassCommand::Export);
         }
         let (text, color) = match passes.export_told() {
@@ -356,8 +369,9 @@ fn export(ui: &mut Ui, passes: &Passes, palette: &Palette, commands: &mut Vec<Pa
             Some(Ok(told)) => (told, palette.inserted),
             Some(Err(told)) => (told, palette.conflict),
         };
-        let label = Label::new(RichText::new(text).color(color)).truncate();
-        ui.add(label).on_hover_text(text);
+        let label = ui.add(Label::new(RichText::new(text).color(color)).truncate());
+        label.known_as("passes.written");
+        label.on_hover_text(text);
     });
 }
 
@@ -380,7 +394,7 @@ fn what_if(
         let label = ui.label(muted("of this buffer became"));
         ui.add(DragValue::new(&mut word)).labelled_by(label.id);
         ui.label(muted("after this pass?"));
-        if ui.button("Try").clicked() {
+        if ui.button("Try").known_as("passes.try").clicked() {
             commands.push(PassCommand::Fault(Some(Fault {
                 after: visit.pass,
                 buffer: table.name,

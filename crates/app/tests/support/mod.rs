@@ -2,7 +2,10 @@
 
 pub mod sessions;
 
-use egui_kittest::Harness;
+use std::fmt::Display;
+
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, Node};
 use tilescope_app::App;
 use tilescope_debugger::Kind;
 
@@ -29,6 +32,52 @@ pub fn opened_at(size: [f32; 2]) -> Harness<'static, App> {
 pub fn settle(harness: &mut Harness<'_, App>) {
     harness.state_mut().state.settle();
     harness.run();
+}
+
+/// Returns the widget of an id, if it is on the screen.
+pub fn find<'a, S>(harness: &'a Harness<'_, S>, id: impl Display) -> Option<Node<'a>> {
+    let id = id.to_string();
+    let mut found = harness.query_all_by(move |node| node.author_id() == Some(id.as_str()));
+    let node = found.next()?;
+    assert!(found.next().is_none(), "{:?} is there twice", author(&node));
+    Some(node)
+}
+
+/// Returns the widget of an id.
+#[track_caller]
+pub fn node<'a, S>(harness: &'a Harness<'_, S>, id: impl Display) -> Node<'a> {
+    let found = find(harness, &id);
+    found.unwrap_or_else(|| panic!("nothing is known as {id}, but {:?}", ids(harness)))
+}
+
+/// Returns what the widget of an id says: its label, or the value of one that is nothing but text.
+#[track_caller]
+pub fn text<S>(harness: &Harness<'_, S>, id: impl Display) -> String {
+    let node = node(harness, id).accesskit_node();
+    node.label().or(node.value()).unwrap_or_default()
+}
+
+/// Returns whether the widget of an id cannot be used.
+#[track_caller]
+pub fn is_disabled<S>(harness: &Harness<'_, S>, id: impl Display) -> bool {
+    node(harness, id).accesskit_node().is_disabled()
+}
+
+/// Returns the ids on the screen.
+pub fn ids<S>(harness: &Harness<'_, S>) -> Vec<String> {
+    let known = harness.query_all_by(|node| node.author_id().is_some());
+    known.filter_map(|node| author(&node)).collect()
+}
+
+/// Returns the id of a widget, if it has one.
+pub fn author(node: &Node<'_>) -> Option<String> {
+    node.accesskit_node().author_id().map(str::to_owned)
+}
+
+/// Returns the id of what has the focus.
+pub fn focused<S>(harness: &Harness<'_, S>) -> Option<String> {
+    let mut nodes = harness.query_all_by(|node| node.is_focused() && !node.is_root());
+    author(&nodes.next()?)
 }
 
 /// Returns how many events have happened.

@@ -27,13 +27,13 @@ pub fn folder(name: &str) -> PathBuf {
     folder
 }
 
-pub fn text(path: &Path) -> String {
+pub fn path_text(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
 pub fn go(harness: &mut Harness<'_, App>, purpose: Purpose, path: &Path) {
     apply(harness, Command::File(FileCommand::Sheet(purpose)));
-    apply(harness, Command::File(FileCommand::Path(text(path))));
+    apply(harness, Command::File(FileCommand::Path(path_text(path))));
     apply(harness, Command::File(FileCommand::Go));
 }
 

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use egui::Key;
-use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
 use tilescope_app::command::{Choice, Field, TimeCommand};
@@ -14,11 +12,11 @@ use tilescope_app::layout::{Layout, Panel};
 use tilescope_app::{App, Command};
 use tilescope_core::Boundary;
 
-use crate::support::sessions::{apply, folder, go, notice, text};
-use crate::support::{opened_at, settle};
+use crate::support::sessions::{apply, folder, go, notice, path_text};
+use crate::support::{find, focused, is_disabled, node, opened_at, settle, text};
 
 /// A small session, and its analysis with room for all of it.
-fn analysing() -> Harness<'static, App> {
+pub(crate) fn analysing() -> Harness<'static, App> {
     let mut harness = opened_at([1000.0, 1100.0]);
     for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
         apply(&mut harness, Command::Type(field, value.to_owned()));
@@ -31,8 +29,18 @@ fn analysing() -> Harness<'static, App> {
     harness
 }
 
-fn says(harness: &Harness<'_, App>, text: &str) -> bool {
-    harness.query_all_by_label_contains(text).next().is_some()
+/// The rows of numbers.
+const SAMPLES: &str = "analysis.number-1";
+const DENSITY: &str = "analysis.number-2";
+const CONFLICTS: &str = "analysis.number-3";
+
+/// Asserts that a widget says all of `facts`.
+#[track_caller]
+fn says(harness: &Harness<'_, App>, id: &str, facts: &[&str]) {
+    let said = text(harness, id);
+    for fact in facts {
+        assert!(said.contains(fact), "{id} does not say {fact}: {said}");
+    }
 }
 
 #[test]
@@ -41,28 +49,18 @@ fn the_panel_says_the_numbers_and_describes_its_charts() {
     let state = &harness.state().state;
     let count = state.session.as_ref().unwrap().summary.count;
     let count = tilescope_app::sentence::grouped(count);
-    assert!(says(
-        &harness,
-        &format!("finish: {count} samples, 0 conflicts, 0 open places.")
-    ));
-    assert!(says(&harness, &format!("Samples: {count}, reference 27,8")));
-    assert!(says(
-        &harness,
-        "Chart: Radial mean power P(\u{3bd}) over frequency"
-    ));
-    assert!(says(&harness, "reference: highest"));
-    assert!(says(&harness, "Periodogram, frequencies up to"));
-    assert!(says(
-        &harness,
-        "reference: dart throwing, 200 r periodic, 27,8"
-    ));
+    says(&harness, "analysis.status", &[&count, "finish"]);
+    says(&harness, SAMPLES, &[&count, "27,8"]);
+    says(&harness, "chart.P", &["P(\u{3bd})", "reference"]);
+    node(&harness, "chart.periodogram");
+    says(&harness, "analysis.reference", &["200 r", "27,8"]);
     apply(&mut harness, Command::Time(TimeCommand::Jump(1_500)));
-    assert!(says(&harness, "Event 1,500, tile:"));
-    assert!(!says(&harness, &format!("Samples: {count}, ")));
+    says(&harness, "analysis.status", &["1,500", "tile"]);
+    assert!(!text(&harness, SAMPLES).contains(&count));
 }
 
 /// Writes independent samples of the unit square; returns where.
-fn noise(name: &str) -> PathBuf {
+pub(crate) fn noise(name: &str) -> PathBuf {
     let path = folder(name).join("noise.csv");
     let mut state = 5_u64;
     let mut draw = || {
@@ -81,76 +79,72 @@ fn noise(name: &str) -> PathBuf {
 #[test]
 fn a_file_is_held_against_the_run_until_it_is_cleared() {
     let mut harness = analysing();
-    harness.get_by_label("Hold against a file\u{2026}").click();
+    node(&harness, "analysis.hold").click();
     harness.run();
     let path = noise("against");
-    apply(&mut harness, Command::File(FileCommand::Path(text(&path))));
+    apply(
+        &mut harness,
+        Command::File(FileCommand::Path(path_text(&path))),
+    );
     apply(&mut harness, Command::File(FileCommand::Go));
     assert!(harness.state().state.file.is_none(), "the sheet is closed");
     let held = harness.state().state.held().unwrap().unwrap().clone();
     assert_eq!(held.measured.samples, 900);
     // Noise has conflicts; the radius is the run's.
     assert!(held.measured.verdict().unwrap().conflicts > 100);
-    assert!(says(
-        &harness,
-        "file: noise.csv (unit square assumed), judged at r = 0.02"
-    ));
-    assert!(says(&harness, " noise.csv: highest"));
-    assert!(says(&harness, ", file 900"));
-    assert!(!says(&harness, "hold the run against it again"));
+    says(&harness, "analysis.file", &["noise.csv", "0.02"]);
+    says(&harness, "chart.P", &["noise.csv"]);
+    says(&harness, SAMPLES, &["file 900"]);
+    assert!(find(&harness, "analysis.unjudged").is_none());
     // Another radius: what does not depend on it stays, what was judged with the old one goes.
-    let conflicts = format!(
-        "file {}",
-        tilescope_app::sentence::grouped(held.measured.verdict().unwrap().conflicts as usize)
-    );
-    assert!(says(&harness, &conflicts));
-    assert!(says(&harness, "file 0.3600"), "900 samples times r\u{b2}");
+    let conflicts = held.measured.verdict().unwrap().conflicts as usize;
+    let conflicts = format!("file {}", tilescope_app::sentence::grouped(conflicts));
+    says(&harness, CONFLICTS, &[&conflicts]);
+    // 900 samples times the square of r.
+    says(&harness, DENSITY, &["file 0.3600"]);
     apply(
         &mut harness,
         Command::Type(Field::Radius, "0.03".to_owned()),
     );
     apply(&mut harness, Command::Run);
-    assert!(says(&harness, "file 0.8100"));
-    assert!(!says(&harness, &conflicts) && says(&harness, "file \u{2013}"));
-    assert!(says(
-        &harness,
-        "The file was judged at r = 0.02, and this run's r is 0.03"
-    ));
+    says(&harness, DENSITY, &["file 0.8100"]);
+    says(&harness, CONFLICTS, &["file \u{2013}"]);
+    says(&harness, "analysis.unjudged", &["0.02", "0.03"]);
     apply(
         &mut harness,
         Command::Type(Field::Radius, "0.02".to_owned()),
     );
     apply(&mut harness, Command::Run);
-    assert!(says(&harness, &conflicts));
+    says(&harness, CONFLICTS, &[&conflicts]);
     // Another domain: it is kept, not drawn, and the panel says why.
     apply(&mut harness, Command::Type(Field::Width, "2".to_owned()));
     apply(&mut harness, Command::Run);
     assert!(harness.state().state.held().unwrap().is_err());
-    assert!(!says(&harness, ", file 900"));
-    assert!(says(
-        &harness,
-        "1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic"
-    ));
-    harness.get_by_label("Clear").click();
+    assert!(!text(&harness, SAMPLES).contains("file"));
+    let domains = ["1 \u{d7} 1 periodic", "2 \u{d7} 1 periodic"];
+    says(&harness, "analysis.refusal", &domains);
+    node(&harness, "analysis.clear").click();
     harness.run();
     assert!(harness.state().state.held().is_none());
-    assert!(!says(&harness, "noise.csv"));
-    let clear = harness.get_by_label("Clear");
-    assert!(clear.accesskit_node().is_disabled());
+    for id in ["analysis.file", "analysis.refusal"] {
+        assert!(find(&harness, id).is_none(), "{id}");
+    }
+    assert!(!text(&harness, "chart.P").contains("noise.csv"));
+    assert!(is_disabled(&harness, "analysis.clear"));
 }
 
 #[test]
 fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     let mut harness = analysing();
     let path = noise("another-domain");
-    for (command, said) in [
+    for (command, domain) in [
         (
             Command::Type(Field::Width, "2".to_owned()),
-            "is a set on a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic",
+            "2 \u{d7} 1 periodic",
         ),
         (
             Command::Type(Field::Height, "0.5".to_owned()),
-            "is a set on a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 0.5 periodic",
+            "2 \u{d7} 0.5 periodic",
         ),
     ] {
         apply(&mut harness, command);
@@ -158,7 +152,8 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
         apply(&mut harness, Command::DismissNotice);
         go(&mut harness, Purpose::Against, &path);
         let (text, is_error) = notice(&harness);
-        assert!(is_error && text.contains(said), "{text}");
+        assert!(is_error && text.contains("1 \u{d7} 1 periodic"), "{text}");
+        assert!(text.contains(domain), "{text}");
         assert!(harness.state().state.held().is_none());
     }
     // The border counts as well: a file of the unit torus, where the run ends at its border.
@@ -236,29 +231,23 @@ fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
     harness.run();
     settle(&mut harness);
     assert!(harness.state().state.analyses());
-    let focused = |harness: &Harness<'_, App>, role, label: &str| {
-        harness.query_all_by_role(role).any(|node| {
-            node.accesskit_node().is_focused()
-                && node.accesskit_node().label().as_deref() == Some(label)
-        })
-    };
-    let tab_to = |harness: &mut Harness<'_, App>, role, label: &str| {
+    let tab_to = |harness: &mut Harness<'_, App>, id: &str| {
         for _ in 0..200 {
             harness.key_press(Key::Tab);
             harness.run();
-            if focused(harness, role, label) {
+            if focused(harness).as_deref() == Some(id) {
                 return;
             }
         }
-        panic!("Tab does not lead to {label}");
+        panic!("Tab does not lead to {id}");
     };
-    tab_to(&mut harness, Role::CheckBox, "Distances");
+    tab_to(&mut harness, "brush.distance");
     harness.key_press(Key::Space);
     harness.run();
     settle(&mut harness);
     let brush = harness.state().state.analysis.brush;
     assert_eq!(brush, Brush::between(Axis::Distance, 1.0, 1.05));
-    tab_to(&mut harness, Role::SpinButton, "Brush: Distances to");
+    tab_to(&mut harness, "brush.distance.to");
     assert!(harness.state().state.session.is_some());
     harness.key_press(Key::Escape);
     harness.run();
@@ -270,9 +259,7 @@ fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
 #[test]
 fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     let mut harness = analysing();
-    let rect = harness
-        .get_by_label_contains("Chart: Pair correlation")
-        .rect();
+    let rect = node(&harness, "chart.g").rect();
     let at = |part: f32| rect.left_center() + egui::vec2(part * rect.width(), 0.0);
     harness.drag_at(at(0.3));
     harness.run();
@@ -285,7 +272,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     let [low, high] = brush.range;
     assert!(low > 1.0 && high < 2.0 && high - low > 0.3, "{brush:?}");
     // A frequency takes the place of a distance.
-    let rect = harness.get_by_label_contains("Chart: Radial").rect();
+    let rect = node(&harness, "chart.P").rect();
     let at = |part: f32| rect.left_center() + egui::vec2(part * rect.width(), 0.0);
     harness.drag_at(at(0.5));
     harness.run();
@@ -295,7 +282,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     harness.run();
     let brush = harness.state().state.analysis.brush.expect("a brush");
     assert!(brush.axis == Axis::Frequency && brush.range[0] < brush.range[1]);
-    harness.get_by_label_contains("Chart: Radial").click();
+    node(&harness, "chart.P").click();
     harness.run();
     assert_eq!(harness.state().state.analysis.brush, None);
 }
@@ -311,7 +298,7 @@ fn oblong_domains_are_drawn_with_the_panel_open() {
         settle(&mut harness);
         let image = harness.render().expect("a picture of the panel");
         assert_eq!(image.width(), 1000);
-        let rect = harness.get_by_label_contains("Periodogram, freq").rect();
+        let rect = node(&harness, "chart.periodogram").rect();
         // The picture has as many shades as a periodogram.
         let inside = image
             .enumerate_pixels()

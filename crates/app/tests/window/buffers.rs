@@ -4,7 +4,6 @@
 use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::clock::Clock;
 use tilescope_app::command::{Field, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
@@ -19,7 +18,7 @@ use tilescope_debugger::{Direction, Step};
 use tilescope_gpu::Spot;
 use tilescope_gpu::layout::Name;
 
-use crate::support::{opened, settle};
+use crate::support::{find, is_disabled, node, opened, settle, text};
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
     harness.state_mut().state.apply(command);
@@ -40,6 +39,13 @@ fn with_passes() -> Harness<'static, App> {
     apply(&mut harness, Command::OpenPasses);
     assert!(state(&harness).passes.is_some());
     harness
+}
+
+/// Asserts that the tag of the buffer on the canvas says all of `facts`.
+#[track_caller]
+fn on_canvas(harness: &Harness<'_, App>, facts: &[&str]) {
+    let said = text(harness, "on-canvas");
+    assert!(facts.iter().all(|fact| said.contains(fact)), "{said}");
 }
 
 fn state<'a>(harness: &'a Harness<'_, App>) -> &'a State {
@@ -96,7 +102,7 @@ fn places_and_the_grid_are_on_the_canvas_where_the_session_has_its_samples() {
     assert_eq!(points(&harness), samples(&harness, |_| true));
     pass(&mut harness, PassCommand::Side(Side::Before));
     assert!(points(&harness).is_empty());
-    harness.get_by_label_contains("buffer places, before: no pass has written it so far");
+    on_canvas(&harness, &["places", "before"]);
     go(&mut harness, "survive", Name::Grid);
     pass(&mut harness, PassCommand::Side(Side::After));
     assert_eq!(
@@ -113,19 +119,15 @@ fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
     go(&mut harness, "tile", Name::Places);
     let counts = rows(&harness).shown.counts();
     assert!(counts.inside > 1_000 && counts.inside < counts.rows);
-    harness.get_by_label("Show canvas").click();
+    node(&harness, "passes.show-canvas").click();
     harness.run();
     settle(&mut harness);
     assert!(state(&harness).layout.shows(Panel::Canvas));
     assert_eq!(state(&harness).playback.clock, Clock::Pass);
-    harness.get_by_label_contains("On the canvas: pass 7 tile, buffer places, after: ");
+    on_canvas(&harness, &["pass 7 tile", "places", "after"]);
     let with = harness.render().expect("a picture");
     pass(&mut harness, PassCommand::OnCanvas(false));
-    assert!(
-        harness
-            .query_by_label_contains("On the canvas: pass")
-            .is_none()
-    );
+    assert!(find(&harness, "on-canvas").is_none());
     let without = harness.render().expect("a picture");
     assert!(with.as_raw() != without.as_raw());
     pass(&mut harness, PassCommand::OnCanvas(true));
@@ -159,28 +161,19 @@ fn arrow_keys_go_from_pass_to_pass_and_the_tag_follows() {
     let mut harness = with_passes();
     go(&mut harness, "tile", Name::Places);
     pass(&mut harness, PassCommand::ShowCanvas);
+    let tile = ["pass 7 tile", "places", "after"];
+    let prepare = ["pass 8 prepare", "buffer", ""];
+    let eliminate = ["pass 9 eliminate", "places", "after"];
     for (key, tag) in [
-        (
-            egui::Key::ArrowRight,
-            "On the canvas: pass 8 prepare, buffer ",
-        ),
-        (
-            egui::Key::ArrowRight,
-            "On the canvas: pass 9 eliminate, buffer places, after: ",
-        ),
-        (
-            egui::Key::ArrowLeft,
-            "On the canvas: pass 8 prepare, buffer ",
-        ),
-        (
-            egui::Key::ArrowLeft,
-            "On the canvas: pass 7 tile, buffer places, after: ",
-        ),
+        (egui::Key::ArrowRight, prepare),
+        (egui::Key::ArrowRight, eliminate),
+        (egui::Key::ArrowLeft, prepare),
+        (egui::Key::ArrowLeft, tile),
     ] {
         harness.key_press(key);
         harness.step();
         settle(&mut harness);
-        harness.get_by_label_contains(tag);
+        on_canvas(&harness, &tag);
         // What the canvas shows is whole.
         assert_eq!(state(&harness).current_stage(), Some(Stage::Tile));
     }
@@ -238,15 +231,15 @@ fn a_filter_chooses_the_rows_and_unchanged_cells() {
         ),
         (10, 10)
     );
-    harness.get_by_label_contains("after: 10 rows, 10 changed");
+    on_canvas(&harness, &["after", "10 rows, 10 changed"]);
     pass(&mut harness, PassCommand::Filter(String::new()));
     go(&mut harness, "tile", Name::Starts);
     assert_eq!(rows(&harness).shown.counts().rows, 0);
-    harness.get_by_label_contains("buffer starts, after: no row changed; a filter shows others");
+    on_canvas(&harness, &["starts", "after"]);
     pass(&mut harness, PassCommand::Filter("row<10".to_owned()));
     assert_eq!(rows(&harness).shown.counts().rows, 10);
     go(&mut harness, "tile", Name::Counters);
-    harness.get_by_label_contains("buffer counters, after: its rows are numbers, not places");
+    on_canvas(&harness, &["counters", "after"]);
 }
 
 #[test]
@@ -257,18 +250,14 @@ fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
     go(&mut harness, "tile", Name::Places);
     let all = rows(&harness).shown.counts().rows;
     assert!(all > 20_000);
-    assert!(
-        harness
-            .query_by_label_contains("more marks are in view")
-            .is_none()
-    );
+    let left_out = (all - 20_000).to_string();
+    assert!(!text(&harness, "on-canvas").contains(&left_out));
     apply(&mut harness, Command::FlyTo([60.0, 60.0], 260.0));
     for _ in 0..200 {
         harness.step();
     }
     harness.run();
-    let left_out = format!("; {} more marks are in view", all - 20_000);
-    harness.get_by_label_contains(&left_out);
+    on_canvas(&harness, &[&left_out]);
 }
 
 #[test]
@@ -282,12 +271,7 @@ fn only_the_first_of_two_compared_runs_has_them() {
     pass(&mut harness, PassCommand::ShowCanvas);
     assert!(state(&harness).subject().unwrap().buffers.is_some());
     assert!(state(&harness).second_subject().unwrap().buffers.is_none());
-    let tags = harness.query_all_by_label_contains("On the canvas: pass");
-    assert_eq!(tags.count(), 1);
-    assert!(
-        !harness
-            .get_by_label("Canvas of run B")
-            .accesskit_node()
-            .is_disabled()
-    );
+    // There are not two of them.
+    node(&harness, "on-canvas");
+    assert!(!is_disabled(&harness, "canvas-b"));
 }

@@ -2,7 +2,7 @@
 //! what is under the pointer.
 
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::NodeT;
 use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::command::TimeCommand;
 use tilescope_app::layout::Panel;
@@ -17,7 +17,7 @@ const BLOCKS_STAGE: usize = 1;
 const TILE_STAGE: usize = 2;
 const FIRST_ITERATION: usize = 4;
 
-use crate::support::{MOST_FRAMES, opened, settle};
+use crate::support::{MOST_FRAMES, find, node, opened, settle};
 
 /// Returns the window on its default session, its samples drawn by instancing or as meshes.
 fn window(instanced: bool) -> Harness<'static, App> {
@@ -245,9 +245,9 @@ fn ages_colour_the_samples() {
     let by_age = shoot(&mut harness);
     assert!(difference(&by_block, &by_age) > 0.5);
     apply(&mut harness, Command::OpenPanel(Panel::Legend));
-    harness.get_by_label_contains("Ramp of ages");
+    node(&harness, "ages");
     apply(&mut harness, Command::Colour(Colouring::Block));
-    assert!(harness.query_by_label_contains("Ramp of ages").is_none());
+    assert!(find(&harness, "ages").is_none());
     assert!(difference(&by_block, &shoot(&mut harness)) < 1e-3);
 }
 
@@ -259,7 +259,7 @@ fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
     settle(harness);
     // What is hovered is known a frame later.
     harness.run();
-    let canvas = harness.get_by_label("Canvas of samples");
+    let canvas = node(harness, "canvas");
     canvas
         .accesskit_node()
         .data()

@@ -1,6 +1,5 @@
 //! A window as small as a phone: every panel can be opened, every action done, nothing lies outside.
 
-use egui::accesskit::Role;
 use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -11,39 +10,37 @@ use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 
-use crate::support::{cursor, opened_at, settle};
+use crate::support::{cursor, find, is_disabled, node, opened_at, settle};
 
 const PHONE: [f32; 2] = [390.0, 844.0];
 
-/// The tab of each panel, and words that only it shows.
+/// The tab of each panel, and what only it shows.
 const TABS: [(&str, Panel, &str); 14] = [
-    ("Parameters", Panel::Parameters, "Run"),
-    ("Layers", Panel::Canvas, "Disks"),
-    ("Clocks", Panel::Timeline, "Loop from here"),
-    ("Inspector", Panel::Inspector, "Click a sample"),
-    ("Pseudocode", Panel::Pseudocode, "Breakpoint on line"),
-    ("Statistics", Panel::Statistics, "Row Tile"),
-    ("Verification", Panel::Verification, "Covering radius"),
-    ("Events", Panel::Events, "Find events"),
-    ("Bookmarks", Panel::Bookmarks, "B remembers the moment."),
-    ("Watches", Panel::Watches, "Add a watch"),
-    ("Analysis", Panel::Analysis, "Drag over a chart"),
-    ("Compare", Panel::Compare, "the run after this one"),
-    ("GPU passes", Panel::Passes, "Run the passes"),
-    ("Legend", Panel::Legend, "by origin"),
+    ("tab.parameters", Panel::Parameters, "run"),
+    ("tab.canvas", Panel::Canvas, "layer.disks"),
+    ("tab.timeline", Panel::Timeline, "loop-start"),
+    ("tab.inspector", Panel::Inspector, "inspector.hint"),
+    ("tab.pseudocode", Panel::Pseudocode, "blocks.1.breakpoint"),
+    ("tab.statistics", Panel::Statistics, "row.tile"),
+    ("tab.verification", Panel::Verification, "largest-hole"),
+    ("tab.events", Panel::Events, "find-events"),
+    ("tab.bookmarks", Panel::Bookmarks, "no-bookmarks"),
+    ("tab.watches", Panel::Watches, "add-watch"),
+    ("tab.analysis", Panel::Analysis, "brush.status"),
+    ("tab.compare", Panel::Compare, "compare.keep"),
+    ("tab.passes", Panel::Passes, "passes.run"),
+    ("tab.legend", Panel::Legend, "colour.provenance"),
 ];
 
-fn click(harness: &mut Harness<'_, App>, label: &str) {
-    harness
-        .get_by_role_and_label(Role::Button, label)
-        .click_accesskit();
+fn click(harness: &mut Harness<'_, App>, id: &str) {
+    node(harness, id).click_accesskit();
     harness.run();
     settle(harness);
 }
 
 /// Returns what lies outside of the window to the left or the right, but for what is scrolled there.
 fn outside(harness: &Harness<'_, App>, width: f32) -> Vec<String> {
-    let tabs: Vec<&str> = TABS.iter().map(|tab| tab.0).collect();
+    let is_tab = |id: &str| TABS.iter().any(|tab| tab.0 == id);
     let nodes = harness.query_all_by(|node| node.bounding_box().is_some());
     nodes
         .filter_map(|node| {
@@ -52,8 +49,8 @@ fn outside(harness: &Harness<'_, App>, width: f32) -> Vec<String> {
             let rect = node.rect();
             let is_out = rect.left() < -0.5 || rect.right() > width + 0.5;
             let is_said = !(label.is_empty() && value.is_empty());
-            let is_tab = tabs.contains(&label.as_str());
-            (is_out && is_said && !is_tab).then(|| format!("{label}{value}: {rect:?}"))
+            let scrolls = node.accesskit_node().author_id().is_some_and(is_tab);
+            (is_out && is_said && !scrolls).then(|| format!("{label}{value}: {rect:?}"))
         })
         .collect()
 }
@@ -62,20 +59,17 @@ fn outside(harness: &Harness<'_, App>, width: f32) -> Vec<String> {
 fn every_panel_has_a_tab_and_fits() {
     for size in [PHONE, [360.0, 640.0], [844.0, 390.0], [768.0, 1024.0]] {
         let mut harness = opened_at(size);
-        for (tab, panel, words) in TABS {
+        for (tab, panel, part) in TABS {
             click(&mut harness, tab);
             assert_eq!(harness.state().state.drawer.open, Some(panel));
-            assert!(
-                harness.query_all_by_label_contains(words).next().is_some(),
-                "{tab} lacks {words}"
-            );
+            assert!(find(&harness, part).is_some(), "{tab} lacks {part}");
             assert_eq!(outside(&harness, size[0]), Vec::<String>::new(), "{tab}");
         }
-        click(&mut harness, "Close the panel");
+        click(&mut harness, "drawer.close");
         assert_eq!(harness.state().state.drawer.open, None);
         // The same tab opens and closes.
-        click(&mut harness, "Legend");
-        click(&mut harness, "Legend");
+        click(&mut harness, "tab.legend");
+        click(&mut harness, "tab.legend");
         assert_eq!(harness.state().state.drawer.open, None);
     }
 }
@@ -97,7 +91,7 @@ fn the_canvas_has_half_of_the_window() {
     assert!(canvas(&harness).height() > 0.7 * PHONE[1]);
     for size in [PHONE, [360.0, 640.0], [768.0, 1024.0]] {
         let mut harness = opened_at(size);
-        click(&mut harness, "Parameters");
+        click(&mut harness, "tab.parameters");
         let canvas_rect = canvas(&harness);
         assert!(
             canvas_rect.height() >= 0.5 * size[1] - 1.0,
@@ -105,13 +99,13 @@ fn the_canvas_has_half_of_the_window() {
         );
         assert!((canvas_rect.width() - size[0]).abs() < 1.0);
         // What needs more room gets it, and gives it back.
-        click(&mut harness, "More room for the panel");
+        click(&mut harness, "drawer.tall");
         assert!(canvas(&harness).height() < 0.5 * size[1]);
-        click(&mut harness, "Less room for the panel");
+        click(&mut harness, "drawer.tall");
         assert_eq!(canvas(&harness), canvas_rect);
     }
     let mut lying = opened_at([844.0, 390.0]);
-    click(&mut lying, "Events");
+    click(&mut lying, "tab.events");
     let canvas_rect = canvas(&lying);
     assert!(canvas_rect.left() < 1.0 && canvas_rect.width() >= 422.0);
     assert!((canvas_rect.height() - 390.0).abs() < 1.0);
@@ -150,82 +144,73 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     assert_eq!(arrangement(&harness), Arrangement::Tiles);
     // Which tab is active is remembered by the frames; what stands where is the same.
     assert_eq!(harness.state().state.layout, before);
-    harness.get_by_label("Find events");
+    node(&harness, "find-events");
 }
 
 #[test]
 fn fingers_have_room() {
     let mut harness = opened_at(PHONE);
-    for (label, least) in [
-        ("First stage (Home)", 40.0),
-        ("Stage back (Left)", 40.0),
-        ("Play (Space)", 40.0),
-        ("Stage forward (Right)", 40.0),
-        ("Last stage (End)", 40.0),
-        ("Menu", 40.0),
-        ("Parameters", 40.0),
+    for id in [
+        "first-stage",
+        "step-back",
+        "toggle-play",
+        "step-forward",
+        "last-stage",
+        "menu",
+        "tab.parameters",
     ] {
-        let rect = harness.get_by_role_and_label(Role::Button, label).rect();
-        assert!(rect.width() >= least && rect.height() >= least, "{label}");
+        let rect = node(&harness, id).rect();
+        assert!(rect.width() >= 40.0 && rect.height() >= 40.0, "{id}");
     }
-    click(&mut harness, "Parameters");
-    let field = harness.get_by_role_and_label(Role::TextInput, "Radius");
-    assert!(field.rect().height() >= 36.0);
-    click(&mut harness, "Layers");
-    assert!(harness.get_by_label("Disks").rect().height() >= 36.0);
+    click(&mut harness, "tab.parameters");
+    assert!(node(&harness, "radius").rect().height() >= 36.0);
+    click(&mut harness, "tab.canvas");
+    assert!(node(&harness, "layer.disks").rect().height() >= 36.0);
 }
 
 /// Does an action by the one menu.
 fn menu(harness: &mut Harness<'_, App>, menu: &str, action: &str) {
     // It stays open when an action was done elsewhere.
-    if harness.query_by_label("File menu").is_none() {
-        click(harness, "Menu");
+    if find(harness, "menu.file").is_none() {
+        click(harness, "menu");
     }
-    let name = format!("{menu} menu");
-    let is_open = {
-        let heading = harness.get_by_role_and_label(Role::Button, &name);
-        heading.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True)
-    };
-    if !is_open {
-        harness
-            .get_by_role_and_label(Role::Button, &name)
-            .click_accesskit();
+    let heading = format!("menu.{menu}");
+    let toggled = node(harness, &heading).accesskit_node().toggled();
+    if toggled != Some(egui::accesskit::Toggled::True) {
+        node(harness, &heading).click_accesskit();
         harness.run();
     }
-    let found = harness.query_all_by_role_and_label(Role::Button, action);
-    let node = found.last().unwrap_or_else(|| panic!("no {action}"));
-    assert!(!node.accesskit_node().is_disabled(), "{action}");
-    node.click_accesskit();
-    harness.run();
-    settle(harness);
+    let entry = format!("entry.{menu}-{action}");
+    assert!(!is_disabled(harness, &entry), "{action}");
+    click(harness, &entry);
 }
 
 #[test]
 fn every_primary_action_can_be_done() {
     let mut harness = opened_at(PHONE);
-    click(&mut harness, "First stage (Home)");
+    click(&mut harness, "first-stage");
     assert_eq!(cursor(&harness), 0);
-    click(&mut harness, "Stage forward (Right)");
+    click(&mut harness, "step-forward");
     assert!(cursor(&harness) > 0);
-    click(&mut harness, "Stage back (Left)");
+    click(&mut harness, "step-back");
     assert_eq!(cursor(&harness), 0);
-    click(&mut harness, "Last stage (End)");
-    click(&mut harness, "Show the whole domain (F)");
+    click(&mut harness, "last-stage");
+    click(&mut harness, "fit");
     // The verdict leads to its witness.
-    click(&mut harness, "Verdict: verified");
+    click(&mut harness, "verdict");
     assert!(harness.state().state.sight.is_some());
-    click(&mut harness, "Parameters");
-    click(&mut harness, "Run");
+    click(&mut harness, "tab.parameters");
+    click(&mut harness, "run");
     assert!(harness.state().state.session.is_some());
-    menu(&mut harness, "View", "Light theme");
+    menu(&mut harness, "view", "look-light");
     assert_eq!(harness.state().state.look, Look::Light);
-    menu(&mut harness, "View", "Reduced motion");
+    menu(&mut harness, "view", "toggle-reduced-motion");
     assert!(harness.state().state.reduced_motion);
-    menu(&mut harness, "Compare", "Compare with the next seed");
+    menu(&mut harness, "compare", "compare-start-next-seed");
     assert!(harness.state().state.comparison.is_some());
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
-    menu(&mut harness, "Compare", "Close B");
-    menu(&mut harness, "Analyze", "Show analysis");
+    menu(&mut harness, "compare", "compare-close");
+    menu(&mut harness, "analyze", "open-panel-analysis");
     assert!(harness.state().state.analyses());
 }
 
@@ -234,28 +219,28 @@ fn sheets_and_notices_fit() {
     for size in [PHONE, [360.0, 640.0], [844.0, 390.0]] {
         let window = Rect::from_min_size(pos2(0.0, 0.0), Vec2::from(size)).expand(0.5);
         let mut harness = opened_at(size);
-        menu(&mut harness, "File", "Export samples\u{2026}");
-        for kind in ["Picture", "Animation"] {
+        menu(&mut harness, "file", "export-open-result");
+        for kind in ["export.picture", "export.animation"] {
             click(&mut harness, kind);
             assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
         }
         // Both ends of the sheet can be seen; a low window scrolls to what has the focus.
-        for label in ["Write animation", "Result"] {
-            harness.get_by_label(label).focus();
+        for id in ["export.write", "export.result"] {
+            node(&harness, id).focus();
             harness.run();
-            let rect = harness.get_by_label(label).rect();
-            assert!(window.contains_rect(rect), "{label}: {rect:?}");
+            let rect = node(&harness, id).rect();
+            assert!(window.contains_rect(rect), "{id}: {rect:?}");
         }
         harness.key_press(egui::Key::Escape);
         harness.run();
-        menu(&mut harness, "File", "Save session\u{2026}");
-        let write = harness.get_by_label("Browse\u{2026}").rect();
+        menu(&mut harness, "file", "file-sheet-save");
+        let write = node(&harness, "file.browse").rect();
         assert!(window.contains_rect(write), "{write:?}");
         assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
         harness.key_press(egui::Key::Escape);
         harness.run();
-        menu(&mut harness, "Edit", "All actions\u{2026}");
-        let field = harness.get_by_label("Find an action").rect();
+        menu(&mut harness, "edit", "toggle-palette");
+        let field = node(&harness, "find-action").rect();
         assert!(window.contains_rect(field), "{field:?}");
         assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
         harness.key_press(egui::Key::Escape);
@@ -267,7 +252,7 @@ fn sheets_and_notices_fit() {
             is_error: true,
         });
         harness.run();
-        let dismiss = harness.get_by_label("Dismiss").rect();
+        let dismiss = node(&harness, "dismiss").rect();
         assert!(window.contains_rect(dismiss), "{dismiss:?}");
         assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
     }
@@ -287,8 +272,7 @@ fn a_selected_sample_and_two_runs_fit() {
     settle(&mut harness);
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
     // One above the other: beside each other they would be slits.
-    let rects =
-        ["Canvas of run A", "Canvas of run B"].map(|name| harness.get_by_label(name).rect());
+    let rects = ["canvas-a", "canvas-b"].map(|id| node(&harness, id).rect());
     assert!(rects[0].bottom() <= rects[1].top());
     assert!(rects.iter().all(|rect| rect.width() > 380.0));
 }
@@ -360,5 +344,5 @@ fn a_projector_in_a_phone_is_a_light_phone() {
     let state = &harness.state().state;
     assert_eq!(state.drawer.arrangement, Arrangement::Portrait);
     assert!((harness.ctx.zoom_factor() - 1.0).abs() < 1e-6);
-    harness.get_by_label("Menu");
+    node(&harness, "menu");
 }

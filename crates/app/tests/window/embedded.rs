@@ -10,7 +10,7 @@ use tilescope_app::embedding::Embedding;
 use tilescope_app::focus::{self, End};
 use tilescope_app::{App, Command};
 
-use crate::support::{opened_at, settle};
+use crate::support::{find, focused, node, opened_at, settle};
 
 fn embedded(embedding: Embedding, size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = opened_at(size);
@@ -39,16 +39,10 @@ fn a_player_of_any_size_has_what_it_takes() {
     for size in SIZES {
         let mut harness = embedded(Embedding::Player, size);
         let window = Rect::from_min_size(Pos2::ZERO, size.into()).expand(0.5);
-        let needed = [
-            (Role::Button, "Stage back (Left)"),
-            (Role::Button, "Play (Space)"),
-            (Role::Button, "Stage forward (Right)"),
-            (Role::Slider, "Moment"),
-        ];
-        for (role, name) in needed {
-            harness.get_by_role_and_label(role, name);
+        for id in ["step-back", "toggle-play", "step-forward"] {
+            node(&harness, id);
         }
-        let moment = harness.get_by_role_and_label(Role::Slider, "Moment").rect();
+        let moment = node(&harness, "moment").rect();
         assert!(moment.width() >= 100.0, "{size:?}: {moment:?}");
         let canvas = harness.get_by_role(Role::Canvas).rect();
         assert!(canvas.height() >= 0.39 * size[1], "{size:?}: {canvas:?}");
@@ -60,12 +54,10 @@ fn a_player_of_any_size_has_what_it_takes() {
             // What the label of a stage would be is left out where it does not fit.
             assert!(window.contains_rect(rect), "{size:?}: {name:?} {rect:?}");
         }
-        let sentence = harness.query_all_by(|node| node.live() == Live::Polite);
-        let heights: Vec<f32> = sentence.map(|node| node.rect().height()).collect();
-        assert!(heights.iter().any(|height| *height > 10.0), "{size:?}");
-        harness
-            .get_by_role_and_label(Role::Button, "Stage back (Left)")
-            .click();
+        let status = node(&harness, "status");
+        assert_eq!(status.accesskit_node().live(), Live::Polite);
+        assert!(status.rect().height() > 10.0, "{size:?}");
+        node(&harness, "step-back").click();
         let before = harness.state().state.stage;
         harness.run();
         assert_eq!(harness.state().state.stage, before - 1, "{size:?}");
@@ -161,7 +153,7 @@ fn one_finger_is_left_to_the_page_around_and_two_move_the_picture() {
     // Only the picture is left to the page: the controls and the line take their touches.
     let app = harness.state();
     assert!(app.scrolls_at(&harness.ctx, middle));
-    let moment = harness.get_by_role_and_label(Role::Slider, "Moment").rect();
+    let moment = node(&harness, "moment").rect();
     assert!(!app.scrolls_at(&harness.ctx, moment.center()));
     let mut whole = opened_at([600.0, 400.0]);
     whole.run();
@@ -176,24 +168,16 @@ fn one_finger_is_left_to_the_page_around_and_two_move_the_picture() {
 fn a_button_leads_back_to_the_whole_domain() {
     for embedding in Embedding::ALL {
         let mut harness = embedded(embedding, [320.0, 240.0]);
-        let name = "Show the whole domain (F)";
-        assert!(harness.query_by_label(name).is_none());
+        assert!(find(&harness, "fit").is_none());
         let before = harness.state().state.camera;
         let state = &mut harness.state_mut().state;
         state.apply(Command::Pan(vec2(900.0, 0.0)));
         harness.run();
-        harness.get_by_label(name).click();
+        node(&harness, "fit").click();
         settle(&mut harness);
         assert_eq!(harness.state().state.camera, before);
-        assert!(harness.query_by_label(name).is_none());
+        assert!(find(&harness, "fit").is_none());
     }
-}
-
-/// Returns what has the focus.
-fn focused(harness: &Harness<'_, App>) -> Option<String> {
-    let mut nodes = harness.query_all_by(|node| node.is_focused() && !node.is_root());
-    let node = nodes.next()?.accesskit_node();
-    node.label()
 }
 
 /// Goes from one end of the frame to where Tab leads out, as the page has it; returns what had the focus, in sequence.
@@ -223,22 +207,16 @@ fn tab_through(harness: &mut Harness<'_, App>, backwards: bool) -> Vec<String> {
 fn tab_leads_through_and_out_of_a_frame_both_ways() {
     let mut canvas = embedded(Embedding::Canvas, [480.0, 360.0]);
     for backwards in [false, true] {
-        assert_eq!(tab_through(&mut canvas, backwards), ["Canvas of samples"]);
+        assert_eq!(tab_through(&mut canvas, backwards), ["canvas"]);
     }
     let mut player = embedded(Embedding::Player, [860.0, 480.0]);
     player.state_mut().state.apply(Command::StepBack);
     player.state_mut().state.apply(Command::Pan(vec2(9.0, 0.0)));
     player.run();
     let forwards = tab_through(&mut player, false);
-    assert_eq!(forwards[0], "Canvas of samples");
-    for name in [
-        "Show the whole domain (F)",
-        "Play (Space)",
-        "Clock",
-        "Speed",
-        "Moment",
-    ] {
-        assert!(forwards.iter().any(|at| at == name), "{name}: {forwards:?}");
+    assert_eq!(forwards[0], "canvas");
+    for id in ["fit", "toggle-play", "clock", "speed", "moment"] {
+        assert!(forwards.iter().any(|at| at == id), "{id}: {forwards:?}");
     }
     let mut backwards = tab_through(&mut player, true);
     backwards.reverse();
@@ -250,7 +228,7 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
     });
     player.run();
     let with_notice = tab_through(&mut player, false);
-    assert_eq!(with_notice.last().map(String::as_str), Some("Dismiss"));
+    assert_eq!(with_notice.last().map(String::as_str), Some("dismiss"));
     let mut backwards = tab_through(&mut player, true);
     backwards.reverse();
     assert_eq!(backwards, with_notice);

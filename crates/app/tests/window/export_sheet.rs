@@ -1,16 +1,14 @@
-//! The export sheet as a user meets it: by keys and labels, in both themes.
+//! The export sheet as a user meets it: by keys and clicks, in both themes.
 
 use std::path::Path;
 
-use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 
-use crate::support::{opened, settle};
+use crate::support::{is_disabled, node, opened, settle, text};
 
 fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.key_press_modifiers(modifiers, key);
@@ -24,23 +22,15 @@ fn kind(harness: &Harness<'_, App>) -> Option<Kind> {
 
 /// Types into a field in the place of what is there.
 fn retype(harness: &mut Harness<'_, App>, field: &str, text: &str) {
-    harness
-        .get_by_role_and_label(Role::TextInput, field)
-        .focus();
+    node(harness, field).focus();
     harness.run();
     press(harness, Modifiers::COMMAND, Key::A);
-    harness
-        .get_by_role_and_label(Role::TextInput, field)
-        .type_text(text);
+    node(harness, field).type_text(text);
     harness.run();
-}
-
-fn is_disabled(harness: &Harness<'_, App>, label: &str) -> bool {
-    harness.get_by_label(label).accesskit_node().is_disabled()
 }
 
 fn name_file(harness: &mut Harness<'_, App>, path: &Path) {
-    retype(harness, "File", &path.to_string_lossy());
+    retype(harness, "export.path", &path.to_string_lossy());
 }
 
 #[test]
@@ -53,27 +43,31 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     assert_eq!(kind(&harness), Some(Kind::Picture));
     // What is typed goes into the file's name, in the place of the one proposed.
-    harness
-        .get_by_role_and_label(Role::TextInput, "File")
-        .type_text(&path.to_string_lossy());
+    node(&harness, "export.path").type_text(&path.to_string_lossy());
     harness.run();
     let form = harness.state().state.export.clone().expect("open");
     assert_eq!(form.file(), path);
-    harness.get_by_label_contains("Format: PNG. The extension chooses the format: .png .svg.");
-    retype(&mut harness, "Scale", "0.5");
-    harness.get_by_label_contains("pixels.");
+    let format = text(&harness, "export.format");
+    assert!(
+        ["PNG", ".png", ".svg"].iter().all(|it| format.contains(it)),
+        "{format}"
+    );
+    retype(&mut harness, "export.scale", "0.5");
+    let prospect = text(&harness, "export.prospect");
+    assert!(prospect.contains("pixels"), "{prospect}");
     press(&mut harness, Modifiers::NONE, Key::Enter);
     settle(&mut harness);
-    harness.get_by_label_contains("Wrote the picture to");
+    assert!(text(&harness, "notice").contains("moment.png"));
     assert_eq!(kind(&harness), None);
     let first = std::fs::read(&path).expect("a picture");
     press(&mut harness, Modifiers::NONE, Key::ArrowRight);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     name_file(&mut harness, &path);
-    harness.get_by_label("moment.png exists already and would be replaced.");
+    assert!(text(&harness, "export.taken").contains("moment.png"));
     press(&mut harness, Modifiers::NONE, Key::Enter);
     assert_eq!(std::fs::read(&path).expect("still there"), first);
-    harness.get_by_label("Replace moment.png?").click();
+    assert!(text(&harness, "export.write").contains("moment.png"));
+    node(&harness, "export.write").click();
     harness.step();
     settle(&mut harness);
     assert_eq!(kind(&harness), None);
@@ -85,20 +79,16 @@ fn the_kinds_are_chosen_by_their_names_and_keep_the_file() {
     let mut harness = opened();
     press(&mut harness, Modifiers::COMMAND, Key::E);
     assert_eq!(kind(&harness), Some(Kind::Result));
-    harness.get_by_label_contains("10,041 samples.");
-    for (name, button, extension) in [
-        (
-            "Samples of this moment",
-            "Write file and certificate",
-            ".csv",
-        ),
-        ("Picture", "Write picture", ".png"),
-        ("Animation", "Write animation", ".gif"),
-        ("Result", "Write file and certificate", ".csv"),
+    assert!(text(&harness, "export.prospect").contains("10,041"));
+    for (kind, extension) in [
+        ("export.samples", ".csv"),
+        ("export.picture", ".png"),
+        ("export.animation", ".gif"),
+        ("export.result", ".csv"),
     ] {
-        harness.get_by_role_and_label(Role::Button, name).click();
+        node(&harness, kind).click();
         harness.run();
-        assert!(!is_disabled(&harness, button), "{name}");
+        assert!(!is_disabled(&harness, "export.write"), "{kind}");
         let path = &harness.state().state.export.as_ref().expect("open").path;
         assert!(path.ends_with(extension), "{path}");
     }
@@ -116,24 +106,25 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
         .state
         .apply(export(ExportCommand::Open(Kind::Animation)));
     harness.run();
-    harness.get_by_label_contains("is empty: there is nothing to animate");
-    assert!(is_disabled(&harness, "Write animation"));
-    assert!(is_disabled(&harness, "Samples of this moment"));
+    assert!(is_disabled(&harness, "export.write"));
+    assert!(is_disabled(&harness, "export.samples"));
     harness.state_mut().state.apply(Command::LastStage);
     harness.run();
-    retype(&mut harness, "A frame every", "0");
-    harness.get_by_label_contains("whole number from 1 to 10,000,000");
-    retype(&mut harness, "A frame every", "1");
-    retype(&mut harness, "Delay", "5");
-    harness.get_by_label_contains("The delay is \"5\" ms");
-    retype(&mut harness, "Delay", "40");
-    retype(&mut harness, "Scale", "9");
-    harness.get_by_label_contains("The scale is \"9\"; it must be a number from 0.5 to 8.");
-    retype(&mut harness, "Scale", "2");
-    assert!(!is_disabled(&harness, "Write animation"));
-    harness.get_by_label("lines").click();
+    for (field, wrong, facts, right) in [
+        ("export.every", "0", ["1", "10,000,000"], "1"),
+        ("export.delay", "5", ["delay", "\"5\" ms"], "40"),
+        ("export.scale", "9", ["\"9\"", "from 0.5 to 8"], "2"),
+    ] {
+        retype(&mut harness, field, wrong);
+        let said = text(&harness, "export.prospect");
+        assert!(facts.iter().all(|fact| said.contains(fact)), "{said}");
+        assert!(is_disabled(&harness, "export.write"), "{field}");
+        retype(&mut harness, field, right);
+        assert!(!is_disabled(&harness, "export.write"), "{field}");
+    }
+    node(&harness, "export.line").click();
     harness.run();
-    harness.get_by_label_contains(" frames of at most 600, ");
+    assert!(text(&harness, "export.prospect").contains("600"));
     press(&mut harness, Modifiers::NONE, Key::Escape);
     press(&mut harness, Modifiers::NONE, Key::Escape);
     press(&mut harness, Modifiers::NONE, Key::Home);
@@ -144,16 +135,15 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
         harness.state_mut().state.apply(command);
     }
     harness.run();
-    assert!(is_disabled(
-        &harness,
-        "Export samples of this moment\u{2026}"
-    ));
-    assert!(!is_disabled(
-        &harness,
-        "Export picture of this moment\u{2026}"
-    ));
-    assert!(!is_disabled(&harness, "Export animation\u{2026}"));
-    assert!(is_disabled(&harness, "Cancel the export"));
+    for (action, is_refused) in [
+        ("export-open-samples", true),
+        ("export-open-picture", false),
+        ("export-open-animation", false),
+        ("export-cancel", true),
+    ] {
+        let id = format!("action.file-{action}");
+        assert_eq!(is_disabled(&harness, &id), is_refused, "{action}");
+    }
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! Every panel at the sizes of small screens: no widget and no text is cut off, and Run can always be seen.
 
-use egui::accesskit::Role;
 use egui::epaint::ClippedShape;
 use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
@@ -13,7 +12,7 @@ use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
 
-use crate::support::{opened_at, settle};
+use crate::support::{find, node, opened_at, settle};
 
 /// Projectors, small laptops, and the smallest window with tiles.
 const SCREENS: [[f32; 2]; 4] = [
@@ -128,14 +127,10 @@ fn cut_widgets(harness: &Harness<'_, App>) -> Vec<String> {
     })
 }
 
-fn within(harness: &Harness<'_, App>, role: Role, label: &str) -> Rect {
-    let rect = harness.get_by_role_and_label(role, label).rect();
+fn within(harness: &Harness<'_, App>, id: &str) {
+    let rect = node(harness, id).rect();
     let window = harness.ctx.content_rect().expand(0.5);
-    assert!(
-        window.contains_rect(rect),
-        "{label}: {rect:?} in {window:?}"
-    );
-    rect
+    assert!(window.contains_rect(rect), "{id}: {rect:?} in {window:?}");
 }
 
 #[test]
@@ -154,8 +149,8 @@ fn no_panel_is_cut_off_on_a_small_screen() {
             );
             let widgets = cut_widgets(&harness);
             assert!(widgets.is_empty(), "{panel:?} at {size:?}: {widgets:#?}");
-            within(&harness, Role::Button, "Play (Space)");
-            within(&harness, Role::Button, "Eliminate");
+            within(&harness, "toggle-play");
+            within(&harness, "stage.eliminate");
             let arrow = harness.query_by_label("Scroll tabs right");
             assert!(arrow.is_none(), "no room for all tabs at {size:?}");
         }
@@ -171,11 +166,10 @@ fn nothing_of_the_bar_lies_over_another() {
             bounds.is_some_and(|bounds| bounds.y1 <= 46.0)
         });
         let said = buttons.filter(|node| {
-            let label = node.accesskit_node().label();
+            let node = node.accesskit_node();
             // Of lists that are scrolled rows lie behind the bar.
-            let is_row =
-                |label: &str| label.starts_with("Line ") || label.starts_with("Breakpoint");
-            label.is_some_and(|label| !is_row(&label))
+            let is_row = |id: &str| id.ends_with(".line") || id.ends_with(".breakpoint");
+            node.label().is_some() && !node.author_id().is_some_and(is_row)
         });
         let places: Vec<(Rect, String)> = said
             .map(|node| {
@@ -217,7 +211,7 @@ fn run_is_seen_at_every_size() {
             let radius = Command::Type(Field::Radius, text.to_owned());
             harness.state_mut().state.apply(radius);
             harness.run();
-            within(&harness, Role::Button, "Run");
+            within(&harness, "run");
         }
     }
 }
@@ -247,20 +241,13 @@ fn low_windows_reach_everything() {
                 Panel::Parameters,
             ))));
         settle(&mut harness);
-        for label in [
-            "Menu",
-            "Play (Space)",
-            "Last stage (End)",
-            "Parameters",
-            "Run",
-        ] {
-            let node = harness.get_by_role_and_label(Role::Button, label);
-            node.focus();
+        for id in ["menu", "toggle-play", "last-stage", "tab.parameters", "run"] {
+            node(&harness, id).focus();
             harness.run();
-            within(&harness, Role::Button, label);
+            within(&harness, id);
         }
-        let chip = harness.get_by_label_contains("Verdict: ").rect();
-        let title = harness.query_by_label("Tilescope").map(|node| node.rect());
+        let chip = node(&harness, "verdict").rect();
+        let title = find(&harness, "title").map(|node| node.rect());
         assert!(
             title.is_none_or(|title| !title.intersects(chip)),
             "{size:?}"
@@ -289,10 +276,7 @@ const TABS: [&str; 14] = [
 #[test]
 fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
     let mut harness = opened_at([1440.0, 900.0]);
-    let run = |harness: &Harness<'_, App>| {
-        let button = harness.get_by_role_and_label(Role::Button, "Run");
-        button.rect()
-    };
+    let run = |harness: &Harness<'_, App>| node(harness, "run").rect();
     let before = run(&harness);
     let edge = pos2(harness.state().state.viewport.left() - 1.0, 400.0);
     harness.drag_at(edge);

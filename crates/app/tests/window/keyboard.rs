@@ -5,11 +5,12 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::actions::Action;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_debugger::Kind;
 
-use crate::support::{cursor, last_kind, next_kind, opened, settle};
+use crate::support::{author, cursor, focused, last_kind, next_kind, node, opened, settle, text};
 
 const NONE: Modifiers = Modifiers::NONE;
 
@@ -19,10 +20,14 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     settle(harness);
 }
 
-/// Does an action by its name in the list of all actions.
-fn act(harness: &mut Harness<'_, App>, name: &str) {
+/// Does the action whose id begins with `id`: its name, whatever that is, is typed into the list of all actions.
+fn act(harness: &mut Harness<'_, App>, id: &str) {
+    let all = tilescope_app::actions::actions(&harness.state().state);
+    let is_meant = |action: &&Action| action.id().to_string().starts_with(id);
+    let action = all.iter().find(is_meant);
+    let name = action.unwrap_or_else(|| panic!("no {id}")).name.clone();
     press(harness, Modifiers::COMMAND, Key::K);
-    harness.event(Event::Text(name.to_owned()));
+    harness.event(Event::Text(name.clone()));
     harness.run();
     press(harness, NONE, Key::Enter);
     assert!(
@@ -31,27 +36,23 @@ fn act(harness: &mut Harness<'_, App>, name: &str) {
     );
 }
 
-/// Presses Tab until the focus is on what has this role and this label.
-fn tab_to(harness: &mut Harness<'_, App>, role: Role, label: &str) {
+/// Presses Tab until the focus is on the widget of an id.
+fn tab_to(harness: &mut Harness<'_, App>, id: &str) {
     for _ in 0..200 {
         press(harness, NONE, Key::Tab);
-        let there = harness.query_all_by_role(role).any(|node| {
-            node.accesskit_node().is_focused()
-                && node.accesskit_node().label().as_deref() == Some(label)
-        });
-        if there {
+        if focused(harness).as_deref() == Some(id) {
             return;
         }
     }
-    panic!("Tab does not lead to {label}");
+    panic!("Tab does not lead to {id}");
 }
 
 #[test]
 fn a_session_needs_no_mouse() {
     let mut harness = opened();
     // A run of one's own: the radius is typed into its field.
-    act(&mut harness, "panel: parameters");
-    tab_to(&mut harness, Role::TextInput, "Radius");
+    act(&mut harness, "view-open-panel-parameters");
+    tab_to(&mut harness, "radius");
     press(&mut harness, Modifiers::COMMAND, Key::A);
     harness.event(Event::Text("0.02".to_owned()));
     harness.run();
@@ -61,18 +62,18 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::Escape);
 
     // A breakpoint where samples die, with a condition.
-    act(&mut harness, "first stage");
-    act(&mut harness, "next elimination");
+    act(&mut harness, "go-first-stage");
+    act(&mut harness, "go-time-run-to-elimination-forwards");
     assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
-    act(&mut harness, "step into backwards");
+    act(&mut harness, "go-time-step-into-backwards");
     assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
-    act(&mut harness, "breakpoint on the next line");
-    act(&mut harness, "panel: bookmarks");
-    tab_to(&mut harness, Role::TextInput, "Condition on eliminate.5");
+    act(&mut harness, "debug-debug-toggle-breakpoint");
+    act(&mut harness, "view-open-panel-bookmarks");
+    tab_to(&mut harness, "eliminate.5.condition");
     harness.event(Event::Text("distance < 0.3".to_owned()));
     harness.run();
     press(&mut harness, NONE, Key::Escape);
-    act(&mut harness, "first stage");
+    act(&mut harness, "go-first-stage");
     press(&mut harness, NONE, Key::F5);
     let debugger = harness.state().state.debugger.as_ref().expect("events");
     let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
@@ -83,15 +84,15 @@ fn a_session_needs_no_mouse() {
     let stopped = cursor(&harness);
     press(&mut harness, NONE, Key::F11);
     assert_eq!(cursor(&harness), stopped + 1);
-    let mut said = harness.query_all_by(|node| {
-        node.live() == egui::accesskit::Live::Polite
-            && node.value().is_some_and(|said| said.contains("eliminates"))
-    });
-    assert!(said.next().is_some());
-    drop(said);
+    let status = node(&harness, "status").accesskit_node();
+    assert_eq!(status.live(), egui::accesskit::Live::Polite);
+    let state = &harness.state().state;
+    let recording = state.debugger.as_ref().expect("events").recording();
+    let sentence = tilescope_debugger::sentence(recording, stopped);
+    assert_eq!(text(&harness, "status"), sentence);
     press(&mut harness, NONE, Key::W);
     assert!(cursor(&harness) <= stopped + 1);
-    act(&mut harness, "panel: inspector");
+    act(&mut harness, "view-open-panel-inspector");
     press(&mut harness, Modifiers::SHIFT, Key::F5);
     press(&mut harness, NONE, Key::F5);
     assert_eq!(cursor(&harness), stopped);
@@ -100,7 +101,7 @@ fn a_session_needs_no_mouse() {
     assert_eq!(debugger.bookmarks[0].event, stopped);
 
     // The view moves, and what is in its middle is selected.
-    act(&mut harness, "zoom in");
+    act(&mut harness, "view-zoom");
     let before = harness.state().state.camera;
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
     let after = harness.state().state.camera;
@@ -110,8 +111,8 @@ fn a_session_needs_no_mouse() {
     assert!(state.selected.is_some() || state.place.is_some());
 
     // Beside it the same with another seed; both at once to where they part.
-    act(&mut harness, "compare with the next seed");
-    act(&mut harness, "go to where A and B part");
+    act(&mut harness, "compare-compare-start-next-seed");
+    act(&mut harness, "compare-compare-go-to-divergence");
     let (second, _) = harness
         .state()
         .state
@@ -120,7 +121,7 @@ fn a_session_needs_no_mouse() {
         .expect("a second run");
     assert!(second.session.is_some());
     assert!(cursor(&harness) < stopped);
-    act(&mut harness, "close B");
+    act(&mut harness, "compare-compare-close");
     assert!(harness.state().state.comparison.is_none());
 }
 
@@ -139,7 +140,7 @@ fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     space(&mut harness);
     assert!(!playing(&harness));
     press(&mut harness, NONE, Key::End);
-    harness.get_by_label("First stage (Home)").focus();
+    node(&harness, "first-stage").focus();
     harness.step();
     space(&mut harness);
     // The button was pressed, and nothing plays.
@@ -147,9 +148,19 @@ fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     assert!(!playing(&harness));
 }
 
+/// A widget: its role and what it says, and its id.
+type Told = (String, Option<String>);
+
+fn told(node: &egui_kittest::Node<'_>) -> Told {
+    let id = author(node);
+    let node = node.accesskit_node();
+    let name = node.label().or(node.value()).unwrap_or_default();
+    (format!("{:?} {name}", node.role()), id)
+}
+
 /// Presses Tab until the focus comes back to where it was first; returns what had it, in sequence.
-fn tab_round(harness: &mut Harness<'_, App>) -> Vec<String> {
-    let mut round: Vec<String> = Vec::new();
+fn tab_round(harness: &mut Harness<'_, App>) -> Vec<Told> {
+    let mut round: Vec<Told> = Vec::new();
     let mut first = None;
     for _ in 0..400 {
         harness.key_press(Key::Tab);
@@ -158,20 +169,18 @@ fn tab_round(harness: &mut Harness<'_, App>) -> Vec<String> {
             .query_all_by(|node| node.is_focused() && !node.is_hidden())
             .next();
         let Some(node) = focused else { continue };
-        let node = node.accesskit_node();
-        let name = node.label().or(node.value()).unwrap_or_default();
-        let name = format!("{:?} {name}", node.role());
-        if first == Some(node.id()) {
+        let id = node.accesskit_node().id();
+        if first == Some(id) {
             return round;
         }
-        first = first.or(Some(node.id()));
-        round.push(name);
+        first = first.or(Some(id));
+        round.push(told(&node));
     }
     panic!("Tab goes on and on: {round:?}");
 }
 
 /// Returns what can be pressed or typed into, but for what is disabled.
-fn controls(harness: &Harness<'_, App>) -> Vec<String> {
+fn controls(harness: &Harness<'_, App>) -> Vec<Told> {
     const ROLES: [Role; 8] = [
         Role::Button,
         Role::CheckBox,
@@ -183,13 +192,7 @@ fn controls(harness: &Harness<'_, App>) -> Vec<String> {
         Role::RadioButton,
     ];
     let nodes = harness.query_all_by(|node| ROLES.contains(&node.role()) && !node.is_disabled());
-    nodes
-        .map(|node| {
-            let node = node.accesskit_node();
-            let name = node.label().or(node.value()).unwrap_or_default();
-            format!("{:?} {name}", node.role())
-        })
-        .collect()
+    nodes.map(|node| told(&node)).collect()
 }
 
 #[test]
@@ -200,11 +203,11 @@ fn tab_reaches_every_control_of_every_panel() {
             harness.state_mut().state.apply(Command::OpenPanel(panel));
             settle(&mut harness);
             let round = tab_round(&mut harness);
-            let missing: Vec<String> = controls(&harness)
+            let missing: Vec<Told> = controls(&harness)
                 .into_iter()
                 .filter(|control| !round.contains(control))
                 .collect();
-            assert_eq!(missing, Vec::<String>::new(), "{panel:?} at {size:?}");
+            assert_eq!(missing, [], "{panel:?} at {size:?}");
         }
     }
 }
@@ -218,18 +221,18 @@ fn tab_goes_through_a_small_window_from_top_to_bottom() {
         .apply(Command::OpenPanel(Panel::Parameters));
     settle(&mut harness);
     let round = tab_round(&mut harness);
-    let place = |name: &str| {
-        let found = round.iter().position(|at| at == name);
-        found.unwrap_or_else(|| panic!("{name} is not in {round:?}"))
+    let place = |id: &str| {
+        let found = round.iter().position(|at| at.1.as_deref() == Some(id));
+        found.unwrap_or_else(|| panic!("{id} is not in {round:?}"))
     };
     let places = [
-        "Button Menu",
-        "Canvas Canvas of samples",
-        "Button First stage (Home)",
-        "Button Play (Space)",
-        "Button Parameters",
-        "TextInput Radius",
-        "Button Run",
+        "menu",
+        "canvas",
+        "first-stage",
+        "toggle-play",
+        "tab.parameters",
+        "radius",
+        "run",
     ]
     .map(place);
     assert!(places.is_sorted(), "{round:?}");
@@ -239,7 +242,7 @@ fn tab_goes_through_a_small_window_from_top_to_bottom() {
 fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
     let mut harness = opened();
     let last = cursor(&harness);
-    harness.get_by_label("Canvas of samples").focus();
+    node(&harness, "canvas").focus();
     harness.run();
     let before = harness.state().state.camera;
     press(&mut harness, NONE, Key::ArrowRight);
@@ -247,40 +250,40 @@ fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
     let after = harness.state().state.camera;
     assert!(after.center[0] > before.center[0] && after.center[1] < before.center[1]);
     assert_eq!(cursor(&harness), last);
-    assert!(harness.get_by_label("Canvas of samples").is_focused());
+    assert_eq!(focused(&harness).as_deref(), Some("canvas"));
     press(&mut harness, NONE, Key::Plus);
     assert!(harness.state().state.camera.scale > after.scale);
     press(&mut harness, NONE, Key::Enter);
     let state = &harness.state().state;
     assert!(state.selected.is_some() || state.place.is_some());
     // Elsewhere the same keys go through time, and leave the focus where it is.
-    harness.get_by_label("Play (Space)").focus();
+    node(&harness, "toggle-play").focus();
     harness.run();
     let camera = harness.state().state.camera;
     press(&mut harness, NONE, Key::ArrowLeft);
     assert!(cursor(&harness) < last);
-    assert!(harness.get_by_label("Play (Space)").is_focused());
+    assert_eq!(focused(&harness).as_deref(), Some("toggle-play"));
     assert_eq!(harness.state().state.camera, camera);
 }
 
 #[test]
 fn tabs_rows_and_menus_are_pressed_by_enter() {
     let mut harness = opened();
-    tab_to(&mut harness, Role::Button, "Events");
+    tab_to(&mut harness, "tab.events");
     press(&mut harness, NONE, Key::Enter);
     assert!(harness.state().state.shows(Panel::Events));
-    act(&mut harness, "first stage");
-    tab_to(&mut harness, Role::Button, "Event 1: begin: blocks");
+    act(&mut harness, "go-first-stage");
+    tab_to(&mut harness, "event-0");
     press(&mut harness, NONE, Key::Enter);
     assert!(cursor(&harness) > 0);
-    tab_to(&mut harness, Role::Button, "Eliminate");
+    tab_to(&mut harness, "stage.eliminate");
     press(&mut harness, NONE, Key::Enter);
     let stage = harness.state().state.current_stage();
     assert_eq!(stage, Some(tilescope_core::Stage::Eliminate));
     // A menu opens by Enter, and Tab goes on in it.
-    tab_to(&mut harness, Role::Button, "File");
+    tab_to(&mut harness, "menu.file");
     press(&mut harness, NONE, Key::Enter);
-    tab_to(&mut harness, Role::Button, "Save session\u{2026} Ctrl+S");
+    tab_to(&mut harness, "entry.file-file-sheet-save");
     press(&mut harness, NONE, Key::Enter);
     assert!(harness.state().state.file.is_some());
 }
@@ -294,13 +297,10 @@ fn a_panel_scrolls_to_what_has_the_focus() {
         .apply(Command::OpenPanel(Panel::Parameters));
     settle(&mut harness);
     let window = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(390.0, 844.0));
-    let place = |harness: &Harness<'_, App>| {
-        let variant = harness.get_by_role_and_label(Role::ComboBox, "Variant");
-        variant.rect()
-    };
-    let above = |harness: &Harness<'_, App>| harness.get_by_label("Run").rect().top();
+    let place = |harness: &Harness<'_, App>| node(harness, "variant").rect();
+    let above = |harness: &Harness<'_, App>| node(harness, "run").rect().top();
     assert!(place(&harness).bottom() > above(&harness));
-    tab_to(&mut harness, Role::ComboBox, "Variant");
+    tab_to(&mut harness, "variant");
     harness.run();
     let seen = window.with_max_y(above(&harness));
     assert!(seen.contains_rect(place(&harness)));

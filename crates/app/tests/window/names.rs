@@ -1,4 +1,5 @@
 //! What a screen reader is given: whatever can have the focus has a name, and no two fields on the screen have the same.
+//! No two widgets have the same id.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -15,7 +16,7 @@ use tilescope_app::spoken::Spoken;
 use tilescope_app::{App, Command};
 
 use crate::support::sessions::{apply, busy};
-use crate::support::{opened_at, settle};
+use crate::support::{ids, node, opened_at, settle};
 
 /// Fields that hold a value: one name for two of them would tell nobody which is which.
 const FIELDS: [Role; 5] = [
@@ -48,6 +49,10 @@ fn check(harness: &Harness<'_, App>, place: &str) {
     }
     fields.retain(|_, count| *count > 1);
     assert!(fields.is_empty(), "{place}: equal names: {fields:?}");
+    let mut ids = ids(harness);
+    ids.sort_unstable();
+    let twice: Vec<_> = ids.windows(2).filter(|pair| pair[0] == pair[1]).collect();
+    assert!(ids.len() > 8 && twice.is_empty(), "{place}: {twice:?}");
 }
 
 /// Two of each that there can be several of: watches, bookmarks, breakpoints.
@@ -105,11 +110,13 @@ fn sheets_and_lists_have_names_too() {
     apply(&mut harness, Command::TogglePalette);
     check(&harness, "the list of all actions");
     apply(&mut harness, Command::TogglePalette);
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Clock")
-        .click();
-    harness.run();
-    check(&harness, "an open list");
+    for id in ["clock", "menu.view"] {
+        node(&harness, id).click();
+        harness.run();
+        check(&harness, id);
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+    }
 }
 
 /// What was said since it was asked last.

@@ -1,17 +1,17 @@
-//! The panel of passes as a user meets it: found by its labels, clicked, typed into. Needs an adapter; one that
+//! The panel of passes as a user meets it: clicked, typed into, read. Needs an adapter; one that
 //! computes on the CPU will do.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, RwLock};
 
-use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::jobs::Wake;
 use tilescope_app::passes::{Badge, PassCommand, Passes, panel};
 use tilescope_app::theme::{Look, Palette, install};
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::{Choice, Gpu};
+
+use crate::support::{find, is_disabled, node, text};
 
 struct Shown {
     passes: Passes,
@@ -96,25 +96,24 @@ fn the_list_is_cancelled_while_it_is_made_and_made_again() {
         std::thread::yield_now();
     }
     harness.run();
-    harness.get_by_label("Cancel").click();
+    node(&harness, "passes.cancel").click();
     harness.step();
     harness.step();
     drop(closed);
     settle(&mut harness);
-    harness.get_by_label_contains("the list is not whole");
-    harness.get_by_label("List passes again").click();
+    node(&harness, "passes.notice");
+    node(&harness, "passes.again").click();
     harness.step();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("are equal to the CPU, 0 differ");
+    assert!(text(&harness, "passes.summary").contains(", 0 "));
 }
 
 #[test]
 fn passes_are_chosen_by_click_button_and_arrow_key() {
     let mut harness = opened();
-    harness
-        .get_by_label("Pass 3: count, not comparable (intermediate)")
-        .click();
+    assert!(text(&harness, "pass-3").contains("count"));
+    node(&harness, "pass-3").click();
     harness.step();
     settle(&mut harness);
     assert_eq!(harness.state().passes.selected(), Some(2));
@@ -130,13 +129,13 @@ fn passes_are_chosen_by_click_button_and_arrow_key() {
         settle(&mut harness);
         assert_eq!(harness.state().passes.selected(), Some(pass), "{key:?}");
     }
-    let next = harness.get_by_label("Next pass");
-    assert!(next.accesskit_node().is_disabled());
-    harness.get_by_label_contains("stage Finish");
-    harness.get_by_label("Previous pass").click();
+    assert!(is_disabled(&harness, "passes.next"));
+    assert!(text(&harness, "passes.place").contains("Finish"));
+    node(&harness, "passes.previous").click();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("Reached by a new run from the beginning");
+    let visit = harness.state().passes.visit().expect("a visit");
+    assert!(visit.replayed);
     let count = harness.state().passes.entries().len();
     assert_eq!(harness.state().passes.selected(), Some(count - 2));
 }
@@ -146,46 +145,41 @@ fn the_selected_pass_is_in_sight() {
     let mut harness = opened();
     let last = harness.state().passes.entries().len();
     let name = harness.state().passes.entries()[last - 1].report.name;
-    let label = format!("Pass {last}: {name}, equal to the CPU");
-    assert!(harness.query_by_label(&label).is_none());
+    let row = format!("pass-{last}");
+    assert!(find(&harness, &row).is_none());
     harness.state_mut().passes.apply(PassCommand::Last);
     settle(&mut harness);
-    let rect = harness.get_by_label(&label).rect();
+    assert!(text(&harness, &row).contains(name));
+    let rect = node(&harness, &row).rect();
     assert!(rect.top() > 0.0 && rect.bottom() < 640.0);
 }
 
 #[test]
 fn a_buffer_is_chosen_filtered_and_its_error_is_beside_the_box() {
     let mut harness = tiled();
-    harness.get_by_label_contains("Buffer origins").click();
+    node(&harness, "buffer.origins").click();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("Row 0, changed, image 0, pattern index 0 \u{2192}");
+    let row = text(&harness, "row-0");
+    let facts = ["changed", "image 0", "pattern index 0 \u{2192}"];
+    assert!(facts.iter().all(|fact| row.contains(fact)), "{row}");
     let all = harness.state().passes.shown().rows().len();
-    assert!(
-        harness
-            .query_by_label_contains(&format!("Row {}", all - 1))
-            .is_none()
-    );
-    let filter = harness.get_by_role_and_label(Role::TextInput, "Filter");
-    filter.focus();
+    assert!(find(&harness, format_args!("row-{}", all - 1)).is_none());
+    node(&harness, "filter").focus();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::TextInput, "Filter")
-        .type_text("picture>1");
+    node(&harness, "filter").type_text("picture>1");
     harness.run();
-    let error = harness.get_by_label_contains("No column is called \"picture\"");
-    let field = harness.get_by_role_and_label(Role::TextInput, "Filter");
-    let (error, field) = (error.rect(), field.rect());
+    assert!(text(&harness, "filtered").contains("\"picture\""));
+    let [error, field] = ["filtered", "filter"].map(|id| node(&harness, id).rect());
     assert!(error.left() > field.right() && (error.center().y - field.center().y).abs() < 8.0);
     harness
         .state_mut()
         .passes
         .apply(PassCommand::Filter("row<2".to_owned()));
     harness.run();
-    harness.get_by_label_contains("2 of ");
-    assert!(harness.query_by_label_contains("Row 2,").is_none());
-    harness.get_by_label("before").click();
+    assert!(text(&harness, "filtered").starts_with("2 of "));
+    assert!(find(&harness, "row-2").is_none());
+    node(&harness, "side.before").click();
     harness.run();
     assert_eq!(harness.state().passes.shown().rows(), [0, 1]);
 }
@@ -193,12 +187,12 @@ fn a_buffer_is_chosen_filtered_and_its_error_is_beside_the_box() {
 #[test]
 fn a_word_is_tried_and_undone() {
     let mut harness = tiled();
-    harness.get_by_label("Try").click();
+    node(&harness, "passes.try").click();
     harness.step();
     settle(&mut harness);
     assert!(harness.state().passes.fault().is_some());
-    harness.get_by_label_contains("What if: word 0 of ");
-    harness.get_by_label("Undo").click();
+    assert!(text(&harness, "passes.fault").contains("word 0 of "));
+    node(&harness, "passes.undo").click();
     harness.step();
     settle(&mut harness);
     assert!(harness.state().passes.fault().is_none());
@@ -224,18 +218,17 @@ fn both_themes_are_drawn() {
 #[test]
 fn rows_are_selected_by_click_and_the_canvas_is_a_choice() {
     let mut harness = tiled();
-    harness.get_by_label_contains("Row 3, ").click();
+    node(&harness, "row-3").click();
     harness.run();
     assert_eq!(harness.state().passes.shown().picked(), Some(3));
     // The pointer is there still.
     assert_eq!(harness.state().passes.shown().pointed(), Some(3));
-    harness.get_by_label_contains("Row 3, ").click();
+    node(&harness, "row-3").click();
     harness.run();
     assert_eq!(harness.state().passes.shown().picked(), None);
     assert!(harness.state().passes.on_canvas().is_some());
-    harness.get_by_label("On the canvas").click();
+    node(&harness, "passes.on-canvas").click();
     harness.run();
     assert!(harness.state().passes.on_canvas().is_none());
-    let show = harness.get_by_label("Show canvas");
-    assert!(show.accesskit_node().is_disabled());
+    assert!(is_disabled(&harness, "passes.show-canvas"));
 }

@@ -2,13 +2,11 @@
 
 use std::time::Duration;
 
-use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 
-use crate::support::{opened, settle};
+use crate::support::{node, opened, settle};
 
 /// Asserts that no frame is due unless something happens.
 fn assert_rests(harness: &mut Harness<'_, App>, what: &str) {
@@ -43,13 +41,9 @@ fn a_field_that_has_the_focus_comes_to_rest() {
         session.expect("a session").run().parameters.seed
     };
     let before = seed(&harness);
-    harness
-        .get_by_role_and_label(Role::TextInput, "Seed")
-        .click();
+    node(&harness, "seed").click();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::TextInput, "Seed")
-        .type_text("2");
+    node(&harness, "seed").type_text("2");
     harness.run();
     assert!(harness.ctx.text_edit_focused());
     assert_rests(&mut harness, "a field");

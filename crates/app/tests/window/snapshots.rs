@@ -1,7 +1,6 @@
 //! Every panel in both themes as a small picture, compared with the one that was judged good. `UPDATE_SNAPSHOTS=1 cargo
 //! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
 
-use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use egui_tiles::Tree;
 use tilescope_app::arrangement::DrawerCommand;
@@ -13,7 +12,7 @@ use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
 
-use crate::support::{opened_at, settle};
+use crate::support::{find, opened_at, settle};
 
 /// Of a panel, without the bar.
 const SIZE: [f32; 2] = [480.0, 380.0];
@@ -159,12 +158,11 @@ fn what_is_embedded_is_the_canvas_or_the_player_alone() {
     for embedding in Embedding::ALL {
         harness.state_mut().state.embedding = Some(embedding);
         settle(&mut harness);
-        let labels = ["Export\u{2026}", "File", "Disks", "Run", "Parameters"];
-        for label in labels {
-            let there = harness.query_by_label(label).is_some();
-            assert!(!there, "{embedding:?} shows {label}");
+        for id in ["export", "menu", "layer.disks", "run", "tab.parameters"] {
+            let there = find(&harness, id).is_some();
+            assert!(!there, "{embedding:?} shows {id}");
         }
-        let plays = harness.query_by_label("Play (Space)").is_some();
+        let plays = find(&harness, "toggle-play").is_some();
         assert_eq!(plays, embedding == Embedding::Player);
         let image = harness.render().expect("a picture of the window");
         let name = format!("embedded/{}", embedding.name());
@@ -173,7 +171,7 @@ fn what_is_embedded_is_the_canvas_or_the_player_alone() {
     // Without it there are panels again.
     harness.state_mut().state.embedding = None;
     settle(&mut harness);
-    assert!(harness.query_by_label("Parameters").is_some());
+    assert!(find(&harness, "tab.parameters").is_some());
     results.unwrap();
 }
 

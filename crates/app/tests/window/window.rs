@@ -1,8 +1,6 @@
-//! The window as a user meets it: found by its labels, clicked, typed into, looked at.
+//! The window as a user meets it: clicked, typed into, looked at.
 
-use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::layers::Layer;
 use tilescope_app::combination::CombineCommand;
 use tilescope_app::command::{Choice, Field};
@@ -12,7 +10,7 @@ use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
 
-use crate::support::{opened, settle};
+use crate::support::{find, is_disabled, node, opened, settle, text};
 
 fn shown_stage(harness: &Harness<'_, App>) -> Stage {
     harness.state().state.current_stage().expect("a session")
@@ -21,27 +19,28 @@ fn shown_stage(harness: &Harness<'_, App>) -> Stage {
 #[test]
 fn it_opens_on_a_finished_verified_session() {
     let harness = opened();
-    harness.get_by_label("Verdict: verified");
-    harness.get_by_label_contains("Finish: 10,041 samples");
-    harness.get_by_label_contains("event 45,961 of 45,961");
+    let state = &harness.state().state;
+    assert!(state.verdict().expect("a verdict").report.valid());
+    assert!(text(&harness, "status").contains("10,041"));
+    assert!(text(&harness, "counts").contains("45,961 of 45,961"));
     assert_eq!(shown_stage(&harness), Stage::Finish);
 }
 
 #[test]
 fn stages_go_back_and_forward_by_button_key_and_track() {
     let mut harness = opened();
-    harness.get_by_label("Stage back (Left)").click();
+    node(&harness, "step-back").click();
     harness.run();
     assert_eq!(shown_stage(&harness), Stage::Iterate(3));
     for _ in 0..2 {
         harness.key_press(egui::Key::ArrowLeft);
         harness.run();
     }
-    harness.get_by_label_contains("Iteration 1:");
-    harness.get_by_label("Eliminate").click();
+    assert!(text(&harness, "status").contains("Iteration 1"));
+    node(&harness, "stage.eliminate").click();
     harness.run();
     assert_eq!(shown_stage(&harness), Stage::Eliminate);
-    harness.get_by_label("Stage forward (Right)").click();
+    node(&harness, "step-forward").click();
     harness.run();
     assert_eq!(shown_stage(&harness), Stage::Iterate(1));
 }
@@ -49,34 +48,23 @@ fn stages_go_back_and_forward_by_button_key_and_track() {
 #[test]
 fn a_bad_radius_is_refused_beside_its_field_and_run_is_disabled() {
     let mut harness = opened();
-    assert!(!harness.get_by_label("Run").accesskit_node().is_disabled());
-    harness
-        .get_by_role_and_label(Role::TextInput, "Radius")
-        .focus();
+    assert!(!is_disabled(&harness, "run"));
+    node(&harness, "radius").focus();
     harness.run();
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    harness
-        .get_by_role_and_label(Role::TextInput, "Radius")
-        .type_text("0");
+    node(&harness, "radius").type_text("0");
     harness.run();
-    let reason = harness.get_by_label_contains("must be a finite number above 0");
-    let field = harness
-        .get_by_role_and_label(Role::TextInput, "Radius")
-        .rect();
-    assert!(reason.rect().top() >= field.top() && reason.rect().top() < field.bottom() + 12.0);
-    assert!(harness.get_by_label("Run").accesskit_node().is_disabled());
+    let [reason, field] = ["refusal-radius", "radius"].map(|id| node(&harness, id).rect());
+    assert!(reason.top() >= field.top() && reason.top() < field.bottom() + 12.0);
+    assert!(is_disabled(&harness, "run"));
 }
 
 #[test]
 fn enter_in_a_field_runs() {
     let mut harness = opened();
-    harness
-        .get_by_role_and_label(Role::TextInput, "Seed")
-        .focus();
+    node(&harness, "seed").focus();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::TextInput, "Seed")
-        .type_text("7");
+    node(&harness, "seed").type_text("7");
     harness.run();
     harness.key_press(egui::Key::Enter);
     harness.step();
@@ -101,21 +89,17 @@ fn a_run_can_be_cancelled() {
         .state
         .apply(Command::Type(Field::Radius, "0.0005".to_owned()));
     harness.step();
-    harness.get_by_label("Run").click();
+    node(&harness, "run").click();
     harness.step();
     harness.step();
-    harness.get_by_label("Cancel").click();
+    node(&harness, "cancel").click();
     harness.step();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("Cancelled during stage");
-    harness.get_by_label("Dismiss").click();
+    assert!(text(&harness, "notice").contains("Cancelled"));
+    node(&harness, "dismiss").click();
     harness.run();
-    assert!(
-        harness
-            .query_by_label_contains("Cancelled during stage")
-            .is_none()
-    );
+    assert!(find(&harness, "notice").is_none());
     let after = harness
         .state()
         .state
@@ -140,7 +124,9 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
     }
     settle(&mut harness);
     let before = harness.state().state.camera;
-    harness.get_by_label("Verdict: not maximal").click();
+    let verdict = harness.state().state.verdict().expect("a verdict");
+    assert!(verdict.report.conflict_free() && !verdict.report.maximal());
+    node(&harness, "verdict").click();
     harness.run();
     let after = harness.state().state.camera;
     assert!(after.scale > 5.0 * before.scale && (after.center[0] - before.center[0]).abs() > 1e-3);
@@ -157,10 +143,12 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
             settle(&mut harness);
         }
         for layer in Layer::ALL {
-            let chip = harness.query_by_role_and_label(Role::CheckBox, layer.name_in(combination));
+            let id = format!("layer.{}", format!("{layer:?}").to_lowercase());
+            let chip = find(&harness, &id);
             assert_eq!(chip.is_some(), layer.is_of(combination), "{layer:?}");
             let before = harness.state().state.layers.has(layer);
             if let Some(chip) = chip {
+                assert_eq!(text(&harness, &id), layer.name_in(combination));
                 chip.click();
                 harness.run();
                 assert_ne!(harness.state().state.layers.has(layer), before, "{layer:?}");
@@ -175,27 +163,28 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
 fn the_theme_toggles_and_both_are_drawn() {
     let mut harness = opened();
     let dark = harness.render().expect("a picture");
-    harness.get_by_label("Light theme").click();
+    node(&harness, "toggle-theme").click();
     harness.run();
     let light = harness.render().expect("a picture");
     let brightness = |image: &[u8]| image.iter().map(|&v| u64::from(v)).sum::<u64>();
     assert!(brightness(light.as_raw()) > 2 * brightness(dark.as_raw()));
-    harness.get_by_label("Dark theme");
+    let other = harness.state().state.look.other().name();
+    assert_eq!(text(&harness, "toggle-theme"), other);
 }
 
 #[test]
 fn the_export_sheet_refuses_unknown_extensions() {
     let mut harness = opened();
-    harness.get_by_label("Export\u{2026}").click();
+    node(&harness, "export").click();
     harness.run();
     harness
         .state_mut()
         .state
         .apply(Command::Export(ExportCommand::Path("set.jpeg".to_owned())));
     harness.run();
-    harness.get_by_label_contains("The extension chooses the format");
-    let write = harness.get_by_label("Write file and certificate");
-    assert!(write.accesskit_node().is_disabled());
+    let format = text(&harness, "export.format");
+    assert!(format.contains(".csv"), "{format}");
+    assert!(is_disabled(&harness, "export.write"));
 }
 
 #[test]
@@ -234,29 +223,24 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
 #[test]
 fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
     let mut harness = opened();
-    harness.get_by_label("engine: CPU");
+    assert!(text(&harness, "engine-used").contains("CPU"));
     let missing = Command::NameAdapter(Some("no such adapter".to_owned()));
     harness.state_mut().state.apply(missing);
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Engine")
-        .click();
+    node(&harness, "engine").click();
     harness.run();
-    harness.get_by_label("auto (CPU)");
-    harness.get_by_label("GPU").click();
+    assert!(text(&harness, "engine.auto").contains("CPU"));
+    node(&harness, "engine.gpu").click();
     harness.step();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("The GPU cannot serve.");
+    assert!(text(&harness, "notice").contains("GPU"));
     assert_eq!(harness.state().state.engine, Engine::Auto);
-    harness.get_by_label("Dismiss").click();
+    node(&harness, "dismiss").click();
     harness.run();
-    harness
-        .get_by_role_and_label(Role::ComboBox, "Engine")
-        .click();
+    node(&harness, "engine").click();
     harness.run();
-    let entry = harness.get_by_label("GPU");
-    assert!(entry.accesskit_node().is_disabled());
-    assert!(!harness.get_by_label("Run").accesskit_node().is_disabled());
+    assert!(is_disabled(&harness, "engine.gpu"));
+    assert!(!is_disabled(&harness, "run"));
 }
 
 #[test]
@@ -267,14 +251,16 @@ fn the_gpu_shows_its_name_and_its_verdict() {
         .state
         .apply(Command::Engine(Engine::Gpu));
     harness.step();
-    assert!(harness.get_by_label("Run").accesskit_node().is_disabled());
+    assert!(is_disabled(&harness, "run"));
     settle(&mut harness);
-    harness.get_by_label_contains("self-test passed");
-    harness.get_by_label("Run").click();
+    let refusal = harness.state().state.device.refusal();
+    assert_eq!(refusal, None, "the test has passed");
+    node(&harness, "run").click();
     harness.step();
     settle(&mut harness);
-    harness.get_by_label_contains("engine: GPU (");
-    harness.get_by_label("Verdict: verified");
+    assert!(text(&harness, "engine-used").contains("GPU ("));
+    let state = &harness.state().state;
+    assert!(state.verdict().expect("a verdict").report.valid());
 }
 
 /// Returns how much of a panel's tab is scrolled out of view.

@@ -20,7 +20,7 @@ use crate::files::{FileCommand, Purpose};
 use crate::moment::Shown;
 use crate::state::State;
 use crate::theme::{Palette, semibold};
-use crate::widgets::heading;
+use crate::widgets::{Kebab, Known, heading};
 use plot::{Dragged, Line};
 
 /// From this width on there are two columns.
@@ -147,7 +147,7 @@ fn status(
         (format!("{name}: {doing}{old}"), palette.text)
     };
     // What happens is read out below the canvas: a step is not read out twice.
-    lines(ui, RichText::new(text).color(color));
+    lines(ui, RichText::new(text).color(color)).known_as("analysis.status");
 }
 
 /// Returns a text that begins with a capital letter.
@@ -161,18 +161,18 @@ fn capital(text: &str) -> String {
 fn progress(ui: &mut Ui, state: &State, shown: &Shown<'_>, own: &mut Vec<AnalysisCommand>) {
     let (palette, analysis) = (Palette::of(state.look), &state.analysis);
     if let Some((part, fraction)) = analysis.progress() {
-        if ui
-            .button("Cancel")
-            .on_hover_text("Stops measuring this moment.")
-            .clicked()
-        {
+        let cancel = ui.button("Cancel");
+        cancel.known_as("analysis.cancel");
+        let cancel = cancel.on_hover_text("Stops measuring this moment.");
+        if cancel.clicked() {
             own.push(AnalysisCommand::Stop);
         }
         let bar = ProgressBar::new(fraction).desired_height(6.0);
         ui.add(bar.desired_width(56.0).fill(palette.accent));
         ui.label(RichText::new(part.doing()).size(11.5).color(palette.muted));
     } else if analysis.failure(shown).is_some() {
-        if ui.button("Measure again").clicked() {
+        let again = ui.button("Measure again");
+        if again.known_as("analysis.again").clicked() {
             own.push(AnalysisCommand::Resume);
         }
     } else if analysis.is_stopped(shown)
@@ -213,13 +213,13 @@ fn entries(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
     } else {
         "this moment"
     };
-    entry(ui, Line::Solid, palette.accent, this);
+    entry(ui, Line::Solid, palette.accent, this).known_as("analysis.moment");
     let reference = &state.analysis.reference;
     let name = match reference {
         crate::analysis::Reference::Failed(why) => format!("reference: {why}"),
         _ => format!("reference: {}", reference.name()),
     };
-    entry(ui, Line::Dotted, palette.text, &name);
+    entry(ui, Line::Dotted, palette.text, &name).known_as("analysis.reference");
     match state.held() {
         Some(Ok(held)) => {
             let guessed = if held.guessed {
@@ -229,27 +229,30 @@ fn entries(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
             };
             let radius = held.measured.radius;
             let name = format!("file: {}{guessed}, judged at r = {radius}", held.name());
-            entry(ui, Line::Dashed, palette.conflict, &name);
+            entry(ui, Line::Dashed, palette.conflict, &name).known_as("analysis.file");
             if let Some(reason) = numbers::unjudged(&held.measured, sets.unit) {
-                ui.label(RichText::new(reason).size(12.0).color(palette.muted));
+                ui.label(RichText::new(reason).size(12.0).color(palette.muted))
+                    .known_as("analysis.unjudged");
             }
         }
         Some(Err(why)) => {
-            ui.label(RichText::new(why).size(12.0).color(palette.conflict));
+            ui.label(RichText::new(why).size(12.0).color(palette.conflict))
+                .known_as("analysis.refusal");
         }
         None => {}
     }
 }
 
 /// A line and what it is.
-fn entry(ui: &mut Ui, line: Line, color: Color32, text: &str) {
+fn entry(ui: &mut Ui, line: Line, color: Color32, text: &str) -> egui::Response {
     let muted = ui.visuals().weak_text_color();
     ui.horizontal_top(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(26.0, 17.0), Sense::hover());
         plot::sample(ui.painter(), rect, line, color);
         let text = RichText::new(text).size(12.0).color(muted);
-        ui.add(egui::Label::new(text).wrap());
-    });
+        ui.add(egui::Label::new(text).wrap())
+    })
+    .inner
 }
 
 /// What to hold the moment against.
@@ -257,11 +260,12 @@ fn file(ui: &mut Ui, state: &State, commands: &mut Vec<Command>, own: &mut Vec<A
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         let open = ui.button("Hold against a file\u{2026}");
-        if open.clicked() {
+        if open.known_as("analysis.hold").clicked() {
             commands.push(Command::File(FileCommand::Sheet(Purpose::Against)));
         }
         let there = state.analysis.held.is_some();
         let clear = ui.add_enabled(there, Button::new("Clear"));
+        clear.known_as("analysis.clear");
         let clear = clear.on_hover_text("Forgets the file.");
         let clear = clear.on_disabled_hover_text("No file is held against this run.");
         if clear.clicked() {
@@ -282,7 +286,9 @@ fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
             let mut on = range.is_some();
             let [mut low, mut high] = range.unwrap_or(start);
             let room = ui.max_rect().left() + 108.0;
-            let mut changed = ui.checkbox(&mut on, name).changed();
+            let switch = ui.checkbox(&mut on, name);
+            let id = format_args!("brush.{}", Kebab(axis));
+            let mut changed = switch.known_as(id).changed();
             ui.add_space((room - ui.cursor().left()).max(0.0));
             for (value, which) in [(&mut low, "from"), (&mut high, "to")] {
                 let field = DragValue::new(value)
@@ -296,6 +302,7 @@ fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
                 let field = ui.add_enabled(on, field);
                 let label = format!("Brush: {name} {which}");
                 field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::SpinButton, on, &label));
+                field.known_as(format_args!("brush.{}.{which}", Kebab(axis)));
                 changed |= field.changed();
                 field.on_disabled_hover_text("Nothing of this kind is brushed.");
             }
@@ -311,6 +318,7 @@ fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
             let bar = ProgressBar::new(fraction).desired_height(6.0);
             ui.add(bar.desired_width(56.0).fill(palette.accent));
             let cancel = ui.button("Cancel the search");
+            cancel.known_as("brush.cancel");
             if cancel.on_hover_text("Clears the brush.").clicked() {
                 own.push(AnalysisCommand::Brush(None));
             }
@@ -319,6 +327,7 @@ fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
     let said = RichText::new(state.brush_said()).size(12.0);
     let response = lines(ui, said.color(palette.muted));
     super::read_out(ui, &response);
+    response.known_as("brush.status");
 }
 
 /// Issues what was done to a range of `axis`, if that changes the brush.

@@ -7,6 +7,7 @@ use tilescope_analysis::measures::PowerCurve;
 use super::Sets;
 use crate::analysis::measured::Measured;
 use crate::sentence::{conflicts_in, counted, grouped};
+use crate::widgets::Known;
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;
@@ -72,12 +73,12 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
     row(
         ui,
         sets,
-        "",
+        (0, ""),
         &heads.map(str::to_owned)[..columns],
         false,
         "",
     );
-    for number in &NUMBERS {
+    for (place, number) in (1..).zip(&NUMBERS) {
         let value = |set: Option<&Measured>, unit| {
             let text = set.and_then(|set| (number.value)(set, unit));
             text.unwrap_or_else(|| "\u{2013}".to_owned())
@@ -99,7 +100,8 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
             None => number.explanation.to_owned(),
         };
         let texts = &texts[..columns];
-        row(ui, sets, number.name, texts, faded, &explanation);
+        let name = (place, number.name);
+        row(ui, sets, name, texts, faded, &explanation);
     }
 }
 
@@ -135,7 +137,14 @@ pub fn counts(set: &Measured) -> String {
     }
 }
 
-fn row(ui: &mut Ui, sets: &Sets<'_>, name: &str, texts: &[String], faded: bool, explanation: &str) {
+fn row(
+    ui: &mut Ui,
+    sets: &Sets<'_>,
+    (place, name): (usize, &str),
+    texts: &[String],
+    faded: bool,
+    explanation: &str,
+) {
     let palette = sets.palette;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let is_head = name.is_empty();
@@ -148,6 +157,7 @@ fn row(ui: &mut Ui, sets: &Sets<'_>, name: &str, texts: &[String], faded: bool, 
         let old = if faded { " (of a moment before)" } else { "" };
         let said = format!("{name}: {}{old}", each.collect::<Vec<_>>().join(", "));
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &said));
+        response.known_as(format_args!("analysis.number-{place}"));
         response.on_hover_text(explanation);
     }
     let painter = ui.painter();

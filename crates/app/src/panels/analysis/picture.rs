@@ -10,6 +10,7 @@ use tilescope_analysis::measures::Spectrum;
 
 use super::plot::Dragged;
 use crate::theme::Palette;
+use crate::widgets::Known;
 
 /// Power that is black.
 pub const BLACK: f64 = 3.0;
@@ -34,6 +35,7 @@ pub fn show(
     let name =
         "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    response.known_as("chart.periodogram");
     let response = response.on_hover_cursor(CursorIcon::Crosshair);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, palette.domain);

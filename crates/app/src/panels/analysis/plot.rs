@@ -7,6 +7,7 @@ use egui::{
 };
 
 use crate::theme::{Palette, semibold};
+use crate::widgets::Known;
 
 /// Room for the numbers left of a chart, for its title and for the numbers below, in screen points.
 const LEFT: f32 = 30.0;
@@ -84,6 +85,7 @@ impl Plot<'_> {
         let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
         let said = self.said();
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
+        response.known_as(format_args!("chart.{}", self.y.sign));
         let mut inner = rect;
         inner.min += vec2(LEFT, ABOVE);
         inner.max -= vec2(13.0, BELOW);

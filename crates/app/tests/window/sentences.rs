@@ -1,0 +1,531 @@
+//! What the window says, word by word. Other tests read facts by id: who changes wording changes it here. An asterisk
+//! stands for any text.
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::NodeT;
+use tilescope_app::analysis::AnalysisCommand;
+use tilescope_app::clock::Clock;
+use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::device::Engine;
+use tilescope_app::export::{Entry, ExportCommand, Kind};
+use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layout::Panel;
+use tilescope_app::passes::{PassCommand, Side};
+use tilescope_app::theme::Look;
+use tilescope_app::{App, Command};
+use tilescope_core::{Boundary, Search, Stage};
+use tilescope_debugger::{Direction, Target};
+use tilescope_gpu::layout::Name;
+
+use crate::analysis_panel::noise;
+use crate::sessions::pattern;
+use crate::support::sessions::{apply, folder, go, path_text};
+use crate::support::{find, node, opened_at, settle};
+
+/// A window, and what it said otherwise than it should.
+struct Told {
+    harness: Harness<'static, App>,
+    otherwise: Vec<String>,
+}
+
+impl Told {
+    fn opened() -> Self {
+        Self {
+            harness: opened_at([1440.0, 900.0]),
+            otherwise: Vec::new(),
+        }
+    }
+
+    fn after<const N: usize>(&mut self, commands: [Command; N]) -> &mut Self {
+        for command in commands {
+            apply(&mut self.harness, command);
+        }
+        self
+    }
+
+    fn typed(&mut self, fields: &[(Field, &str)]) -> &mut Self {
+        for &(field, text) in fields {
+            apply(&mut self.harness, Command::Type(field, text.to_owned()));
+        }
+        self
+    }
+
+    /// Checks what widgets say, by their ids; what is wrong is told at the end, all at once.
+    fn says(&mut self, table: &[(&str, &str)]) -> &mut Self {
+        for &(id, expected) in table {
+            let node = find(&self.harness, id).map(|node| node.accesskit_node());
+            let said = node.map(|node| node.label().or(node.value()).unwrap_or_default());
+            if !said.as_ref().is_some_and(|said| fits(said, expected)) {
+                let line = format!("{id}\n  expected: {expected}\n  said:     {said:?}");
+                self.otherwise.push(line);
+            }
+        }
+        self
+    }
+
+    fn end(&self) {
+        assert!(self.otherwise.is_empty(), "{}", self.otherwise.join("\n"));
+    }
+}
+
+/// Returns whether a text is as expected, where an asterisk stands for any text.
+fn fits(said: &str, expected: &str) -> bool {
+    let Some((before, rest)) = expected.split_once('*') else {
+        return said == expected;
+    };
+    let Some(said) = said.strip_prefix(before) else {
+        return false;
+    };
+    let starts = said.char_indices().map(|(at, _)| at);
+    starts.chain([said.len()]).any(|at| fits(&said[at..], rest))
+}
+
+#[test]
+fn texts_fit_where_only_what_is_left_open_differs() {
+    for (said, expected, is_fit) in [
+        ("one two three", "one two three", true),
+        ("one two three", "one * three", true),
+        ("one two three", "*two*", true),
+        ("one two three", "one two", false),
+        ("one two three", "*four*", false),
+        ("one \u{2026} three", "*three", true),
+    ] {
+        assert_eq!(fits(said, expected), is_fit, "{said}, {expected}");
+    }
+}
+
+fn export(command: ExportCommand) -> Command {
+    Command::Export(command)
+}
+
+fn typed(entry: Entry, text: &str) -> Command {
+    export(ExportCommand::Type(entry, text.to_owned()))
+}
+
+#[test]
+fn the_window_and_its_export_sheet() {
+    let mut told = Told::opened();
+    told.says(&[
+        ("verdict", "Verdict: verified"),
+        ("status", "Finish: 10,041 samples*"),
+        ("counts", "10,041 samples   event 45,961 of 45,961"),
+        ("engine-used", "engine: CPU"),
+        ("run", "Run"),
+        ("first-stage", "First stage (Home)"),
+        ("step-back", "Stage back (Left)"),
+        ("toggle-play", "Play (Space)"),
+        ("step-forward", "Stage forward (Right)"),
+        ("last-stage", "Last stage (End)"),
+        ("moment", "Moment"),
+        ("clock", "Clock"),
+        ("speed", "Speed"),
+        ("fit", "Show the whole domain (F)"),
+        ("export", "Export\u{2026}"),
+        ("toggle-theme", "Light theme"),
+        ("canvas", "Canvas of samples"),
+        ("stage.eliminate", "Eliminate"),
+        ("layer.disks", "Disks"),
+        ("radius", "Radius"),
+        ("seed", "Seed"),
+    ]);
+    told.after([Command::Look(Look::Light)]);
+    told.says(&[("toggle-theme", "Dark theme")]);
+    let session = told.harness.state().state.session.clone().unwrap();
+    let first = |stage: &Stage| *stage == Stage::Iterate(1);
+    let place = session.stages.iter().position(first).unwrap();
+    told.after([Command::ShowStage(place)]);
+    told.says(&[
+        ("status", "Iteration 1: *"),
+        ("verdict", "Verdict: result verified"),
+    ]);
+    let event = Command::Time(TimeCommand::Clock(Clock::Event));
+    told.after([event]);
+    told.says(&[("step-forward", "Event forward (Right)")]);
+    let stage = Command::Time(TimeCommand::Clock(Clock::Stage));
+    told.after([
+        Command::FirstStage,
+        export(ExportCommand::Open(Kind::Animation)),
+        stage,
+    ]);
+    told.says(&[
+        ("export.prospect", "*is empty: there is nothing to animate*"),
+        ("export.result", "Result"),
+        ("export.samples", "Samples of this moment"),
+        ("export.picture", "Picture"),
+        ("export.animation", "Animation"),
+        ("export.write", "Write animation"),
+    ]);
+    let every = |text| typed(Entry::Every, text);
+    told.after([Command::LastStage, every("0")]);
+    told.says(&[("export.prospect", "*whole number from 1 to 10,000,000*")]);
+    told.after([every("1"), typed(Entry::Delay, "5")]);
+    told.says(&[("export.prospect", "The delay is \"5\" ms*")]);
+    told.after([typed(Entry::Delay, "40"), typed(Entry::Scale, "9")]);
+    told.says(&[(
+        "export.prospect",
+        "The scale is \"9\"; it must be a number from 0.5 to 8.",
+    )]);
+    let lines = export(ExportCommand::Clock(Clock::Line));
+    told.after([typed(Entry::Scale, "2"), lines]);
+    told.says(&[
+        ("export.line", "lines"),
+        ("export.prospect", "* frames of at most 600, *"),
+    ]);
+    told.after([export(ExportCommand::Open(Kind::Result))]);
+    told.says(&[
+        ("export.prospect", "10,041 samples.*"),
+        ("export.write", "Write file and certificate"),
+    ]);
+    told.after([export(ExportCommand::Path("set.jpeg".to_owned()))]);
+    told.says(&[("export.format", "*The extension chooses the format: *")]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("moment.png");
+    let path = export(ExportCommand::Path(path_text(&path)));
+    let write = || export(ExportCommand::Write);
+    told.after([export(ExportCommand::Open(Kind::Picture)), path.clone()]);
+    told.says(&[
+        ("export.write", "Write picture"),
+        (
+            "export.format",
+            "Format: PNG. The extension chooses the format: .png .svg.",
+        ),
+        ("export.prospect", "* pixels.*"),
+    ]);
+    told.after([write()]);
+    told.says(&[("notice", "Wrote the picture to *")]);
+    told.after([export(ExportCommand::Open(Kind::Picture)), path, write()]);
+    told.says(&[
+        (
+            "export.taken",
+            "moment.png exists already and would be replaced.",
+        ),
+        ("export.write", "Replace moment.png?"),
+    ]);
+    told.after([
+        export(ExportCommand::Close),
+        Command::FirstStage,
+        Command::TogglePalette,
+    ]);
+    told.says(&[
+        ("find-action", "Find an action"),
+        ("action.go-step-forward", "Tick forward"),
+        (
+            "action.file-export-open-samples",
+            "Export samples of this moment\u{2026}",
+        ),
+        (
+            "action.file-export-open-picture",
+            "Export picture of this moment\u{2026}",
+        ),
+        (
+            "action.file-export-open-animation",
+            "Export animation\u{2026}",
+        ),
+        ("action.file-export-cancel", "Cancel the export"),
+        ("action.file-file-sheet-save", "Save session\u{2026}"),
+    ]);
+    told.end();
+}
+
+#[test]
+fn parameters_engines_and_verdicts() {
+    let mut told = Told::opened();
+    told.typed(&[(Field::Radius, "0")]);
+    told.says(&[("refusal-radius", "*must be a finite number above 0*")]);
+    told.typed(&[(Field::Radius, "0.5")]);
+    told.says(&[(
+        "refusal-width",
+        "The width is 2 r long; it must be at least 10 r: choose a smaller radius.",
+    )]);
+    // It is cancelled before it is there.
+    told.typed(&[(Field::Radius, "0.0005")]);
+    told.harness.state_mut().state.apply(Command::Run);
+    told.after([Command::Cancel]);
+    told.says(&[(
+        "notice",
+        "Cancelled during stage *. The session before it is still here.",
+    )]);
+    told.after([Command::NameAdapter(Some("no such adapter".to_owned()))]);
+    told.after([Command::Engine(Engine::Gpu)]);
+    told.says(&[("notice", "*The GPU cannot serve.*")]);
+    node(&told.harness, "engine").click();
+    told.harness.run();
+    told.says(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
+    told.harness.key_press(egui::Key::Escape);
+    told.after([Command::Choose(Choice::Search(Search::TwoRadii))]);
+    told.typed(&[(Field::Leaf, "6"), (Field::Radius, "0.004")]);
+    told.after([Command::Run]);
+    told.says(&[("verdict", "Verdict: not maximal")]);
+    told.end();
+}
+
+#[test]
+fn two_runs_and_the_debugger() {
+    let mut told = Told::opened();
+    told.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
+    told.after([
+        Command::Run,
+        Command::OpenPanel(Panel::Compare),
+        Command::Compare(CompareCommand::Start(Rival::Typed)),
+    ]);
+    told.says(&[
+        (
+            "parting-0",
+            "Nowhere: every event is the same, sample by sample, to the bit.",
+        ),
+        ("canvas-a", "Canvas of run A"),
+        ("canvas-b", "Canvas of run B"),
+        ("compare.next-seed", "the next seed"),
+        ("compare.engine", "the other engine"),
+        ("compare.go", "Go there in both"),
+        ("compare.keep", "the run after this one"),
+    ]);
+    let refusal = told.harness.state().state.rival_refusal(Rival::Engine);
+    assert!(refusal.expect("a reason").contains("Choose the GPU"));
+    told.after([Command::Compare(CompareCommand::Start(Rival::NextSeed))]);
+    told.says(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
+    told.after([
+        Command::Compare(CompareCommand::Keep),
+        Command::Choose(Choice::Boundary(Boundary::Bounded)),
+        Command::Run,
+    ]);
+    told.says(&[
+        (
+            "compare.refusal",
+            "The domains differ: places cannot be compared.",
+        ),
+        ("run-a", "Run A: boundary bounded*"),
+    ]);
+    told.after([Command::Compare(CompareCommand::Close)]);
+    let target = TimeCommand::RunTo(Target::Violation, Direction::Forwards);
+    told.after([Command::FirstStage, Command::Time(target)]);
+    told.says(&[("notice", "*no violated invariant*")]);
+    let query = |text: &str| Command::Debug(DebugCommand::Query(text.to_owned()));
+    told.after([Command::OpenPanel(Panel::Events), query("insert colour=3")]);
+    told.says(&[("found-events", "*there is no \"colour\"*")]);
+    told.after([query("")]);
+    told.says(&[
+        ("find-events", "Find events"),
+        ("event-0", "Event 1: begin: blocks"),
+    ]);
+    told.after([Command::OpenPanel(Panel::Inspector)]);
+    told.says(&[(
+        "inspector.hint",
+        "Click a sample, or any place, to read what happened there.",
+    )]);
+    let pick = DebugCommand::Pick(Selection::Sample(40));
+    told.after([Command::Debug(pick)]);
+    told.says(&[("history", "History: * events")]);
+    told.after([Command::OpenPanel(Panel::Bookmarks)]);
+    told.says(&[("no-bookmarks", "B remembers the moment.")]);
+    told.after([Command::Debug(DebugCommand::Bookmark)]);
+    let listings = Command::OpenPanel(Panel::Pseudocode);
+    let jump = |at| Command::Time(TimeCommand::Jump(at));
+    told.after([Command::Debug(DebugCommand::Watch(
+        "inserted + 1".to_owned(),
+    ))]);
+    told.says(&[
+        ("bookmark-1", "event *"),
+        ("bookmark-1.note", "Note of bookmark 1"),
+    ]);
+    told.after([listings]);
+    told.says(&[("eliminate.5.breakpoint", "Breakpoint on line eliminate.5")]);
+    told.after([jump(3_000), Command::OpenPanel(Panel::Watches)]);
+    told.says(&[("watch-1.value", "= *"), ("add-watch", "Add a watch")]);
+    told.end();
+}
+
+#[test]
+fn sessions_and_patterns() {
+    let mut told = Told::opened();
+    told.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
+    told.after([Command::Run]);
+    let folder = folder("sentences");
+    let path = folder.join("one.json");
+    told.after([Command::File(FileCommand::Sheet(Purpose::Save))]);
+    told.says(&[("file.go", "Save"), ("file.browse", "Browse\u{2026}")]);
+    go(&mut told.harness, Purpose::Save, &path);
+    let saved = format!("The session is in {}.", path_text(&path));
+    told.says(&[("notice", &saved)]);
+    told.typed(&[(Field::Seed, "2")]);
+    told.after([Command::Run]);
+    go(&mut told.harness, Purpose::Save, &path);
+    told.says(&[
+        ("file.question", "There is such a file already."),
+        ("file.go", "Replace the file"),
+    ]);
+    told.after([Command::File(FileCommand::Sheet(Purpose::Open))]);
+    told.says(&[("file.go", "Open")]);
+    told.after([Command::File(FileCommand::Close)]);
+    let own = pattern(&mut told.harness, &folder);
+    go(&mut told.harness, Purpose::Pattern, &own);
+    told.says(&[("notice", "*The next run clips from*")]);
+    told.after([Command::OpenPanel(Panel::Parameters)]);
+    told.says(&[
+        ("own-pattern", "The pattern comes from *own.csv: * samples."),
+        ("generated-pattern", "Use a generated pattern"),
+    ]);
+    told.after([Command::Run]);
+    let path = folder.join("with-pattern.json");
+    go(&mut told.harness, Purpose::Save, &path);
+    std::fs::remove_file(&own).unwrap();
+    go(&mut told.harness, Purpose::Open, &path);
+    told.says(&[("notice", "*own.csv cannot be loaded*")]);
+    told.end();
+}
+
+#[test]
+fn the_analysis() {
+    let mut told = Told {
+        harness: crate::analysis_panel::analysing(),
+        otherwise: Vec::new(),
+    };
+    told.says(&[
+        (
+            "analysis.status",
+            "Event *, finish: * samples, 0 conflicts, 0 open places.",
+        ),
+        ("analysis.number-1", "Samples: *, reference 27,8*"),
+        (
+            "chart.P",
+            "Chart: Radial mean power P(\u{3bd}) over frequency*reference: highest*",
+        ),
+        ("chart.g", "Chart: Pair correlation g*"),
+        ("chart.periodogram", "Periodogram, frequencies up to *"),
+        (
+            "analysis.reference",
+            "reference: dart throwing, 200 r periodic, 27,8*",
+        ),
+        (
+            "brush.status",
+            "Drag over a chart or the periodogram, or choose here: *",
+        ),
+        ("brush.distance", "Distances"),
+        ("brush.distance.to", "Brush: Distances to"),
+        ("analysis.hold", "Hold against a file\u{2026}"),
+        ("analysis.clear", "Clear"),
+    ]);
+    let path = noise("sentences-against");
+    go(&mut told.harness, Purpose::Against, &path);
+    told.says(&[
+        (
+            "analysis.file",
+            "file: noise.csv (unit square assumed), judged at r = 0.02",
+        ),
+        ("chart.P", "* noise.csv: highest*"),
+        ("analysis.number-1", "Samples: *, file 900"),
+    ]);
+    told.typed(&[(Field::Radius, "0.03")]);
+    told.after([Command::Run]);
+    told.says(&[(
+        "analysis.unjudged",
+        "The file was judged at r = 0.02, and this run's r is 0.03: hold the run against it again.",
+    )]);
+    told.typed(&[(Field::Width, "2")]);
+    told.after([Command::Run]);
+    let domains = "*a domain of 1 \u{d7} 1 periodic, and this run's domain is 2 \u{d7} 1 periodic*";
+    told.says(&[("analysis.refusal", domains)]);
+    told.after([Command::Analysis(AnalysisCommand::Clear)]);
+    go(&mut told.harness, Purpose::Against, &path);
+    told.says(&[("notice", domains)]);
+    let jump = Command::Time(TimeCommand::Jump(1_500));
+    told.after([Command::File(FileCommand::Close), jump]);
+    told.says(&[("analysis.status", "Event 1,500, tile: *")]);
+    told.end();
+}
+
+/// Goes to the first pass of a name, and to one of its buffers.
+fn go_to(told: &mut Told, name: &str, buffer: Name) {
+    let passes = || told.harness.state().state.passes.as_ref().unwrap();
+    let entries = passes().entries();
+    let place = entries.iter().position(|entry| entry.report.name == name);
+    let place = place.expect("such a pass");
+    told.after([Command::Passes(PassCommand::Select(place))]);
+    let visit = told.harness.state().state.passes.as_ref().unwrap().visit();
+    let tables = &visit.expect("a visit").buffers;
+    let place = tables.iter().position(|table| table.name == buffer);
+    let place = place.expect("such a buffer");
+    told.after([Command::Passes(PassCommand::Buffer(place))]);
+}
+
+#[test]
+fn passes_on_a_device() {
+    let mut told = Told::opened();
+    told.typed(&[(Field::Radius, "0.02")]);
+    told.after([Command::Run, Command::Engine(Engine::Gpu)]);
+    told.says(&[("engine-said", "*self-test passed*")]);
+    told.after([Command::Run]);
+    told.says(&[
+        ("engine-used", "engine: GPU (*"),
+        ("verdict", "Verdict: verified"),
+    ]);
+    let pass = |command| Command::Passes(command);
+    let filter = |text: &str| Command::Passes(PassCommand::Filter(text.to_owned()));
+    told.after([Command::OpenPasses]);
+    go_to(&mut told, "tile", Name::Places);
+    told.after([pass(PassCommand::ShowCanvas)]);
+    told.says(&[(
+        "on-canvas",
+        "On the canvas: pass 7 tile, buffer places, after: * rows, *",
+    )]);
+    told.after([pass(PassCommand::Side(Side::Before))]);
+    told.says(&[(
+        "on-canvas",
+        "*buffer places, before: no pass has written it so far",
+    )]);
+    told.after([pass(PassCommand::Side(Side::After)), filter("row<10")]);
+    told.says(&[("on-canvas", "*after: 10 rows, 10 changed")]);
+    told.after([filter("")]);
+    go_to(&mut told, "tile", Name::Starts);
+    told.says(&[(
+        "on-canvas",
+        "*buffer starts, after: no row changed; a filter shows others",
+    )]);
+    go_to(&mut told, "tile", Name::Counters);
+    told.says(&[(
+        "on-canvas",
+        "*buffer counters, after: its rows are numbers, not places",
+    )]);
+    // Where the panel is there is no canvas.
+    told.after([Command::OpenPanel(Panel::Passes)]);
+    go_to(&mut told, "tile", Name::Origins);
+    told.says(&[
+        ("passes.summary", "* are equal to the CPU, 0 differ*"),
+        ("passes.previous", "Previous pass"),
+        ("passes.next", "Next pass"),
+        ("passes.show-canvas", "Show canvas"),
+        ("passes.on-canvas", "On the canvas"),
+        ("buffer.origins", "Buffer origins: *"),
+        (
+            "row-0",
+            "Row 0, changed, image 0, pattern index 0 \u{2192}*",
+        ),
+    ]);
+    told.after([filter("row<10")]);
+    told.says(&[("filtered", "10 of *")]);
+    told.after([filter("picture>1")]);
+    told.says(&[("filtered", "No column is called \"picture\"*")]);
+    told.after([filter(""), pass(PassCommand::Select(2))]);
+    told.says(&[("pass-3", "Pass 3: count, not comparable (intermediate)")]);
+    told.after([pass(PassCommand::Last)]);
+    let passes = told.harness.state().state.passes.as_ref();
+    let last = format!("pass-{}", passes.expect("passes").entries().len());
+    told.says(&[
+        ("passes.place", "pass * of *, stage Finish"),
+        (&last, "Pass *, equal to the CPU"),
+    ]);
+    told.after([pass(PassCommand::Previous)]);
+    told.says(&[(
+        "passes.way",
+        "Reached by a new run from the beginning: the device only steps forwards.",
+    )]);
+    node(&told.harness, "passes.try").click();
+    told.harness.step();
+    settle(&mut told.harness);
+    told.says(&[(
+        "passes.fault",
+        "What if: word 0 of * becomes 0 after pass *.",
+    )]);
+    told.end();
+}
