@@ -7,7 +7,8 @@ use egui_kittest::Harness;
 use egui_tiles::Tree;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
-use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::{Layout, Panel};
 use tilescope_app::theme::Look;
@@ -64,7 +65,7 @@ fn main() {
     ];
     shoot("analysis-large", large);
     let alone = Tree::new_tabs(egui::Id::unique("alone"), vec![Panel::Analysis]);
-    harness.state_mut().state.layout = Layout(alone);
+    harness.state_mut().state.window.layout = Layout(alone);
     save(&mut harness, &folder, "analysis-alone", vec![]);
     let light = vec![Command::Look(Look::Light)];
     save(&mut harness, &folder, "analysis-alone-light", light);

@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::{Choice, Field};
 use tilescope_app::device::Engine;
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;
 use tilescope_app::passes::{PassCommand, Passes, Side};
 use tilescope_app::{App, Command};
@@ -83,17 +83,22 @@ fn apply(harness: &mut Harness<'_, App>, commands: Vec<Command>) {
 
 /// Goes to the first pass of this name, and to a buffer of it.
 fn go(harness: &mut Harness<'_, App>, pass: &str, buffer: Name) {
-    let passes = |harness: &Harness<'_, App>| harness.state().state.passes.is_some();
+    let passes = |harness: &Harness<'_, App>| harness.state().state.runs.first.passes.is_some();
     assert!(passes(harness), "the passes have not been run");
     let state = &harness.state().state;
-    let entries = state.passes.iter().flat_map(Passes::entries);
+    let entries = state.runs.first.passes.iter().flat_map(Passes::entries);
     let place = entries
         .map(|entry| entry.report.name)
         .position(|name| name == pass);
     let select = PassCommand::Select(place.expect("such a pass"));
     apply(harness, vec![Command::Passes(select)]);
     let state = &harness.state().state;
-    let visit = state.passes.as_ref().and_then(|passes| passes.visit());
+    let visit = state
+        .runs
+        .first
+        .passes
+        .as_ref()
+        .and_then(|passes| passes.visit());
     let mut tables = visit.expect("a visit").buffers.iter();
     let place = tables.position(|table| table.name == buffer);
     let choose = PassCommand::Buffer(place.unwrap_or(0));

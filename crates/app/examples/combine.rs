@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};

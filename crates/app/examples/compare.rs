@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};

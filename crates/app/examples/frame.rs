@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::Layer;
-use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::draft::Field;
+use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command, Session};
 
@@ -139,7 +140,16 @@ fn main() {
         .iter()
         .find(|argument| argument.parse::<f64>().is_ok());
     let mut bench = opened(instanced, radius.cloned());
-    let session = Arc::clone(bench.app.state.session.as_ref().expect("a session"));
+    let session = Arc::clone(
+        bench
+            .app
+            .state
+            .runs
+            .first
+            .session
+            .as_ref()
+            .expect("a session"),
+    );
     let drawn = if instanced {
         "instancing"
     } else {
@@ -164,7 +174,7 @@ fn main() {
     measure(&mut bench, "end, fitted, with the analysis");
     bench.apply(Command::OpenPanel(Panel::Parameters));
     for layer in Layer::ALL {
-        if !bench.app.state.layers.has(layer) {
+        if !bench.app.state.appearance.layers.has(layer) {
             bench.apply(Command::ToggleLayer(layer));
         }
     }

@@ -4,11 +4,14 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::{Colouring, Layer};
-use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand, Witness};
+use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::{Entry, ExportCommand, Kind};
+use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
+use tilescope_app::verification::Witness;
 use tilescope_app::{App, Command, State};
 use tilescope_core::Search;
 use tilescope_debugger::{Direction, Target};
@@ -177,7 +180,11 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
         harness.run();
         let state = &harness.state().state;
         let at = thing_near(state, name, place, radii);
-        let pos = state.camera.screen_from_domain(state.viewport, at);
+        let pos = state
+            .runs
+            .first
+            .camera
+            .screen_from_domain(state.runs.first.viewport, at);
         harness.hover_at(pos);
         save(harness, folder, name);
     }
@@ -269,14 +276,14 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
 fn thing_near(state: &State, name: &str, place: [f64; 2], radii: f64) -> [f64; 2] {
     // Where there is a gap in view, the pointer goes there.
     let deepest = state.shown().and_then(|shown| {
-        let tessellation = state.geometry.of(&shown)?;
+        let tessellation = state.runs.first.geometry.of(&shown)?;
         let near = |gap: &&tilescope_analysis::tessellation::GapRegion| {
             let deepest = gap.deepest.0;
             (deepest[0] - place[0]).hypot(deepest[1] - place[1]) < 0.4 * radii
         };
         tessellation.gaps.iter().find(near).map(|gap| gap.deepest.0)
     });
-    let nearest = state.session.as_ref().map(|session| {
+    let nearest = state.runs.first.session.as_ref().map(|session| {
         let distance = |id: &u32| {
             let at = session.place(*id);
             ((at[0] - place[0]).hypot(at[1] - place[1]) * 1e6) as u64

@@ -5,11 +5,12 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{DebugCommand, Selection};
+use tilescope_app::command::DebugCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::state::Notice;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
@@ -86,7 +87,7 @@ fn sheets(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
     save(harness, folder, &format!("{name}-actions"));
     harness.key_press(Key::Escape);
     harness.run();
-    harness.state_mut().state.notice = Some(Notice {
+    harness.state_mut().state.messages.notice = Some(Notice {
         text: "The file /a/place/of/some/length/samples.ply could not be read: its head names more points than it holds.".to_owned(),
         is_error: true,
     });

@@ -13,14 +13,16 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
-use crate::canvas::layers::{Colouring, Layer};
-use crate::command::{Command, DebugCommand, Selection};
+use crate::command::{Command, DebugCommand};
+use crate::finder::Finder;
+use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;
-use crate::sentence::grouped;
-use crate::session::MOST_STAGED;
+use crate::limits::MOST_STAGED;
+use crate::selection::Selection;
 use crate::state::State;
 use crate::theme::Look;
 use crate::widgets::Kebab;
+use crate::words::grouped;
 pub use keys::{keys_of, press_keys, takes_key};
 
 /// The menus.
@@ -86,43 +88,32 @@ pub struct Action {
     pub refusal: Option<String>,
 }
 
-/// The palette: what was typed, and which of the actions found is chosen.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Palette {
-    /// What was typed.
-    pub text: String,
-    /// The place of the choice among the actions found.
-    pub choice: usize,
-}
-
-impl Palette {
-    /// Returns the actions whose names hold every word typed, those that begin with the text first.
-    #[must_use]
-    pub fn found(&self, state: &State) -> Vec<Action> {
-        let text = self.text.trim().to_lowercase();
-        let fits = |action: &Action| {
-            let name = format!("{} {}", action.menu.name(), action.name).to_lowercase();
-            text.split_whitespace().all(|word| name.contains(word))
-        };
-        let mut found: Vec<Action> = actions(state).into_iter().filter(fits).collect();
-        found.sort_by_key(|action| !action.name.to_lowercase().starts_with(&text));
-        found
-    }
+/// Returns the actions whose names hold every word typed, those that begin with the text first.
+#[must_use]
+pub fn found(finder: &Finder, state: &State) -> Vec<Action> {
+    let text = finder.text.trim().to_lowercase();
+    let fits = |action: &Action| {
+        let name = format!("{} {}", action.menu.name(), action.name).to_lowercase();
+        text.split_whitespace().all(|word| name.contains(word))
+    };
+    let mut found: Vec<Action> = actions(state).into_iter().filter(fits).collect();
+    found.sort_by_key(|action| !action.name.to_lowercase().starts_with(&text));
+    found
 }
 
 impl State {
     pub(crate) fn apply_to_palette(&mut self, command: Command) {
         match command {
             Command::TogglePalette => {
-                self.palette = match self.palette {
-                    None => Some(Palette::default()),
+                self.window.finder = match self.window.finder {
+                    None => Some(Finder::default()),
                     Some(_) => None,
                 }
             }
-            Command::ClosePalette => self.palette = None,
-            Command::PaletteText(text) => self.palette = Some(Palette { text, choice: 0 }),
+            Command::ClosePalette => self.window.finder = None,
+            Command::PaletteText(text) => self.window.finder = Some(Finder { text, choice: 0 }),
             Command::PaletteChoice(choice) => {
-                if let Some(palette) = &mut self.palette {
+                if let Some(palette) = &mut self.window.finder {
                     palette.choice = choice;
                 }
             }
@@ -207,7 +198,8 @@ impl Action {
 impl List {
     /// Gives Escape to the first way out of something: what was entered last is left first.
     fn escape(&mut self, state: &State) {
-        let projector = (state.look == Look::Projector).then_some(Command::ToggleProjector);
+        let projector =
+            (state.appearance.look == Look::Projector).then_some(Command::ToggleProjector);
         let ways = [
             Command::Debug(DebugCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
@@ -245,8 +237,8 @@ fn edit(list: &mut List, state: &State) {
         no_future,
     );
     add("Reset parameters", None, Command::ResetParameters, None);
-    let nothing =
-        (state.selected.is_none() && state.place.is_none()).then_some("Nothing is selected.");
+    let nothing = (state.runs.first.selected.is_none() && state.runs.first.place.is_none())
+        .then_some("Nothing is selected.");
     let deselect = Command::Debug(DebugCommand::Pick(Selection::Nothing));
     add("Deselect", None, deselect, nothing);
     add(
@@ -263,7 +255,7 @@ fn full_screen(list: &mut List, state: &State) {
         "Full screen",
         Some((Modifiers::ALT, Key::Enter)),
         Command::ToggleFullScreen,
-        state.full_screen.refusal(),
+        state.window.full_screen.refusal(),
     );
 }
 
@@ -277,8 +269,13 @@ pub const fn projector_action(look: Look) -> &'static str {
 }
 
 fn view(list: &mut List, state: &State) {
-    let no_panel = state.drawer.open.is_none().then_some("No panel is open.");
-    if state.drawer.arrangement.is_compact() {
+    let no_panel = state
+        .window
+        .drawer
+        .open
+        .is_none()
+        .then_some("No panel is open.");
+    if state.window.drawer.arrangement.is_compact() {
         let close = Command::Drawer(DrawerCommand::Show(None));
         list.add(Menu::View, "Close the panel", None, close, no_panel);
     }
@@ -297,7 +294,7 @@ fn view(list: &mut List, state: &State) {
         add(look.name().to_owned(), None, Command::Look(look));
     }
     add(
-        projector_action(state.look).to_owned(),
+        projector_action(state.appearance.look).to_owned(),
         Some((NONE, Key::F2)),
         Command::ToggleProjector,
     );
@@ -343,7 +340,7 @@ const PAN: f32 = 80.0;
 
 /// The view without a pointer.
 fn camera(list: &mut List, state: &State) {
-    let no_session = state.session.is_none().then_some(NO_SESSION);
+    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     for (name, key, delta) in [
         ("Move the view left", Key::ArrowLeft, vec2(PAN, 0.0)),
         ("Move the view right", Key::ArrowRight, vec2(-PAN, 0.0)),
@@ -353,7 +350,7 @@ fn camera(list: &mut List, state: &State) {
         let keys = Some((SHIFT, key));
         list.add(Menu::View, name, keys, Command::Pan(delta), no_session);
     }
-    let middle = state.viewport.center();
+    let middle = state.runs.first.viewport.center();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
         let command = Command::Zoom(middle, factor);
         list.add(Menu::View, name, Some((NONE, key)), command, no_session);
@@ -370,13 +367,13 @@ fn camera(list: &mut List, state: &State) {
 /// Returns why time cannot go forwards, and why not backwards.
 #[must_use]
 pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
-    let Some(session) = &state.session else {
+    let Some(session) = &state.runs.first.session else {
         return [Some(NO_SESSION); 2];
     };
     let (at, last) = state
         .pass_tick()
         .or_else(|| state.cursor())
-        .unwrap_or((state.stage, session.stages.len() - 1));
+        .unwrap_or((state.runs.first.stage, session.stages.len() - 1));
     [
         (at == last).then_some("This is the end of the run."),
         (at == 0).then_some("This is the start of the run."),
@@ -384,11 +381,18 @@ pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
 }
 
 fn debug(list: &mut List, state: &State) {
-    let no_events = state.debugger.is_none().then_some(no_events(state));
+    let no_events = state
+        .runs
+        .first
+        .debugger
+        .is_none()
+        .then_some(no_events(state));
     let mut add = |name: &str, keys, command, refusal: Option<&str>| {
         list.add(Menu::Debug, name, keys, Command::Debug(command), refusal);
     };
     let event = state
+        .runs
+        .first
         .debugger
         .as_ref()
         .and_then(|debugger| debugger.event());

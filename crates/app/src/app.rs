@@ -11,14 +11,13 @@ use egui_tiles::{
 
 use crate::actions;
 use crate::arrangement::{Arrangement, DrawerCommand};
-use crate::canvas::Canvas;
 use crate::canvas::touch::release_cancelled;
 use crate::command::Command;
-use crate::embedding::Embedding;
 use crate::files::FileCommand;
 use crate::focus;
 use crate::layout::{Layout, Panel};
 use crate::panels;
+use crate::panes::Canvas;
 use crate::presses::Presses;
 use crate::spoken::{Speaker, Spoken};
 use crate::state::{FullScreen, State};
@@ -50,10 +49,10 @@ impl App {
     pub fn new(ctx: &Context) -> Self {
         let waker = ctx.clone();
         let state = State::new(Arc::new(move || waker.request_repaint()));
-        theme::install(ctx, state.look.theme());
+        theme::install(ctx, state.appearance.look.theme());
         ctx.add_plugin(Presses::default());
         Self {
-            shown_look: state.look,
+            shown_look: state.appearance.look,
             shown_manner: Manner::default(),
             state,
             canvas: Canvas::default(),
@@ -81,8 +80,8 @@ impl App {
     #[must_use]
     pub fn scrolls_at(&self, ctx: &Context, pos: Pos2) -> bool {
         let is_below = |layer: egui::LayerId| layer.order == egui::Order::Background;
-        self.state.embedding.is_some()
-            && self.state.viewport.contains(pos)
+        self.state.window.embedding.is_some()
+            && self.state.runs.first.viewport.contains(pos)
             && ctx.layer_id_at(pos).is_none_or(is_below)
     }
 
@@ -105,15 +104,15 @@ impl App {
         if self.state.advance(dt) {
             ui.ctx().request_repaint();
         }
-        if self.state.embedding.is_none() {
+        if self.state.window.embedding.is_none() {
             self.take_dropped(ui);
         }
         focus::keep_arrows(ui.ctx(), &self.state);
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());
         }
-        if let Some(embedding) = self.state.embedding {
-            self.commands.retain(Embedding::takes);
+        if let Some(embedding) = self.state.window.embedding {
+            self.commands.retain(Command::works_in_frame);
             panels::show_embedded(
                 ui,
                 embedding,
@@ -122,24 +121,24 @@ impl App {
                 &mut self.commands,
             );
             // A long press would open a panel.
-            self.commands.retain(Embedding::takes);
-        } else if self.state.drawer.arrangement.is_compact() {
+            self.commands.retain(Command::works_in_frame);
+        } else if self.state.window.drawer.arrangement.is_compact() {
             panels::compact::show(ui, &self.state, &mut self.canvas, &mut self.commands);
-        } else if self.state.look == Look::Projector {
+        } else if self.state.appearance.look == Look::Projector {
             panels::show_projector(ui, &self.state, &mut self.canvas, &mut self.commands);
         } else {
-            if !self.state.bare {
+            if !self.state.window.bare {
                 panels::show_bars(ui, &self.state, &mut self.commands);
             }
             self.show_tiles(ui);
         }
-        if self.state.embedding.is_none() {
+        if self.state.window.embedding.is_none() {
             panels::show_floating(ui, &self.state, &mut self.commands);
         }
-        let is_playing = self.state.playback.is_playing();
+        let is_playing = self.state.time.playback.is_playing();
         ui.ctx()
             .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
-        focus::ring(ui.ctx(), theme::Palette::of(self.state.look));
+        focus::ring(ui.ctx(), theme::Palette::of(self.state.appearance.look));
         self.follow_focus(ui.ctx());
         self.apply_commands(ui.ctx());
         #[cfg(target_arch = "wasm32")]
@@ -182,7 +181,7 @@ impl App {
         for file in self.state.take_downloads() {
             if let Err(text) = crate::download::start(&file) {
                 let is_error = true;
-                self.state.notice = Some(crate::state::Notice { text, is_error });
+                self.state.messages.notice = Some(crate::state::Notice { text, is_error });
             }
         }
     }
@@ -202,7 +201,7 @@ impl App {
     }
 
     fn show_tiles(&mut self, ui: &mut Ui) {
-        let mut layout = self.state.layout.clone();
+        let mut layout = self.state.window.layout.clone();
         let (room, around) = (ui.available_size(), [GAP, TAB_BAR]);
         let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
         layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
@@ -221,7 +220,7 @@ impl App {
             focus::name_tiles(ui);
         });
         if tiles.edited && layout.is_whole() {
-            let layout = layout.with_shares_of(&self.state.layout, &shown);
+            let layout = layout.with_shares_of(&self.state.window.layout, &shown);
             let moved = tiles.moved;
             self.state.replace_layout(layout, moved);
         }
@@ -229,7 +228,7 @@ impl App {
 
     /// Puts what was copied on the clipboard.
     fn copy(&mut self, ctx: &Context) {
-        if let Some(text) = self.state.copied.take()
+        if let Some(text) = self.state.links.copied.take()
             && !(self.copier)(&text)
         {
             ctx.copy_text(text);
@@ -237,10 +236,10 @@ impl App {
     }
 
     fn turn_full_screen(&mut self, ctx: &Context) {
-        if self.state.full_screen != FullScreen::Asked {
+        if self.state.window.full_screen != FullScreen::Asked {
             return;
         }
-        self.state.full_screen = FullScreen::Free;
+        self.state.window.full_screen = FullScreen::Free;
         if !(self.screener)() {
             let is_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
@@ -268,27 +267,27 @@ impl App {
     /// Arranges the window for its size. A layout that was made for less than a whole window stays what it is.
     fn arrange(&mut self, ui: &Ui) {
         let mut size = ui.available_size();
-        if self.state.look == Look::Projector {
+        if self.state.appearance.look == Look::Projector {
             size *= ui.ctx().zoom_factor();
         }
-        let arrangement = if self.state.layout.is_whole() {
-            Arrangement::of(size, self.state.look)
+        let arrangement = if self.state.window.layout.is_whole() {
+            Arrangement::of(size, self.state.appearance.look)
         } else {
             Arrangement::Tiles
         };
-        if arrangement != self.state.drawer.arrangement {
+        if arrangement != self.state.window.drawer.arrangement {
             let command = DrawerCommand::Arrange(arrangement);
             self.state.apply(Command::Drawer(command));
         }
     }
 
     fn follow_look(&mut self, ctx: &Context) {
-        let is_compact = self.state.drawer.arrangement.is_compact();
+        let is_compact = self.state.window.drawer.arrangement.is_compact();
         let manner = Manner {
             touch: is_compact,
-            still: self.state.reduced_motion,
+            still: self.state.appearance.reduced_motion,
         };
-        let look = self.state.look;
+        let look = self.state.appearance.look;
         if (self.shown_look, self.shown_manner) == (look, manner) {
             return;
         }
@@ -315,7 +314,7 @@ impl App {
     pub fn remember(&mut self, storage: &dyn eframe::Storage) {
         let layout = eframe::get_value::<Layout>(storage, LAYOUT_KEY);
         if let Some(layout) = layout.and_then(Layout::completed) {
-            self.state.layout = layout;
+            self.state.window.layout = layout;
         }
         if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
             self.state.choose_look(look);
@@ -341,8 +340,8 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, LAYOUT_KEY, &self.state.layout);
-        let look = (self.state.look, self.state.motion_chosen());
+        eframe::set_value(storage, LAYOUT_KEY, &self.state.window.layout);
+        let look = (self.state.appearance.look, self.state.motion_chosen());
         eframe::set_value(storage, LOOK_KEY, &look);
     }
 
@@ -396,7 +395,7 @@ impl Behavior<Panel> for Shower<'_> {
         button: egui::Response,
     ) -> egui::Response {
         // The tiles at hand lack what is being shown.
-        let tiles = &self.state.layout.0.tiles;
+        let tiles = &self.state.window.layout.0.tiles;
         if let Some(panel) = tiles.get_pane(&tile) {
             button.known_as(format_args!("tab.{}", Kebab(panel)));
         }
@@ -438,7 +437,7 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> egui::Color32 {
-        theme::Palette::of(self.state.look).outside
+        theme::Palette::of(self.state.appearance.look).outside
     }
 }
 

@@ -4,7 +4,6 @@
 use egui::{Vec2, vec2};
 
 use crate::layout::Panel;
-use crate::state::State;
 use crate::theme::Look;
 
 /// Narrower windows, in screen points, have no room for tiles.
@@ -70,44 +69,6 @@ pub enum DrawerCommand {
     Show(Option<Panel>),
     /// Gives the panel most of the window, or no longer.
     Tall(bool),
-}
-
-impl State {
-    pub(crate) const fn apply_to_drawer(&mut self, command: DrawerCommand) {
-        match command {
-            DrawerCommand::Arrange(arrangement) => self.drawer.arrangement = arrangement,
-            DrawerCommand::Show(panel) => self.drawer.open = panel,
-            DrawerCommand::Tall(is_tall) => self.drawer.is_tall = is_tall,
-        }
-    }
-
-    /// Returns whether a panel can be seen.
-    #[must_use]
-    pub fn shows(&self, panel: Panel) -> bool {
-        match (self.drawer.arrangement, panel) {
-            (Arrangement::Tiles, _) => self.layout.shows(panel),
-            (_, Panel::Canvas | Panel::Timeline) => true,
-            _ => self.drawer.open == Some(panel),
-        }
-    }
-
-    /// Brings what is known of the selection into view, if there is a selection and the window has panels.
-    pub(crate) fn inspect(&mut self) {
-        let is_selected = self.selected.is_some() || self.place.is_some();
-        if is_selected && self.embedding.is_none() {
-            self.open_panel(Panel::Inspector);
-        }
-    }
-
-    /// Brings a panel into view; in a compact window the tiles are left as they are.
-    pub(crate) fn open_panel(&mut self, panel: Panel) {
-        if !self.drawer.arrangement.is_compact() {
-            self.layout.open(panel);
-            return;
-        }
-        // The canvas is there: it gets all the room.
-        self.drawer.open = (panel != Panel::Canvas).then_some(panel);
-    }
 }
 
 #[cfg(test)]

@@ -2,81 +2,23 @@
 //! and only [`crate::State::apply`] carries them out.
 
 use egui::{Pos2, Rect, Vec2};
-use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 use tilescope_debugger::{Direction, LineId, Step, Target};
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
-use crate::canvas::layers::{Colouring, Layer};
 use crate::clock::Clock;
 use crate::combination::CombineCommand;
 use crate::compare::CompareCommand;
 use crate::device::Engine;
+use crate::draft::{Choice, Field};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
+use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;
 use crate::passes::PassCommand;
+use crate::selection::Selection;
 use crate::theme::Look;
-
-/// A parameter that is typed as a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Field {
-    /// Width of the domain, user units.
-    Width,
-    /// Height of the domain, user units.
-    Height,
-    /// Poisson-disk radius, user units.
-    Radius,
-    /// Seed of the run.
-    Seed,
-    /// Shortest edge of a block, r.
-    Leaf,
-    /// Side of the pattern, r.
-    PatternSide,
-    /// Seed of the pattern.
-    PatternSeed,
-}
-
-/// A parameter that is chosen from a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choice {
-    /// How the domain ends.
-    Boundary(Boundary),
-    /// How the pattern ends.
-    PatternBoundary(Boundary),
-    /// Whether the pattern is turned and mirrored.
-    Dihedral(bool),
-    /// Order of elimination.
-    Order(Order),
-    /// How gaps are filled.
-    Insertion(Insertion),
-    /// How far detectors look.
-    Search(Search),
-    /// Staged, or as printed.
-    Variant(Variant),
-}
-
-/// A place that decides a verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Witness {
-    /// Of the overall verdict: the worst conflict, else the worst gap, else the tightest pair.
-    Verdict,
-    /// The closest pair of samples.
-    ClosestPair,
-    /// The largest empty circle.
-    LargestHole,
-}
-
-/// What is selected.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Selection {
-    /// Nothing.
-    Nothing,
-    /// A sample.
-    Sample(u32),
-    /// A place of the domain, in r.
-    Place([f64; 2]),
-}
+use crate::verification::Witness;
 
 /// A move in time.
 #[derive(Clone, Debug, PartialEq)]
@@ -212,6 +154,8 @@ pub enum Command {
     File(FileCommand),
     /// Does something with the comparison of two runs.
     Compare(CompareCommand),
+    /// Carries out a command of the canvas on the second of two compared runs.
+    OnSecond(Box<Command>),
     /// Does something with what is measured.
     Analysis(AnalysisCommand),
     /// Does something with the debugger.
@@ -246,4 +190,40 @@ pub enum Command {
     OpenLink(String),
     /// Closes the notice.
     DismissNotice,
+}
+
+impl Command {
+    /// Returns whether a key may do this where the window is part of another page: nothing that opens what is not shown there.
+    #[must_use]
+    pub const fn works_in_frame(&self) -> bool {
+        !matches!(
+            self,
+            Self::File(_)
+                | Self::Export(_)
+                | Self::Combine(_)
+                | Self::TogglePalette
+                | Self::OpenPanel(_)
+                | Self::Inspect
+                | Self::ResetLayout
+                | Self::OpenPasses
+                | Self::Run
+                | Self::Undo
+                | Self::Redo
+                | Self::Compare(_)
+                | Self::OnSecond(_)
+                | Self::Look(_)
+                | Self::ToggleProjector
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_of_a_frame_open_nothing_that_it_lacks() {
+        assert!(Command::StepForward.works_in_frame());
+        assert!(!Command::TogglePalette.works_in_frame());
+    }
 }

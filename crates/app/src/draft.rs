@@ -1,10 +1,50 @@
 //! The parameters as they are being typed: text until a run needs numbers.
 //! It knows which field a refusal belongs to; what is refused is the core's business.
 
-use tilescope_core::{MAXIMAL_DENSITY, ParameterError, Parameters, Variant};
+use tilescope_core::{
+    Boundary, Insertion, MAXIMAL_DENSITY, Order, ParameterError, Parameters, Search, Variant,
+};
 
-use crate::command::{Choice, Field};
-use crate::session::MOST_STAGED;
+use crate::limits::{MOST_ON_A_PAGE, MOST_STAGED};
+use crate::words::{grouped, sentence};
+
+/// A parameter that is typed as a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Field {
+    /// Width of the domain, user units.
+    Width,
+    /// Height of the domain, user units.
+    Height,
+    /// Poisson-disk radius, user units.
+    Radius,
+    /// Seed of the run.
+    Seed,
+    /// Shortest edge of a block, r.
+    Leaf,
+    /// Side of the pattern, r.
+    PatternSide,
+    /// Seed of the pattern.
+    PatternSeed,
+}
+
+/// A parameter that is chosen from a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// How the domain ends.
+    Boundary(Boundary),
+    /// How the pattern ends.
+    PatternBoundary(Boundary),
+    /// Whether the pattern is turned and mirrored.
+    Dihedral(bool),
+    /// Order of elimination.
+    Order(Order),
+    /// How gaps are filled.
+    Insertion(Insertion),
+    /// How far detectors look.
+    Search(Search),
+    /// Staged, or as printed.
+    Variant(Variant),
+}
 
 /// Every typed field, in the order of the panel.
 pub const FIELDS: [Field; 7] = [
@@ -220,35 +260,9 @@ fn field_of(error: &ParameterError) -> Option<Field> {
     }
 }
 
-/// Returns `text` with a capital letter and a full stop. The name of a file in front stays as it is.
-#[must_use]
-pub fn sentence(text: &str) -> String {
-    let word = text.split([' ', ':', ',']).next().unwrap_or_default();
-    if word.contains(['.', '/', '\\', '_']) && !word.ends_with('.') {
-        return ended(text);
-    }
-    let mut letters = text.chars();
-    let first = letters.next().map(|c| c.to_uppercase().to_string());
-    ended(&(first.unwrap_or_default() + letters.as_str()))
-}
-
-/// Returns `text` with a full stop. It begins with a name, which stays as it is.
-#[must_use]
-pub fn ended(text: &str) -> String {
-    let stop = if text.ends_with(['.', '!', '?']) {
-        ""
-    } else {
-        "."
-    };
-    format!("{text}{stop}")
-}
-
-/// The most samples of a run on a page: a tab has no room for more.
-pub const MOST_ON_A_PAGE: f64 = 2_000_000.0;
-
 fn too_many(expected: Option<f64>, most: f64) -> Option<Refusal> {
     let expected = expected.filter(|expected| *expected > most)?;
-    let [expected, most] = [expected, most].map(|count| crate::sentence::grouped(count as usize));
+    let [expected, most] = [expected, most].map(|count| grouped(count as usize));
     Some(Refusal {
         field: Some(Field::Radius),
         reason: format!(
@@ -260,16 +274,6 @@ fn too_many(expected: Option<f64>, most: f64) -> Option<Refusal> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sentences_leave_names_of_files_as_they_are() {
-        assert_eq!(sentence("the radius is 0"), "The radius is 0.");
-        assert_eq!(sentence("no!"), "No!");
-        assert_eq!(sentence(""), ".");
-        assert_eq!(sentence("set.csv: no points"), "set.csv: no points.");
-        assert_eq!(sentence("sets/a has 2 bytes"), "sets/a has 2 bytes.");
-        assert_eq!(ended("my set.csv is empty"), "my set.csv is empty.");
-    }
 
     #[test]
     fn the_default_draft_is_the_default_session() {

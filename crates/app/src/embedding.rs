@@ -1,7 +1,5 @@
 //! What of the window is left where it is part of another page, as of a lecture's. Who may speak to it is the page's business.
 
-use crate::command::Command;
-
 /// What is left of the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Embedding {
@@ -29,28 +27,6 @@ impl Embedding {
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|one| one.name() == name)
     }
-
-    /// Returns whether a key may do this here: nothing that opens what is not shown.
-    #[must_use]
-    pub const fn takes(command: &Command) -> bool {
-        !matches!(
-            command,
-            Command::File(_)
-                | Command::Export(_)
-                | Command::Combine(_)
-                | Command::TogglePalette
-                | Command::OpenPanel(_)
-                | Command::Inspect
-                | Command::ResetLayout
-                | Command::OpenPasses
-                | Command::Run
-                | Command::Undo
-                | Command::Redo
-                | Command::Compare(_)
-                | Command::Look(_)
-                | Command::ToggleProjector
-        )
-    }
 }
 
 #[cfg(test)]
@@ -63,7 +39,5 @@ mod tests {
             assert_eq!(Embedding::named(one.name()), Some(one));
         }
         assert_eq!(Embedding::named("Player"), None);
-        assert!(Embedding::takes(&Command::StepForward));
-        assert!(!Embedding::takes(&Command::TogglePalette));
     }
 }

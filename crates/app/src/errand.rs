@@ -1,8 +1,7 @@
 //! Work that can be done where no memory is shared: its input and its outcome are plain data. Natively a thread does it
 //! and nothing is copied; a page hands it to a carrier, which takes it to a worker. Nothing is computed here.
 
-mod lent;
-mod list;
+pub(crate) mod lent;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -11,10 +10,9 @@ use std::sync::Arc;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::jobs::{Monitor, Portable};
+use crate::jobs::{Job, Monitor, Portable, Wake};
 use crate::session::Session;
-pub use lent::{Lent, as_bytes, as_json};
-pub use list::perform;
+pub use lent::Lent;
 
 /// Work, ready to be done anywhere.
 pub trait Errand: Serialize + DeserializeOwned + Portable {
@@ -81,12 +79,12 @@ pub fn carry_with(carrier: Option<Rc<dyn Carrier>>) {
 }
 
 /// Returns who takes the errands of this thread.
-pub(crate) fn carrier() -> Option<Rc<dyn Carrier>> {
+fn carrier() -> Option<Rc<dyn Carrier>> {
     CARRIER.with_borrow(Clone::clone)
 }
 
 /// Returns the errand as a parcel, whose answer is what `take` makes of it.
-pub(crate) fn parcel<E: Errand>(
+fn parcel<E: Errand>(
     errand: &E,
     monitor: Arc<Monitor>,
     take: impl FnOnce(Result<E::Outcome, String>) + 'static,
@@ -109,6 +107,29 @@ pub(crate) fn parcel<E: Errand>(
         monitor,
         answer: Box::new(answer),
     })
+}
+
+/// Starts an errand: on a thread, or by the carrier if there is one.
+#[must_use]
+pub fn start<E: Errand>(wake: &Wake, errand: E) -> Job<E::Outcome> {
+    let Some(carrier) = carrier() else {
+        return Job::start(wake, |monitor| errand.carry_out(monitor));
+    };
+    let (job, sender) = Job::begun(wake);
+    let failed = sender.clone();
+    let waker = Arc::clone(wake);
+    let take = move |outcome| {
+        // An owner that is gone does not want the result.
+        let _ = sender.send(outcome);
+        waker();
+    };
+    match parcel(&errand, Arc::clone(job.monitor()), take) {
+        Ok(parcel) => carrier.carry(parcel),
+        Err(fault) => {
+            let _ = failed.send(Err(fault));
+        }
+    }
+    job
 }
 
 /// Carries out an errand for a job that is a future: here and now, or by the carrier if there is one.
@@ -146,7 +167,7 @@ pub enum Refused {
 }
 
 /// Does one kind of errand where it has arrived.
-fn carry_out<E: Errand>(input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, Refused> {
+pub(crate) fn carry_out<E: Errand>(input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, Refused> {
     let errand: E = lent::unpacked(input).map_err(|refused| match refused {
         Refused::Fault(error) => Refused::Fault(fault(E::NAME, &error)),
         unknown @ Refused::Unknown(_) => unknown,
@@ -175,6 +196,3 @@ pub fn learn(bytes: &[u8]) -> Result<(), String> {
 pub fn known() -> Vec<u64> {
     lent::known()
 }
-
-#[cfg(test)]
-mod tests;

@@ -2,7 +2,6 @@
 //! comes in is bytes, natively out of files and in a browser as they were dropped or chosen; one function reads both.
 
 mod archive;
-mod incoming;
 mod read;
 mod save;
 
@@ -11,11 +10,11 @@ mod disk;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
 
+pub(crate) use crate::incoming::Unread;
+pub use crate::incoming::{Incoming, MOST_FILES, NamedBytes, gather, refusals};
 pub use archive::{PackError, packed, unpacked};
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::{browse, certificate_of};
-pub use incoming::{Incoming, MOST_FILES, NamedBytes, gather, refusals};
-pub(crate) use incoming::{Unread, last_part};
 pub use read::{Combined, Done, Opened, Outcome, ReadTask, Source, read};
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
@@ -156,9 +155,6 @@ impl Default for Delivery {
         Self::Download
     }
 }
-
-/// The longest point set that is read: a million samples as text.
-pub const MOST_PATTERN_BYTES: u64 = 100_000_000;
 
 /// The name of a session's file, where there is none yet.
 pub const SESSION_NAME: &str = "tilescope-session.json";

@@ -38,7 +38,7 @@ pub fn keep_arrows(ctx: &Context, state: &State) {
         return;
     };
     let is_theirs = ctx.text_edit_focused() || Popup::is_any_open(ctx);
-    if is_theirs || state.palette.is_some() || state.has_sheet() {
+    if is_theirs || state.window.finder.is_some() || state.has_sheet() {
         return;
     }
     let filter = EventFilter {

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region, Tessellation};
 
-use crate::errand::Errand;
+use crate::errand::{self, Errand};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::Shown;
-use crate::session::{Session, radii};
+use crate::session::Session;
+use crate::units::radii;
 
 /// Sets with more samples than this are not triangulated for the canvas: it would take seconds for each moment.
 pub const MOST_SAMPLES: usize = 200_000;
@@ -69,7 +70,7 @@ impl Geometry {
             return;
         }
         let (points, region) = (covering(shown), region_of(shown.session));
-        let job = Job::run(wake, Triangulating { points, region });
+        let job = errand::start(wake, Triangulating { points, region });
         self.work = Some((key, job));
     }
 

@@ -9,8 +9,6 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::errand::{self, Errand};
-
 /// Asks the window for a new frame; called from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
@@ -126,29 +124,6 @@ impl<T: Portable> Job<T> {
         job
     }
 
-    /// Has an errand carried out: by a thread, or by the carrier if there is one.
-    #[must_use]
-    pub fn run<E: Errand<Outcome = T>>(wake: &Wake, errand: E) -> Self {
-        let Some(carrier) = errand::carrier() else {
-            return Self::start(wake, |monitor| errand.carry_out(monitor));
-        };
-        let (job, sender) = Self::begun(wake);
-        let failed = sender.clone();
-        let waker = Arc::clone(wake);
-        let take = move |outcome| {
-            // An owner that is gone does not want the result.
-            let _ = sender.send(outcome);
-            waker();
-        };
-        match errand::parcel(&errand, Arc::clone(&job.monitor), take) {
-            Ok(parcel) => carrier.carry(parcel),
-            Err(fault) => {
-                let _ = failed.send(Err(fault));
-            }
-        }
-        job
-    }
-
     /// Starts the work of the future that `work` returns: natively on a thread of its own that drives it, on
     /// the web between the window's frames.
     #[must_use]
@@ -171,10 +146,16 @@ impl<T: Portable> Job<T> {
         job
     }
 
-    fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
+    /// Returns a job that ends with what is sent, and whom it reports to.
+    pub(crate) fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
         let monitor = Arc::new(Monitor::waking(Arc::clone(wake)));
         let (sender, result) = channel();
         (Self { monitor, result }, sender)
+    }
+
+    /// Returns what its work reports to.
+    pub(crate) const fn monitor(&self) -> &Arc<Monitor> {
+        &self.monitor
     }
 
     /// Asks the job to stop; it ends soon after.

@@ -8,7 +8,7 @@ use tilescope_core::{Observer, Parameters, Pattern, SampleError};
 use tilescope_debugger::{DEFAULT_BUDGET, PatternFile, Recording, pattern_digest};
 use tilescope_formats::ReadSet;
 
-use crate::files::Incoming;
+use crate::incoming::Incoming;
 
 /// A pattern that was read from a file.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]

@@ -8,14 +8,14 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_debugger::{Direction, Target};
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
-use crate::canvas::layers::{Colouring, Layer, Layers};
 use crate::clock::{Clock, SPEEDS};
+use crate::layers::{Colouring, Layer, Layers};
 use crate::link::{
     COLOURINGS, MOST_PATTERN_SIDE, MOST_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
-use crate::sentence::grouped;
 use crate::theme::Look;
 use crate::view::{FARTHEST, sound_camera};
+use crate::words::grouped;
 
 /// The longest request, in bytes.
 pub const MOST_BYTES: usize = 65_536;
@@ -418,4 +418,4 @@ fn same_kind(a: &Value, b: &Value) -> bool {
 }
 
 #[cfg(test)]
-mod documented;
+mod tests;

@@ -1,43 +1,11 @@
 //! What happened at a stage, in one sentence. Numbers come from the run; nothing is computed here.
 
-use tilescope_analysis::Report;
 use tilescope_core::{Boundary, Stage};
 
-use crate::session::{Session, radii};
-
-/// Returns `count` with thin groups of three digits.
-#[must_use]
-pub fn grouped(count: usize) -> String {
-    tilescope_debugger::grouped(count as u64)
-}
-
-/// Returns the number of an event as it is shown: from 1, so that the last one's is how many have happened.
-#[must_use]
-pub fn event_number(index: usize) -> String {
-    grouped(index + 1)
-}
-
-/// Returns "1 sample" or "2 samples".
-#[must_use]
-pub fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{} {}", grouped(count), if count == 1 { one } else { many })
-}
-
-/// Returns how many conflicts a report counts, in words.
-#[must_use]
-pub fn conflicts_in(report: &Report) -> String {
-    let more = if report.more_conflicts() {
-        " or more"
-    } else {
-        ""
-    };
-    let noun = if report.conflicts == 1 {
-        "conflict"
-    } else {
-        "conflicts"
-    };
-    format!("{}{more} {noun}", grouped(report.conflicts as usize))
-}
+use crate::moment::Shown;
+use crate::session::Session;
+use crate::units::radii;
+use crate::words::{counted, grouped, share, stage_name};
 
 /// Returns the name of a stage of a session with a capital letter.
 #[must_use]
@@ -49,17 +17,17 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
     }
 }
 
-/// Returns the name of a stage with a capital letter.
+/// Returns what has happened last at a moment: the stage, where it is whole, else the event.
 #[must_use]
-pub fn stage_name(stage: Stage) -> String {
-    match stage {
-        Stage::Pattern => "Pattern".to_owned(),
-        Stage::Blocks => "Blocks".to_owned(),
-        Stage::Tile => "Tile".to_owned(),
-        Stage::Eliminate => "Eliminate".to_owned(),
-        Stage::Iterate(k) => format!("Iterate {k}"),
-        Stage::Regions => "Regions".to_owned(),
-        Stage::Finish => "Finish".to_owned(),
+pub fn happened(shown: Option<&Shown<'_>>) -> String {
+    let Some(shown) = shown else {
+        return "The default session is being sampled.".to_owned();
+    };
+    match (shown.debugger, shown.cursor().checked_sub(1)) {
+        (Some(debugger), Some(last)) if !shown.ends_stage() => {
+            tilescope_debugger::sentence(debugger.recording(), last)
+        }
+        _ => stage_sentence(shown.session, shown.stage),
     }
 }
 
@@ -161,12 +129,6 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
     }
 }
 
-/// Returns a part of a whole in percent.
-#[must_use]
-pub fn share(part: usize, whole: usize) -> String {
-    format!("{:.1}%", 100.0 * part as f64 / whole.max(1) as f64)
-}
-
 fn iteration_sentence(session: &Session, k: u32) -> String {
     let Some(iteration) = session.iteration(k) else {
         return format!("Iteration {k}.");
@@ -188,19 +150,4 @@ fn iteration_sentence(session: &Session, k: u32) -> String {
             "uncovered places"
         ),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_grouped_and_counted() {
-        assert_eq!(grouped(0), "0");
-        assert_eq!(grouped(999), "999");
-        assert_eq!(grouped(1000), "1,000");
-        assert_eq!(grouped(12_345_678), "12,345,678");
-        assert_eq!(counted(1, "gap", "gaps"), "1 gap");
-        assert_eq!(counted(0, "gap", "gaps"), "0 gaps");
-    }
 }

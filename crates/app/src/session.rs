@@ -1,7 +1,6 @@
 //! A finished run made ready to be looked at: its stages, an index of its samples by place, the
 //! conflicts that elimination resolved. Immutable once built; it is built in the background.
 
-mod errands;
 mod report;
 
 use std::sync::{Arc, OnceLock};
@@ -9,39 +8,23 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
-    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Moment, Origin, Parameters, Pattern, R, Run,
-    SampleError, SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
+    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Moment, Origin, Parameters, R, Run, SampleError,
+    SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
 use tilescope_debugger::{Outline, Recording};
-use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
+use tilescope_gpu::GpuError;
 
-use crate::canvas::index::SampleIndex;
 use crate::combination::Combination;
-use crate::errand;
+use crate::index::SampleIndex;
 use crate::jobs::Monitor;
+use crate::limits::MOST_STAGED;
 use crate::recipe::{OwnPattern, Recipe};
-pub use errands::{Patterning, Sampling, Twin};
+use crate::units::radii;
 pub use report::MakeError;
 pub(crate) use report::Reporter;
 
-/// As [`MOST_STAGED`], on a page.
-pub const MOST_STAGED_ON_A_PAGE: f64 = 200_000.0;
-
-/// Sets expected to be larger are made by the parallel engine, which keeps the result alone: the sequential one takes
-/// 105 bytes for each sample and ten times as long.
-///
-/// A page keeps less: its memory is that of a tab, and a session is there twice, in a worker and in the window.
-pub const MOST_STAGED: f64 = if cfg!(target_arch = "wasm32") {
-    MOST_STAGED_ON_A_PAGE
-} else {
-    500_000.0
-};
-
-/// The first stage that a GPU runs of a run that is kept stage by stage.
-const FIRST_GPU_STAGE: Stage = Stage::Blocks;
-
 /// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
-fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
+pub(crate) fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
     let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
     Ok(expected <= MOST_STAGED || parameters.variant == Variant::AsPrinted)
 }
@@ -140,55 +123,9 @@ impl Session {
         }
     }
 
-    /// Samples by `recipe` on `gpu` and prepares the result: with all its stages where the CPU would keep
-    /// them, too. If the device fails, the CPU makes the same session, which then knows of the failure.
-    ///
-    /// Fails as [`Self::sample`], never because of the device.
-    pub async fn sample_on(
-        gpu: Arc<Gpu>,
-        recipe: &Recipe,
-        generation: u64,
-        monitor: &Arc<Monitor>,
-    ) -> Result<Self, MakeError> {
-        let name = gpu.report().name.clone();
-        let mut observer = Reporter { monitor };
-        let recipe = recipe.clone();
-        let pattern = if let Some(own) = &recipe.own {
-            Arc::clone(&own.pattern)
-        } else {
-            let making = Patterning(recipe.parameters.pattern);
-            let made = errand::on_behalf(making, monitor).await;
-            made.map_err(MakeError::fault)??
-        };
-        let parameters = &recipe.parameters;
-        let error = match run_on(gpu, parameters, &pattern, &mut observer).await {
-            Ok(run) => {
-                let engine = format!("GPU ({name})");
-                let twin = Twin {
-                    run,
-                    recipe,
-                    generation,
-                };
-                let session = errand::on_behalf(twin, monitor).await;
-                return Ok(Self {
-                    engine,
-                    ..session.map_err(MakeError::fault)??
-                });
-            }
-            Err(GpuError::Sample(error)) => return Err(error.into()),
-            Err(error) => error,
-        };
-        let sampling = Sampling { recipe, generation };
-        let session = errand::on_behalf(sampling, monitor).await;
-        Ok(Self {
-            failure: Some(Failure { name, error }),
-            ..session.map_err(MakeError::fault)??
-        })
-    }
-
     /// Prepares a run of the GPU. Where all its stages are kept, the CPU makes the same run with its events; what the
     /// GPU made is shown as it is, without events, if the two differ.
-    fn of_gpu(
+    pub(crate) fn of_gpu(
         run: Run,
         recipe: &Recipe,
         generation: u64,
@@ -382,32 +319,6 @@ impl Session {
             Variant::Staged => 0,
         }
     }
-}
-
-/// Runs parameters on a device: to the last stage with all of them kept, or for the result alone.
-async fn run_on(
-    gpu: Arc<Gpu>,
-    parameters: &Parameters,
-    pattern: &Arc<Pattern>,
-    observer: &mut Reporter<'_>,
-) -> Result<Run, GpuError> {
-    parameters.validate_sequential()?;
-    if !keeps_everything(parameters)? {
-        return GpuSweep::run(gpu, parameters, pattern, observer).await;
-    }
-    let mut stepper = Stepper::new(gpu, parameters, pattern, FIRST_GPU_STAGE).await?;
-    while let Some(stage) = stepper.step().await? {
-        if let Some(stage) = observer.report(stage, 1.0) {
-            return Err(SampleError::Cancelled { stage }.into());
-        }
-    }
-    stepper.run().await
-}
-
-/// Returns lattice units in r.
-#[must_use]
-pub fn radii(units: i32) -> f64 {
-    f64::from(units) / f64::from(R)
 }
 
 /// Returns the iteration behind those that the run keeps, if the recording has one: it found nothing.

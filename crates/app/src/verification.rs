@@ -5,10 +5,20 @@ use tilescope_analysis::{
     Boundary, Conflict, Gap, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
-use crate::command::Witness;
 use crate::errand::{Errand, Lent};
 use crate::jobs::Monitor;
 use crate::session::Session;
+
+/// A place that decides a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Witness {
+    /// Of the overall verdict: the worst conflict, else the worst gap, else the tightest pair.
+    Verdict,
+    /// The closest pair of samples.
+    ClosestPair,
+    /// The largest empty circle.
+    LargestHole,
+}
 
 /// Most samples for which the extremes of a valid set are looked up as well.
 const MAX_EXTREMES: usize = 3_000_000;

@@ -7,10 +7,10 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_debugger::MAX_SAMPLES;
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
-use crate::canvas::layers::{Colouring, Layer, Layers};
 use crate::clock::{Clock, SPEEDS};
-use crate::command::Selection;
+use crate::layers::{Colouring, Layer, Layers};
 use crate::layout::Layout;
+use crate::selection::Selection;
 use crate::theme::Look;
 
 /// Farther from the origin than this, in r, there is no domain.

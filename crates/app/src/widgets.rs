@@ -8,7 +8,7 @@ use egui::{
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
 
-use crate::canvas::layers::Layer;
+use crate::layers::Layer;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
 /// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
@@ -125,7 +125,7 @@ pub fn symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
                 painter.line_segment(ends, Stroke::new(width, palette.text));
             }
         }
-        Layer::Seams => crate::canvas::seam_symbol(painter, at, palette),
+        Layer::Seams => seam_symbol(painter, at, palette),
         Layer::Conflicts => {
             let ends = [at + vec2(-6.0, 4.0), at + vec2(6.0, -4.0)];
             painter.extend(Shape::dashed_line(
@@ -187,6 +187,14 @@ fn net_symbol(painter: &Painter, layer: Layer, at: Pos2, palette: &Palette) {
     for ends in ends {
         painter.line_segment(ends.map(|v| at + v), Stroke::new(1.3, color));
     }
+}
+
+/// Two sets, and the seam between them in its band.
+fn seam_symbol(painter: &Painter, at: Pos2, palette: &Palette) {
+    let band = Rect::from_center_size(at, vec2(9.0, 13.0));
+    painter.rect_filled(band, 0.0, palette.accent.gamma_multiply(0.3));
+    let half = vec2(0.0, 6.5);
+    painter.line_segment([at - half, at + half], Stroke::new(1.6, palette.accent));
 }
 
 fn gap_symbol(painter: &Painter, at: Pos2, palette: &Palette) {

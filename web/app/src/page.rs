@@ -9,11 +9,11 @@ use eframe::{WebOptions, WebRunner};
 use egui::{Event, Ui};
 use js_sys::Object;
 use serde::Deserialize;
-use tilescope_app::canvas::input::leads_zoom;
 use tilescope_app::device::Engine;
 use tilescope_app::embedding::Embedding;
 use tilescope_app::errand::carry_with;
 use tilescope_app::focus::{self, End};
+use tilescope_app::panes::leads_zoom;
 use tilescope_app::{App, Command};
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -292,7 +292,7 @@ impl Page {
                 .device
                 .set_device_lost_callback(|_, reason| hooks::lost(&reason));
         }
-        app.state.link_base = address();
+        app.state.links.base = address();
         app.copy_with(hooks::copy);
         App::speak_to(&creation.egui_ctx, |spoken| {
             hooks::field(&spoken.field);

@@ -234,12 +234,16 @@ impl Search<'_> {
     /// Looks at each of `own`: on all threads where they are so many that a cluster fills the cell.
     fn crowd<T: Sync>(&self, own: &[T], found: &mut Found, look: impl Fn(&T, &mut Found) + Sync) {
         if own.len() <= CROWD {
-            own.iter().for_each(|one| look(one, found));
+            for one in own {
+                look(one, found);
+            }
             return;
         }
         let chunks = own.par_chunks(CROWD).map(|chunk| {
             let mut part = self.empty();
-            chunk.iter().for_each(|one| look(one, &mut part));
+            for one in chunk {
+                look(one, &mut part);
+            }
             part
         });
         // Added in sequence, so that sums do not depend on threads.

@@ -19,14 +19,14 @@ pub(super) fn add(list: &mut List, state: &State) {
         list.add(Menu::Analyze, name, keys, command, refusal);
     };
     let analysis = &state.analysis;
-    let no_session = state.session.is_none().then_some(NO_SESSION);
+    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     // Tiles have tabs to leave the analysis by; a projector and a small window do not.
     let open = Command::OpenPanel(Panel::Analysis);
     let (name, command) = if !state.analyses() {
         ("Show analysis", open)
-    } else if state.drawer.arrangement.is_compact() {
+    } else if state.window.drawer.arrangement.is_compact() {
         ("Hide analysis", Command::Drawer(DrawerCommand::Show(None)))
-    } else if state.look == Look::Projector {
+    } else if state.appearance.look == Look::Projector {
         ("Hide analysis", Command::OpenPanel(Panel::Parameters))
     } else {
         ("Show analysis", open)
@@ -57,7 +57,7 @@ fn brushes(list: &mut List, state: &State) {
         let keys = key.map(|key| (NONE, key));
         list.add(Menu::Analyze, name, keys, command, refusal);
     };
-    let no_session = state.session.is_none().then_some(NO_SESSION);
+    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     for (name, axis, [from, to]) in [
         (
             "Brush frequencies about the first peak",

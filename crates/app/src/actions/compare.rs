@@ -11,13 +11,13 @@ const NO_SECOND: &str = "There is no second run.";
 
 /// Adds the actions to the list.
 pub(super) fn compare(list: &mut List, state: &State) {
-    let mut add = |name: String, key: Option<Key>, command, refusal: Option<String>| {
+    let mut add = |name: String, key: Option<Key>, command: Command, refusal: Option<String>| {
         list.actions.push(Action {
             menu: Menu::Compare,
             name,
             shortcut: key.map(|key| KeyboardShortcut::new(Modifiers::NONE, key)),
             also: None,
-            command: Command::Compare(command),
+            command,
             refusal,
         });
     };
@@ -26,39 +26,46 @@ pub(super) fn compare(list: &mut List, state: &State) {
         add(
             name,
             None,
-            CompareCommand::Start(rival),
+            Command::Compare(CompareCommand::Start(rival)),
             state.rival_refusal(rival),
         );
     }
     let no_session = state
+        .runs
+        .first
         .session
         .is_none()
         .then(|| "There is no session yet.".to_owned());
     let name = "Keep this run as B".to_owned();
-    add(name, None, CompareCommand::Keep, no_session);
-    let second = state.comparison.as_ref();
+    add(
+        name,
+        None,
+        Command::Compare(CompareCommand::Keep),
+        no_session,
+    );
+    let second = state.runs.second.as_ref();
     let ready = second.is_some_and(|(side, _)| side.session.is_some());
     let refusal = |there: bool| (!there).then(|| NO_SECOND.to_owned());
     add(
         "Swap A and B".to_owned(),
         Some(Key::X),
-        CompareCommand::Swap,
+        Command::Compare(CompareCommand::Swap),
         refusal(ready),
     );
     add(
         "Go to where A and B part".to_owned(),
         Some(Key::D),
-        CompareCommand::GoToDivergence,
+        Command::Compare(CompareCommand::GoToDivergence),
         state.parting_refusal().map(str::to_owned),
     );
     let at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
     let idle = (!at_work).then(|| "B is not being sampled.".to_owned());
-    let cancel = CompareCommand::OnOther(Box::new(Command::Cancel));
+    let cancel = Command::OnSecond(Box::new(Command::Cancel));
     add("Cancel B".to_owned(), None, cancel, idle);
     add(
         "Close B".to_owned(),
         None,
-        CompareCommand::Close,
+        Command::Compare(CompareCommand::Close),
         refusal(second.is_some()),
     );
     links(list, state);
@@ -66,7 +73,7 @@ pub(super) fn compare(list: &mut List, state: &State) {
 
 /// Adds what hangs together and what is marked, to be switched.
 fn links(list: &mut List, state: &State) {
-    let second = state.comparison.as_ref();
+    let second = state.runs.second.as_ref();
     let refusal = second.is_none().then(|| NO_SECOND.to_owned());
     for (name, on, command) in [
         (

@@ -23,6 +23,8 @@ pub(super) fn add(list: &mut List, state: &State) {
         refusal.as_deref(),
     );
     let idle = state
+        .runs
+        .first
         .sampling
         .is_none()
         .then_some("Nothing is being sampled.");
@@ -43,7 +45,11 @@ pub(super) fn add(list: &mut List, state: &State) {
         ("Export animation\u{2026}", None, Kind::Animation),
     ] {
         let refusal = state.kind_refusal(kind).map(|refusal| refusal.to_string());
-        let is_open = state.export.as_ref().is_some_and(|form| form.kind == kind);
+        let is_open = state
+            .files
+            .export
+            .as_ref()
+            .is_some_and(|form| form.kind == kind);
         let command = Command::Export(if is_open {
             ExportCommand::Close
         } else {
@@ -76,7 +82,7 @@ fn sheet_name(name: &str, is_open: bool) -> String {
 
 /// Adds what reads and writes sessions and patterns.
 fn sessions(list: &mut List, state: &State) {
-    let open = state.file.as_ref().map(|form| form.purpose);
+    let open = state.files.sheet.as_ref().map(|form| form.purpose);
     let sheet = |purpose| {
         Command::File(if open == Some(purpose) {
             FileCommand::Close
@@ -85,6 +91,7 @@ fn sessions(list: &mut List, state: &State) {
         })
     };
     let generated = state
+        .form
         .own_pattern
         .is_none()
         .then_some("The pattern is a generated one.");

@@ -11,8 +11,13 @@ use crate::state::State;
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
     let [at_end, at_start] = time_refusals(state);
-    let no_session = state.session.is_none().then_some(NO_SESSION);
-    let no_events = state.debugger.is_none().then_some(no_events(state));
+    let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
+    let no_events = state
+        .runs
+        .first
+        .debugger
+        .is_none()
+        .then_some(no_events(state));
     let play = Command::TogglePlay;
     let space = Some((NONE, Key::Space));
     list.add(Menu::Go, "Play or pause", space, play, no_session);
@@ -117,11 +122,11 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     .into_iter()
     .map(|(name, key, target)| (name.to_owned(), Some(key), target))
     .collect();
-    if let Some(id) = state.selected {
-        let name = format!("event of sample {}", crate::sentence::grouped(id as usize));
+    if let Some(id) = state.runs.first.selected {
+        let name = format!("event of sample {}", crate::words::grouped(id as usize));
         targets.push((name, Some(Key::H), Target::Sample(id)));
     }
-    if let Some(event) = state.debugger.as_ref().and_then(|d| d.event()) {
+    if let Some(event) = state.runs.first.debugger.as_ref().and_then(|d| d.event()) {
         let name = "execution of this line".to_owned();
         targets.push((name, Some(Key::L), Target::Line(event.line())));
     }

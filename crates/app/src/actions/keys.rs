@@ -3,9 +3,9 @@
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Popup};
 
-use super::{Action, COMMAND, NONE, Palette, SHIFT, actions};
+use super::{Action, COMMAND, NONE, SHIFT, actions, found};
 use crate::command::Command;
-use crate::embedding::Embedding;
+use crate::finder::Finder;
 use crate::state::State;
 
 /// Returns a press as it is meant: plus is on the key of the equals sign on many keyboards, with Shift or without.
@@ -39,7 +39,7 @@ pub fn takes_key(state: &State, name: &str, modifiers: Modifiers) -> bool {
         return false;
     };
     let is_taken = |action: &Action| {
-        let here = state.embedding.is_none() || Embedding::takes(&action.command);
+        let here = state.window.embedding.is_none() || action.command.works_in_frame();
         here && action.keys().any(|shortcut| {
             shortcut.logical_key == key && modifiers.matches_exact(shortcut.modifiers)
         })
@@ -54,7 +54,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
     let typing = ctx.text_edit_focused();
     // A focused button takes the space key for itself, the canvas does not.
     let pointed = ctx.memory(|memory| memory.focused().is_some());
-    let on_canvas = crate::canvas::has_focus(ctx);
+    let on_canvas = crate::panes::has_focus(ctx);
     let has_popup = Popup::is_any_open(ctx);
     // Each press comes with the modifiers of its own moment: a slow frame may hold presses and releases of several.
     let asked = ahead(ctx, state);
@@ -95,13 +95,13 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
 
 /// Returns what a press does as things stand, and the modifiers of its shortcut.
 fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifiers)> {
-    let listed = state.palette.is_some();
+    let listed = state.window.finder.is_some();
     actions(state).into_iter().find_map(|action| {
         let shortcut = action.keys().find(|shortcut| {
             shortcut.logical_key == key && held.matches_exact(shortcut.modifiers)
         })?;
         let is_open = !listed || action.command == Command::TogglePalette;
-        let is_here = state.embedding.is_none() || Embedding::takes(&action.command);
+        let is_here = state.window.embedding.is_none() || action.command.works_in_frame();
         let can = action.refusal.is_none() && is_open && is_here;
         can.then_some((action.command, shortcut.modifiers))
     })
@@ -130,11 +130,11 @@ struct Ahead {
 }
 
 fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
-    if state.has_sheet() || state.embedding.is_some() {
+    if state.has_sheet() || state.window.embedding.is_some() {
         return None;
     }
     let typing = ctx.text_edit_focused();
-    let open = state.palette.as_ref();
+    let open = state.window.finder.as_ref();
     ctx.input_mut(|input| {
         let from = match open {
             Some(_) if typing => return None,
@@ -188,14 +188,14 @@ impl Ahead {
         if self.text.trim().is_empty() {
             return Vec::new();
         }
-        let palette = Palette {
+        let finder = Finder {
             text: self.text,
             choice: 0,
         };
-        let found = palette.found(state).into_iter().next();
+        let found = found(&finder, state).into_iter().next();
         match found.filter(|action| self.is_entered && action.refusal.is_none()) {
             Some(action) => vec![Command::ClosePalette, action.command],
-            None => vec![Command::PaletteText(palette.text)],
+            None => vec![Command::PaletteText(finder.text)],
         }
     }
 }

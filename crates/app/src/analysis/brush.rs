@@ -6,12 +6,12 @@ use std::sync::Arc;
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
 
 use super::measured::{Control, Samples, refusal};
-use crate::errand::Errand;
+use crate::errand::{self, Errand};
 use crate::geometry::{Key, key_of};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::{Shown, Still};
-use crate::sentence::{counted, grouped};
 use crate::session::Session;
+use crate::words::{counted, grouped};
 
 /// Pairs that are kept to be drawn.
 pub const MOST_PAIRS: usize = 500_000;
@@ -188,7 +188,7 @@ impl Marks {
         }
         let still = Still::of(session, shown);
         let causing = Causing { still, brush: of.1 };
-        self.work = Some((of, Job::run(wake, causing)));
+        self.work = Some((of, errand::start(wake, causing)));
     }
 
     fn poll(&mut self) {
@@ -209,7 +209,7 @@ impl Marks {
             }
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((of, why)),
-            Err(panic) => self.failed = Some((of, crate::draft::sentence(&panic))),
+            Err(panic) => self.failed = Some((of, crate::words::sentence(&panic))),
         }
     }
 

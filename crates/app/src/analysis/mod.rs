@@ -11,12 +11,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use tilescope_core::Stage;
 
-use crate::errand::Errand;
+use crate::errand::{self, Errand};
 use crate::geometry::{Key, key_of, region_of};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::{Shown, Still};
-use crate::sentence::{grouped, name_in};
-use crate::session::{Session, radii};
+use crate::sentence::name_in;
+use crate::session::Session;
+use crate::units::radii;
+use crate::words::grouped;
 use brush::{Brush, Marks};
 use held::Held;
 use measured::{Measured, Part, Samples, refusal};
@@ -195,10 +197,10 @@ impl Analysis {
                 part,
                 set,
             };
-            (part, Job::run(wake, going_on))
+            (part, errand::start(wake, going_on))
         } else {
             let beginning = Beginning(Still::of(session, shown));
-            (Part::Pairs, Job::run(wake, beginning))
+            (Part::Pairs, errand::start(wake, beginning))
         };
         self.work = Some(Work {
             key,
@@ -237,7 +239,7 @@ impl Analysis {
             }
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((key, why)),
-            Err(panic) => self.failed = Some((key, crate::draft::sentence(&panic))),
+            Err(panic) => self.failed = Some((key, crate::words::sentence(&panic))),
         }
     }
 

@@ -6,9 +6,9 @@ use tilescope_analysis::{Boundary, Region};
 use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
 
 use super::measured::{Measured, Samples, refusal};
-use crate::errand::Errand;
+use crate::errand::{self, Errand};
 use crate::jobs::{Job, Monitor, Wake};
-use crate::session::radii;
+use crate::units::radii;
 
 /// The set: a pattern, but no run clips from one as large by default.
 pub const SPEC: PatternSpec = PatternSpec {
@@ -45,7 +45,7 @@ impl Reference {
     #[must_use]
     pub fn name(&self) -> String {
         let count = self.measured().map_or_else(String::new, |measured| {
-            format!(", {} samples", crate::sentence::grouped(measured.samples))
+            format!(", {} samples", crate::words::grouped(measured.samples))
         });
         format!("dart throwing, {} r periodic{count}", SPEC.side)
     }
@@ -59,7 +59,7 @@ impl Reference {
 
     pub(super) fn want(&mut self, wake: &Wake) {
         match self {
-            Self::Unknown => *self = Self::Pending(Job::run(wake, Measuring)),
+            Self::Unknown => *self = Self::Pending(errand::start(wake, Measuring)),
             Self::Pending(job) => {
                 if let Some(outcome) = job.poll() {
                     self.take(outcome);

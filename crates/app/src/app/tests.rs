@@ -7,7 +7,8 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
 use super::*;
 use crate::clock::Clock;
 use crate::command::{DebugCommand, TimeCommand};
-use crate::panels::happened;
+use crate::embedding::Embedding;
+use crate::sentence::happened;
 use tilescope_debugger::{Kind, Target};
 
 /// A window that is shown nowhere.
@@ -140,7 +141,14 @@ fn keys_of_one_frame_count_one_after_the_other() {
     // Each run to an event goes on from the one before.
     window.frame(keys(&[Key::Home, Key::E, Key::E]));
     let state = &window.app.state;
-    let recording = state.session.as_ref().unwrap().recording().unwrap();
+    let recording = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .recording()
+        .unwrap();
     let eliminations = recording.tape().from(0).take(window.cursor());
     let count = eliminations.filter(|(_, event)| event.kind() == Kind::Eliminate);
     assert_eq!(count.count(), 2);
@@ -150,7 +158,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
         press(Key::Escape, Modifiers::NONE),
     ]);
     window.rest();
-    assert!(window.app.state.palette.is_none());
+    assert!(window.app.state.window.finder.is_none());
 }
 
 /// Returns the ids of what is marked as current, of those for which `is_meant`.
@@ -198,7 +206,7 @@ fn what_stands_on_one_screen_is_of_one_moment() {
         window.apply(Command::Time(TimeCommand::RunTo(target, forwards)));
         let (cursor, recording) = {
             let state = &window.app.state;
-            let session = state.session.as_ref().unwrap();
+            let session = state.runs.first.session.as_ref().unwrap();
             (
                 state.cursor().unwrap().0,
                 Arc::clone(session.recording().unwrap()),
@@ -213,7 +221,7 @@ fn what_stands_on_one_screen_is_of_one_moment() {
             listings.line(event.line()).unwrap().id.clone()
         };
         let line = |index: usize| format!("{}.line", id(index));
-        let lines = current(&window, |id| id.ends_with(".line"));
+        let lines = current(&window, |id| id.contains(".line"));
         assert_eq!(lines, [line(cursor - 1)]);
         // They are named as what has run and what is about to.
         for (index, tag) in [(cursor - 1, "done"), (cursor, "next")] {
@@ -251,7 +259,7 @@ fn drawn(window: &Window, text: &str) -> Vec<(bool, Rect, Rect)> {
 
 /// Returns the longest sentence of each kind of event and the ends of the stages, as cursors.
 fn longest(window: &Window) -> Vec<usize> {
-    let session = window.app.state.session.as_ref().unwrap();
+    let session = window.app.state.runs.first.session.as_ref().unwrap();
     let recording = session.recording().unwrap();
     let mut longest = std::collections::BTreeMap::<&str, (usize, usize)>::new();
     for (index, event) in recording.tape().from(0) {
@@ -281,7 +289,7 @@ fn sentences_are_whole() {
         ([844.0, 390.0], None, None),
     ] {
         let mut window = Window::opened(size);
-        window.app.state.embedding = embedding;
+        window.app.state.window.embedding = embedding;
         if let Some(look) = look {
             window.apply(Command::Look(look));
             // What a projector shows is larger.
@@ -296,7 +304,7 @@ fn sentences_are_whole() {
                 .apply(Command::Time(TimeCommand::Jump(cursor)));
             window.frame(Vec::new());
             window.frame(Vec::new());
-            let text = happened(&window.app.state);
+            let text = happened(window.app.state.shown().as_ref());
             let found = drawn(&window, &text);
             let whole = |&(elided, place, clip): &(bool, Rect, Rect)| {
                 !elided && clip.expand(0.5).contains_rect(place)
@@ -318,7 +326,7 @@ fn the_default_session_has_its_gaps_where_it_fits() {
         let mut window = Window::opened(size);
         window.apply(Command::Fit);
         while window.app.state.advance(0.1) {}
-        let scale = window.app.state.camera.scale;
+        let scale = window.app.state.runs.first.camera.scale;
         assert!(scale >= crate::canvas::MIN_DISK_SCALE, "{size:?}: {scale}");
     }
 }
@@ -330,7 +338,17 @@ fn a_bookmark_and_a_row_lead_to_the_same_moment() {
     window.apply(Command::Time(TimeCommand::Jump(4_000)));
     window.apply(Command::Debug(DebugCommand::Bookmark));
     window.apply(Command::FirstStage);
-    let last = window.app.state.debugger.as_ref().unwrap().bookmarks[0].event - 1;
+    let last = window
+        .app
+        .state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .unwrap()
+        .bookmarks[0]
+        .event
+        - 1;
     window.apply(Command::Debug(DebugCommand::SelectEvent(last)));
     assert_eq!(window.cursor(), 4_000);
 }

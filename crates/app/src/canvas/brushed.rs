@@ -9,8 +9,8 @@ use super::pane::MadeFrom;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
 use crate::analysis::brush::{Cause, Found};
-use crate::sentence::{counted, grouped};
 use crate::theme::Palette;
+use crate::words::{counted, grouped};
 
 /// Edges that are drawn at most: those nearest to the middle of the view.
 pub const MOST_EDGES: usize = 20_000;

@@ -9,11 +9,11 @@ use tilescope_core::{Rect as LatticeRect, Stage};
 use tilescope_gpu::Spot;
 
 use super::sprites::{Sprite, Sprites, Stamp};
-use super::subject::Subject;
 use crate::passes::OnCanvas;
 use crate::passes::placed::Rows;
-use crate::session::radii;
+use crate::subject::Subject;
 use crate::theme::Palette;
+use crate::units::radii;
 use crate::widgets::Known;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
@@ -63,8 +63,8 @@ pub fn show(
         }
     }
     let note = note.or_else(|| {
-        let most = crate::sentence::grouped(MOST_MARKS);
-        let more = crate::sentence::grouped(left_out);
+        let most = crate::words::grouped(MOST_MARKS);
+        let more = crate::words::grouped(left_out);
         (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
     });
     let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;

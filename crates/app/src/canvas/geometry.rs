@@ -7,10 +7,10 @@ use egui::{Color32, Shape};
 use tilescope_analysis::Tessellation;
 use tilescope_analysis::tessellation::Edge;
 
-use super::layers::Layer;
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
+use crate::layers::Layer;
 
 /// Circles wider than this, in r, are hardly curved where they can be seen.
 const WIDEST: f64 = 50.0;

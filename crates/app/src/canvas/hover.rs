@@ -6,11 +6,11 @@ use tilescope_analysis::tessellation::Edge;
 use tilescope_core::{Origin, Stage, Standing};
 
 use super::MIN_DISK_SCALE;
-use super::subject::Subject;
 use super::tree::Made;
-use crate::sentence::grouped;
-use crate::session::radii;
+use crate::subject::Subject;
 use crate::theme::Palette;
+use crate::units::radii;
+use crate::words::grouped;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
 const WIDEST: f32 = 380.0;

@@ -9,8 +9,8 @@ use tilescope_core::{Origin, Stage, Standing};
 use super::age::Ages;
 use super::brushed;
 use super::instanced::{Look, Symbol};
-use super::layers::{Colouring, Layer, Layers};
-use super::subject::Subject;
+use crate::layers::{Colouring, Layer, Layers};
+use crate::subject::Subject;
 use crate::theme::Palette;
 
 /// All that looks follow from.

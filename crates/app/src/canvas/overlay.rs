@@ -3,7 +3,7 @@
 use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::paint::tag;
-use super::subject::Subject;
+use crate::subject::Subject;
 use crate::theme::Palette;
 use crate::verification::Sight;
 

@@ -3,14 +3,15 @@
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, vec2};
 use tilescope_core::{Rect as LatticeRect, Stage};
 
-use super::layers::Layer;
 use super::sprites::{Sprite, Sprites};
 use super::strokes::Stamps;
-use super::subject::Subject;
 use super::tree::Made;
+use crate::layers::Layer;
 use crate::moment::Shown;
-use crate::session::{Session, radii};
+use crate::session::Session;
+use crate::subject::Subject;
 use crate::theme::Palette;
+use crate::units::radii;
 
 /// What is drawn in one frame.
 pub struct Scene<'a> {

@@ -6,7 +6,6 @@ use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, 
 use tilescope_core::Stage;
 
 use super::brushed::Edges;
-use super::layers::Layer;
 use super::looks::{Key, Looks, Swatches};
 use super::paint::Scene;
 use super::raster::{Coverage, Frame};
@@ -14,9 +13,10 @@ use super::resident::Resident;
 use super::sprites::Sprites;
 use super::stack::{Stack, note};
 use super::strokes::Kept;
-use super::subject::Subject;
 use super::{MIN_DISK_SCALE, UNIT, symbols};
+use crate::layers::Layer;
 use crate::moment::Shown;
+use crate::subject::Subject;
 use crate::theme::Palette;
 
 /// A picture between two frames.

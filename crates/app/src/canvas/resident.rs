@@ -6,9 +6,9 @@ use egui::{Painter, Rect};
 use tilescope_core::Stage;
 
 use super::instanced::{InstancedCanvas, Look, PaintOptions, Symbol, Symbols};
-use super::layers::Layer;
 use super::looks::{Key, Looks};
 use super::paint::Scene;
+use crate::layers::Layer;
 
 /// Moments more events apart than this are not compared event by event.
 const MOST_EVENTS: usize = 1_000;

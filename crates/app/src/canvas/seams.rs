@@ -1,11 +1,11 @@
 //! The seams of a combination: the lines along which its sets meet, and the band around them that gluing may touch.
 
-use egui::{Rect, Shape, Stroke, pos2};
+use egui::{Rect, Shape, pos2};
 
-use super::layers::Layer;
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
+use crate::layers::Layer;
 
 /// The width of a seam, in screen points.
 const WIDTH: f32 = 1.6;
@@ -53,12 +53,4 @@ pub fn lines(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
 fn shown<'a>(scene: &Scene<'a>) -> Option<&'a crate::combination::Combination> {
     let combination = scene.session.combination.as_ref();
     combination.filter(|_| scene.has(Layer::Seams))
-}
-
-/// Draws the layer's symbol: two sets, and the seam between them in its band.
-pub fn symbol(painter: &egui::Painter, at: egui::Pos2, palette: &crate::theme::Palette) {
-    let band = Rect::from_center_size(at, egui::vec2(9.0, 13.0));
-    painter.rect_filled(band, 0.0, palette.accent.gamma_multiply(0.3));
-    let half = egui::vec2(0.0, 6.5);
-    painter.line_segment([at - half, at + half], Stroke::new(WIDTH, palette.accent));
 }

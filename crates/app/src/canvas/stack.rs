@@ -4,13 +4,13 @@ use egui::{Painter, Rect, Shape};
 use tilescope_core::Stage;
 
 use super::brushed::Edges;
-use super::layers::Layer;
 use super::looks::Looks;
 use super::paint::Scene;
 use super::resident::Resident;
 use super::sprites::Sprites;
 use super::strokes::Kept;
 use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, seams, symbols, tree};
+use crate::layers::Layer;
 
 /// What is kept as meshes from frame to frame.
 #[derive(Clone, Copy)]
@@ -220,7 +220,7 @@ pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String>
         ));
     }
     if crowded && leaves_out(scene) {
-        let most = crate::sentence::grouped(MAX_SYMBOLS);
+        let most = crate::words::grouped(MAX_SYMBOLS);
         return Some(format!(
             "More than {most} samples in view: conflicts, detectors, candidates and triangles are left out. Zoom in."
         ));

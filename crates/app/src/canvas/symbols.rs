@@ -6,14 +6,14 @@ use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{Iteration, Origin, Point, Stage, Standing};
 
 use super::instanced::{Symbol, outline, radii as radii_at};
-use super::layers::Layer;
 use super::looks::Looks;
 use super::paint::Scene;
 use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites};
 use super::strokes::{Stamps, Strokes};
+use crate::layers::Layer;
 use crate::moment::Shown;
-use crate::session::radii;
+use crate::units::radii;
 
 /// Disks larger than this are drawn as circles, not as pictures, in screen points.
 const MAX_DISK_SPRITE: f32 = 160.0;

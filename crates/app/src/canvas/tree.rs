@@ -10,7 +10,7 @@ use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
 use crate::moment::Shown;
-use crate::session::radii;
+use crate::units::radii;
 
 /// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
 pub const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tilescope_core::Point;
 
-use crate::errand::Errand;
+use crate::errand::{self, Errand};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::{Shown, Still};
 use crate::session::Session;
@@ -72,7 +72,7 @@ impl Differences {
             return;
         }
         let differing = Differing([Still::of(first, a), Still::of(second, b)]);
-        self.work = Some((key, Job::run(wake, differing)));
+        self.work = Some((key, errand::start(wake, differing)));
     }
 
     fn take(&mut self) {

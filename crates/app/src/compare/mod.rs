@@ -9,14 +9,13 @@ use std::sync::Arc;
 use tilescope_core::{Insertion, Order, Parameters, Search, Variant};
 use tilescope_debugger::{Divergence, first_divergence, first_divergence_of_runs};
 
-use crate::command::Command;
-use crate::errand::{Errand, Lent};
+use crate::errand::{self, Errand, Lent};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::session::Session;
 use difference::Differences;
 
 /// An action of the comparison.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompareCommand {
     /// Samples a second run.
     Start(Rival),
@@ -34,8 +33,6 @@ pub enum CompareCommand {
     ShowDifferences(bool),
     /// Goes to where the two part.
     GoToDivergence,
-    /// Carries out a command of the canvas on the second run.
-    OnOther(Box<Command>),
 }
 
 /// What the second run is to be.
@@ -194,7 +191,7 @@ impl Comparison {
         };
         if !known {
             let pair = [a, b].map(|session| Lent(Arc::clone(session)));
-            let job = Job::run(wake, Dividing(pair));
+            let job = errand::start(wake, Dividing(pair));
             self.parting = Parting::Pending(wanted, job);
         }
     }

@@ -14,14 +14,15 @@ use super::picture::View;
 use crate::canvas::MIN_DISK_SCALE;
 use crate::canvas::blocks::{MIN_LABELLED, TINTS};
 use crate::canvas::instanced::Symbol;
-use crate::canvas::layers::Layer;
 use crate::canvas::looks::{Looks, Swatches};
-use crate::canvas::subject::Subject;
 use crate::canvas::tree::{self, Made};
 use crate::geometry::{Geometry, MOST_SAMPLES, region_of};
+use crate::layers::Layer;
 use crate::moment::Shown;
-use crate::session::{Session, radii};
+use crate::session::Session;
+use crate::subject::Subject;
 use crate::theme::Palette;
+use crate::units::radii;
 
 /// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
 const LARGEST_CIRCLE: f64 = 10_000.0;

@@ -21,7 +21,7 @@ use super::picture::{described, frame, scene};
 use super::still::{method, parameter_map, point_set, provenance};
 use super::{Content, Order, extension};
 use crate::clock::Clock;
-use crate::files::NamedBytes;
+use crate::incoming::NamedBytes;
 use crate::jobs::Monitor;
 use crate::verification::region_of;
 
@@ -339,7 +339,7 @@ struct Limited(Vec<u8>);
 impl Write for Limited {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.0.len() + bytes.len() > MOST_ANIMATION_BYTES {
-            let most = crate::sentence::grouped(MOST_ANIMATION_BYTES);
+            let most = crate::words::grouped(MOST_ANIMATION_BYTES);
             return Err(io::Error::other(format!(
                 "it is longer than {most} bytes; fewer frames or a smaller scale would do"
             )));

@@ -6,8 +6,9 @@ use std::io::{Cursor, Read as _, Write as _};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use super::incoming::refusals;
-use super::{MOST_FILES, NamedBytes, last_part};
+use super::{MOST_FILES, NamedBytes};
+use crate::incoming::refusals;
+use crate::words::last_part;
 
 /// Why files were not packed.
 #[derive(Debug, thiserror::Error)]

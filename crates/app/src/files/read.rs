@@ -14,8 +14,10 @@ use tilescope_formats::CERTIFICATE_SUFFIX;
 
 use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
 use crate::analysis::held::{self, Held};
-use crate::combination::{SavedCombination, holds_combination, make};
-use crate::errand::{Errand, Lent, as_json};
+use crate::combining::{SavedCombination, make};
+use crate::encoding::as_json;
+use crate::errand::{Errand, Lent};
+use crate::incoming::holds_combination;
 use crate::jobs::Monitor;
 use crate::recipe::{self, OwnPattern, Recipe, load};
 use crate::session::{Reporter, Session};

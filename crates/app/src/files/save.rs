@@ -5,8 +5,9 @@ use std::path::Path;
 
 use tilescope_debugger::Session as Saved;
 
-use super::{NamedBytes, last_part};
-use crate::combination::SavedCombination;
+use super::NamedBytes;
+use crate::combining::SavedCombination;
+use crate::words::last_part;
 
 /// What is to be saved: a combination goes before a run.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::{File, HtmlInputElement};
 
 use super::NamedBytes;
-use super::incoming::refusals;
+use crate::incoming::refusals;
 use crate::jobs::{Job, Wake};
 
 /// What was read, and sentences about what was not.

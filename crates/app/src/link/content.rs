@@ -5,10 +5,10 @@ use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::{Bookmark, SavedBreakpoint};
 
 use crate::camera::Camera;
-use crate::canvas::layers::{Colouring, Layers};
 use crate::clock::Clock;
-use crate::command::Selection;
+use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;
+use crate::selection::Selection;
 use crate::theme::Look;
 use crate::view::View;
 

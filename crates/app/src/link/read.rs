@@ -16,13 +16,13 @@ use super::{
     MOST_BOOKMARKS, MOST_BYTES, MOST_COMBINATION, MOST_SAMPLES, MOST_STOPS, MOST_TEXT, VERSION,
     tiles,
 };
-use crate::canvas::layers::{Colouring, Layer, Layers};
 use crate::clock::Clock;
 use crate::combination::NINE;
-use crate::command::Selection;
-use crate::sentence::grouped;
+use crate::layers::{Colouring, Layer, Layers};
+use crate::selection::Selection;
 use crate::theme::Look;
 use crate::view::{is_near, sound_camera, speed};
+use crate::words::grouped;
 
 const OTHERS: [&str; 17] = [
     "v",

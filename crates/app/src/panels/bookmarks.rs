@@ -6,15 +6,15 @@ use tilescope_debugger::{Bookmark, Debugger, Direction, Listings, Marked};
 use super::no_events;
 use crate::actions::keys_of;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, Known, heading, icon_button};
+use crate::words::grouped;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let Some(debugger) = &state.debugger else {
+    let palette = Palette::of(state.appearance.look);
+    let Some(debugger) = &state.runs.first.debugger else {
         no_events(ui, state);
         return;
     };
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .known_as("no-breakpoints");
     }
     breakpoints(ui, debugger, palette, commands);
-    if let Some(said) = state.hits.said() {
+    if let Some(said) = state.runs.first.hits.said() {
         ui.label(RichText::new(said).color(palette.muted))
             .known_as("hits");
     }

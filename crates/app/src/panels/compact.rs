@@ -7,10 +7,10 @@ use egui::{Context, CursorIcon, Stroke, WidgetInfo, pos2, vec2};
 
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
-use crate::canvas::Canvas;
 use crate::command::Command;
 use crate::focus;
 use crate::layout::Panel;
+use crate::panes::Canvas;
 use crate::state::State;
 use crate::theme::{FINGER, Palette};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
@@ -43,9 +43,9 @@ struct Places {
 /// Returns how high a window must be for everything in it; in a lower one it is scrolled: what lies beside the canvas of a
 /// lying window, all of an upright one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
-    let bar = if state.bare { 0.0 } else { BAR };
-    let drawer = state.drawer.open.map_or(0.0, |_| LEAST_DRAWER);
-    let canvas = match state.drawer.arrangement {
+    let bar = if state.window.bare { 0.0 } else { BAR };
+    let drawer = state.window.drawer.open.map_or(0.0, |_| LEAST_DRAWER);
+    let canvas = match state.window.drawer.arrangement {
         Arrangement::Landscape => 0.0,
         _ => LEAST_CANVAS,
     };
@@ -54,7 +54,7 @@ fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
 
 /// Returns where everything but the canvas is: in a lying window beside it.
 fn column(room: Rect, state: &State) -> Rect {
-    if state.drawer.arrangement != Arrangement::Landscape {
+    if state.window.drawer.arrangement != Arrangement::Landscape {
         return room;
     }
     let beside = BESIDE.min((1.0 - CANVAS) * room.width());
@@ -70,8 +70,8 @@ fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
 impl Places {
     /// Divides `room`; without a bar, without a panel or with a tall one as told.
     fn of(ctx: &Context, room: Rect, state: &State) -> Self {
-        let drawer = &state.drawer;
-        let bar = if state.bare { 0.0 } else { BAR };
+        let drawer = &state.window.drawer;
+        let bar = if state.window.bare { 0.0 } else { BAR };
         let (column, controls) = (column(room, state), controls(ctx, room, state));
         let mut canvas = room;
         let lies = drawer.arrangement == Arrangement::Landscape;
@@ -131,7 +131,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     };
     if needed <= room.height() {
         shown.all(ui, &Places::of(ui.ctx(), room, state));
-    } else if state.drawer.arrangement == Arrangement::Landscape {
+    } else if state.window.drawer.arrangement == Arrangement::Landscape {
         let places = Places::of(ui.ctx(), high, state);
         shown.canvas(ui, places.canvas.intersect(room));
         let beside = room.with_min_x(places.bar.left());
@@ -152,7 +152,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     } else {
         // Over the canvas the wheel zooms.
         let pointer = ui.input(|input| input.pointer.hover_pos());
-        let by_wheel = pointer.is_none_or(|pointer| !state.viewport.contains(pointer));
+        let by_wheel = pointer.is_none_or(|pointer| !state.runs.first.viewport.contains(pointer));
         scrolled(ui, high, by_wheel, |ui, high| {
             shown.all(ui, &Places::of(ui.ctx(), high, state));
         });
@@ -193,8 +193,8 @@ impl Shown<'_> {
     }
 
     fn bar(&mut self, ui: &mut Ui, places: &Places) {
-        let fill = Palette::of(self.state.look).panel;
-        if !self.state.bare {
+        let fill = Palette::of(self.state.appearance.look).panel;
+        if !self.state.window.bare {
             part(ui, "bar", places.bar, vec2(10.0, 0.0), fill, |ui| {
                 toolbar::show_compact(ui, self.state, self.commands);
             });
@@ -216,7 +216,7 @@ impl Shown<'_> {
 
     /// The controls of time, the tabs, and the open panel.
     fn below(&mut self, ui: &mut Ui, places: &Places) {
-        let fill = Palette::of(self.state.look).panel;
+        let fill = Palette::of(self.state.appearance.look).panel;
         part(ui, "time", places.controls, TIME_MARGIN, fill, |ui| {
             timeline::show_compact(ui, self.state, places.is_low, self.commands);
         });
@@ -227,7 +227,7 @@ impl Shown<'_> {
             return;
         }
         part(ui, "drawer", places.drawer, vec2(0.0, 0.0), fill, |ui| {
-            if let Some(panel) = self.state.drawer.open {
+            if let Some(panel) = self.state.window.drawer.open {
                 drawer(ui, panel, self.state, self.canvas, self.commands);
             }
         });
@@ -312,11 +312,11 @@ const TAB_ORDER: [Panel; 14] = [
 ];
 
 fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        let open = state.drawer.open;
-        let buttons = match (open, state.drawer.arrangement) {
+        let open = state.window.drawer.open;
+        let buttons = match (open, state.window.drawer.arrangement) {
             (None, _) => 0.0,
             (Some(_), Arrangement::Portrait) => 2.0,
             (Some(_), _) => 1.0,
@@ -338,8 +338,8 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             return;
         }
         let mut push = |command| commands.push(Command::Drawer(command));
-        if state.drawer.arrangement == Arrangement::Portrait {
-            let is_tall = state.drawer.is_tall;
+        if state.window.drawer.arrangement == Arrangement::Portrait {
+            let is_tall = state.window.drawer.is_tall;
             let (icon, name) = if is_tall {
                 (Icon::Shorter, "Less room for the panel")
             } else {

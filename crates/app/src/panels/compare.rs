@@ -5,18 +5,20 @@ use tilescope_debugger::{Divergence, Recording};
 
 use crate::command::Command;
 use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
-use crate::sentence::{counted, grouped, stage_name};
-use crate::state::{Side, State};
+use crate::state::{RunView, State};
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, heading, primary_button, row};
+use crate::words::counted;
+use crate::words::grouped;
+use crate::words::stage_name;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let mut own = Vec::new();
-    if let Some((side, comparison)) = &state.comparison {
-        second(ui, side, palette, &mut own);
-        if let (Some(a), Some(b)) = (&state.session, &side.session) {
+    if let Some((side, comparison)) = &state.runs.second {
+        second(ui, side, palette, commands);
+        if let (Some(a), Some(b)) = (&state.runs.first.session, &side.session) {
             heading(ui, "What differs in the parameters");
             let differing = contrast_of(a, b);
             let remark = match &differing {
@@ -53,7 +55,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     commands.extend(own.into_iter().map(Command::Compare));
 }
 
-fn second(ui: &mut Ui, side: &Side, palette: &Palette, own: &mut Vec<CompareCommand>) {
+fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let ready = side.session.is_some();
         let swap = ui.add_enabled(ready, Button::new("Swap A and B"));
@@ -63,15 +65,15 @@ fn second(ui: &mut Ui, side: &Side, palette: &Palette, own: &mut Vec<CompareComm
             .on_disabled_hover_text("The second run is not there yet.")
             .clicked()
         {
-            own.push(CompareCommand::Swap);
+            commands.push(Command::Compare(CompareCommand::Swap));
         }
         if ui.button("Close B").known_as("compare.close").clicked() {
-            own.push(CompareCommand::Close);
+            commands.push(Command::Compare(CompareCommand::Close));
         }
         if side.sampling.is_some() {
             let cancel = ui.button("Cancel B");
             if cancel.known_as("compare.cancel").clicked() {
-                own.push(CompareCommand::OnOther(Box::new(Command::Cancel)));
+                commands.push(Command::OnSecond(Box::new(Command::Cancel)));
             }
         }
     });
@@ -97,7 +99,7 @@ fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
         }
     }
     let kept = ui.add_enabled(
-        state.session.is_some(),
+        state.runs.first.session.is_some(),
         Button::new("the run after this one"),
     );
     kept.known_as("compare.keep");
@@ -112,13 +114,13 @@ fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
 fn parting(
     ui: &mut Ui,
     state: &State,
-    side: &Side,
+    side: &RunView,
     comparison: &Comparison,
     own: &mut Vec<CompareCommand>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     heading(ui, "Where they part");
-    let (Some(a), Some(b)) = (&state.session, &side.session) else {
+    let (Some(a), Some(b)) = (&state.runs.first.session, &side.session) else {
         return;
     };
     let Some(divergence) = comparison.divergence(a, b) else {
@@ -191,11 +193,11 @@ fn said(divergence: &Divergence) -> Vec<String> {
 fn now(
     ui: &mut Ui,
     state: &State,
-    side: &Side,
+    side: &RunView,
     comparison: &Comparison,
     own: &mut Vec<CompareCommand>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     heading(ui, "Samples at this moment");
     let (Some(a), Some(b)) = (state.shown(), side.shown()) else {
         return;

@@ -6,9 +6,9 @@ use egui::{Color32, Rect, Ui, Vec2, vec2};
 use super::compact::part;
 use super::notice;
 use super::timeline::{PLAYER_MARGIN, Player};
-use crate::canvas::Canvas;
 use crate::command::Command;
 use crate::embedding::Embedding;
+use crate::panes::Canvas;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, Known, icon_button};
@@ -24,7 +24,7 @@ pub fn show(
     canvas: &mut Canvas,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let room = ui.available_rect_before_wrap();
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
     let width = room.width() - 2.0 * PLAYER_MARGIN.x;
@@ -41,7 +41,7 @@ pub fn show(
             canvas.show(ui, state, commands);
         },
     );
-    if state.session.is_some() && !state.is_fitted() {
+    if state.runs.first.session.is_some() && !state.is_fitted() {
         whole_domain(ui, above, palette, commands);
     }
     if let Some(player) = player {
@@ -50,7 +50,11 @@ pub fn show(
         });
     }
     // A canvas alone shows what went wrong, and nothing else but itself.
-    let is_wrong = state.notice.as_ref().is_some_and(|notice| notice.is_error);
+    let is_wrong = state
+        .messages
+        .notice
+        .as_ref()
+        .is_some_and(|notice| notice.is_error);
     if embedding == Embedding::Player || is_wrong {
         notice::show(ui, state, commands);
     }

@@ -14,10 +14,10 @@ const EXPLANATION: &str =
 
 /// Shows the chooser and, where there is more to say of the engine than its name, a line.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     labelled(ui, "Engine", palette, |ui, label| {
         let combo = ComboBox::from_id_salt("Engine")
-            .selected_text(text(state, state.engine))
+            .selected_text(text(state, state.form.engine))
             .width(field_width(ui))
             .truncate()
             .show_ui(ui, |ui| {
@@ -39,16 +39,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn entry(ui: &mut Ui, state: &State, engine: Engine, commands: &mut Vec<Command>) {
     let refusal = match engine {
-        Engine::Gpu => state.device.refusal(),
+        Engine::Gpu => state.gpu.device.refusal(),
         Engine::Auto | Engine::Cpu => None,
     };
-    let button = Button::selectable(state.engine == engine, text(state, engine));
+    let button = Button::selectable(state.form.engine == engine, text(state, engine));
     let mut response = ui.add_enabled(refusal.is_none(), button);
     response.known_as(format_args!("engine.{}", Kebab(engine)));
     if let Some(why) = refusal {
         response = response.on_disabled_hover_text(why);
     }
-    if response.clicked() && state.engine != engine {
+    if response.clicked() && state.form.engine != engine {
         commands.push(Command::Engine(engine));
     }
 }

@@ -10,22 +10,24 @@ use tilescope_debugger::{Debugger, OutlineRows};
 use super::no_events;
 use crate::command::{Command, DebugCommand};
 use crate::focus;
-use crate::sentence::{counted, event_number, grouped};
 use crate::state::{Found, MOST_FOUND, State};
 use crate::theme::{Palette, is_for_fingers, row_height};
 use crate::widgets::Known;
+use crate::words::counted;
+use crate::words::event_number;
+use crate::words::grouped;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let Some(debugger) = &state.debugger else {
+    let palette = Palette::of(state.appearance.look);
+    let Some(debugger) = &state.runs.first.debugger else {
         no_events(ui, state);
         return;
     };
-    let mut text = state.query.text.clone();
+    let mut text = state.runs.first.query.text.clone();
     let field = TextEdit::singleline(&mut text)
         .align(egui::Align2::LEFT_CENTER)
         .hint_text("insert iteration>1 block=7")
@@ -36,7 +38,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if response.changed() {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
-    let (note, color) = match (&state.query.error, &state.query.found) {
+    let (note, color) = match (&state.runs.first.query.error, &state.runs.first.query.found) {
         (Some(error), _) => (error.clone(), palette.conflict),
         (None, Found::Nothing) => (
             format!("{} events", grouped(debugger.recording().len())),
@@ -53,7 +55,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.label(RichText::new(note).color(color))
         .known_as("found-events");
     ui.add_space(2.0);
-    let found = match &state.query.found {
+    let found = match &state.runs.first.query.found {
         Found::Events(events) => Some(events.as_slice()),
         _ => None,
     };
@@ -76,7 +78,7 @@ fn list(
     commands: &mut Vec<Command>,
 ) {
     let last = debugger.state().cursor().checked_sub(1);
-    let rows = state.rows.as_ref();
+    let rows = state.runs.first.rows.as_ref();
     let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
     let line = |row: usize| match found {
         Some(events) => Some(Line {
@@ -128,8 +130,8 @@ fn list(
 
 /// Returns the row of an event, or of the nearest one around it that can be seen.
 fn visible_row(state: &State, event: usize) -> Option<usize> {
-    let rows = state.rows.as_ref()?;
-    let outline = state.session.as_ref()?.outline.as_ref()?;
+    let rows = state.runs.first.rows.as_ref()?;
+    let outline = state.runs.first.session.as_ref()?.outline.as_ref()?;
     let mut around = std::iter::once(event).chain(outline.parents(event));
     around.find_map(|event| rows.row_of(event))
 }
@@ -142,7 +144,7 @@ fn show_row(
     current: bool,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let index = line.event;
     let (rect, response) = ui.allocate_exact_size(
         vec2(ui.available_width() - 10.0, row_height(ui.ctx(), ROW)),

@@ -7,12 +7,12 @@ use tilescope_formats::{Format, Precision};
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use crate::clock::Clock;
 use crate::command::Command;
-use crate::draft::sentence;
 use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
-use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, primary_button};
+use crate::words::grouped;
+use crate::words::sentence;
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
@@ -23,13 +23,13 @@ const NAME_WIDTH: f32 = 92.0;
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(form) = &state.export else {
+    let Some(form) = &state.files.export else {
         return;
     };
     let mut sheet = Sheet {
         state,
         form,
-        palette: Palette::of(state.look),
+        palette: Palette::of(state.appearance.look),
         commands: Vec::new(),
     };
     let mut open = true;
@@ -124,7 +124,7 @@ impl Sheet<'_> {
             return "An animation shows the view from event to event.".to_owned();
         };
         let (start, end) = (grouped(range.start), grouped(range.end));
-        let whose = if self.state.playback.range.is_some() {
+        let whose = if self.state.time.playback.range.is_some() {
             "the range of the loop"
         } else {
             "the stage shown; a loop on the timeline chooses another range"
@@ -317,7 +317,7 @@ impl Sheet<'_> {
     /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so that a double click
     /// on the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
-        if let Some(job) = &self.state.exporting {
+        if let Some(job) = &self.state.files.exporting {
             let activity = sentence(&job.activity());
             let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
             let bar = egui::ProgressBar::new(job.fraction())

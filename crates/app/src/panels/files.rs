@@ -14,7 +14,7 @@ use crate::widgets::{Known, primary_button};
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let mut own = Vec::new();
     dropped(ui, state, &mut own);
-    if let Some(form) = &state.file {
+    if let Some(form) = &state.files.sheet {
         sheet(ui, state, form, &mut own);
     }
     commands.extend(own.into_iter().map(Command::File));
@@ -36,7 +36,7 @@ fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
 }
 
 fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.label(RichText::new(form.purpose.explanation()).color(palette.muted));
     if let Some(more) = state.in_browser().then(|| together(form.purpose)).flatten() {
         ui.label(RichText::new(more).color(palette.muted));
@@ -127,7 +127,7 @@ fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
         })
     } else if form.purpose == Purpose::Save {
         state.save_refusal()
-    } else if form.purpose == Purpose::Against && state.session.is_none() {
+    } else if form.purpose == Purpose::Against && state.runs.first.session.is_none() {
         Some("There is no session yet.")
     } else {
         None
@@ -135,7 +135,11 @@ fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
 }
 
 fn busy(state: &State) -> Option<f32> {
-    state.filing.as_ref().map(|filing| filing.job.fraction())
+    state
+        .files
+        .filing
+        .as_ref()
+        .map(|filing| filing.job.fraction())
 }
 
 /// Shows how far a file is read or written, and the way out.
@@ -152,10 +156,10 @@ fn progress(ui: &mut Ui, state: &State, palette: &Palette, own: &mut Vec<FileCom
 
 /// Shows that a dropped file is being read, where no sheet says it.
 fn dropped(ui: &Ui, state: &State, own: &mut Vec<FileCommand>) {
-    if state.file.is_some() || busy(state).is_none() {
+    if state.files.sheet.is_some() || busy(state).is_none() {
         return;
     }
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     Window::new("Opening the dropped file")
         .collapsible(false)
         .resizable(false)

@@ -9,18 +9,20 @@ use tilescope_debugger::{Debugger, why};
 use super::divide;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
-use crate::sentence::{counted, event_number, grouped};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Known, heading, row};
+use crate::words::counted;
+use crate::words::event_number;
+use crate::words::grouped;
 
 /// Rows of a history that are shown at once.
 const MOST_ROWS: usize = 200;
 
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let (id, name) = match (state.hovered, state.selected) {
+    let palette = Palette::of(state.appearance.look);
+    let (id, name) = match (state.runs.first.hovered, state.runs.first.selected) {
         (Some(id), _) => (Some(id), "Sample under the pointer"),
         (None, Some(id)) => (Some(id), "Selected sample"),
         (None, None) => (None, "Selection"),
@@ -29,7 +31,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
-        match (id, state.place, state.shown()) {
+        match (id, state.runs.first.place, state.shown()) {
             (Some(id), _, Some(shown)) => sample(ui, &shown, id, palette, commands),
             (None, Some(at), Some(shown)) => {
                 place(ui, &shown, at, palette);
@@ -42,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-    if state.selected.is_some() || state.place.is_some() {
+    if state.runs.first.selected.is_some() || state.runs.first.place.is_some() {
         divide(ui, palette);
         history(ui, state, commands);
     }
@@ -50,15 +52,15 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Shows every event that touched what is selected.
 fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let Some(debugger) = &state.debugger else {
+    let palette = Palette::of(state.appearance.look);
+    let Some(debugger) = &state.runs.first.debugger else {
         super::no_events(ui, state);
         return;
     };
-    if let Some(why) = state.history_found.failure() {
+    if let Some(why) = state.runs.first.history_found.failure() {
         ui.label(RichText::new(why).color(palette.conflict));
     }
-    let events = state.history_found.events();
+    let events = state.runs.first.history_found.events();
     heading(
         ui,
         &format!("History: {}", counted(events.len(), "event", "events")),
@@ -156,8 +158,8 @@ fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
 
 /// Shows the gap that holds a place.
 fn gap(ui: &mut Ui, state: &State, shown: &Shown<'_>, at: [f64; 2]) {
-    let palette = Palette::of(state.look);
-    let Some(tessellation) = state.geometry.of(shown) else {
+    let palette = Palette::of(state.appearance.look);
+    let Some(tessellation) = state.runs.first.geometry.of(shown) else {
         return;
     };
     if let Some(gap) = tessellation.gap_at(at).map(|gap| &tessellation.gaps[gap]) {

@@ -2,22 +2,22 @@
 
 use egui::{Ui, vec2};
 
-use crate::canvas::layers::Layer;
 use crate::command::Command;
+use crate::layers::Layer;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, chip};
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
         let combination = state.shows_combination();
         let offered = |layer: &Layer| layer.is_of(combination);
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (layer, layer.name_in(combination));
-            let chip = chip(ui, named, state.layers.has(layer), palette);
+            let chip = chip(ui, named, state.appearance.layers.has(layer), palette);
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::ToggleLayer(layer));

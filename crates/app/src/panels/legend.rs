@@ -4,18 +4,19 @@ use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
 use crate::analysis::brush::Cause;
 use crate::canvas::age::{Ages, LAST_TILED};
-use crate::canvas::layers::{Colouring, Layer};
 use crate::command::Command;
+use crate::layers::{Colouring, Layer};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, heading, symbol};
 
 /// Shows the legend.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     heading(ui, "Legend");
     colouring(ui, state, commands);
-    if let (Colouring::Age, Some(session)) = (state.colouring, &state.session) {
+    if let (Colouring::Age, Some(session)) = (state.appearance.colouring, &state.runs.first.session)
+    {
         ages(ui, Ages::of(session), palette);
     }
     ui.add_space(2.0);
@@ -47,7 +48,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }
-    if state.comparison.is_some() {
+    if state.runs.second.is_some() {
         marks(ui, palette);
     }
     if let Some(found) = state.causes() {
@@ -99,7 +100,7 @@ fn marks(ui: &mut Ui, palette: &Palette) {
 }
 
 fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let combination = state.shows_combination();
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
@@ -120,7 +121,7 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 "When a sample came: tiled early to late, then inserted iteration by iteration.",
             ),
         ] {
-            let button = Button::selectable(state.colouring == colouring, name);
+            let button = Button::selectable(state.appearance.colouring == colouring, name);
             let button = ui.add(button);
             button.known_as(format_args!("colour.{}", Kebab(colouring)));
             if button.on_hover_text(explanation).clicked() {

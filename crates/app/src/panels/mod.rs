@@ -30,21 +30,20 @@ use egui::{
 };
 
 pub use embedded::show as show_embedded;
-pub(crate) use timeline::happened;
 #[cfg(test)]
 pub(crate) use timeline::told;
 
-use crate::canvas::Canvas;
 use crate::command::Command;
 use crate::focus;
 use crate::layout::Panel;
+use crate::panes::Canvas;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::Known;
 
 /// Shows the bar on top.
 pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let bar = Frame::new()
         .fill(palette.panel)
         .inner_margin(Margin::symmetric(14, 0));
@@ -86,7 +85,7 @@ pub fn show_projector(
     canvas: &mut Canvas,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let frame = Frame::new().fill(palette.panel);
     let width = ui.available_width() - 2.0 * 14.0;
     let height = timeline::height(ui.ctx(), state, width) + pseudocode::NEXT_LINE;
@@ -148,7 +147,7 @@ pub fn show_panel(
     canvas: &mut Canvas,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let frame = Frame::new().fill(palette.panel);
     let side = frame.inner_margin(Margin {
         left: 12,
@@ -232,8 +231,8 @@ fn divide(ui: &mut Ui, palette: &Palette) {
 
 /// Says that there are no events, and why.
 fn no_events(ui: &mut Ui, state: &State) {
-    let palette = Palette::of(state.look);
-    let text = match &state.session {
+    let palette = Palette::of(state.appearance.look);
+    let text = match &state.runs.first.session {
         None => "There is no session yet.".to_owned(),
         Some(session) if session.combination.is_some() => {
             "A combination has stages but no events: its sets were there before.".to_owned()
@@ -243,7 +242,7 @@ fn no_events(ui: &mut Ui, state: &State) {
         }
         Some(_) => format!(
             "A run of more than {} samples keeps its result alone: there are no events to step through.",
-            crate::sentence::grouped(crate::session::MOST_STAGED as usize)
+            crate::words::grouped(crate::limits::MOST_STAGED as usize)
         ),
     };
     ui.label(egui::RichText::new(text).color(palette.muted))
@@ -255,8 +254,8 @@ const ROOM_FOR_PASSES: egui::Vec2 = egui::vec2(620.0, 400.0);
 
 /// Shows the passes of the GPU, or how to come to see them.
 fn passes(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    if let Some(passes) = &state.passes {
+    let palette = Palette::of(state.appearance.look);
+    if let Some(passes) = &state.runs.first.passes {
         let mut own = Vec::new();
         // A list beside a table: there is no narrower form of it, but it can be moved.
         let size = ui.available_size().max(ROOM_FOR_PASSES);

@@ -9,19 +9,19 @@ use crate::widgets::{Icon, Known, icon_button, verdict_mark};
 
 /// Shows the notice, if there is one, over the canvas.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(notice) = &state.notice else {
+    let Some(notice) = &state.messages.notice else {
         return;
     };
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let color = if notice.is_error {
         palette.conflict
     } else {
         palette.accent
     };
     // On a small window the controls of time are below the canvas, and part of another page has no bar.
-    let (corner, offset) = if state.embedding.is_some() {
+    let (corner, offset) = if state.window.embedding.is_some() {
         (Align2::CENTER_TOP, vec2(0.0, 8.0))
-    } else if state.drawer.arrangement.is_compact() {
+    } else if state.window.drawer.arrangement.is_compact() {
         (Align2::CENTER_TOP, vec2(0.0, 56.0))
     } else {
         (Align2::CENTER_BOTTOM, vec2(0.0, -128.0))

@@ -5,8 +5,9 @@ use egui::{
 };
 
 use super::sheet;
-use crate::actions::{Action, Palette as Actions};
+use crate::actions::{self, Action};
 use crate::command::Command;
+use crate::finder::Finder;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
 use crate::widgets::Known;
@@ -16,7 +17,7 @@ const ROW: f32 = 30.0;
 
 /// Shows the list, if it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(open) = &state.palette else {
+    let Some(open) = &state.window.finder else {
         return;
     };
     let mut found = Vec::new();
@@ -24,7 +25,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.set_width(sheet::width(ui, 480.0));
         // What is typed counts for an Enter of the same frame.
         let (field, open) = field(ui, open, commands);
-        found = open.found(state);
+        found = actions::found(&open, state);
         let choice = open.choice.min(found.len().saturating_sub(1));
         ui.add_space(6.0);
         let seen = ui.scope_id().with("seen");
@@ -48,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 if found.is_empty() {
                     ui.label(
                         RichText::new("No action has such a name.")
-                            .color(Palette::of(state.look).muted),
+                            .color(Palette::of(state.appearance.look).muted),
                     );
                 }
             });
@@ -66,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Returns the field, and the list as it is narrowed by what is typed now.
-fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> (egui::Id, Actions) {
+fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, Finder) {
     let mut text = open.text.clone();
     let response = ui.add(
         TextEdit::singleline(&mut text)
@@ -83,7 +84,7 @@ fn field(ui: &mut Ui, open: &Actions, commands: &mut Vec<Command>) -> (egui::Id,
         return (response.id, open.clone());
     }
     commands.push(Command::PaletteText(text.clone()));
-    (response.id, Actions { text, choice: 0 })
+    (response.id, Finder { text, choice: 0 })
 }
 
 /// Moves the choice; returns whether it was confirmed.
@@ -107,7 +108,7 @@ fn show_action(
     chosen: bool,
     moved: bool,
 ) -> bool {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let enabled = action.refusal.is_none();
     let sense = if enabled {
         Sense::click()

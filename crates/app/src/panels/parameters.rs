@@ -4,14 +4,16 @@ use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 
 use super::engine;
-use crate::command::{Choice, Command, Field};
-use crate::draft::{Refusal, sentence};
+use crate::command::Command;
+use crate::draft::Refusal;
+use crate::draft::{Choice, Field};
 use crate::files::FileCommand;
 use crate::layout::Panel;
-use crate::sentence::grouped;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Known, heading, primary_button};
+use crate::words::grouped;
+use crate::words::sentence;
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;
@@ -54,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
         super::scrolled(ui, Panel::Parameters, |ui| form(ui, state, commands));
     });
-    let line = Palette::of(state.look).line;
+    let line = Palette::of(state.appearance.look).line;
     ui.painter().hline(room.x_range(), below.top(), (1.0, line));
     let below = below.shrink2(vec2(0.0, AROUND_RUN));
     let below = below.with_max_x(below.right() - BESIDE_FIELDS);
@@ -64,8 +66,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let refusals = state.draft.refusals();
+    let palette = Palette::of(state.appearance.look);
+    let refusals = state.form.draft.refusals();
     heading(ui, "Domain");
     pair(
         ui,
@@ -76,7 +78,7 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         commands,
     );
     number(ui, state, Field::Radius, "Radius", "", &refusals, commands);
-    let p = &state.draft.parameters;
+    let p = &state.form.draft.parameters;
     let boundaries = [
         (Boundary::Periodic, "periodic"),
         (Boundary::Bounded, "bounded"),
@@ -136,8 +138,8 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Says that the pattern comes from a file, if it does.
 fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let Some(own) = &state.own_pattern else {
+    let palette = Palette::of(state.appearance.look);
+    let Some(own) = &state.form.own_pattern else {
         repeats(ui, state, palette);
         return;
     };
@@ -156,7 +158,7 @@ fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Says that the pattern repeats itself within blocks, if it does.
 fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
-    if let Some(side) = state.draft.side_without_repeats() {
+    if let Some(side) = state.form.draft.side_without_repeats() {
         let text =
             format!("It repeats itself within the largest blocks; a side of {side} r holds them.");
         ui.label(RichText::new(text).color(palette.muted))
@@ -165,8 +167,8 @@ fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
 }
 
 fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let p = &state.draft.parameters;
+    let palette = Palette::of(state.appearance.look);
+    let p = &state.form.draft.parameters;
     heading(ui, "Elimination and insertion");
     let orders = [
         (Order::OwnBlockFirst, "own block first"),
@@ -219,7 +221,7 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn expected(ui: &mut Ui, state: &State, palette: &Palette) {
-    let text = match state.draft.expected_samples() {
+    let text = match state.form.draft.expected_samples() {
         Some(samples) => {
             // Two significant digits: it is an estimate.
             let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
@@ -260,7 +262,7 @@ fn number(
     refusals: &[Refusal],
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let refusal = refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         let width = field_width(ui);
@@ -283,7 +285,7 @@ fn pair(
     refusals: &[Refusal],
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         ui.spacing_mut().item_spacing.x = 6.0;
@@ -316,8 +318,8 @@ fn edit(
     is_wrong: bool,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
-    let mut text = state.draft.text(field).to_owned();
+    let palette = Palette::of(state.appearance.look);
+    let mut text = state.form.draft.text(field).to_owned();
     let edit = TextEdit::singleline(&mut text)
         .align(egui::Align2::LEFT_CENTER)
         .id_salt(name)
@@ -331,7 +333,7 @@ fn edit(
         commands.push(Command::Type(field, text));
     }
     let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-    if entered && state.run_refusal().is_none() && state.sampling.is_none() {
+    if entered && state.run_refusal().is_none() && state.runs.first.sampling.is_none() {
         commands.push(Command::Run);
     }
 }
@@ -392,7 +394,7 @@ fn run_height(ui: &Ui) -> f32 {
 /// The button and the progress take the same room, so that nothing jumps; Cancel is beside them, so that a double click on
 /// Run does not hit it.
 fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let height = run_height(ui);
     if let Some(remark) = state.run_remark() {
         ui.spacing_mut().item_spacing.y = 2.0;
@@ -405,7 +407,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let room = vec2(ui.available_width() - BESIDE_RUN, height);
         ui.allocate_ui(room, |ui| {
-            if let Some(job) = &state.sampling {
+            if let Some(job) = &state.runs.first.sampling {
                 let activity = sentence(&job.activity());
                 let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
                 let bar = ProgressBar::new(job.fraction())
@@ -421,7 +423,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 commands.push(Command::Run);
             }
         });
-        match &state.sampling {
+        match &state.runs.first.sampling {
             Some(job) if job.is_cancelled() => {
                 ui.label(RichText::new("Stopping").small().color(palette.muted));
             }

@@ -21,7 +21,7 @@ const TAG: f32 = 28.0;
 
 /// Returns the listings that a session runs.
 fn listings_of(state: &State) -> Vec<&'static Listing> {
-    let Some(session) = &state.session else {
+    let Some(session) = &state.runs.first.session else {
         return Vec::new();
     };
     let parameters = &session.run().parameters;
@@ -73,7 +73,7 @@ impl Now {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(debugger) = &state.debugger else {
+    let Some(debugger) = &state.runs.first.debugger else {
         no_events(ui, state);
         return;
     };
@@ -109,7 +109,7 @@ fn show_line(
     (now, moved): (Now, bool),
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let (current, tag) = (now.done == Some(id), now.tag(id));
     let wide = if is_for_fingers(ui.ctx()) {
         FINGER - 4.0
@@ -124,6 +124,8 @@ fn show_line(
         palette.text.gamma_multiply(0.82)
     };
     let words = state
+        .runs
+        .first
         .session
         .as_ref()
         .map_or_else(String::new, |session| line.text(&session.run().parameters));
@@ -262,9 +264,11 @@ pub const NEXT_LINE: f32 = 22.0;
 
 /// Shows the line that is about to run in a single row.
 pub fn next_line(ui: &mut Ui, state: &State) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let lines = Listings::shipped();
     let line = state
+        .runs
+        .first
         .debugger
         .as_ref()
         .and_then(|d| lines.line(d.event()?.line()));
@@ -274,6 +278,8 @@ pub fn next_line(ui: &mut Ui, state: &State) {
         ("end", "The run is over.")
     };
     let parameters = state
+        .runs
+        .first
         .session
         .as_ref()
         .map(|session| session.run().parameters);

@@ -5,17 +5,20 @@ use tilescope_core::Stage;
 
 use crate::combination::Combination;
 use crate::command::Command;
-use crate::sentence::{grouped, name_in, share};
-use crate::session::{MOST_STAGED, Session};
+use crate::limits::MOST_STAGED;
+use crate::sentence::name_in;
+use crate::session::Session;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Kebab, Known, heading, row as pair};
+use crate::words::grouped;
+use crate::words::share;
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     heading(ui, "Stages");
-    let Some(session) = &state.session else {
+    let Some(session) = &state.runs.first.session else {
         return;
     };
     ui.spacing_mut().item_spacing.y = 1.0;
@@ -31,7 +34,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             },
         ];
         let texts = texts.each_ref().map(String::as_str);
-        if row(ui, texts, place == state.stage, palette, Some(stage)) {
+        if row(
+            ui,
+            texts,
+            place == state.runs.first.stage,
+            palette,
+            Some(stage),
+        ) {
             commands.push(Command::ShowStage(place));
         }
     }

@@ -13,10 +13,12 @@ use crate::arrangement::Arrangement;
 use crate::canvas::Made;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
-use crate::sentence::{counted, grouped, stage_sentence};
+use crate::sentence::happened;
 use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
+use crate::words::counted;
+use crate::words::grouped;
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
@@ -47,12 +49,14 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
 /// Returns the room that the whole sentence takes, at least that of [`SPECIMEN`].
 fn sentence_height(ctx: &Context, state: &State, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
-    height(SPECIMEN).max(height(&happened(state))).ceil()
+    height(SPECIMEN)
+        .max(height(&happened(state.shown().as_ref())))
+        .ceil()
 }
 
 /// Returns the room that counts take beside the sentence, whatever the moment.
 fn room_beside(ctx: &Context, state: &State, width: f32) -> f32 {
-    let (Some(session), true) = (&state.session, width >= WIDE) else {
+    let (Some(session), true) = (&state.runs.first.session, width >= WIDE) else {
         return 0.0;
     };
     let most = grouped(session.summary.tiled.max(session.summary.count));
@@ -80,7 +84,7 @@ pub fn height(ctx: &Context, state: &State, width: f32) -> f32 {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.spacing_mut().item_spacing.y = 0.0;
     let room = ui.available_width();
     let beside = room_beside(ui.ctx(), state, room);
@@ -116,9 +120,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn sentence(ui: &mut Ui, state: &State, size: f32, room: Vec2, lines: usize) {
     ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_size(room);
-        let color = Palette::of(state.look).text;
+        let color = Palette::of(state.appearance.look).text;
         let font = FontId::proportional(size);
-        let mut text = LayoutJob::simple(happened(state), font, color, room.x);
+        let mut text = LayoutJob::simple(happened(state.shown().as_ref()), font, color, room.x);
         // A pointer that rests on it shows the rest.
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
@@ -145,7 +149,7 @@ pub fn compact_height(ctx: &Context, state: &State, is_low: bool, width: f32) ->
 
 /// Returns whether a small window has room for the whole sentence: beside the canvas, where no panel is open.
 fn is_whole(state: &State) -> bool {
-    state.drawer.open.is_none() && state.drawer.arrangement == Arrangement::Landscape
+    state.window.drawer.open.is_none() && state.window.drawer.arrangement == Arrangement::Landscape
 }
 
 fn compact_sentence(ctx: &Context, state: &State, is_low: bool, width: f32) -> f32 {
@@ -259,8 +263,8 @@ impl Player {
 
 /// Shows what a small window has no room for beside its controls: the whole sentence, counts, speed, the line and the loop.
 pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    ui.label(RichText::new(happened(state)).size(14.5))
+    let palette = Palette::of(state.appearance.look);
+    ui.label(RichText::new(happened(state.shown().as_ref())).size(14.5))
         .known_as("status-whole");
     for (k, text) in told(state).into_iter().enumerate() {
         ui.label(RichText::new(text).monospace().color(palette.muted))
@@ -274,7 +278,7 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            let button = ui.add_enabled(state.debugger.is_some(), Button::new(name));
+            let button = ui.add_enabled(state.runs.first.debugger.is_some(), Button::new(name));
             button.known_as(Kebab(&command));
             let button = button.on_disabled_hover_text("There are no events to go round.");
             if button.clicked() {
@@ -286,31 +290,37 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Returns how much of what there is at this moment, and which moment it is.
 pub(crate) fn told(state: &State) -> Vec<String> {
-    let Some(session) = &state.session else {
+    let Some(session) = &state.runs.first.session else {
         return Vec::new();
     };
     let blocks = || state.shown().map_or(0, |shown| Made::at(&shown).leaves);
-    let count = match session.stages[state.stage] {
+    let count = match session.stages[state.runs.first.stage] {
         Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
         Stage::Blocks => counted(blocks(), "block", "blocks"),
         stage => {
             let now = state
+                .runs
+                .first
                 .debugger
                 .as_ref()
                 .map(|debugger| debugger.state().counts());
             let count = match now.filter(|_| stage != Stage::Pattern) {
                 Some(counts) => counts.undecided + counts.kept,
-                None => session.count_after(state.stage),
+                None => session.count_after(state.runs.first.stage),
             };
             counted(count, "sample", "samples")
         }
     };
     let place = match state.cursor() {
         Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
-        None => format!("stage {} of {}", state.stage + 1, session.stages.len()),
+        None => format!(
+            "stage {} of {}",
+            state.runs.first.stage + 1,
+            session.stages.len()
+        ),
     };
     let mut told = vec![count, place];
-    if let Stage::Iterate(k) = session.stages[state.stage] {
+    if let Stage::Iterate(k) = session.stages[state.runs.first.stage] {
         told.push(format!("iteration {k}"));
     }
     told
@@ -318,18 +328,20 @@ pub(crate) fn told(state: &State) -> Vec<String> {
 
 /// The buttons that move time; where there is no room for them, those to the ends are left to the track.
 fn controls(ui: &mut Ui, state: &State, with_ends: bool, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let no_session = state
+        .runs
+        .first
         .session
         .is_none()
         .then_some("There is no session yet.");
     let [at_end, at_start] = time_refusals(state);
-    let (play, play_name) = if state.playback.is_playing() {
+    let (play, play_name) = if state.time.playback.is_playing() {
         (Icon::Pause, "Pause (Space)")
     } else {
         (Icon::Play, "Play (Space)")
     };
-    let clock = state.playback.clock.name();
+    let clock = state.time.playback.clock.name();
     ui.spacing_mut().item_spacing.x = 2.0;
     for (icon, name, refusal, command) in [
         (
@@ -363,20 +375,6 @@ fn controls(ui: &mut Ui, state: &State, with_ends: bool, commands: &mut Vec<Comm
     }
 }
 
-/// What has happened last: the stage, where it is whole, else the event.
-#[must_use]
-pub fn happened(state: &State) -> String {
-    let Some(shown) = state.shown() else {
-        return "The default session is being sampled.".to_owned();
-    };
-    match (shown.debugger, shown.cursor().checked_sub(1)) {
-        (Some(debugger), Some(last)) if !shown.ends_stage() => {
-            tilescope_debugger::sentence(debugger.recording(), last)
-        }
-        _ => stage_sentence(shown.session, shown.stage),
-    }
-}
-
 fn capital(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| {
@@ -386,7 +384,7 @@ fn capital(name: &str) -> String {
 
 /// What a tick is.
 fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
-    let playback = &state.playback;
+    let playback = &state.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
         .width(width)
         .selected_text(playback.clock.name());
@@ -410,7 +408,7 @@ fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
 
 /// How fast time runs.
 fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let playback = &state.playback;
+    let playback = &state.time.playback;
     let chosen = ComboBox::from_id_salt("speed")
         .width(58.0)
         .selected_text(format!("{}\u{d7}", playback.speed));
@@ -433,12 +431,13 @@ fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sentence::stage_sentence;
 
     #[test]
     fn the_sentences_fit_into_the_smallest_player() {
         let mut state = State::new(std::sync::Arc::new(|| {}));
         state.settle();
-        let session = state.session.clone().expect("a session");
+        let session = state.runs.first.session.clone().expect("a session");
         let recording = session.recording().expect("events");
         let stages = session.stages.iter();
         let mut sentences: Vec<String> = stages
@@ -449,7 +448,7 @@ mod tests {
         sentences.extend(of_events.max_by_key(String::len));
         let width = 300.0 - 2.0 * PLAYER_MARGIN.x;
         let ctx = egui::Context::default();
-        crate::theme::install(&ctx, state.look.theme());
+        crate::theme::install(&ctx, state.appearance.look.theme());
         let mut cut = Vec::new();
         let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
             for text in &sentences {

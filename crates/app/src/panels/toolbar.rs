@@ -6,10 +6,11 @@ use super::verification;
 use crate::actions::{Action, Menu, actions};
 use crate::command::Command;
 use crate::export::{ExportCommand, Kind};
-use crate::sentence::{counted, grouped};
 use crate::state::State;
 use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
+use crate::words::counted;
+use crate::words::grouped;
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;
@@ -18,7 +19,7 @@ const ROOM_FOR_ENGINE: f32 = 740.0;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.horizontal_centered(|ui| {
         let title = RichText::new("Tilescope").font(FontId::new(17.0, semibold()));
         ui.label(title).known_as("title");
@@ -26,7 +27,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         menus(ui, state, commands);
         ui.add_space(10.0);
         let room = ui.available_width();
-        if let Some(session) = state.session.as_ref().filter(|_| room >= ROOM_FOR_RUN) {
+        if let Some(session) = state
+            .runs
+            .first
+            .session
+            .as_ref()
+            .filter(|_| room >= ROOM_FOR_RUN)
+        {
             let parameters = &session.run().parameters;
             let made = match &session.combination {
                 Some(_) => counted(session.summary.blocks, "piece", "pieces"),
@@ -48,7 +55,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             if fit.known_as("fit").clicked() {
                 commands.push(Command::Fit);
             }
-            let export = ui.add_enabled(state.session.is_some(), Button::new("Export\u{2026}"));
+            let export = ui.add_enabled(
+                state.runs.first.session.is_some(),
+                Button::new("Export\u{2026}"),
+            );
             export.known_as("export");
             let why = "There is nothing to export before the first session is ready.";
             if export.on_disabled_hover_text(why).clicked() {
@@ -62,7 +72,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 /// Shows what fits on a small window; one menu has the rest.
 pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         let button = icon_button(ui, Icon::Menu, "Menu", None, palette);
@@ -99,11 +109,11 @@ const ROOM_FOR_TITLE: f32 = 310.0;
 
 /// Every menu in one: what is chosen opens below its name.
 fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     ui.spacing_mut().item_spacing.y = 2.0;
     // Beside the bar by which it is scrolled.
     ui.set_max_width(ui.available_width() - 14.0);
-    if let Some(session) = &state.session {
+    if let Some(session) = &state.runs.first.session {
         let count = grouped(session.summary.count);
         let engine = &session.engine;
         let radius = session.run().parameters.radius;
@@ -143,14 +153,14 @@ fn one_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let other = state.look.other();
+    let other = state.appearance.look.other();
     let icon = if other == Look::Light {
         Icon::Sun
     } else {
         Icon::Moon
     };
     let name = other.name();
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let button = icon_button(ui, icon, name, None, palette);
     if button.known_as("toggle-theme").clicked() {
         commands.push(Command::ToggleTheme);

@@ -10,11 +10,12 @@ use tilescope_core::Stage;
 use tilescope_debugger::{Marked, Recording};
 
 use crate::command::{Command, TimeCommand};
-use crate::sentence::{name_in, stage_name};
+use crate::sentence::name_in;
 use crate::session::Session;
 use crate::state::State;
 use crate::theme::{Palette, is_for_fingers};
 use crate::widgets::{Kebab, Known};
+use crate::words::stage_name;
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;
@@ -82,7 +83,7 @@ fn cursor_at(segments: &[Segment], x: f32) -> usize {
 
 /// Shows the track.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let height = if is_for_fingers(ui.ctx()) {
         COMPACT_HEIGHT
     } else {
@@ -90,11 +91,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
-    let Some(session) = &state.session else {
+    let Some(session) = &state.runs.first.session else {
         return;
     };
     let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
-    let cursor = state.cursor().map_or(state.stage, |(at, _)| at);
+    let cursor = state.cursor().map_or(state.runs.first.stage, |(at, _)| at);
     response.widget_info(|| WidgetInfo::slider(true, cursor as f64, "Moment"));
     response.known_as("moment");
     if response.dragged()
@@ -132,12 +133,12 @@ fn show_segment(
     rect: Rect,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.look);
-    let name = match &state.session {
+    let palette = Palette::of(state.appearance.look);
+    let name = match &state.runs.first.session {
         Some(session) => name_in(session, segment.stage),
         None => stage_name(segment.stage),
     };
-    let current = segment.place == state.stage;
+    let current = segment.place == state.runs.first.stage;
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
@@ -175,7 +176,7 @@ fn show_segment(
     }
     let tip = format!(
         "To the end of stage {name}: {} events",
-        crate::sentence::grouped(segment.events.len())
+        crate::words::grouped(segment.events.len())
     );
     if response
         .on_hover_cursor(CursorIcon::PointingHand)
@@ -221,7 +222,7 @@ fn density(
 /// Draws where the breakpoints would stop a run.
 fn hits(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
     let mut last = f32::NEG_INFINITY;
-    for &event in state.hits.events() {
+    for &event in state.runs.first.hits.events() {
         let x = x_of(segments, event);
         // Two marks on one pixel look like one.
         if x - last >= 1.0 {
@@ -234,7 +235,7 @@ fn hits(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pale
 
 /// Draws bookmarks, hits of breakpoints and the range of the loop.
 fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
-    if let Some(range) = &state.playback.range {
+    if let Some(range) = &state.time.playback.range {
         let ends = [range.start, range.end].map(|cursor| x_of(segments, cursor));
         let band = Rect::from_min_max(
             pos2(ends[0], rect.top() - 3.0),
@@ -246,7 +247,7 @@ fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pal
             painter.line_segment(line, Stroke::new(1.5, palette.candidate));
         }
     }
-    let Some(debugger) = &state.debugger else {
+    let Some(debugger) = &state.runs.first.debugger else {
         return;
     };
     hits(painter, state, segments, rect, palette);

@@ -5,16 +5,19 @@ use egui::{
 };
 
 use super::divide;
-use crate::command::{Command, Witness};
-use crate::sentence::{conflicts_in, counted, grouped};
+use crate::command::Command;
 use crate::state::{State, Verification};
 use crate::theme::{Palette, semibold};
 use crate::verification::Verdict;
+use crate::verification::Witness;
 use crate::widgets::{Kebab, Known, heading, row, verdict_mark};
+use crate::words::conflicts_in;
+use crate::words::counted;
+use crate::words::grouped;
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let (text, well, color) = summary(state, palette);
     let font = FontId::new(13.0, semibold());
     let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
@@ -43,7 +46,7 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) {
-    match &state.verification {
+    match &state.runs.first.verification {
         Verification::Nothing => ("nothing to verify".to_owned(), None, palette.muted),
         Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
         Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
@@ -69,7 +72,7 @@ fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) 
 }
 
 fn explanation(state: &State) -> String {
-    match &state.verification {
+    match &state.runs.first.verification {
         Verification::Nothing => "The verifier judges each session when it is ready.".to_owned(),
         Verification::Pending(job) => {
             format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
@@ -85,7 +88,7 @@ fn explanation(state: &State) -> String {
 
 /// Shows the verifier's numbers. The rows are there before the numbers are.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     heading(ui, "Verification");
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.spacing_mut().interact_size.y = 21.0;
@@ -148,7 +151,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-    if let Verification::Failed(reason) = &state.verification {
+    if let Verification::Failed(reason) = &state.runs.first.verification {
         ui.label(RichText::new(reason).color(palette.conflict));
     }
     divide(ui, palette);

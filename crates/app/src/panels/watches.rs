@@ -11,8 +11,8 @@ use crate::widgets::{Icon, Known, heading, icon_button, row};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
-    let Some(debugger) = &state.debugger else {
+    let palette = Palette::of(state.appearance.look);
+    let Some(debugger) = &state.runs.first.debugger else {
         no_events(ui, state);
         return;
     };

@@ -7,9 +7,10 @@ use egui::{Button, Label, RichText, Ui};
 use super::model::Visit;
 use super::placed::{Counts, Rows};
 use super::{PassCommand, Passes};
-use crate::sentence::{counted, grouped};
 use crate::theme::Palette;
 use crate::widgets::Known;
+use crate::words::counted;
+use crate::words::grouped;
 
 /// Shows the choice, and what it brings to the canvas.
 pub(super) fn show(

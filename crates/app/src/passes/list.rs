@@ -8,9 +8,10 @@ use egui::{
 
 use super::model::{Badge, Line, PassEntry, duration_text};
 use super::{PassCommand, Passes};
-use crate::sentence::{counted, stage_name};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Known, verdict_mark};
+use crate::words::counted;
+use crate::words::stage_name;
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;

@@ -19,8 +19,8 @@ use std::sync::Arc;
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::Gpu;
 
-use crate::draft::sentence;
 use crate::jobs::{Job, Wake};
+use crate::words::sentence;
 
 pub use device::Fault;
 pub use model::{Badge, Line, PassEntry, Visit};
@@ -309,7 +309,7 @@ impl Passes {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
         let tilescope_core::Point { x, y } = placed::middle(spot);
-        Some([crate::session::radii(x), crate::session::radii(y)])
+        Some([crate::units::radii(x), crate::units::radii(y)])
     }
 
     /// Notes the moment of the timeline at which the passes were dealt with.

@@ -8,9 +8,9 @@ use tilescope_gpu::twin::Difference;
 
 use super::placed::Placed;
 use super::table::BufferTable;
-use crate::draft::sentence;
-use crate::sentence::grouped;
-use crate::session::MOST_STAGED;
+use crate::limits::MOST_STAGED;
+use crate::words::grouped;
+use crate::words::sentence;
 
 /// How a pass compares with the CPU.
 #[derive(Clone, Debug, PartialEq, Eq)]

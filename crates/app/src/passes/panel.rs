@@ -9,9 +9,11 @@ use super::list::{self, color, mark};
 use super::model::{PassEntry, Visit, access_text};
 use super::table::{BufferTable, Side};
 use super::{Badge, Fault, PassCommand, Passes, choice, grid};
-use crate::sentence::{counted, grouped, stage_name};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
+use crate::words::counted;
+use crate::words::grouped;
+use crate::words::stage_name;
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;
@@ -317,7 +319,7 @@ fn tools(
         }
         ui.add_space(6.0);
         let (text, color) = match shown.error() {
-            Some(error) => (crate::draft::sentence(&error.to_string()), palette.conflict),
+            Some(error) => (crate::words::sentence(&error.to_string()), palette.conflict),
             None => (count_text(table, shown.rows().len()), palette.muted),
         };
         let tip = text.clone();

@@ -3,9 +3,9 @@
 
 use super::device::{self, Arrival, Goal, Stop, Survey};
 use super::{Passes, Work, csv, model};
-use crate::draft::sentence;
 use crate::jobs::Job;
-use crate::sentence::counted;
+use crate::words::counted;
+use crate::words::sentence;
 
 impl Passes {
     pub(super) fn survey(&mut self) {
@@ -154,7 +154,7 @@ impl Passes {
         let Some(text) = self.csv() else {
             return;
         };
-        let name = crate::files::last_part(self.path().trim()).to_owned();
+        let name = crate::words::last_part(self.path().trim()).to_owned();
         let rows = counted(self.shown.rows().len(), "row", "rows");
         self.export_told = Some(Ok(format!("{rows} downloaded as {name}.")));
         self.download = Some((name, text.into_bytes()));

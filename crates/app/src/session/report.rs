@@ -68,7 +68,7 @@ impl MakeError {
     }
 
     /// Returns a fault of the program, in words, as an error.
-    pub(super) const fn fault(said: String) -> Self {
+    pub(crate) const fn fault(said: String) -> Self {
         Self::Elsewhere {
             cancelled: None,
             said,
@@ -94,7 +94,7 @@ pub(crate) struct Reporter<'a> {
 
 impl Reporter<'_> {
     /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
-    pub(super) fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
+    pub(crate) fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
         // Shares of the whole, as measured on a million samples.
         let (start, share) = match stage {
             Stage::Pattern => (0.0, 0.08),

@@ -38,8 +38,8 @@ impl State {
             return;
         }
         let mut analysis = std::mem::take(&mut self.analysis);
-        if let (Some(session), Some(shown)) = (&self.session, self.shown()) {
-            analysis.want(session, &shown, &self.wake);
+        if let (Some(session), Some(shown)) = (&self.runs.first.session, self.shown()) {
+            analysis.want(session, &shown, &self.jobs.wake);
         }
         self.analysis = analysis;
     }
@@ -48,7 +48,7 @@ impl State {
     #[must_use]
     pub fn held(&self) -> Option<Result<&Arc<Held>, String>> {
         let held = self.analysis.held.as_ref()?;
-        let session = self.session.as_ref()?;
+        let session = self.runs.first.session.as_ref()?;
         Some(match held.refusal(region_of(session)) {
             None => Ok(held),
             Some(why) => Err(why),

@@ -1,7 +1,7 @@
 //! What a screen reader should say: what happened last, the verdict, notices, each when it is new. Nothing is shown here.
 
 use super::{State, Verification};
-use crate::panels::happened;
+use crate::sentence::happened;
 use crate::sentence::name_in;
 
 /// What was there when something was announced last, and the announcement.
@@ -18,18 +18,18 @@ impl State {
     /// there is something else to say.
     #[must_use]
     pub fn announcement(&self) -> Option<String> {
-        self.announcer.announcement.clone()
+        self.messages.announcer.announcement.clone()
     }
 
     /// Finds out what is new.
     pub(super) fn announce(&mut self) {
         let happened = self.told_of_time();
         let verdict = self.told_of_verdict();
-        let notice = self.notice.as_ref().map(|notice| {
+        let notice = self.messages.notice.as_ref().map(|notice| {
             let kind = if notice.is_error { "Error: " } else { "" };
             format!("{kind}{}", notice.text)
         });
-        let old = &self.announcer;
+        let old = &self.messages.announcer;
         let mut new = Vec::new();
         if old.happened != happened {
             new.push(happened.clone());
@@ -41,11 +41,11 @@ impl State {
             new.push(text.clone());
         }
         let announcement = if new.is_empty() {
-            self.announcer.announcement.take()
+            self.messages.announcer.announcement.take()
         } else {
             Some(new.join(" "))
         };
-        self.announcer = Announcer {
+        self.messages.announcer = Announcer {
             happened,
             verdict,
             notice,
@@ -55,17 +55,17 @@ impl State {
 
     /// While time runs by itself only stages are told: nobody can listen to every event.
     fn told_of_time(&self) -> String {
-        match (&self.session, self.current_stage()) {
-            (Some(session), Some(stage)) if self.playback.is_playing() => {
+        match (&self.runs.first.session, self.current_stage()) {
+            (Some(session), Some(stage)) if self.time.playback.is_playing() => {
                 format!("Playing: {}.", name_in(session, stage))
             }
-            _ => happened(self),
+            _ => happened(self.shown().as_ref()),
         }
     }
 
     fn told_of_verdict(&self) -> Option<(u64, String)> {
-        let generation = self.session.as_ref()?.generation;
-        let text = match &self.verification {
+        let generation = self.runs.first.session.as_ref()?.generation;
+        let text = match &self.runs.first.verification {
             Verification::Nothing | Verification::Pending(_) => return None,
             Verification::Failed(why) => format!("There is no verdict. {why}"),
             Verification::Done(verdict) => {

@@ -5,9 +5,11 @@ use tilescope_core::Stage;
 
 use super::State;
 use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
-use crate::command::{Command, Selection, Witness};
-use crate::session::radii;
+use crate::command::Command;
+use crate::selection::Selection;
+use crate::units::radii;
 use crate::verification::Sight;
+use crate::verification::Witness;
 
 /// So far within the view, in screen points, is a selection kept.
 const IN_VIEW: f32 = 32.0;
@@ -17,23 +19,26 @@ impl State {
         match *command {
             Command::Viewport(rect) => self.follow_viewport(rect),
             Command::Pan(delta) => {
-                (self.flight, self.fitted) = (None, false);
-                self.camera.pan(delta);
+                (self.runs.first.flight, self.runs.first.fitted) = (None, false);
+                self.runs.first.camera.pan(delta);
             }
             Command::Zoom(pos, factor) => {
-                (self.flight, self.fitted) = (None, false);
+                (self.runs.first.flight, self.runs.first.fitted) = (None, false);
                 let scales = self.scales();
-                self.camera.zoom_about(self.viewport, pos, factor, scales);
+                self.runs
+                    .first
+                    .camera
+                    .zoom_about(self.runs.first.viewport, pos, factor, scales);
             }
             Command::SelectMiddle => {
                 self.select_middle();
                 self.inspect();
             }
             Command::Fit => {
-                self.sight = None;
-                self.fitted = true;
+                self.runs.first.sight = None;
+                self.runs.first.fitted = true;
                 // Whoever asks for all of the pattern asks for all of the domain, too.
-                if let Some((_, fitted)) = &mut self.before_pattern {
+                if let Some((_, fitted)) = &mut self.runs.first.before_pattern {
                     *fitted = true;
                 }
                 self.fly(self.fitting());
@@ -44,7 +49,7 @@ impl State {
             Command::FlyToWitness(witness) => self.fly_to_witness(witness),
             Command::GoToSample(id) => {
                 self.pick(Selection::Sample(id));
-                if let Some(session) = &self.session {
+                if let Some(session) = &self.runs.first.session {
                     let center = session.place(id);
                     self.fly_to(center, 12.0);
                 }
@@ -56,24 +61,30 @@ impl State {
     /// Fits what is fitted into the new viewport; otherwise a selection that was in view stays in view, as when a panel
     /// opens over the part of the canvas where it was picked.
     fn follow_viewport(&mut self, viewport: Rect) {
-        let before = std::mem::replace(&mut self.viewport, viewport);
-        if self.fitted && self.session.is_some() {
-            self.camera = self.fitting();
-            self.flight = None;
+        let before = std::mem::replace(&mut self.runs.first.viewport, viewport);
+        if self.runs.first.fitted && self.runs.first.session.is_some() {
+            self.runs.first.camera = self.fitting();
+            self.runs.first.flight = None;
         }
-        self.camera = self.within_scales(self.camera);
-        if self.fitted {
+        self.runs.first.camera = self.within_scales(self.runs.first.camera);
+        if self.runs.first.fitted {
             return;
         }
-        let sample = self.selected.zip(self.session.as_ref());
-        let place = sample.map(|(id, session)| session.place(id)).or(self.place);
-        let Some(place) = place.filter(|_| self.before_pattern.is_none()) else {
+        let sample = self
+            .runs
+            .first
+            .selected
+            .zip(self.runs.first.session.as_ref());
+        let place = sample
+            .map(|(id, session)| session.place(id))
+            .or(self.runs.first.place);
+        let Some(place) = place.filter(|_| self.runs.first.before_pattern.is_none()) else {
             return;
         };
-        if before.contains(self.camera.screen_from_domain(before, place)) {
-            let now = self.camera.screen_from_domain(viewport, place);
+        if before.contains(self.runs.first.camera.screen_from_domain(before, place)) {
+            let now = self.runs.first.camera.screen_from_domain(viewport, place);
             let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
-            self.camera.pan(room.clamp(now) - now);
+            self.runs.first.camera.pan(room.clamp(now) - now);
         }
     }
 
@@ -82,7 +93,7 @@ impl State {
         let Some(shown) = self.shown() else {
             return;
         };
-        let middle = self.camera.center;
+        let middle = self.runs.first.camera.center;
         let mut best: Option<(f64, u32)> = None;
         shown.session.index.visit(middle, middle, 1.0, |seen| {
             let distance = (seen.place[0] - middle[0]).hypot(seen.place[1] - middle[1]);
@@ -96,7 +107,7 @@ impl State {
 
     /// Returns the size of what is shown, in r: of the domain, or of the pattern, which has its own.
     fn shown_size(&self) -> Option<[f64; 2]> {
-        let session = self.session.as_ref()?;
+        let session = self.runs.first.session.as_ref()?;
         Some(match self.current_stage() {
             // Its user unit is one radius.
             Some(Stage::Pattern) => session.run().pattern.domain().size(),
@@ -107,18 +118,20 @@ impl State {
     /// Returns whether the whole domain is shown, and stays so when the window changes.
     #[must_use]
     pub const fn is_fitted(&self) -> bool {
-        self.fitted
+        self.runs.first.fitted
     }
 
     pub(super) fn fitting(&self) -> Camera {
         let size = self.shown_size().unwrap_or([1.0; 2]);
-        Camera::fitting(size, self.viewport)
+        Camera::fitting(size, self.runs.first.viewport)
     }
 
     /// Returns the scales at which what is shown may be looked at; without a session or a canvas all there are.
     fn scales(&self) -> [f64; 2] {
         match self.shown_size() {
-            Some(size) if self.viewport.is_positive() => Camera::scales(size, self.viewport),
+            Some(size) if self.runs.first.viewport.is_positive() => {
+                Camera::scales(size, self.runs.first.viewport)
+            }
             _ => [MIN_SCALE, MAX_SCALE],
         }
     }
@@ -131,23 +144,24 @@ impl State {
     /// Shows the stage at `place` of the session's list; whatever changes the stage does it here, so that the camera
     /// follows.
     pub(super) fn set_stage(&mut self, place: usize) {
-        self.stage = place;
+        self.runs.first.stage = place;
         self.follow_pattern();
     }
 
     /// Fits the pattern when it comes into view, and returns to where the camera was afterwards.
     pub(super) fn follow_pattern(&mut self) {
         let on_pattern = self.current_stage() == Some(Stage::Pattern);
-        match (on_pattern, self.before_pattern) {
+        match (on_pattern, self.runs.first.before_pattern) {
             (true, None) => {
-                self.before_pattern = Some((self.camera, self.fitted));
-                (self.flight, self.fitted) = (None, true);
-                self.camera = self.fitting();
+                self.runs.first.before_pattern =
+                    Some((self.runs.first.camera, self.runs.first.fitted));
+                (self.runs.first.flight, self.runs.first.fitted) = (None, true);
+                self.runs.first.camera = self.fitting();
             }
             (false, Some((camera, fitted))) => {
-                (self.before_pattern, self.flight) = (None, None);
-                self.fitted = fitted;
-                self.camera = if fitted {
+                (self.runs.first.before_pattern, self.runs.first.flight) = (None, None);
+                self.runs.first.fitted = fitted;
+                self.runs.first.camera = if fitted {
                     self.fitting()
                 } else {
                     self.within_scales(camera)
@@ -158,8 +172,8 @@ impl State {
     }
 
     pub(super) fn fly_to(&mut self, center: [f64; 2], radii: f64) {
-        self.fitted = false;
-        let room = f64::from(self.viewport.size().min_elem().max(1.0));
+        self.runs.first.fitted = false;
+        let room = f64::from(self.runs.first.viewport.size().min_elem().max(1.0));
         let to = Camera {
             center,
             scale: room / radii,
@@ -181,7 +195,7 @@ impl State {
     /// Flies to the gap that holds a place, else to its block.
     fn fly_to_block(&mut self, place: [f64; 2]) {
         let gap = self.shown().and_then(|shown| {
-            let tessellation = self.geometry.of(&shown)?;
+            let tessellation = self.runs.first.geometry.of(&shown)?;
             let gap = tessellation.gap_at(place)?;
             Some(tessellation.gaps[gap].deepest.0)
         });
@@ -190,7 +204,7 @@ impl State {
             self.fly_to(deepest, 5.0);
             return;
         }
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return;
         };
         let leaves = &session.run().blocks.leaves;
@@ -209,7 +223,7 @@ impl State {
     }
 
     pub(super) fn fly_to_witness(&mut self, witness: Witness) {
-        let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
+        let (Some(session), Some(verdict)) = (&self.runs.first.session, self.verdict()) else {
             return;
         };
         let Some(sight) = verdict.sight(witness, session) else {
@@ -226,53 +240,53 @@ impl State {
         // The verdict is about the result.
         let last = session.stages.len() - 1;
         self.show_stage(last);
-        self.sight = Some(sight);
+        self.runs.first.sight = Some(sight);
         self.fly_to(center, 9.0);
     }
 
     /// Has the camera jump from now on, or fly again, as the user chooses.
     pub(super) fn toggle_reduced_motion(&mut self) {
-        self.choose_motion(Some(!self.reduced_motion));
+        self.choose_motion(Some(!self.appearance.reduced_motion));
     }
 
     /// Returns what the user chose of motion, if anything.
     #[must_use]
     pub const fn motion_chosen(&self) -> Option<bool> {
-        self.motion_chosen
+        self.appearance.motion_chosen
     }
 
     /// Takes up what the user chose, now or earlier.
     pub fn choose_motion(&mut self, chosen: Option<bool>) {
         if let Some(reduced) = chosen {
-            self.motion_chosen = chosen;
+            self.appearance.motion_chosen = chosen;
             self.reduce_motion(reduced);
         }
     }
 
     /// Takes up what the system prefers, which counts until the user chooses.
     pub fn prefer_reduced_motion(&mut self, reduced: bool) {
-        if self.motion_chosen.is_none() {
+        if self.appearance.motion_chosen.is_none() {
             self.reduce_motion(reduced);
         }
     }
 
     /// A flight at work ends where it leads.
     fn reduce_motion(&mut self, reduced: bool) {
-        self.reduced_motion = reduced;
-        if self.reduced_motion
-            && let Some(flight) = self.flight.take()
+        self.appearance.reduced_motion = reduced;
+        if self.appearance.reduced_motion
+            && let Some(flight) = self.runs.first.flight.take()
         {
-            self.camera = flight.destination();
+            self.runs.first.camera = flight.destination();
         }
     }
 
     /// Flies, or jumps where motion is reduced.
     fn fly(&mut self, to: Camera) {
         let to = self.within_scales(to);
-        if self.reduced_motion {
-            (self.camera, self.flight) = (to, None);
+        if self.appearance.reduced_motion {
+            (self.runs.first.camera, self.runs.first.flight) = (to, None);
         } else {
-            self.flight = Some(Flight::new(self.camera, to));
+            self.runs.first.flight = Some(Flight::new(self.runs.first.camera, to));
         }
     }
 }

@@ -4,11 +4,12 @@ use tilescope_core::combine::file::Layout;
 
 use super::State;
 use super::undo::Part;
-use crate::canvas::layers::Layer;
-use crate::combination::{CombineCommand, Combining, NINE};
-use crate::draft::sentence;
-use crate::jobs::Job;
+use crate::combination::{CombineCommand, NINE};
+use crate::combining::Combining;
+use crate::errand;
+use crate::layers::Layer;
 use crate::session::Session;
+use crate::words::sentence;
 
 /// Why something that belongs to a run cannot be done with a combination.
 pub(super) const NO_PARAMETERS: &str =
@@ -21,7 +22,7 @@ impl State {
             CombineCommand::Nine => NINE.to_owned(),
             CombineCommand::Text(text) => text,
         };
-        (self.notice, self.arriving) = (None, None);
+        (self.messages.notice, self.links.arriving) = (None, None);
         match Layout::from_json(text.as_bytes()) {
             Ok(layout) => {
                 self.remember_run(Part::Run);
@@ -33,24 +34,26 @@ impl State {
 
     pub(super) fn start_combining(&mut self, layout: Layout) {
         self.stop_reading();
-        self.generation += 1;
-        let generation = self.generation;
+        self.jobs.generation += 1;
+        let generation = self.jobs.generation;
         let combining = Combining { layout, generation };
-        self.sampling = Some(Job::run(&self.wake, combining));
+        self.runs.first.sampling = Some(errand::start(&self.jobs.wake, combining));
     }
 
     /// Shows a new combination, its seams among the layers.
     pub(super) fn show_combination(&mut self, session: Session) {
         self.show(session);
-        if !self.layers.has(Layer::Seams) {
-            self.layers.toggle(Layer::Seams);
+        if !self.appearance.layers.has(Layer::Seams) {
+            self.appearance.layers.toggle(Layer::Seams);
         }
     }
 
     /// Returns whether the session at hand is a combination.
     #[must_use]
     pub fn shows_combination(&self) -> bool {
-        self.session
+        self.runs
+            .first
+            .session
             .as_ref()
             .is_some_and(|session| session.combination.is_some())
     }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 
-use super::{Notice, Side, State};
-use crate::canvas::subject::{Contrast, Subject};
+use super::{Notice, RunView, State};
 use crate::command::Command;
 use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
 use crate::recipe::Recipe;
+use crate::subject::{Contrast, Subject};
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
@@ -20,9 +20,8 @@ impl State {
             CompareCommand::Start(rival) => self.start_comparison(rival),
             CompareCommand::Keep => self.keep(),
             CompareCommand::Swap => self.swap(),
-            CompareCommand::Close => self.comparison = None,
+            CompareCommand::Close => self.runs.second = None,
             CompareCommand::GoToDivergence => self.go_to_divergence(),
-            CompareCommand::OnOther(command) => self.carry_out_on_second(*command),
             CompareCommand::LinkCameras(on) => self.set(|known| known.linked_cameras = on),
             CompareCommand::LinkClocks(on) => self.set(|known| known.linked_clocks = on),
             CompareCommand::ShowDifferences(on) => self.set(|known| known.shows_differences = on),
@@ -30,7 +29,7 @@ impl State {
     }
 
     fn set(&mut self, change: impl FnOnce(&mut Comparison)) {
-        if let Some((_, comparison)) = &mut self.comparison {
+        if let Some((_, comparison)) = &mut self.runs.second {
             change(comparison);
         }
     }
@@ -38,7 +37,7 @@ impl State {
     /// Returns why there cannot be such a second run now, or `None` if there can.
     #[must_use]
     pub fn rival_refusal(&self, rival: Rival) -> Option<String> {
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return Some("There is no session yet.".to_owned());
         };
         if rival == Rival::Typed {
@@ -48,7 +47,7 @@ impl State {
             return Some(super::combine::NO_PARAMETERS.to_owned());
         }
         if rival == Rival::Engine && self.other_engine() == Engine::Gpu {
-            return match &self.device {
+            return match &self.gpu.device {
                 Device::Ready(_) => None,
                 Device::Unknown => Some(
                     "Choose the GPU as the engine first: it is opened and tested then.".to_owned(),
@@ -57,18 +56,18 @@ impl State {
             };
         }
         let first = &session.run().parameters;
-        let second = rival.parameters(first, &self.draft.parameters);
+        let second = rival.parameters(first, &self.form.draft.parameters);
         let refused = second.validate_sequential().err();
-        refused.map(|error| crate::draft::sentence(&error.to_string()))
+        refused.map(|error| crate::words::sentence(&error.to_string()))
     }
 
     /// Returns why one cannot go to where the two runs part, or `None` if one can.
     #[must_use]
     pub fn parting_refusal(&self) -> Option<&'static str> {
-        let Some((side, comparison)) = &self.comparison else {
+        let Some((side, comparison)) = &self.runs.second else {
             return Some("There is no second run.");
         };
-        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
             return Some("The second run is not there yet.");
         };
         match comparison.divergence(first, second) {
@@ -83,6 +82,8 @@ impl State {
     #[must_use]
     pub fn other_engine(&self) -> Engine {
         let by_gpu = self
+            .runs
+            .first
             .session
             .as_ref()
             .is_some_and(|session| session.engine != "CPU");
@@ -93,40 +94,41 @@ impl State {
         if self.rival_refusal(rival).is_some() {
             return;
         }
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return;
         };
         let recipe = match rival {
             Rival::Typed => self.typed(),
             _ => Recipe {
-                parameters: rival.parameters(&session.run().parameters, &self.draft.parameters),
+                parameters: rival
+                    .parameters(&session.run().parameters, &self.form.draft.parameters),
                 own: session.own.clone(),
             },
         };
         let engine = match rival {
             Rival::Engine => self.other_engine(),
-            _ => self.engine,
+            _ => self.form.engine,
         };
         self.open_panel(Panel::Compare);
         self.compare_with(recipe, engine);
     }
 
     pub(super) fn compare_with(&mut self, recipe: Recipe, engine: Engine) {
-        let (side, _) = self.comparison.get_or_insert_default();
+        let (side, _) = self.runs.second.get_or_insert_default();
         side.asked = recipe.own.is_none().then_some(recipe.parameters);
         self.with_second(|state| state.start_sampling(recipe, engine));
     }
 
     /// Makes the run at hand the second one, too, at the same moment.
     fn keep(&mut self) {
-        let Some(session) = self.session.clone() else {
+        let Some(session) = self.runs.first.session.clone() else {
             return;
         };
         let cursor = self.cursor();
         self.open_panel(Panel::Compare);
-        let (side, _) = self.comparison.get_or_insert_default();
+        let (side, _) = self.runs.second.get_or_insert_default();
         let viewport = side.viewport;
-        *side = Side::default();
+        *side = RunView::default();
         side.debugger = session
             .recording()
             .map(|recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET));
@@ -134,69 +136,73 @@ impl State {
             debugger.jump(cursor);
         }
         side.rows = session.outline.as_ref().map(OutlineRows::new);
-        (side.stage, side.camera, side.viewport) = (self.stage, self.camera, viewport);
-        (side.fitted, side.before_pattern) = (self.fitted, self.before_pattern);
+        (side.stage, side.camera, side.viewport) =
+            (self.runs.first.stage, self.runs.first.camera, viewport);
+        (side.fitted, side.before_pattern) =
+            (self.runs.first.fitted, self.runs.first.before_pattern);
         side.session = Some(session);
         self.with_second(Self::verify);
     }
 
     /// The form shows the parameters of the run at hand.
     fn swap(&mut self) {
-        if let Some((mut side, comparison)) = self.comparison.take() {
-            let viewports = (self.viewport, side.viewport);
+        if let Some((mut side, comparison)) = self.runs.second.take() {
+            let viewports = (self.runs.first.viewport, side.viewport);
             // What stops, is watched and marked is the user's, whichever run it is applied to.
             let stops = self.take_stops();
-            self.exchange(&mut side);
-            (self.viewport, side.viewport) = viewports;
-            self.playback.range = None;
+            std::mem::swap(&mut self.runs.first, &mut side);
+            (self.runs.first.viewport, side.viewport) = viewports;
+            self.time.playback.range = None;
             self.put_stops(stops);
-            self.comparison = Some((side, comparison));
+            self.runs.second = Some((side, comparison));
         }
         let runs = self
+            .runs
+            .first
             .session
             .as_ref()
             .filter(|session| session.combination.is_none());
         if let Some(session) = runs {
-            self.draft = crate::draft::Draft::from_parameters(session.run().parameters);
-            self.own_pattern.clone_from(&session.own);
+            self.form.draft = crate::draft::Draft::from_parameters(session.run().parameters);
+            self.form.own_pattern.clone_from(&session.own);
             self.forget_changes();
         }
     }
 
     /// Has the second run stand in for the one at hand while `act` does something.
     pub(super) fn with_second<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> Option<T> {
-        let (mut side, comparison) = self.comparison.take()?;
-        let playback = self.playback.clone();
-        let notice = self.notice.take();
+        let (mut side, comparison) = self.runs.second.take()?;
+        let playback = self.time.playback.clone();
+        let notice = self.messages.notice.take();
         // A link is for the run at hand.
-        let arriving = self.arriving.take();
-        self.exchange(&mut side);
+        let arriving = self.links.arriving.take();
+        std::mem::swap(&mut self.runs.first, &mut side);
         let result = act(self);
-        self.exchange(&mut side);
-        self.notice = match self.notice.take() {
+        std::mem::swap(&mut self.runs.first, &mut side);
+        self.messages.notice = match self.messages.notice.take() {
             Some(own) => Some(Notice {
                 text: format!("Run B: {}", own.text),
                 ..own
             }),
             None => notice,
         };
-        (self.playback, self.arriving) = (playback, arriving);
-        self.comparison = Some((side, comparison));
+        (self.time.playback, self.links.arriving) = (playback, arriving);
+        self.runs.second = Some((side, comparison));
         Some(result)
     }
 
     /// What is done to the view or the moment of the second run is done to the first, too, where the two are linked.
-    fn carry_out_on_second(&mut self, command: Command) {
+    pub(super) fn carry_out_on_second(&mut self, command: Command) {
         let moves = moves_camera(&command);
         let before = self.second_at();
         self.with_second(|state| state.carry_out(command));
         let after = self.second_at();
-        let Some((side, comparison)) = &mut self.comparison else {
+        let Some((side, comparison)) = &mut self.runs.second else {
             return;
         };
         if moves && comparison.linked_cameras {
-            (self.camera, self.fitted) = (side.camera, side.fitted);
-            self.flight = side.flight.take();
+            (self.runs.first.camera, self.runs.first.fitted) = (side.camera, side.fitted);
+            self.runs.first.flight = side.flight.take();
         }
         if comparison.linked_clocks && before != after {
             self.follow_second();
@@ -204,14 +210,14 @@ impl State {
     }
 
     fn at(&self) -> Option<At> {
-        self.session.as_ref().map(|_| At {
-            stage: self.stage,
+        self.runs.first.session.as_ref().map(|_| At {
+            stage: self.runs.first.stage,
             cursor: self.cursor().map(|(cursor, _)| cursor),
         })
     }
 
     fn second_at(&self) -> Option<At> {
-        let (side, _) = self.comparison.as_ref()?;
+        let (side, _) = self.runs.second.as_ref()?;
         side.session.as_ref().map(|_| At {
             stage: side.stage,
             cursor: side.debugger.as_ref().map(|d| d.state().cursor()),
@@ -219,10 +225,10 @@ impl State {
     }
 
     fn follow_second(&mut self) {
-        let (Some(at), Some((side, comparison))) = (self.second_at(), &self.comparison) else {
+        let (Some(at), Some((side, comparison))) = (self.second_at(), &self.runs.second) else {
             return;
         };
-        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
             return;
         };
         let common = common(first, second, comparison.divergence(first, second));
@@ -233,19 +239,20 @@ impl State {
 
     /// Has the second run follow the first where the two are linked.
     pub(super) fn follow_first(&mut self) {
-        let Some((side, comparison)) = &mut self.comparison else {
+        let Some((side, comparison)) = &mut self.runs.second else {
             return;
         };
         if comparison.linked_cameras {
-            (side.camera, side.fitted, side.flight) = (self.camera, self.fitted, None);
+            (side.camera, side.fitted, side.flight) =
+                (self.runs.first.camera, self.runs.first.fitted, None);
         }
         if !comparison.linked_clocks {
             return;
         }
-        let (Some(at), Some((side, comparison))) = (self.at(), &self.comparison) else {
+        let (Some(at), Some((side, comparison))) = (self.at(), &self.runs.second) else {
             return;
         };
-        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
             return;
         };
         let common = common(first, second, comparison.divergence(first, second));
@@ -257,7 +264,7 @@ impl State {
 
     fn go_to(&mut self, at: At) {
         match at.cursor {
-            Some(cursor) if self.debugger.is_some() => self.jump(cursor),
+            Some(cursor) if self.runs.first.debugger.is_some() => self.jump(cursor),
             _ => self.set_stage(at.stage),
         }
         self.forget_unseen();
@@ -269,7 +276,7 @@ impl State {
             state.poll_run();
             state.fly_on(dt_secs);
             state.want_geometry();
-            state.flight.is_some()
+            state.runs.first.flight.is_some()
         });
         self.follow_first();
         self.compare();
@@ -278,17 +285,17 @@ impl State {
 
     /// Has found out what differs.
     fn compare(&mut self) {
-        let Some((side, mut comparison)) = self.comparison.take() else {
+        let Some((side, mut comparison)) = self.runs.second.take() else {
             return;
         };
-        let first = self.session.as_ref().zip(self.shown());
+        let first = self.runs.first.session.as_ref().zip(self.shown());
         let second = side.session.as_ref().zip(side.shown());
         if let (Some((first, a)), Some((second, b))) = (first, second) {
-            comparison.seek(first, second, &self.wake);
+            comparison.seek(first, second, &self.jobs.wake);
             let moments = [(first, &a), (second, &b)];
-            comparison.differences.want(moments, &self.wake);
+            comparison.differences.want(moments, &self.jobs.wake);
         }
-        self.comparison = Some((side, comparison));
+        self.runs.second = Some((side, comparison));
     }
 
     /// Waits for all work on the second run.
@@ -296,22 +303,22 @@ impl State {
     pub(super) fn settle_second(&mut self) {
         self.with_second(Self::settle_run);
         self.compare();
-        if let Some((_, comparison)) = &mut self.comparison {
+        if let Some((_, comparison)) = &mut self.runs.second {
             comparison.settle();
         }
         self.follow_first();
         self.compare();
-        if let Some((_, comparison)) = &mut self.comparison {
+        if let Some((_, comparison)) = &mut self.runs.second {
             comparison.differences.settle();
         }
     }
 
     /// Goes to where the two runs part: in both the first event that differs is the last one that has happened.
     fn go_to_divergence(&mut self) {
-        let Some((side, comparison)) = &self.comparison else {
+        let Some((side, comparison)) = &self.runs.second else {
             return;
         };
-        let (Some(first), Some(second)) = (&self.session, &side.session) else {
+        let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
             return;
         };
         let cursors = match comparison.divergence(first, second) {
@@ -333,7 +340,7 @@ impl State {
     /// Returns what only one of two compared runs has, seen from the second one or the first.
     #[must_use]
     pub fn contrast(&self, from_second: bool) -> Option<Contrast<'_>> {
-        let (side, comparison) = self.comparison.as_ref()?;
+        let (side, comparison) = self.runs.second.as_ref()?;
         let (a, b) = (self.shown()?, side.shown()?);
         let difference = comparison.differences.of(&a, &b)?;
         let (first, second) = (&difference.first[..], &difference.second[..]);
@@ -355,12 +362,12 @@ impl State {
     /// Returns what the second canvas shows.
     #[must_use]
     pub fn second_subject(&self) -> Option<Subject<'_>> {
-        let (side, _) = self.comparison.as_ref()?;
+        let (side, _) = self.runs.second.as_ref()?;
         Some(Subject {
             shown: side.shown()?,
             camera: side.camera,
-            layers: self.layers,
-            colouring: self.colouring,
+            layers: self.appearance.layers,
+            colouring: self.appearance.colouring,
             hovered: side.hovered,
             selected: side.selected,
             place: side.place,

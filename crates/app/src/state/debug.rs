@@ -6,10 +6,11 @@ use tilescope_core::{Point, R};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Stops, why};
 
 use super::State;
-use crate::command::{DebugCommand, Selection};
+use crate::command::DebugCommand;
+use crate::selection::Selection;
 use serde::{Deserialize, Serialize};
 
-use crate::errand::{Errand, Lent};
+use crate::errand::{self, Errand, Lent};
 use crate::jobs::{Job, Monitor};
 use crate::session::Session;
 
@@ -84,13 +85,18 @@ impl State {
             DebugCommand::Pick(selection) => self.pick(selection),
             DebugCommand::SelectEvent(event) => self.select_event(event),
             DebugCommand::ToggleEvent(event) => {
-                let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
-                if let (Some(outline), Some(rows)) = (outline, &mut self.rows) {
+                let outline = self
+                    .runs
+                    .first
+                    .session
+                    .as_ref()
+                    .and_then(|s| s.outline.as_ref());
+                if let (Some(outline), Some(rows)) = (outline, &mut self.runs.first.rows) {
                     rows.toggle(outline, event);
                 }
             }
             command => {
-                if let Some(debugger) = &mut self.debugger {
+                if let Some(debugger) = &mut self.runs.first.debugger {
                     change(debugger, command);
                 }
             }
@@ -99,21 +105,21 @@ impl State {
 
     /// Returns what the user has set, wherever it is kept.
     pub(super) fn take_stops(&mut self) -> Stops {
-        match &mut self.debugger {
+        match &mut self.runs.first.debugger {
             Some(debugger) => debugger.take_stops(),
-            None => std::mem::take(&mut self.stops),
+            None => std::mem::take(&mut self.runs.first.stops),
         }
     }
 
     /// Sets what the user had set; it is kept for a later run where this one has no events.
     pub(super) fn put_stops(&mut self, stops: Stops) {
-        match &mut self.debugger {
+        match &mut self.runs.first.debugger {
             Some(debugger) => {
                 if let Err(error) = debugger.put_stops(stops) {
-                    self.tell(crate::draft::sentence(&error.to_string()), true);
+                    self.tell(crate::words::sentence(&error.to_string()), true);
                 }
             }
-            None => self.stops = stops,
+            None => self.runs.first.stops = stops,
         }
     }
 
@@ -121,48 +127,61 @@ impl State {
     pub(super) fn debug(&mut self, session: &Session) {
         let stops = self.take_stops();
         let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
-        self.debugger = session.recording().map(debugger);
+        self.runs.first.debugger = session.recording().map(debugger);
         self.put_stops(stops);
-        self.rows = session.outline.as_ref().map(OutlineRows::new);
-        (self.revealed, self.passes) = (usize::MAX, None);
-        self.history_found = Found::Nothing;
-        self.playback.range = None;
-        let text = std::mem::take(&mut self.query.text);
+        self.runs.first.rows = session.outline.as_ref().map(OutlineRows::new);
+        (self.runs.first.revealed, self.runs.first.passes) = (usize::MAX, None);
+        self.runs.first.history_found = Found::Nothing;
+        self.time.playback.range = None;
+        let text = std::mem::take(&mut self.runs.first.query.text);
         self.look_for(text);
     }
 
     /// Goes behind an event and everything that it holds; the tree stays as it is.
     fn select_event(&mut self, event: usize) {
-        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+        let outline = self
+            .runs
+            .first
+            .session
+            .as_ref()
+            .and_then(|s| s.outline.as_ref());
         if let Some(outline) = outline {
             let end = outline.end(event);
             self.jump(end);
-            self.revealed = end;
+            self.runs.first.revealed = end;
         }
     }
 
     /// Opens the tree of events down to the last one, if the cursor was moved elsewhere than in the tree.
     pub(super) fn reveal(&mut self) {
-        let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
+        let Some((cursor, _)) = self
+            .cursor()
+            .filter(|(cursor, _)| *cursor != self.runs.first.revealed)
+        else {
             return;
         };
         if !self.shows(crate::layout::Panel::Events) {
             return;
         }
-        self.revealed = cursor;
-        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+        self.runs.first.revealed = cursor;
+        let outline = self
+            .runs
+            .first
+            .session
+            .as_ref()
+            .and_then(|s| s.outline.as_ref());
         if let (Some(outline), Some(rows), Some(last)) =
-            (outline, &mut self.rows, cursor.checked_sub(1))
+            (outline, &mut self.runs.first.rows, cursor.checked_sub(1))
         {
             rows.expand_to(outline, last);
         }
     }
 
     fn look(&self, aim: Aim) -> Found {
-        match &self.session {
-            Some(session) if self.debugger.is_some() => {
+        match &self.runs.first.session {
+            Some(session) if self.runs.first.debugger.is_some() => {
                 let session = Lent(Arc::clone(session));
-                Found::Pending(Job::run(&self.wake, Looking { session, aim }))
+                Found::Pending(errand::start(&self.jobs.wake, Looking { session, aim }))
             }
             _ => Found::Nothing,
         }
@@ -170,12 +189,12 @@ impl State {
 
     fn look_for(&mut self, text: String) {
         let parsed = Query::parse(&text);
-        self.query.error = parsed.as_ref().err().map(ToString::to_string);
-        self.query.found = match parsed {
+        self.runs.first.query.error = parsed.as_ref().err().map(ToString::to_string);
+        self.runs.first.query.found = match parsed {
             Ok(query) if query != Query::default() => self.look(Aim::Query(text.clone())),
             _ => Found::Nothing,
         };
-        self.query.text = text;
+        self.runs.first.query.text = text;
     }
 
     /// Selects a sample, a place or nothing, and has its history looked up.
@@ -183,12 +202,12 @@ impl State {
         if !self.can_select(selection) {
             return;
         }
-        (self.selected, self.place) = match selection {
+        (self.runs.first.selected, self.runs.first.place) = match selection {
             Selection::Nothing => (None, None),
             Selection::Sample(id) => (Some(id), None),
             Selection::Place(place) => (None, Some(place)),
         };
-        self.history_found = match selection {
+        self.runs.first.history_found = match selection {
             Selection::Nothing => Found::Nothing,
             Selection::Sample(id) => self.look(Aim::Sample(id)),
             Selection::Place(place) => {

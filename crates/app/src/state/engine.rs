@@ -9,17 +9,17 @@ use super::State;
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::device::{Device, Engine, Tried, open_and_test};
-use crate::draft::sentence;
-use crate::files::NamedBytes;
+use crate::errand;
+use crate::incoming::NamedBytes;
 use crate::jobs::Job;
 use crate::layout::Panel;
+use crate::limits::MOST_PASSES_ON_A_PAGE;
 use crate::passes::{OnCanvas, PassCommand, Passes};
 use crate::recipe::Recipe;
-use crate::session::{Failure, Sampling, Session};
+use crate::sampling::Sampling;
+use crate::session::{Failure, Session};
 use crate::theme::Look;
-
-/// The most samples of a run whose passes are shown on a page: the CPU's twin computes between its frames.
-pub(crate) const MOST_ON_A_PAGE: usize = 50_000;
+use crate::words::sentence;
 
 /// Why a GPU that is none does not sample by itself.
 pub(super) const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
@@ -28,75 +28,79 @@ impl State {
     /// Chooses who samples. The GPU is opened and tested first, unless it was already.
     pub(super) fn choose_engine(&mut self, engine: Engine) {
         if engine == Engine::Gpu {
-            match self.device {
+            match self.gpu.device {
                 Device::Refused(_) => return,
                 Device::Unknown => self.test_device(true),
                 Device::Testing(_) | Device::Ready(_) => {}
             }
         }
-        self.engine = engine;
+        self.form.engine = engine;
     }
 
     /// Names the adapter to be opened with the next choice of the GPU.
     pub(super) fn name_adapter(&mut self, name: Option<String>) {
-        self.adapter = name;
-        self.device = Device::Unknown;
-        if self.engine == Engine::Gpu {
-            self.engine = Engine::Auto;
+        self.gpu.adapter = name;
+        self.gpu.device = Device::Unknown;
+        if self.form.engine == Engine::Gpu {
+            self.form.engine = Engine::Auto;
         }
     }
 
     /// Opens the GPU and tests it; one that computes on the CPU only if `software` is wanted, as its test takes long.
     pub(super) fn test_device(&mut self, software: bool) {
         let choice = Choice {
-            name: self.adapter.clone(),
+            name: self.gpu.adapter.clone(),
             software,
             limits: None,
         };
-        self.device = Device::Testing(Job::start_future(&self.wake, |_| open_and_test(choice)));
+        self.gpu.device = Device::Testing(Job::start_future(&self.jobs.wake, |_| {
+            open_and_test(choice)
+        }));
     }
 
     /// Takes the verdict of a device's test. One that failed is left for the CPU.
     pub(super) fn finish_test(&mut self, outcome: Result<Result<Tried, GpuError>, String>) {
         if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
             // It was not wanted when the test began, but may have been chosen since.
-            if self.engine == Engine::Gpu {
+            if self.form.engine == Engine::Gpu {
                 self.test_device(true);
             } else {
-                self.device = Device::Unknown;
-                self.gpu_failure = Some(ON_CPU.to_owned());
+                self.gpu.device = Device::Unknown;
+                self.gpu.failure = Some(ON_CPU.to_owned());
             }
             return;
         }
-        self.device = Device::from_test(outcome);
-        if self.engine == Engine::Gpu
-            && let Some(reason) = self.device.refusal()
+        self.gpu.device = Device::from_test(outcome);
+        if self.form.engine == Engine::Gpu
+            && let Some(reason) = self.gpu.device.refusal()
         {
             let text = format!("The GPU cannot serve. {reason} The CPU engine samples instead.");
-            self.engine = Engine::Auto;
+            self.form.engine = Engine::Auto;
             self.tell(text, true);
         }
     }
 
     /// Starts a run of `recipe` by `engine`.
     pub(super) fn start_sampling(&mut self, recipe: Recipe, engine: Engine) {
-        self.generation += 1;
-        let generation = self.generation;
+        self.jobs.generation += 1;
+        let generation = self.jobs.generation;
         let job = match self.device_for_run(&recipe.parameters, engine) {
-            Some(gpu) => Job::start_future(&self.wake, move |monitor| async move {
-                Session::sample_on(gpu, &recipe, generation, &monitor).await
+            Some(gpu) => Job::start_future(&self.jobs.wake, move |monitor| async move {
+                crate::sampling::on_gpu(gpu, &recipe, generation, &monitor).await
             }),
-            None => Job::run(&self.wake, Sampling { recipe, generation }),
+            None => errand::start(&self.jobs.wake, Sampling { recipe, generation }),
         };
-        self.sampling = Some(job);
+        self.runs.first.sampling = Some(job);
     }
 
     /// Returns whether a device that is ready samples where `engine` is chosen.
     pub(crate) fn device_takes(&self, engine: Engine) -> bool {
         let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
         match engine {
-            Engine::Gpu => self.device.ready().is_some(),
-            Engine::Auto => self.display.is_some() && self.device.ready().is_some_and(is_gpu),
+            Engine::Gpu => self.gpu.device.ready().is_some(),
+            Engine::Auto => {
+                self.gpu.display.is_some() && self.gpu.device.ready().is_some_and(is_gpu)
+            }
             Engine::Cpu => false,
         }
     }
@@ -104,31 +108,37 @@ impl State {
     /// Algorithm 4 as printed is for the CPU, whoever is chosen.
     fn device_for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
         let serves = self.device_takes(engine) && parameters.variant == Variant::Staged;
-        self.device.ready().filter(|_| serves).map(Arc::clone)
+        self.gpu.device.ready().filter(|_| serves).map(Arc::clone)
     }
 
     /// Returns what there is to say of the engine that samples next: a line, and all of it. Nothing where the choice alone
     /// says who samples, and why.
     #[must_use]
     pub fn engine_said(&self) -> Option<(&'static str, String)> {
-        let is_free = self.engine == Engine::Auto && self.display.is_some();
-        let takes = self.device_takes(self.engine);
-        let line = match &self.device {
-            Device::Ready(_) if takes && self.draft.parameters.variant == Variant::AsPrinted => {
+        let is_free = self.form.engine == Engine::Auto && self.gpu.display.is_some();
+        let takes = self.device_takes(self.form.engine);
+        let line = match &self.gpu.device {
+            Device::Ready(_)
+                if takes && self.form.draft.parameters.variant == Variant::AsPrinted =>
+            {
                 "CPU: it alone runs Algorithm 4 as printed."
             }
             Device::Ready(_) if takes => "GPU: self-test passed.",
-            Device::Testing(_) if self.engine == Engine::Gpu => "GPU: being tested.",
+            Device::Testing(_) if self.form.engine == Engine::Gpu => "GPU: being tested.",
             Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
             Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
             Device::Refused(_) if is_free => "CPU: there is no GPU to use here.",
-            Device::Unknown if is_free && self.gpu_failure.is_some() => "CPU: the GPU failed.",
+            Device::Unknown if is_free && self.gpu.failure.is_some() => "CPU: the GPU failed.",
             _ => return None,
         };
-        let test = self.device.said().filter(|_| self.device.ready().is_some());
+        let test = self
+            .gpu
+            .device
+            .said()
+            .filter(|_| self.gpu.device.ready().is_some());
         let all: Vec<String> = self.chosen().into_iter().chain(test).collect();
         let all = if all.is_empty() {
-            self.device.said()?
+            self.gpu.device.said()?
         } else {
             all.join(" ")
         };
@@ -154,12 +164,12 @@ impl State {
             self.tell(text, true);
         }
         if let Some(Failure { name, error }) = failure {
-            self.device.failed(&error);
-            if !matches!(self.device, Device::Ready(_)) {
-                self.engine = Engine::Auto;
+            self.gpu.device.failed(&error);
+            if !matches!(self.gpu.device, Device::Ready(_)) {
+                self.form.engine = Engine::Auto;
             }
             let why = sentence(&error.to_string());
-            self.gpu_failure = Some(format!("{name} failed. {why}"));
+            self.gpu.failure = Some(format!("{name} failed. {why}"));
             let text = format!(
                 "{name} failed. {why} The CPU engine made this session instead; the points are the same."
             );
@@ -170,7 +180,7 @@ impl State {
     /// Waits for the test of a device.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_device(&mut self) {
-        if let Device::Testing(job) = &self.device {
+        if let Device::Testing(job) = &self.gpu.device {
             let outcome = job.wait();
             self.finish_test(outcome);
         }
@@ -179,7 +189,7 @@ impl State {
     /// Returns why the passes cannot be looked at now, or `None` if they can.
     #[must_use]
     pub fn passes_refusal(&self) -> Option<String> {
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return Some("There is no session yet.".to_owned());
         };
         if session.combination.is_some() {
@@ -194,13 +204,13 @@ impl State {
                     .to_owned(),
             );
         }
-        if cfg!(target_arch = "wasm32") && session.summary.count > MOST_ON_A_PAGE {
+        if cfg!(target_arch = "wasm32") && session.summary.count > MOST_PASSES_ON_A_PAGE {
             return Some(format!(
                 "A page shows the passes of runs of up to {} samples; the native program has no such limit.",
-                crate::sentence::grouped(MOST_ON_A_PAGE)
+                crate::words::grouped(MOST_PASSES_ON_A_PAGE)
             ));
         }
-        match &self.device {
+        match &self.gpu.device {
             Device::Ready(_) => None,
             Device::Unknown => {
                 Some("Choose the GPU as the engine first: it is opened and tested then.".to_owned())
@@ -213,26 +223,27 @@ impl State {
         if self.passes_refusal().is_some() {
             return;
         }
-        let (Some(gpu), Some(session)) = (self.device.ready(), &self.session) else {
+        let (Some(gpu), Some(session)) = (self.gpu.device.ready(), &self.runs.first.session) else {
             return;
         };
-        match Passes::new(gpu, &session.run().parameters, &self.wake) {
-            Ok(passes) => self.passes = Some(passes),
+        match Passes::new(gpu, &session.run().parameters, &self.jobs.wake) {
+            Ok(passes) => self.runs.first.passes = Some(passes),
             Err(refusal) => self.tell(sentence(&refusal), true),
         }
     }
 
     /// Has time run as before once there are no passes for it to run by.
     pub(super) const fn follow_passes(&mut self) {
-        if self.passes.is_none() {
-            self.playback.clock = self.playback.clock_of_events();
+        if self.runs.first.passes.is_none() {
+            self.time.playback.clock = self.time.playback.clock_of_events();
         }
     }
 
     /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
     /// is chosen or one behind which that stage is the last whole one.
     pub(super) fn lead_passes(&mut self) {
-        let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
+        let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.runs.first.passes)
+        else {
             return;
         };
         let is_there = passes.position().is_some_and(|(other, _)| other == stage);
@@ -245,22 +256,30 @@ impl State {
     /// runs by passes, or the timeline stands where it stood when the passes were dealt with last.
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
-        let passes = self.passes.as_ref()?;
-        let is_seen = self.shows(Panel::Passes) && self.look != Look::Projector;
+        let passes = self.runs.first.passes.as_ref()?;
+        let is_seen = self.shows(Panel::Passes) && self.appearance.look != Look::Projector;
         let is_then = passes.moment() == Some(self.moment());
-        let is_meant = is_seen || is_then || self.playback.clock == Clock::Pass;
+        let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;
         passes.on_canvas().filter(|_| is_meant)
     }
 
     fn moment(&self) -> (usize, Option<usize>) {
-        (self.stage, self.cursor().map(|(cursor, _)| cursor))
+        (
+            self.runs.first.stage,
+            self.cursor().map(|(cursor, _)| cursor),
+        )
     }
 
     /// Brings the canvas into view; time runs by passes from now on. A selected row of theirs is flown to.
     fn show_buffers(&mut self) {
-        self.playback.choose(Clock::Pass);
+        self.time.playback.choose(Clock::Pass);
         self.apply(Command::OpenPanel(Panel::Canvas));
-        let place = self.passes.as_ref().and_then(Passes::picked_place);
+        let place = self
+            .runs
+            .first
+            .passes
+            .as_ref()
+            .and_then(Passes::picked_place);
         if let Some(place) = place {
             self.fly_to(place, 12.0);
         }
@@ -269,20 +288,25 @@ impl State {
     /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
     /// the chosen pass.
     pub(super) fn apply_to_passes(&mut self, command: PassCommand) {
-        let Some(passes) = &mut self.passes else {
+        let Some(passes) = &mut self.runs.first.passes else {
             return;
         };
         let shows_canvas = command == PassCommand::ShowCanvas;
         let before = passes.selected();
         passes.apply(command);
         if let Some((name, bytes)) = passes.take_download() {
-            self.downloads.push(NamedBytes { name, bytes });
+            self.files.downloads.push(NamedBytes { name, bytes });
         }
         if before != passes.selected()
             && let Some(stage) = passes.whole_stage()
         {
             // The last iteration is no stage of a session without events.
-            let stages = self.session.iter().flat_map(|session| &session.stages);
+            let stages = self
+                .runs
+                .first
+                .session
+                .iter()
+                .flat_map(|session| &session.stages);
             let place = stages
                 .take_while(|&&other| other <= stage)
                 .count()
@@ -292,7 +316,7 @@ impl State {
             }
         }
         let moment = self.moment();
-        if let Some(passes) = &mut self.passes {
+        if let Some(passes) = &mut self.runs.first.passes {
             passes.note_moment(moment);
         }
         if shows_canvas {

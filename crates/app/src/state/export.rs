@@ -9,38 +9,39 @@ use crate::export::picture::MOST_DRAWN;
 use crate::export::{
     Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, Still, View,
 };
-use crate::sentence::{counted, grouped};
+use crate::words::{counted, grouped};
 
 impl State {
     pub(super) fn apply_to_export(&mut self, command: ExportCommand) {
         match command {
             ExportCommand::Open(kind) => {
-                self.file = None;
-                self.export.get_or_insert_default();
+                self.files.sheet = None;
+                self.files.export.get_or_insert_default();
                 self.choose_export(kind);
             }
-            ExportCommand::Close => self.export = None,
+            ExportCommand::Close => self.files.export = None,
             ExportCommand::Choose(kind) => self.choose_export(kind),
             ExportCommand::Clock(clock) => {
-                if let Some(form) = &mut self.export {
+                if let Some(form) = &mut self.files.export {
                     form.clock = clock;
                     self.propose_every();
                 }
             }
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
-                if let Some(form) = &self.export {
-                    self.browsing = Some(crate::export::browse::browse(form, &self.wake));
+                if let Some(form) = &self.files.export {
+                    self.files.browsing =
+                        Some(crate::export::browse::browse(form, &self.jobs.wake));
                 }
             }
             ExportCommand::Write => self.start_export(),
             ExportCommand::Cancel => {
-                if let Some(job) = &self.exporting {
+                if let Some(job) = &self.files.exporting {
                     job.cancel();
                 }
             }
             command => {
-                if let Some(form) = &mut self.export {
+                if let Some(form) = &mut self.files.export {
                     fill_in(form, command);
                 }
             }
@@ -49,7 +50,7 @@ impl State {
     }
 
     fn choose_export(&mut self, kind: Kind) {
-        if let Some(form) = &mut self.export {
+        if let Some(form) = &mut self.files.export {
             form.choose(kind);
             if kind == Kind::Animation && form.every.is_empty() {
                 self.propose_every();
@@ -60,7 +61,9 @@ impl State {
     /// Fills in how many ticks lie between frames.
     fn propose_every(&mut self) {
         let range = self.export_range();
-        if let (Some(form), Some(session), Some(range)) = (&mut self.export, &self.session, range) {
+        if let (Some(form), Some(session), Some(range)) =
+            (&mut self.files.export, &self.runs.first.session, range)
+        {
             form.every = every_at_first(session, &range, form.clock).to_string();
         }
     }
@@ -68,12 +71,12 @@ impl State {
     /// Returns the moment that is shown, to be kept while the window goes on.
     #[must_use]
     pub fn still(&self) -> Option<Still> {
-        let session = self.session.as_ref()?;
+        let session = self.runs.first.session.as_ref()?;
         Some(match self.cursor() {
             Some((cursor, _)) => Still::at(session, cursor),
             None => Still {
                 cursor: None,
-                stage: *session.stages.get(self.stage)?,
+                stage: *session.stages.get(self.runs.first.stage)?,
             },
         })
     }
@@ -81,7 +84,7 @@ impl State {
     /// Returns why nothing of a kind can be exported now, whatever the sheet says.
     #[must_use]
     pub fn kind_refusal(&self, kind: Kind) -> Option<Refusal> {
-        let (Some(session), Some(still)) = (&self.session, self.still()) else {
+        let (Some(session), Some(still)) = (&self.runs.first.session, self.still()) else {
             return Some(Refusal::NoSession);
         };
         match kind {
@@ -95,40 +98,40 @@ impl State {
     /// Returns the cursors between which an animation goes: those of the loop, else those of the stage.
     #[must_use]
     pub fn export_range(&self) -> Option<Range<usize>> {
-        let session = self.session.as_ref()?;
-        let end = session.stage_end(self.stage)?;
-        let start = match self.stage.checked_sub(1) {
+        let session = self.runs.first.session.as_ref()?;
+        let end = session.stage_end(self.runs.first.stage)?;
+        let start = match self.runs.first.stage.checked_sub(1) {
             Some(before) => session.stage_end(before)?,
             None => 0,
         };
-        let range = self.playback.range.clone();
+        let range = self.time.playback.range.clone();
         Some(range.unwrap_or(start..end))
     }
 
     /// Returns what of the plane a picture shows: what the canvas shows. Animations are of the run's domain, also
     /// while the canvas shows the pattern.
     pub fn export_view(&self, kind: Kind) -> Result<View, Refusal> {
-        if !self.viewport.is_positive() {
+        if !self.runs.first.viewport.is_positive() {
             return Err(Refusal::NoCanvas);
         }
-        let camera = match self.before_pattern {
+        let camera = match self.runs.first.before_pattern {
             Some((camera, _)) if kind == Kind::Animation => camera,
-            _ => self.camera,
+            _ => self.runs.first.camera,
         };
-        let size = self.viewport.size();
+        let size = self.runs.first.viewport.size();
         Ok(View {
             camera,
             size: [size.x, size.y].map(f64::from),
-            layers: self.layers,
-            colouring: self.colouring,
-            dark: crate::theme::Palette::of(self.look).dark,
-            print: self.export.as_ref().is_some_and(|form| form.print),
+            layers: self.appearance.layers,
+            colouring: self.appearance.colouring,
+            dark: crate::theme::Palette::of(self.appearance.look).dark,
+            print: self.files.export.as_ref().is_some_and(|form| form.print),
         })
     }
 
     /// Returns what the sheet asks for, in a few words, or why it cannot be written.
     pub fn export_prospect(&self) -> Result<String, Refusal> {
-        let (Some(form), Some(session)) = (&self.export, &self.session) else {
+        let (Some(form), Some(session)) = (&self.files.export, &self.runs.first.session) else {
             return Err(Refusal::NoSession);
         };
         let refusal = self.kind_refusal(form.kind).or_else(|| form.name_refusal());
@@ -157,7 +160,7 @@ impl State {
     #[must_use]
     pub fn moment_name(&self) -> String {
         let stage = self.current_stage().map(|stage| stage.to_string());
-        let stage = crate::draft::sentence(&stage.unwrap_or_default());
+        let stage = crate::words::sentence(&stage.unwrap_or_default());
         let stage = stage.trim_end_matches('.');
         match self.cursor() {
             Some((at, all)) => format!("{stage}, event {} of {}", grouped(at), grouped(all)),
@@ -167,9 +170,9 @@ impl State {
 
     /// Returns the view of a sheet with its scale and, in words, its size.
     fn checked_view(&self, form: &ExportForm) -> Result<((View, f64), String), Refusal> {
-        let session = self.session.as_ref().ok_or(Refusal::NoSession)?;
+        let session = self.runs.first.session.as_ref().ok_or(Refusal::NoSession)?;
         let view = self.export_view(form.kind)?;
-        let (low, high) = view.camera.visible(self.viewport);
+        let (low, high) = view.camera.visible(self.runs.first.viewport);
         let samples = session.index.count_in(low, high);
         if samples > MOST_DRAWN {
             return Err(Refusal::TooManySamples { samples });
@@ -184,15 +187,15 @@ impl State {
     }
 
     fn frames_key(&self, form: &ExportForm) -> Result<Key, Refusal> {
-        let session = self.session.as_ref().ok_or(Refusal::NoSession)?;
+        let session = self.runs.first.session.as_ref().ok_or(Refusal::NoSession)?;
         let range = self.export_range().ok_or(Refusal::NoEvents)?;
         Ok((session.generation, range, form.clock, form.every()?))
     }
 
     fn frame_count(&self, form: &ExportForm) -> Result<usize, Refusal> {
         let key = self.frames_key(form)?;
-        let session = self.session.as_ref().ok_or(Refusal::NoSession)?;
-        match &self.frames {
+        let session = self.runs.first.session.as_ref().ok_or(Refusal::NoSession)?;
+        match &self.files.frames {
             Some(known) if known.key == key => known.frames.clone(),
             _ => count(session, &key.1, key.2, key.3),
         }
@@ -201,22 +204,28 @@ impl State {
     /// Counts the frames of the animation in the sheet, should that have changed: lines take a walk over events.
     pub(super) fn count_frames(&mut self) {
         let animation = |form: &&ExportForm| form.kind == Kind::Animation;
-        let Some(form) = self.export.as_ref().filter(animation) else {
+        let Some(form) = self.files.export.as_ref().filter(animation) else {
             return;
         };
         let Ok(key) = self.frames_key(form) else {
             return;
         };
-        if self.frames.as_ref().is_none_or(|known| known.key != key) {
+        if self
+            .files
+            .frames
+            .as_ref()
+            .is_none_or(|known| known.key != key)
+        {
             let frames = self.frame_count(form);
-            self.frames = Some(Count { key, frames });
+            self.files.frames = Some(Count { key, frames });
         }
     }
 
     /// Returns what the sheet asks for.
     pub fn export_order(&self) -> Result<Order, Refusal> {
         self.export_prospect()?;
-        let (Some(form), Some(session), Some(moment)) = (&self.export, &self.session, self.still())
+        let (Some(form), Some(session), Some(moment)) =
+            (&self.files.export, &self.runs.first.session, self.still())
         else {
             return Err(Refusal::NoSession);
         };
@@ -256,7 +265,10 @@ impl State {
     /// Returns how far the export at work has come.
     #[must_use]
     pub fn export_fraction(&self) -> Option<f32> {
-        self.exporting.as_ref().map(crate::jobs::Job::fraction)
+        self.files
+            .exporting
+            .as_ref()
+            .map(crate::jobs::Job::fraction)
     }
 }
 

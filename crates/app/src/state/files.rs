@@ -5,13 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::State;
-use crate::combination::SavedCombination;
+use crate::combining::SavedCombination;
+use crate::errand;
+use crate::files;
 use crate::files::{
-    self, Delivery, Done, FileCommand, FileForm, Filing, NamedBytes, Outcome, Purpose, ReadTask,
-    SESSION_NAME, SaveTask, Source, last_part,
+    Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
+    SaveTask, Source,
 };
+use crate::incoming::NamedBytes;
 use crate::jobs::{Job, Monitor};
 use crate::verification::region_of;
+use crate::words::last_part;
 
 mod outcome;
 
@@ -20,12 +24,12 @@ impl State {
         match command {
             FileCommand::Sheet(purpose) => self.open_sheet(purpose),
             FileCommand::Close => {
-                self.file = None;
+                self.files.sheet = None;
                 // Nobody waits any more for what is read; what is written is written.
                 self.stop_reading();
             }
             FileCommand::Path(path) => {
-                if let Some(form) = &mut self.file {
+                if let Some(form) = &mut self.files.sheet {
                     (form.path, form.asked) = (path, false);
                     form.chosen = Arc::default();
                 }
@@ -34,7 +38,7 @@ impl State {
             FileCommand::Browse => self.browse(),
             FileCommand::Go => self.file_away(),
             FileCommand::Cancel => {
-                if let Some(filing) = &self.filing {
+                if let Some(filing) = &self.files.filing {
                     filing.job.cancel();
                 }
             }
@@ -49,7 +53,7 @@ impl State {
                 let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
                 self.take_dropped(&names, Source::Bytes(files), &refused);
             }
-            FileCommand::GeneratedPattern => self.own_pattern = None,
+            FileCommand::GeneratedPattern => self.form.own_pattern = None,
         }
     }
 
@@ -59,12 +63,14 @@ impl State {
             // What is opened in a browser is chosen there, by no name.
             Purpose::Open if self.in_browser() => String::new(),
             Purpose::Save | Purpose::Open => self
+                .runs
+                .first
                 .session_path
                 .clone()
                 .unwrap_or_else(|| SESSION_NAME.to_owned()),
         };
-        self.export = None;
-        self.file = Some(FileForm {
+        self.files.export = None;
+        self.files.sheet = Some(FileForm {
             purpose,
             path,
             asked: false,
@@ -75,25 +81,25 @@ impl State {
     /// Returns whether files are chosen in a browser and downloaded, instead of having paths.
     #[must_use]
     pub fn in_browser(&self) -> bool {
-        self.delivery == Delivery::Download
+        self.files.delivery == Delivery::Download
     }
 
     /// Returns whether a sheet lies over the window.
     #[must_use]
     pub const fn has_sheet(&self) -> bool {
-        self.file.is_some() || self.export.is_some()
+        self.files.sheet.is_some() || self.files.export.is_some()
     }
 
     /// Returns why the session cannot be saved, or `None` if it can.
     #[must_use]
     pub fn save_refusal(&self) -> Option<&'static str> {
-        if self.session.is_none() {
+        if self.runs.first.session.is_none() {
             Some("There is no session yet.")
         } else if let Some(combination) = self.combination() {
             (combination.files > 0).then_some(
                 "This combination holds sets from files, and a session refers to nothing outside; its layout describes it.",
             )
-        } else if self.debugger.is_none() {
+        } else if self.runs.first.debugger.is_none() {
             Some(
                 "Only a session with events can be saved; larger runs are made by their parameters alone.",
             )
@@ -103,20 +109,23 @@ impl State {
     }
 
     fn combination(&self) -> Option<&crate::combination::Combination> {
-        self.session.as_ref()?.combination.as_ref()
+        self.runs.first.session.as_ref()?.combination.as_ref()
     }
 
     /// Returns the combination at hand as it is saved, with how it is looked at.
     #[must_use]
     pub fn saved_combination(&self) -> Option<SavedCombination> {
-        let session = self.session.as_ref()?;
-        SavedCombination::of(session, self.stage, self.view().to_json())
+        let session = self.runs.first.session.as_ref()?;
+        SavedCombination::of(session, self.runs.first.stage, self.view().to_json())
     }
 
     /// Returns the session at hand as it is saved, with how it is looked at.
     #[must_use]
     pub fn saved(&self) -> Option<tilescope_debugger::Session> {
-        let (debugger, session) = (self.debugger.as_ref()?, self.session.as_ref()?);
+        let (debugger, session) = (
+            self.runs.first.debugger.as_ref()?,
+            self.runs.first.session.as_ref()?,
+        );
         let mut saved = debugger.session();
         saved.view = self.view().to_json();
         saved.pattern = session.own.as_ref().map(|own| own.file.clone());
@@ -124,22 +133,22 @@ impl State {
     }
 
     fn browse(&mut self) {
-        let Some(form) = &self.file else {
+        let Some(form) = &self.files.sheet else {
             return;
         };
         #[cfg(not(target_arch = "wasm32"))]
         if !self.in_browser() {
-            self.finding = Some((form.purpose, files::browse(form, &self.wake)));
+            self.files.finding = Some((form.purpose, files::browse(form, &self.jobs.wake)));
         }
         #[cfg(target_arch = "wasm32")]
         if form.purpose != Purpose::Save {
-            self.finding = Some((form.purpose, files::web::choose(&self.wake)));
+            self.files.finding = Some((form.purpose, files::web::choose(&self.jobs.wake)));
         }
     }
 
     /// Takes files that were chosen, under the name of the one that would be opened.
     fn choose(&mut self, files: Vec<NamedBytes>) {
-        let Some(form) = self.file.as_mut() else {
+        let Some(form) = self.files.sheet.as_mut() else {
             return;
         };
         let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
@@ -150,32 +159,32 @@ impl State {
     fn take_dropped(&mut self, names: &[String], source: Source, refused: &[String]) {
         let Some(first) = names.first() else {
             if let Some(why) = refused.first() {
-                self.tell(crate::draft::ended(why), true);
+                self.tell(crate::words::ended(why), true);
             }
             return;
         };
-        if self.filing.is_some() {
+        if self.files.filing.is_some() {
             let text = format!("{first} was not opened: another file is being read or written.");
             self.tell(text, true);
             return;
         }
         self.begin_reading(None, first.clone(), source);
-        if let Some(filing) = &mut self.filing {
+        if let Some(filing) = &mut self.files.filing {
             filing.refused = refused.to_vec();
         }
     }
 
     fn begin_reading(&mut self, purpose: Option<Purpose>, path: String, source: Source) {
-        self.generation += 1;
-        let run = self.session.as_ref();
+        self.jobs.generation += 1;
+        let run = self.runs.first.session.as_ref();
         let run = run.map(|session| (region_of(session), session.run().domain.radius()));
         let task = ReadTask {
             purpose,
             source,
-            generation: self.generation,
+            generation: self.jobs.generation,
             run,
         };
-        let job = Job::run(&self.wake, task);
+        let job = errand::start(&self.jobs.wake, task);
         self.wait_for(purpose, path, job);
     }
 
@@ -185,13 +194,13 @@ impl State {
         path: String,
         work: impl FnOnce(&Monitor) -> Outcome + Send + 'static,
     ) {
-        let job = Job::start(&self.wake, work);
+        let job = Job::start(&self.jobs.wake, work);
         self.wait_for(purpose, path, job);
     }
 
     fn wait_for(&mut self, purpose: Option<Purpose>, path: String, job: Job<Outcome>) {
         let refused = Vec::new();
-        self.filing = Some(Filing {
+        self.files.filing = Some(Filing {
             purpose,
             path,
             refused,
@@ -202,15 +211,15 @@ impl State {
     /// Stops what is read: nobody waits for it any more.
     pub(super) fn stop_reading(&mut self) {
         let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
-        self.filing = self.filing.take().filter(saves);
+        self.files.filing = self.files.filing.take().filter(saves);
     }
 
     fn file_away(&mut self) {
-        let Some(form) = &mut self.file else {
+        let Some(form) = &mut self.files.sheet else {
             return;
         };
         let path = form.path.trim().to_owned();
-        if path.is_empty() || self.filing.is_some() {
+        if path.is_empty() || self.files.filing.is_some() {
             return;
         }
         let purpose = form.purpose;
@@ -234,7 +243,7 @@ impl State {
 
     fn start_saving(&mut self, path: String) {
         let path = files::with_json(path);
-        if let Some(form) = &mut self.file {
+        if let Some(form) = &mut self.files.sheet {
             form.path.clone_from(&path);
         }
         let task = SaveTask {
@@ -242,12 +251,12 @@ impl State {
             run: self.saved(),
             combination: self.saved_combination(),
         };
-        match self.delivery {
+        match self.files.delivery {
             #[cfg(not(target_arch = "wasm32"))]
             Delivery::Disk => {
-                let known = self.session_path.as_deref() == Some(path.as_str());
+                let known = self.runs.first.session_path.as_deref() == Some(path.as_str());
                 let taken = Path::new(&path).exists() && !known;
-                if let Some(form) = &mut self.file
+                if let Some(form) = &mut self.files.sheet
                     && taken
                     && !form.asked
                 {
@@ -273,6 +282,6 @@ impl State {
     /// Returns the files that are to be downloaded since they were asked for last.
     #[must_use]
     pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
-        std::mem::take(&mut self.downloads)
+        std::mem::take(&mut self.files.downloads)
     }
 }

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
 
 use super::{Found, State};
-use crate::errand::{Errand, Lent};
-use crate::jobs::{Job, Monitor};
+use crate::errand::{self, Errand, Lent};
+use crate::jobs::Monitor;
 
 /// Most places that are marked.
 pub const MOST_HITS: usize = 20_000;
@@ -35,11 +35,11 @@ impl Hits {
             Found::Failed(why) => Some(why.clone()),
             Found::Events(events) if events.len() == MOST_HITS => Some(format!(
                 "They stop a run {} times or more; the first are on the timeline.",
-                crate::sentence::grouped(MOST_HITS)
+                crate::words::grouped(MOST_HITS)
             )),
             Found::Events(events) => Some(format!(
                 "They stop a run {}.",
-                crate::sentence::counted(events.len(), "time", "times")
+                crate::words::counted(events.len(), "time", "times")
             )),
         }
     }
@@ -59,30 +59,37 @@ impl Hits {
 impl State {
     /// Has the places found out if the breakpoints have changed.
     pub(super) fn want_hits(&mut self) {
-        self.hits.found.poll();
-        let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
-            self.hits = Hits::default();
+        self.runs.first.hits.found.poll();
+        let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
+        else {
+            self.runs.first.hits = Hits::default();
             return;
         };
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
         let stops = enabled.map(|b| (b.line, b.condition.as_str()));
-        let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
-            let known = known
-                .iter()
-                .map(|(line, condition)| (*line, condition.as_str()));
-            *generation == session.generation && known.eq(stops.clone())
-        });
+        let same = self
+            .runs
+            .first
+            .hits
+            .key
+            .as_ref()
+            .is_some_and(|(generation, known)| {
+                let known = known
+                    .iter()
+                    .map(|(line, condition)| (*line, condition.as_str()));
+                *generation == session.generation && known.eq(stops.clone())
+            });
         if same {
             return;
         }
         let stops: Vec<(LineId, String)> =
             stops.map(|(line, text)| (line, text.to_owned())).collect();
-        self.hits.key = Some((session.generation, stops.clone()));
-        self.hits.found = if stops.is_empty() {
+        self.runs.first.hits.key = Some((session.generation, stops.clone()));
+        self.runs.first.hits.found = if stops.is_empty() {
             Found::Nothing
         } else {
             let session = Lent(Arc::clone(session));
-            Found::Pending(Job::run(&self.wake, Counting { session, stops }))
+            Found::Pending(errand::start(&self.jobs.wake, Counting { session, stops }))
         };
     }
 }

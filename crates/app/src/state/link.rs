@@ -4,11 +4,12 @@ use tilescope_debugger::{Bookmark, Stops};
 
 use super::State;
 use super::undo::Part;
-use crate::command::{DebugCommand, Selection};
+use crate::command::DebugCommand;
 use crate::draft::Draft;
 use crate::link::{self, Content, Link, Moment, Said, slug};
 use crate::recipe::Recipe;
-use crate::sentence::{counted, grouped, stage_name};
+use crate::selection::Selection;
+use crate::words::{counted, grouped, stage_name};
 
 /// A link whose run is being made.
 pub(super) struct Arriving {
@@ -21,7 +22,7 @@ impl State {
     /// link is being made, that link. It is made of numbers that are at hand, so that it may be asked for often.
     #[must_use]
     pub fn link(&self) -> Link {
-        if let Some(arriving) = &self.arriving {
+        if let Some(arriving) = &self.links.arriving {
             return link::write(&arriving.content);
         }
         let mut left_out = Vec::new();
@@ -35,9 +36,11 @@ impl State {
         let view = self.view();
         let fitted = view.fitted == Some(true);
         let flight = self
+            .runs
+            .first
             .flight
             .as_ref()
-            .filter(|_| self.before_pattern.is_none());
+            .filter(|_| self.runs.first.before_pattern.is_none());
         let flight = flight.map(crate::camera::Flight::destination);
         let first = Content::default();
         let mut content = Content {
@@ -54,7 +57,7 @@ impl State {
             layout: view.layout.unwrap_or(first.layout),
             ..first
         };
-        if let Some(debugger) = &self.debugger {
+        if let Some(debugger) = &self.runs.first.debugger {
             content.breakpoints = debugger.saved_breakpoints();
             content.watches = debugger.watches().to_vec();
             content.bookmarks.clone_from(&debugger.bookmarks);
@@ -70,8 +73,8 @@ impl State {
     }
 
     fn put_run(&self, content: &mut Content, left_out: &mut Vec<String>) {
-        content.parameters = self.draft.parameters;
-        let Some(session) = &self.session else {
+        content.parameters = self.form.draft.parameters;
+        let Some(session) = &self.runs.first.session else {
             return;
         };
         match &session.combination {
@@ -90,13 +93,13 @@ impl State {
     }
 
     fn linked_moment(&self) -> Moment {
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return Moment::End;
         };
         match self.cursor() {
             Some((cursor, len)) if cursor < len => Moment::Event(cursor),
-            None if self.stage + 1 < session.stages.len() => {
-                Moment::Stage(slug(&stage_name(session.stages[self.stage])))
+            None if self.runs.first.stage + 1 < session.stages.len() => {
+                Moment::Stage(slug(&stage_name(session.stages[self.runs.first.stage])))
             }
             _ => Moment::End,
         }
@@ -107,7 +110,7 @@ impl State {
         view: &crate::view::View,
         left_out: &mut Vec<String>,
     ) -> Option<(tilescope_core::Parameters, [bool; 3])> {
-        let (side, _) = self.comparison.as_ref()?;
+        let (side, _) = self.runs.second.as_ref()?;
         let asked = side.asked.filter(|_| side.session.is_none());
         let second = view.second.or(asked);
         if second.is_none() {
@@ -118,8 +121,8 @@ impl State {
 
     pub(super) fn copy_link(&mut self) {
         let Link { fragment, left_out } = self.link();
-        let base = self.link_base.as_deref();
-        self.copied = Some(format!("{}#{fragment}", base.unwrap_or_default()));
+        let base = self.links.base.as_deref();
+        self.links.copied = Some(format!("{}#{fragment}", base.unwrap_or_default()));
         let mut text = "The link is copied".to_owned();
         text.push_str(if base.is_some() {
             "."
@@ -134,7 +137,7 @@ impl State {
 
     /// Says that what was to be copied could not be.
     pub fn tell_not_copied(&mut self) {
-        let whence = if self.embedding.is_some() {
+        let whence = if self.window.embedding.is_some() {
             "the page around this one may have to allow it"
         } else {
             "the address bar holds the link, too"
@@ -155,16 +158,20 @@ impl State {
 
     pub(super) fn open_content(&mut self, content: Content, mut said: Said) {
         self.stop_reading();
-        (self.sampling, self.arriving, self.notice) = (None, None, None);
-        (self.file, self.export, self.palette) = (None, None, None);
+        (
+            self.runs.first.sampling,
+            self.links.arriving,
+            self.messages.notice,
+        ) = (None, None, None);
+        (self.files.sheet, self.files.export, self.window.finder) = (None, None, None);
         let before = self.memento();
         let is_made = self.is_made_from(&content);
         if !is_made {
             self.remember_run(Part::Everything);
         }
-        self.own_pattern = None;
+        self.form.own_pattern = None;
         if content.combination.is_none() {
-            self.draft = Draft::from_parameters(content.parameters);
+            self.form.draft = Draft::from_parameters(content.parameters);
         }
         if is_made {
             self.take_up_link(&content, &mut said);
@@ -175,14 +182,14 @@ impl State {
         self.tell_of_link(&said);
         match content.combination.clone() {
             Some(layout) => self.start_combining(layout),
-            None => self.start_sampling(Recipe::from(content.parameters), self.engine),
+            None => self.start_sampling(Recipe::from(content.parameters), self.form.engine),
         }
-        self.arriving = Some(Box::new(Arriving { content, said }));
+        self.links.arriving = Some(Box::new(Arriving { content, said }));
     }
 
     /// Returns whether the session at hand is what a link asks for.
     fn is_made_from(&self, content: &Content) -> bool {
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return false;
         };
         match (&session.combination, &content.combination) {
@@ -194,7 +201,7 @@ impl State {
 
     /// Takes up the link whose run has just been made.
     pub(super) fn arrive(&mut self) {
-        let Some(arriving) = self.arriving.take() else {
+        let Some(arriving) = self.links.arriving.take() else {
             return;
         };
         let Arriving { content, mut said } = *arriving;
@@ -204,13 +211,14 @@ impl State {
         let told = said.clone();
         let is_there = |state: &Self| {
             state
+                .messages
                 .notice
                 .as_ref()
                 .map(|notice| notice.text == told.text())
         };
         let shown = is_there(self);
         if shown == Some(true) {
-            self.notice = None;
+            self.messages.notice = None;
         }
         self.take_up_link(&content, &mut said);
         // What was read and dismissed is not said again by itself.
@@ -220,10 +228,10 @@ impl State {
     }
 
     fn take_up_link(&mut self, content: &Content, said: &mut Said) {
-        self.playback.stop();
-        self.playback.range = None;
+        self.time.playback.stop();
+        self.time.playback.range = None;
         self.apply_to_debugger(DebugCommand::Pick(Selection::Nothing));
-        self.sight = None;
+        self.runs.first.sight = None;
         self.take_moment(&content.moment, said);
         self.take_linked_stops(content, said);
         for part in self.look_as(&content.view()) {
@@ -239,7 +247,7 @@ impl State {
         if said.is_empty() {
             return;
         }
-        let mut text = match self.notice.take() {
+        let mut text = match self.messages.notice.take() {
             Some(notice) => notice.text + " ",
             None => String::new(),
         };
@@ -278,7 +286,7 @@ impl State {
 
     /// Returns the place of a stage in the session's list by its name in links.
     pub(super) fn stage_named(&self, name: &str) -> Option<usize> {
-        let stages = &self.session.as_ref()?.stages;
+        let stages = &self.runs.first.session.as_ref()?.stages;
         stages
             .iter()
             .position(|&stage| slug(&stage_name(stage)) == name)
@@ -286,7 +294,7 @@ impl State {
 
     fn take_linked_stops(&mut self, content: &Content, said: &mut Said) {
         let stops = content.breakpoints.len() + content.watches.len() + content.bookmarks.len();
-        let Some(debugger) = &mut self.debugger else {
+        let Some(debugger) = &mut self.runs.first.debugger else {
             if stops > 0 {
                 said.say(
                     "This run has no events: breakpoints, watches and bookmarks were left out."
@@ -305,7 +313,7 @@ impl State {
             bookmarks,
         };
         if let Err(error) = debugger.put_stops(stops) {
-            said.say(crate::draft::sentence(&error.to_string()));
+            said.say(crate::words::sentence(&error.to_string()));
         }
         if behind > 0 {
             let marks = counted(behind, "bookmark", "bookmarks");

@@ -28,21 +28,21 @@ impl State {
     /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes. One that computes on the CPU
     /// is not tested unless it was asked for.
     pub fn begin_on_page(&mut self, start: &PageStart) {
-        self.display = Some(start.display.clone());
-        self.embedding = start.embedding;
+        self.gpu.display = Some(start.display.clone());
+        self.window.embedding = start.embedding;
         self.prefer_reduced_motion(start.reduced_motion);
         if !start.full_screen {
             let why = "The browser does not let this page have the full screen.";
-            self.full_screen = FullScreen::Refused(why);
+            self.window.full_screen = FullScreen::Refused(why);
         }
         if !start.reason.is_empty() {
-            self.notice = Some(Notice {
+            self.messages.notice = Some(Notice {
                 text: start.reason.clone(),
                 is_error: true,
             });
         }
-        self.engine = start.engine;
-        if start.engine != Engine::Cpu && matches!(self.device, Device::Unknown) {
+        self.form.engine = start.engine;
+        if start.engine != Engine::Cpu && matches!(self.gpu.device, Device::Unknown) {
             self.test_device(start.engine == Engine::Gpu);
         }
     }
@@ -50,13 +50,13 @@ impl State {
     /// Returns why the engine at hand samples, and what draws, where the app itself has chosen.
     #[must_use]
     pub fn chosen(&self) -> Option<String> {
-        let display = self.display.as_ref()?;
-        let engine = match &self.device {
-            _ if self.engine == Engine::Cpu => {
+        let display = self.gpu.display.as_ref()?;
+        let engine = match &self.gpu.device {
+            _ if self.form.engine == Engine::Cpu => {
                 "The CPU engine samples in a worker, as chosen.".to_owned()
             }
             Device::Unknown => {
-                let failure = self.gpu_failure.as_deref();
+                let failure = self.gpu.failure.as_deref();
                 let text = format!(
                     "The CPU engine samples in a worker. {}",
                     failure.unwrap_or_default()
@@ -67,13 +67,13 @@ impl State {
                 "The CPU engine samples in a worker while the GPU is opened and tested.".to_owned()
             }
             Device::Ready(_)
-                if self.device_takes(self.engine)
-                    && self.draft.parameters.variant == Variant::AsPrinted =>
+                if self.device_takes(self.form.engine)
+                    && self.form.draft.parameters.variant == Variant::AsPrinted =>
             {
                 "The CPU engine samples in a worker: it alone runs Algorithm 4 as printed."
                     .to_owned()
             }
-            Device::Ready(_) if self.device_takes(self.engine) => {
+            Device::Ready(_) if self.device_takes(self.form.engine) => {
                 "The GPU samples: it passed its test against the CPU.".to_owned()
             }
             Device::Ready(_) => {

@@ -7,16 +7,16 @@ use tilescope_debugger::{Direction, Target, moves};
 use super::State;
 use super::time::none_there;
 use crate::camera::Camera;
-use crate::canvas::layers::Layer;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::draft::Draft;
+use crate::layers::Layer;
 use crate::link::{choice_name, layer_name, slug};
-use crate::panels::happened;
 use crate::recipe::Recipe;
 use crate::remote::{self, Request, RequestError, Wanted};
-use crate::sentence::{grouped, stage_name};
+use crate::sentence::happened;
 use crate::view::View;
+use crate::words::{grouped, stage_name};
 
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 
@@ -26,7 +26,7 @@ impl State {
     pub fn ask(&mut self, request: &str) -> String {
         let answer = remote::read(request).and_then(|request| self.answer(request));
         let answer = answer.unwrap_or_else(|error| {
-            let text = crate::draft::sentence(&error.to_string());
+            let text = crate::words::sentence(&error.to_string());
             json!({"ok": false, "error": text})
         });
         answer.to_string()
@@ -52,7 +52,7 @@ impl State {
             Request::SeekTarget(target, direction) => self.seek_target(target, direction)?,
             Request::View(wanted) => self.look_as_wanted(&wanted),
             Request::Play(speed) => self.play_at(speed)?,
-            Request::Pause => self.playback.stop(),
+            Request::Pause => self.time.playback.stop(),
         }
         Ok(match dropped {
             Some(dropped) => json!({"ok": true, "dropped": dropped}),
@@ -63,15 +63,19 @@ impl State {
     /// Samples with other parameters; how they are looked at stays.
     fn load(&mut self, parameters: Parameters) {
         self.stop_reading();
-        (self.notice, self.arriving, self.own_pattern) = (None, None, None);
-        self.draft = Draft::from_parameters(parameters);
-        self.start_sampling(Recipe::from(parameters), self.engine);
+        (
+            self.messages.notice,
+            self.links.arriving,
+            self.form.own_pattern,
+        ) = (None, None, None);
+        self.form.draft = Draft::from_parameters(parameters);
+        self.start_sampling(Recipe::from(parameters), self.form.engine);
     }
 
     /// Returns the session that is moved in: none while another one is being made, which would take its place.
     fn need_session(&self) -> Result<&crate::session::Session, RequestError> {
-        let why = match self.session.as_deref() {
-            Some(session) if self.sampling.is_none() => return Ok(session),
+        let why = match self.runs.first.session.as_deref() {
+            Some(session) if self.runs.first.sampling.is_none() => return Ok(session),
             Some(_) => "a run is being made; wait until \"ready\" is true in the state",
             None => "there is no session yet; wait until \"ready\" is true in the state",
         };
@@ -83,13 +87,13 @@ impl State {
         if let Some(why) = self.clock_refusal(unit) {
             return Err(RequestError::Refused(why.to_owned()));
         }
-        let clock = std::mem::replace(&mut self.playback.clock, unit);
+        let clock = std::mem::replace(&mut self.time.playback.clock, unit);
         self.apply(if forwards {
             Command::StepForward
         } else {
             Command::StepBack
         });
-        self.playback.clock = clock;
+        self.time.playback.clock = clock;
         Ok(())
     }
 
@@ -132,7 +136,7 @@ impl State {
 
     fn seek_target(&mut self, target: Target, direction: Direction) -> Result<(), RequestError> {
         self.need_session()?;
-        let Some(debugger) = &self.debugger else {
+        let Some(debugger) = &self.runs.first.debugger else {
             return Err(RequestError::Refused(NO_EVENTS.to_owned()));
         };
         let (recording, cursor) = (debugger.recording(), debugger.state().cursor());
@@ -145,11 +149,11 @@ impl State {
 
     fn look_as_wanted(&mut self, wanted: &Wanted) {
         if wanted.whole || wanted.camera.is_some() {
-            self.take_camera(wanted.camera, self.camera);
+            self.take_camera(wanted.camera, self.runs.first.camera);
         }
-        self.layers = wanted.layers.unwrap_or(self.layers);
-        self.colouring = wanted.colouring.unwrap_or(self.colouring);
-        self.choose_look(wanted.look.unwrap_or(self.look));
+        self.appearance.layers = wanted.layers.unwrap_or(self.appearance.layers);
+        self.appearance.colouring = wanted.colouring.unwrap_or(self.appearance.colouring);
+        self.choose_look(wanted.look.unwrap_or(self.appearance.look));
         self.follow_pattern();
         self.follow_first();
     }
@@ -159,12 +163,14 @@ impl State {
         let View { camera, fitted, .. } = self.view();
         let camera = camera.filter(|_| fitted != Some(true));
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
-        let on = Layer::ALL.into_iter().filter(|&l| self.layers.has(l));
+        let on = Layer::ALL
+            .into_iter()
+            .filter(|&l| self.appearance.layers.has(l));
         json!({
             "camera": camera.map_or_else(|| json!(remote::WHOLE), numbers),
             "layers": on.map(layer_name).collect::<Vec<_>>(),
-            "colouring": choice_name(&self.colouring),
-            "look": choice_name(&self.look),
+            "colouring": choice_name(&self.appearance.colouring),
+            "look": choice_name(&self.appearance.look),
         })
     }
 
@@ -173,7 +179,7 @@ impl State {
         if let Some(speed) = speed {
             self.apply(Command::Time(TimeCommand::Speed(speed)));
         }
-        if !self.playback.is_playing() {
+        if !self.time.playback.is_playing() {
             self.apply(Command::TogglePlay);
         }
         Ok(())
@@ -182,28 +188,28 @@ impl State {
     /// Returns the state as a page that embeds the window is told of it. The digest is computed once a session.
     #[must_use]
     pub fn told(&self) -> Value {
-        let session = self.session.as_deref();
+        let session = self.runs.first.session.as_deref();
         let made = session.filter(|session| session.combination.is_none());
-        let parameters = made.map_or(self.draft.parameters, |made| made.run().parameters);
+        let parameters = made.map_or(self.form.draft.parameters, |made| made.run().parameters);
         let (cursor, events) = self.cursor().unwrap_or((0, 0));
         let stage = self.current_stage().map(|stage| slug(&stage_name(stage)));
         json!({
             "seed": seed(parameters.seed),
             "parameters": with_seeds(&parameters),
-            "ready": session.is_some() && self.sampling.is_none(),
+            "ready": session.is_some() && self.runs.first.sampling.is_none(),
             "samples": session.map_or(0, |session| session.summary.count),
             "events": events,
             "cursor": cursor,
             "stage": stage,
-            "sentence": happened(self),
-            "playing": self.playback.is_playing(),
+            "sentence": happened(self.shown().as_ref()),
+            "playing": self.time.playback.is_playing(),
             "verified": self.verdict().map(|verdict| verdict.report.valid()),
             "digest": session.map(crate::session::Session::digest),
             "positions_digest": session.map(crate::session::Session::positions_digest),
             "engine": session.map(|session| session.engine.as_str()),
-            "gpu": self.device.word(),
+            "gpu": self.gpu.device.word(),
             "chosen": self.chosen(),
-            "notice": self.notice.as_ref().map(|notice| notice.text.as_str()),
+            "notice": self.messages.notice.as_ref().map(|notice| notice.text.as_str()),
             "view": self.told_view(),
             "link": self.link().fragment,
         })

@@ -2,11 +2,17 @@
 
 mod time;
 
+use std::sync::Arc;
+
+use egui::Rect;
+
 use super::*;
-use crate::canvas::layers::Layer;
-use crate::command::Witness;
-use crate::command::{Choice, Field};
+use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, Kind};
+use crate::layers::Layer;
+use crate::session::Session;
+use crate::verification::Sight;
+use crate::verification::Witness;
 use tilescope_core::Search;
 
 fn settled() -> State {
@@ -26,7 +32,7 @@ fn type_in(state: &mut State, field: Field, text: &str) {
 #[test]
 fn the_default_session_is_finished_and_verified() {
     let state = settled();
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     assert!((9_800..10_200).contains(&session.summary.count));
     assert_eq!(state.current_stage(), Some(Stage::Finish));
     assert!(state.verdict().unwrap().report.valid());
@@ -35,32 +41,32 @@ fn the_default_session_is_finished_and_verified() {
 #[test]
 fn stages_stop_at_both_ends() {
     let mut state = settled();
-    let last = state.stage;
+    let last = state.runs.first.stage;
     state.apply(Command::StepForward);
-    assert_eq!(state.stage, last);
+    assert_eq!(state.runs.first.stage, last);
     state.apply(Command::StepBack);
-    assert_eq!(state.stage, last - 1);
+    assert_eq!(state.runs.first.stage, last - 1);
     state.apply(Command::FirstStage);
     state.apply(Command::StepBack);
     assert_eq!(
-        (state.stage, state.current_stage()),
+        (state.runs.first.stage, state.current_stage()),
         (0, Some(Stage::Pattern))
     );
     state.apply(Command::ShowStage(usize::MAX));
-    assert_eq!(state.stage, last);
+    assert_eq!(state.runs.first.stage, last);
 }
 
 #[test]
 fn playing_ends_at_the_last_stage() {
     let mut state = settled();
-    let stages = state.stage;
+    let stages = state.runs.first.stage;
     state.apply(Command::TogglePlay);
-    assert_eq!(state.stage, 0);
+    assert_eq!(state.runs.first.stage, 0);
     for _ in 0..stages {
         state.advance(crate::clock::Clock::Stage.tick_secs());
     }
     assert_eq!(state.current_stage(), Some(Stage::Finish));
-    assert!(!state.playback.is_playing());
+    assert!(!state.time.playback.is_playing());
 }
 
 #[test]
@@ -69,7 +75,7 @@ fn a_bad_draft_is_not_run() {
     type_in(&mut state, Field::Radius, "-3");
     assert!(state.run_refusal().unwrap().contains("-3"));
     state.apply(Command::Run);
-    assert!(state.sampling.is_none());
+    assert!(state.runs.first.sampling.is_none());
     state.apply(Command::ResetParameters);
     assert_eq!(state.run_refusal(), None);
 }
@@ -77,16 +83,30 @@ fn a_bad_draft_is_not_run() {
 #[test]
 fn a_cancelled_run_leaves_the_session_and_says_so() {
     let mut state = settled();
-    let before = state.session.as_ref().unwrap().generation;
+    let before = state.runs.first.session.as_ref().unwrap().generation;
     type_in(&mut state, Field::Radius, "0.0005");
     state.apply(Command::Run);
-    assert_eq!(state.session.as_ref().unwrap().generation, before);
+    assert_eq!(
+        state.runs.first.session.as_ref().unwrap().generation,
+        before
+    );
     state.apply(Command::Cancel);
     state.settle();
-    assert_eq!(state.session.as_ref().unwrap().generation, before);
-    assert!(state.notice.as_ref().unwrap().text.contains("Cancelled"));
+    assert_eq!(
+        state.runs.first.session.as_ref().unwrap().generation,
+        before
+    );
+    assert!(
+        state
+            .messages
+            .notice
+            .as_ref()
+            .unwrap()
+            .text
+            .contains("Cancelled")
+    );
     state.apply(Command::DismissNotice);
-    assert!(state.notice.is_none());
+    assert!(state.messages.notice.is_none());
 }
 
 #[test]
@@ -100,12 +120,12 @@ fn a_failing_verdict_leads_to_its_witness() {
     let report = &state.verdict().unwrap().report;
     assert!(report.conflict_free() && !report.maximal());
     state.apply(Command::FlyToWitness(Witness::Verdict));
-    let Some(Sight::Circle(center, radius)) = state.sight else {
+    let Some(Sight::Circle(center, radius)) = state.runs.first.sight else {
         panic!("a gap is the witness");
     };
     assert!(radius > 1.0);
     while state.advance(0.1) {}
-    let off = [0, 1].map(|k| (state.camera.center[k] - center[k]).abs());
+    let off = [0, 1].map(|k| (state.runs.first.camera.center[k] - center[k]).abs());
     assert!(off[0] < 1e-9 && off[1] < 1e-9);
 }
 
@@ -113,9 +133,11 @@ fn a_failing_verdict_leads_to_its_witness() {
 fn a_valid_set_shows_its_extremes() {
     let mut state = settled();
     state.apply(Command::FlyToWitness(Witness::Verdict));
-    assert!(matches!(state.sight, Some(Sight::Pair(_, d)) if (1.0..1.01).contains(&d)));
+    assert!(matches!(state.runs.first.sight, Some(Sight::Pair(_, d)) if (1.0..1.01).contains(&d)));
     state.apply(Command::FlyToWitness(Witness::LargestHole));
-    assert!(matches!(state.sight, Some(Sight::Circle(_, r)) if (0.9..=1.0001).contains(&r)));
+    assert!(
+        matches!(state.runs.first.sight, Some(Sight::Circle(_, r)) if (0.9..=1.0001).contains(&r))
+    );
 }
 
 #[test]
@@ -130,10 +152,10 @@ fn an_export_says_where_file_and_certificate_went() {
     )));
     state.apply(Command::Export(ExportCommand::Write));
     state.settle();
-    let notice = state.notice.clone().unwrap();
+    let notice = state.messages.notice.clone().unwrap();
     assert!(!notice.is_error, "{}", notice.text);
     assert!(notice.text.contains("set.ply.certificate.json"));
-    assert!(path.exists() && state.export.is_none());
+    assert!(path.exists() && state.files.export.is_none());
     state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
     let nowhere = folder.join("missing").join("set.csv");
     state.apply(Command::Export(ExportCommand::Path(
@@ -141,31 +163,37 @@ fn an_export_says_where_file_and_certificate_went() {
     )));
     state.apply(Command::Export(ExportCommand::Write));
     state.settle();
-    assert!(state.notice.clone().unwrap().is_error && state.export.is_some());
+    assert!(state.messages.notice.clone().unwrap().is_error && state.files.export.is_some());
     std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn samples_that_are_not_there_yet_are_not_pointed_at() {
     let mut state = settled();
-    let id = state.session.as_ref().unwrap().run().iterations[0]
+    let id = state.runs.first.session.as_ref().unwrap().run().iterations[0]
         .inserted
         .start;
     state.apply(Command::GoToSample(id));
-    assert_eq!(state.selected, Some(id));
+    assert_eq!(state.runs.first.selected, Some(id));
     state.apply(Command::Hover(Some(id)));
     state.apply(Command::ShowStage(2));
-    assert_eq!((state.selected, state.hovered), (Some(id), None));
+    assert_eq!(
+        (state.runs.first.selected, state.runs.first.hovered),
+        (Some(id), None)
+    );
 }
 
 #[test]
 fn layers_and_theme_toggle() {
     let mut state = settled();
-    let before = (state.layers.has(Layer::Gaps), state.look);
+    let before = (
+        state.appearance.layers.has(Layer::Gaps),
+        state.appearance.look,
+    );
     state.apply(Command::ToggleLayer(Layer::Gaps));
     state.apply(Command::ToggleTheme);
-    assert_ne!(state.layers.has(Layer::Gaps), before.0);
-    assert_ne!(state.look, before.1);
+    assert_ne!(state.appearance.layers.has(Layer::Gaps), before.0);
+    assert_ne!(state.appearance.look, before.1);
 }
 
 #[test]
@@ -173,10 +201,12 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
     let mut state = settled();
     state.apply(Command::FlyTo([3.0, 90.0], 5.0));
     while state.advance(0.1) {}
-    let camera = state.camera;
+    let camera = state.runs.first.camera;
     state.apply(Command::FirstStage);
     assert_eq!(state.current_stage(), Some(Stage::Pattern));
     let middle = state
+        .runs
+        .first
         .session
         .as_ref()
         .unwrap()
@@ -185,10 +215,10 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
         .domain()
         .size()[0]
         / 2.0;
-    assert!((state.camera.center[0] - middle).abs() < 1e-9);
-    assert!(state.camera.scale < camera.scale);
+    assert!((state.runs.first.camera.center[0] - middle).abs() < 1e-9);
+    assert!(state.runs.first.camera.scale < camera.scale);
     state.apply(Command::StepForward);
-    assert_eq!(state.camera, camera);
+    assert_eq!(state.runs.first.camera, camera);
 }
 
 #[test]
@@ -197,7 +227,7 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
     type_in(&mut state, Field::Radius, "0.0011");
     state.apply(Command::Run);
     state.settle();
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     assert!(!session.has_stages());
     assert_eq!(
         session.stages,
@@ -227,9 +257,9 @@ fn on_the_gpu() -> State {
     state.apply(Command::Engine(Engine::Gpu));
     state.settle();
     assert!(
-        state.device.ready().is_some(),
+        state.gpu.device.ready().is_some(),
         "a GPU adapter is needed (Debian and Ubuntu: apt-get install mesa-vulkan-drivers): {:?}",
-        state.device.said()
+        state.gpu.device.said()
     );
     state
 }
@@ -237,17 +267,17 @@ fn on_the_gpu() -> State {
 #[test]
 fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
     let mut state = on_the_gpu();
-    assert_eq!(state.engine, Engine::Gpu);
-    let said = state.device.said().unwrap();
+    assert_eq!(state.form.engine, Engine::Gpu);
+    let said = state.gpu.device.said().unwrap();
     assert!(said.contains("self-test passed"), "{said}");
-    let before = state.session.clone().unwrap();
+    let before = state.runs.first.session.clone().unwrap();
     assert_eq!(before.engine, "CPU");
     state.apply(Command::Run);
     state.settle();
-    let session = state.session.as_ref().unwrap();
-    let name = state.device.name().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
+    let name = state.gpu.device.name().unwrap();
     assert_eq!(session.engine, format!("GPU ({name})"));
-    assert_eq!(state.notice, None);
+    assert_eq!(state.messages.notice, None);
     assert_eq!(session.stages, before.stages);
     assert_eq!(session.summary, before.summary);
     assert_eq!(session.conflicts, before.conflicts);
@@ -263,13 +293,13 @@ fn a_large_session_on_the_gpu_keeps_the_result_alone() {
     type_in(&mut state, Field::Radius, "0.0011");
     state.apply(Command::Run);
     state.settle();
-    let session = state.session.clone().unwrap();
+    let session = state.runs.first.session.clone().unwrap();
     assert!(!session.has_stages() && session.engine.starts_with("GPU"));
     assert!(state.verdict().unwrap().report.valid());
     state.apply(Command::Engine(Engine::Cpu));
     state.apply(Command::Run);
     state.settle();
-    let of_cpu = state.session.as_ref().unwrap();
+    let of_cpu = state.runs.first.session.as_ref().unwrap();
     assert_eq!(of_cpu.engine, "CPU");
     assert_eq!(of_cpu.run().samples, session.run().samples);
     assert_eq!(of_cpu.summary, session.summary);
@@ -282,29 +312,29 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
     state.apply(Command::Engine(Engine::Gpu));
     assert!(state.run_refusal().unwrap().contains("tested"));
     state.settle();
-    assert_eq!(state.engine, Engine::Auto);
-    let notice = state.notice.clone().unwrap();
+    assert_eq!(state.form.engine, Engine::Auto);
+    let notice = state.messages.notice.clone().unwrap();
     assert!(
         notice.is_error && notice.text.contains("o GPU adapter"),
         "{}",
         notice.text
     );
     state.apply(Command::Engine(Engine::Gpu));
-    assert_eq!(state.engine, Engine::Auto);
+    assert_eq!(state.form.engine, Engine::Auto);
     assert_eq!(state.run_refusal(), None);
     state.apply(Command::Run);
     state.settle();
-    assert_eq!(state.session.as_ref().unwrap().engine, "CPU");
+    assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
     // Another name may be asked for.
     state.apply(Command::NameAdapter(None));
-    assert_eq!(state.device.refusal(), None);
+    assert_eq!(state.gpu.device.refusal(), None);
 }
 
 #[test]
 fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     let mut state = settled();
-    state.engine = Engine::Gpu;
-    let monitor = crate::jobs::Job::start(&state.wake, |monitor| {
+    state.form.engine = Engine::Gpu;
+    let monitor = crate::jobs::Job::start(&state.jobs.wake, |monitor| {
         Session::sample(&tilescope_core::Parameters::default().into(), 2, monitor)
     });
     let mut session = monitor.wait().unwrap().unwrap();
@@ -316,24 +346,24 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     });
     state.show_made(session);
     state.settle();
-    let notice = state.notice.clone().unwrap();
+    let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));
     assert!(notice.text.contains("CPU"));
-    assert_eq!(state.engine, Engine::Auto);
+    assert_eq!(state.form.engine, Engine::Auto);
     assert!(state.verdict().unwrap().report.valid());
 }
 
 #[test]
 fn a_run_of_a_gpu_that_differs_is_shown_without_events_and_told_of() {
     let mut state = settled();
-    let mut run = state.session.as_ref().unwrap().run().clone();
+    let mut run = state.runs.first.session.as_ref().unwrap().run().clone();
     run.samples.points[7].x += 1;
     let mut session = Session::from_run(run, 9);
     session.engine = "GPU (some card)".to_owned();
     state.show_made(session);
-    let notice = state.notice.clone().unwrap();
+    let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("GPU (some card) differs from the CPU"));
-    assert!(state.debugger.is_none() && state.cursor().is_none());
+    assert!(state.runs.first.debugger.is_none() && state.cursor().is_none());
     state.apply(Command::ShowStage(2));
     assert_eq!(state.current_stage(), Some(Stage::Tile));
 }
@@ -346,28 +376,29 @@ fn the_variant_as_printed_is_made_by_the_cpu_whoever_is_chosen() {
     )));
     state.apply(Command::Run);
     state.settle();
-    assert_eq!(state.session.as_ref().unwrap().engine, "CPU");
+    assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
 }
 
 #[test]
 fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
     let mut state = settled();
-    let middle = state.viewport.center();
-    for stage in [state.stage, 0] {
+    let middle = state.runs.first.viewport.center();
+    for stage in [state.runs.first.stage, 0] {
         state.apply(Command::ShowStage(stage));
         state.apply(Command::Fit);
         while state.advance(0.5) {}
-        let fitted = state.camera.scale;
-        let is_seen = |state: &State| (0.2..0.3).contains(&(state.camera.scale / fitted));
+        let fitted = state.runs.first.camera.scale;
+        let is_seen =
+            |state: &State| (0.2..0.3).contains(&(state.runs.first.camera.scale / fitted));
         for _ in 0..40 {
             state.apply(Command::Zoom(middle, 0.5));
         }
-        assert!(is_seen(&state), "{}", state.camera.scale);
+        assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         state.apply(Command::Zoom(middle, 1e12));
-        assert!(state.camera.scale <= crate::camera::MAX_SCALE);
+        assert!(state.runs.first.camera.scale <= crate::camera::MAX_SCALE);
         state.apply(Command::FlyTo([10.0, 10.0], 1e9));
         while state.advance(0.5) {}
-        assert!(is_seen(&state), "{}", state.camera.scale);
+        assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // Of a link, a session or a page that embeds it.
         let mut view = state.view();
         view.camera = crate::view::sound_camera([10.0, 10.0], crate::camera::MIN_SCALE);
@@ -375,31 +406,35 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         assert!(view.camera.is_some());
         state.look_as(&view);
         // A view's camera is of the domain: the pattern is fitted.
-        let is_fitted = state.camera == state.fitting();
+        let is_fitted = state.runs.first.camera == state.fitting();
         let is_pattern = state.current_stage() == Some(Stage::Pattern);
         assert_eq!(is_fitted, is_pattern);
-        assert!(is_pattern || is_seen(&state), "{}", state.camera.scale);
+        assert!(
+            is_pattern || is_seen(&state),
+            "{}",
+            state.runs.first.camera.scale
+        );
         // A window that has become larger.
-        state.apply(Command::Viewport(state.viewport.expand(400.0)));
-        assert!(state.camera.scale > 0.4 * fitted);
-        state.apply(Command::Viewport(state.viewport.expand(-400.0)));
+        state.apply(Command::Viewport(state.runs.first.viewport.expand(400.0)));
+        assert!(state.runs.first.camera.scale > 0.4 * fitted);
+        state.apply(Command::Viewport(state.runs.first.viewport.expand(-400.0)));
     }
 }
 
 #[test]
 fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
     let mut state = settled();
-    state.display = Some("WebGL 2".to_owned());
+    state.gpu.display = Some("WebGL 2".to_owned());
     let found = || {
         let name = "SwiftShader".to_owned();
         Ok(Err(tilescope_gpu::GpuError::SoftwareOnly { name }))
     };
     state.finish_test(found());
-    assert_eq!(state.device.word(), "unknown");
+    assert_eq!(state.gpu.device.word(), "unknown");
     let why = state.chosen().expect("why");
     assert!(why.contains("computes on the CPU itself"), "{why}");
     // It was chosen while the browser looked for one.
-    state.engine = Engine::Gpu;
+    state.form.engine = Engine::Gpu;
     state.finish_test(found());
-    assert_eq!(state.device.word(), "testing");
+    assert_eq!(state.gpu.device.word(), "testing");
 }

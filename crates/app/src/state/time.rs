@@ -6,11 +6,11 @@ use std::cell::Cell;
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
 
 use super::State;
-use crate::canvas::subject::Subject;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
 use crate::passes::PassCommand;
+use crate::subject::Subject;
 
 /// So many conditions of breakpoints are looked at in a frame: some tens of milliseconds.
 const MOST_CONDITIONS: u32 = 10_000;
@@ -19,11 +19,11 @@ impl State {
     /// Returns the moment that is shown.
     #[must_use]
     pub fn shown(&self) -> Option<Shown<'_>> {
-        let session = self.session.as_deref()?;
+        let session = self.runs.first.session.as_deref()?;
         Some(Shown {
             session,
-            debugger: self.debugger.as_ref(),
-            stage: *session.stages.get(self.stage)?,
+            debugger: self.runs.first.debugger.as_ref(),
+            stage: *session.stages.get(self.runs.first.stage)?,
         })
     }
 
@@ -32,14 +32,14 @@ impl State {
     pub fn subject(&self) -> Option<Subject<'_>> {
         Some(Subject {
             shown: self.shown()?,
-            camera: self.camera,
-            layers: self.layers,
-            colouring: self.colouring,
-            hovered: self.hovered,
-            selected: self.selected,
-            place: self.place,
-            sight: self.sight,
-            geometry: &self.geometry,
+            camera: self.runs.first.camera,
+            layers: self.appearance.layers,
+            colouring: self.appearance.colouring,
+            hovered: self.runs.first.hovered,
+            selected: self.runs.first.selected,
+            place: self.runs.first.place,
+            sight: self.runs.first.sight,
+            geometry: &self.runs.first.geometry,
             contrast: self.contrast(false),
             causes: self.causes(),
             buffers: self.buffers_on_canvas(),
@@ -49,26 +49,26 @@ impl State {
     /// Returns the cursor, and how many events there are; `None` for a session without events.
     #[must_use]
     pub fn cursor(&self) -> Option<(usize, usize)> {
-        let debugger = self.debugger.as_ref()?;
+        let debugger = self.runs.first.debugger.as_ref()?;
         Some((debugger.state().cursor(), debugger.recording().len()))
     }
 
     /// Returns whether the result is what is shown.
     #[must_use]
     pub fn is_at_end(&self) -> bool {
-        match (self.cursor(), &self.session) {
+        match (self.cursor(), &self.runs.first.session) {
             (Some((cursor, len)), _) => cursor == len,
-            (None, Some(session)) => self.stage + 1 >= session.stages.len(),
+            (None, Some(session)) => self.runs.first.stage + 1 >= session.stages.len(),
             (None, None) => true,
         }
     }
 
     pub(super) fn apply_to_clock(&mut self, command: &Command) {
-        if self.session.is_none() {
+        if self.runs.first.session.is_none() {
             return;
         }
-        let before = self.stage;
-        self.continuing = None;
+        let before = self.runs.first.stage;
+        self.time.continuing = None;
         match *command {
             Command::ShowStage(place) => self.show_stage(place),
             Command::StepBack => self.tick(Direction::Backwards),
@@ -85,7 +85,7 @@ impl State {
     /// Does what follows from a move in time, which began at the stage `before`.
     pub(super) fn moved(&mut self, before: usize) {
         self.forget_unseen();
-        if before != self.stage {
+        if before != self.runs.first.stage {
             self.lead_passes();
         }
     }
@@ -94,11 +94,13 @@ impl State {
     #[must_use]
     pub fn clock_refusal(&self, clock: Clock) -> Option<&'static str> {
         match clock {
-            Clock::Pass => self.passes.is_none().then_some(
+            Clock::Pass => self.runs.first.passes.is_none().then_some(
                 "The passes of the GPU have not been run: the panel of GPU passes runs them.",
             ),
             Clock::Stage => None,
             Clock::Event | Clock::Line => self
+                .runs
+                .first
                 .debugger
                 .is_none()
                 .then_some("This session has no events."),
@@ -109,32 +111,34 @@ impl State {
     #[must_use]
     pub fn pass_tick(&self) -> Option<(usize, usize)> {
         let passes = self
+            .runs
+            .first
             .passes
             .as_ref()
-            .filter(|_| self.playback.clock == Clock::Pass)?;
+            .filter(|_| self.time.playback.clock == Clock::Pass)?;
         Some((passes.selected()?, passes.entries().len().checked_sub(1)?))
     }
 
     fn apply_to_time(&mut self, command: &TimeCommand) {
         match *command {
             TimeCommand::Clock(clock) if self.clock_refusal(clock).is_none() => {
-                self.playback.choose(clock);
+                self.time.playback.choose(clock);
             }
             TimeCommand::Clock(_) => {}
-            TimeCommand::Speed(speed) => self.playback.speed = speed,
+            TimeCommand::Speed(speed) => self.time.playback.speed = speed,
             TimeCommand::Jump(cursor) => self.jump(cursor),
             TimeCommand::Step(step, direction) => self.step(step, direction),
             TimeCommand::RunTo(target, direction) => self.run_to(target, direction),
             TimeCommand::Continue(direction) => self.run_on(direction),
             TimeCommand::LoopStart => self.set_range(|range, at| range.start = at),
             TimeCommand::LoopEnd => self.set_range(|range, at| range.end = at),
-            TimeCommand::Loop(ref range) => self.playback.range.clone_from(range),
+            TimeCommand::Loop(ref range) => self.time.playback.range.clone_from(range),
         }
     }
 
     /// Shows the end of the stage at `place` of the list.
     pub(super) fn show_stage(&mut self, place: usize) {
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return;
         };
         let place = place.min(session.stages.len() - 1);
@@ -146,7 +150,9 @@ impl State {
 
     /// Moves to a cursor.
     pub(super) fn jump(&mut self, cursor: usize) {
-        let (Some(debugger), Some(session)) = (&mut self.debugger, &self.session) else {
+        let (Some(debugger), Some(session)) =
+            (&mut self.runs.first.debugger, &self.runs.first.session)
+        else {
             return;
         };
         debugger.jump(cursor);
@@ -156,14 +162,14 @@ impl State {
 
     /// Has the stage follow the cursor, which the debugger has moved.
     pub(super) fn follow_cursor(&mut self) {
-        if let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) {
+        if let (Some(session), Some((cursor, _))) = (&self.runs.first.session, self.cursor()) {
             let place = session.stage_at(cursor);
             self.set_stage(place);
         }
     }
 
     fn step(&mut self, step: Step, direction: Direction) {
-        if let Some(debugger) = &mut self.debugger {
+        if let Some(debugger) = &mut self.runs.first.debugger {
             debugger.step(step, direction);
             self.follow_cursor();
         }
@@ -171,26 +177,28 @@ impl State {
 
     /// Runs until the event that `target` means has happened, or until a line is the next one.
     fn run_to(&mut self, target: Target, direction: Direction) {
-        let Some(debugger) = &mut self.debugger else {
+        let Some(debugger) = &mut self.runs.first.debugger else {
             return;
         };
         let stop = debugger.run_to(target, direction);
         self.follow_cursor();
         if stop == Stop::End {
             let text = none_there(target, direction);
-            self.tell(crate::draft::sentence(&text), false);
+            self.tell(crate::words::sentence(&text), false);
         }
     }
 
     fn run_on(&mut self, direction: Direction) {
-        self.continuing = Some(direction);
+        self.time.continuing = Some(direction);
         self.continue_on();
     }
 
     /// Runs on to a breakpoint, over so many at most whose conditions do not hold; the rest is left to the next frame.
     pub(super) fn continue_on(&mut self) {
-        let (Some(direction), Some(debugger)) = (self.continuing, &mut self.debugger) else {
-            self.continuing = None;
+        let (Some(direction), Some(debugger)) =
+            (self.time.continuing, &mut self.runs.first.debugger)
+        else {
+            self.time.continuing = None;
             return;
         };
         let left = Cell::new(MOST_CONDITIONS);
@@ -203,34 +211,34 @@ impl State {
         if stop == Stop::End && left.get() == 0 {
             return;
         }
-        self.continuing = None;
+        self.time.continuing = None;
         if let Stop::BadCondition(index, error) = stop {
             let text = format!(
                 "The condition of breakpoint {} cannot be computed: {error}",
                 index + 1
             );
-            self.tell(crate::draft::sentence(&text), true);
+            self.tell(crate::words::sentence(&text), true);
         }
     }
 
     /// Goes on or back by one tick of the clock.
     fn tick(&mut self, direction: Direction) {
-        if self.playback.clock == Clock::Pass && self.passes.is_some() {
+        if self.time.playback.clock == Clock::Pass && self.runs.first.passes.is_some() {
             self.apply_to_passes(match direction {
                 Direction::Forwards => PassCommand::Next,
                 Direction::Backwards => PassCommand::Previous,
             });
             return;
         }
-        let Some(debugger) = &self.debugger else {
+        let Some(debugger) = &self.runs.first.debugger else {
             let place = match direction {
-                Direction::Forwards => self.stage.saturating_add(1),
-                Direction::Backwards => self.stage.saturating_sub(1),
+                Direction::Forwards => self.runs.first.stage.saturating_add(1),
+                Direction::Backwards => self.runs.first.stage.saturating_sub(1),
             };
             self.show_stage(place);
             return;
         };
-        match self.playback.clock {
+        match self.time.playback.clock {
             Clock::Event => self.step(Step::Into, direction),
             Clock::Line => {
                 let cursor = next_line(debugger, direction);
@@ -241,14 +249,19 @@ impl State {
     }
 
     fn tick_stage(&mut self, direction: Direction) {
-        let Some((session, cursor)) = self.session.as_ref().zip(self.cursor().map(|(at, _)| at))
+        let Some((session, cursor)) = self
+            .runs
+            .first
+            .session
+            .as_ref()
+            .zip(self.cursor().map(|(at, _)| at))
         else {
             return;
         };
-        let whole = session.stage_end(self.stage) == Some(cursor);
+        let whole = session.stage_end(self.runs.first.stage) == Some(cursor);
         match direction {
-            Direction::Forwards => self.show_stage(self.stage + usize::from(whole)),
-            Direction::Backwards => self.show_stage(self.stage.saturating_sub(1)),
+            Direction::Forwards => self.show_stage(self.runs.first.stage + usize::from(whole)),
+            Direction::Backwards => self.show_stage(self.runs.first.stage.saturating_sub(1)),
         }
     }
 
@@ -257,18 +270,20 @@ impl State {
         match self.pass_tick().or_else(|| self.cursor()) {
             Some((cursor, len)) => cursor == len,
             None => self
+                .runs
+                .first
                 .session
                 .as_ref()
-                .is_some_and(|s| self.stage + 1 == s.stages.len()),
+                .is_some_and(|s| self.runs.first.stage + 1 == s.stages.len()),
         }
     }
 
     fn toggle_play(&mut self) {
-        if self.playback.is_playing() {
-            self.playback.stop();
+        if self.time.playback.is_playing() {
+            self.time.playback.stop();
             return;
         }
-        if let Some(range) = self.playback.range.clone() {
+        if let Some(range) = self.time.playback.range.clone() {
             let inside = self.cursor().is_some_and(|(at, _)| range.contains(&at));
             if !inside {
                 self.jump(range.start);
@@ -276,22 +291,22 @@ impl State {
         } else if self.at_end() {
             self.show_stage(0);
         }
-        self.playback.start();
+        self.time.playback.start();
     }
 
     /// Plays on by `dt_secs`; returns whether it goes on.
     pub(super) fn play(&mut self, dt_secs: f32) -> bool {
-        let before = self.stage;
-        let ticks = self.playback.advance(dt_secs);
+        let before = self.runs.first.stage;
+        let ticks = self.time.playback.advance(dt_secs);
         for _ in 0..ticks {
             self.tick(Direction::Forwards);
-            match (self.playback.range.clone(), self.cursor()) {
+            match (self.time.playback.range.clone(), self.cursor()) {
                 (Some(range), Some((at, _))) if at >= range.end => {
                     self.jump(range.start);
                     break;
                 }
                 _ if self.at_end() => {
-                    self.playback.stop();
+                    self.time.playback.stop();
                     break;
                 }
                 _ => {}
@@ -300,16 +315,16 @@ impl State {
         if ticks > 0 {
             self.moved(before);
         }
-        self.playback.is_playing()
+        self.time.playback.is_playing()
     }
 
     fn set_range(&mut self, change: impl FnOnce(&mut std::ops::Range<usize>, usize)) {
         let Some((at, len)) = self.cursor() else {
             return;
         };
-        let mut range = self.playback.range.clone().unwrap_or(0..len);
+        let mut range = self.time.playback.range.clone().unwrap_or(0..len);
         change(&mut range, at);
-        self.playback.range = (range.start < range.end).then_some(range);
+        self.time.playback.range = (range.start < range.end).then_some(range);
     }
 
     /// A sample that does not exist yet is not pointed at. What is selected stays: its history lies ahead.
@@ -318,11 +333,15 @@ impl State {
             return;
         };
         let absent = tilescope_core::Standing::Absent;
-        let hovered = self.hovered.filter(|&id| shown.standing(id) != absent);
+        let hovered = self
+            .runs
+            .first
+            .hovered
+            .filter(|&id| shown.standing(id) != absent);
         let finished = shown.stage == tilescope_core::Stage::Finish;
-        self.hovered = hovered;
+        self.runs.first.hovered = hovered;
         if !finished {
-            self.sight = None;
+            self.runs.first.sight = None;
         }
     }
 }
@@ -359,6 +378,6 @@ fn name_of(target: Target) -> String {
         Target::Insertion => "insertion".to_owned(),
         Target::SecondInsertion => "second insertion in one gap".to_owned(),
         Target::Violation => "violated invariant".to_owned(),
-        Target::Sample(id) => format!("event of sample {}", crate::sentence::grouped(id as usize)),
+        Target::Sample(id) => format!("event of sample {}", crate::words::grouped(id as usize)),
     }
 }

@@ -4,10 +4,11 @@
 use tilescope_core::combine::file::Layout as Combination;
 
 use super::State;
-use crate::canvas::layers::{Colouring, Layers};
-use crate::command::{Command, Field};
+use crate::command::Command;
 use crate::draft::Draft;
+use crate::draft::Field;
 use crate::files::FileCommand;
+use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;
 use crate::recipe::{OwnPattern, Recipe};
 
@@ -93,17 +94,17 @@ impl State {
 
     pub(super) fn memento(&self) -> Memento {
         Memento {
-            draft: self.draft.clone(),
-            own_pattern: self.own_pattern.clone(),
+            draft: self.form.draft.clone(),
+            own_pattern: self.form.own_pattern.clone(),
             made: self.made(),
-            layers: self.layers,
-            colouring: self.colouring,
-            layout: self.layout.clone(),
+            layers: self.appearance.layers,
+            colouring: self.appearance.colouring,
+            layout: self.window.layout.clone(),
         }
     }
 
     fn made(&self) -> Option<Made> {
-        let session = self.session.as_ref()?;
+        let session = self.runs.first.session.as_ref()?;
         match &session.combination {
             None => Some(Made::Run(session.recipe())),
             // Its files are not kept.
@@ -140,7 +141,7 @@ impl State {
     /// Adds the step of a run that is about to take the place of the one at hand. What was typed since the run before is
     /// part of it, so that undoing it brings parameters and run back together.
     pub(super) fn remember_run(&mut self, part: Part) {
-        if self.session.is_none() {
+        if self.runs.first.session.is_none() {
             return;
         }
         let mut before = self.memento();
@@ -174,7 +175,7 @@ impl State {
     /// Takes over a layout that was changed by hand. A panel that was moved to another place can be moved back.
     pub fn replace_layout(&mut self, layout: Layout, is_moved: bool) {
         let before = self.memento();
-        self.layout = layout;
+        self.window.layout = layout;
         if is_moved {
             self.remember(before, Part::Layout, None);
         }
@@ -203,14 +204,15 @@ impl State {
     fn recall(&mut self, part: Part, memento: Memento) {
         self.history.typing = None;
         if part != Part::Layout {
-            self.draft = memento.draft;
-            self.own_pattern = memento.own_pattern;
+            self.form.draft = memento.draft;
+            self.form.own_pattern = memento.own_pattern;
         }
         if matches!(part, Part::Layout | Part::Everything) {
-            self.layout = memento.layout;
+            self.window.layout = memento.layout;
         }
         if part == Part::Everything {
-            (self.layers, self.colouring) = (memento.layers, memento.colouring);
+            (self.appearance.layers, self.appearance.colouring) =
+                (memento.layers, memento.colouring);
         }
         if matches!(part, Part::Run | Part::Everything) {
             self.make_again(memento.made);
@@ -220,12 +222,16 @@ impl State {
     /// Makes a run again, unless it is at hand.
     fn make_again(&mut self, made: Option<Made>) {
         self.stop_reading();
-        (self.sampling, self.arriving, self.notice) = (None, None, None);
+        (
+            self.runs.first.sampling,
+            self.links.arriving,
+            self.messages.notice,
+        ) = (None, None, None);
         if made == self.made() {
             return;
         }
         match made {
-            Some(Made::Run(recipe)) => self.start_sampling(recipe, self.engine),
+            Some(Made::Run(recipe)) => self.start_sampling(recipe, self.form.engine),
             Some(Made::Combination(layout)) => self.start_combining(layout),
             None => {}
         }
@@ -235,14 +241,19 @@ impl State {
     /// drawn are then not of one another.
     #[must_use]
     pub fn run_remark(&self) -> Option<String> {
-        let session = self.session.as_ref().filter(|_| self.sampling.is_none())?;
+        let session = self
+            .runs
+            .first
+            .session
+            .as_ref()
+            .filter(|_| self.runs.first.sampling.is_none())?;
         if session.combination.is_some() {
             return Some(
                 "What is shown is a combination, not a run of these parameters.".to_owned(),
             );
         }
-        let mut names = self.draft.differences(&session.run().parameters);
-        if self.own_pattern != session.own {
+        let mut names = self.form.draft.differences(&session.run().parameters);
+        if self.form.own_pattern != session.own {
             names.push("pattern file");
         }
         (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))

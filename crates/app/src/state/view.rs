@@ -2,24 +2,25 @@
 
 use super::State;
 use crate::camera::Camera;
-use crate::command::{DebugCommand, Selection};
+use crate::command::DebugCommand;
 use crate::recipe::Recipe;
+use crate::selection::Selection;
 use crate::theme::Look;
 use crate::view::View;
 
 impl State {
     /// Chooses a look. The projector mode is left for the one before it.
     pub fn choose_look(&mut self, look: Look) {
-        if look == Look::Projector && self.look != look {
-            self.look_before = self.look;
+        if look == Look::Projector && self.appearance.look != look {
+            self.appearance.look_before = self.appearance.look;
         }
-        self.look = look;
+        self.appearance.look = look;
     }
 
     /// Returns how the session at hand is looked at.
     #[must_use]
     pub fn view(&self) -> View {
-        let second = self.comparison.as_ref().and_then(|(side, _)| {
+        let second = self.runs.second.as_ref().and_then(|(side, _)| {
             let session = side.session.as_ref()?;
             let made = session.own.is_none() && session.combination.is_none();
             made.then_some(session.run().parameters)
@@ -27,31 +28,37 @@ impl State {
         View {
             // The pattern has a domain of its own, and its camera ends with it.
             camera: Some(
-                self.before_pattern
-                    .map_or(self.camera, |(camera, _)| camera),
+                self.runs
+                    .first
+                    .before_pattern
+                    .map_or(self.runs.first.camera, |(camera, _)| camera),
             ),
             fitted: Some(
-                self.before_pattern
-                    .map_or(self.fitted, |(_, fitted)| fitted),
+                self.runs
+                    .first
+                    .before_pattern
+                    .map_or(self.runs.first.fitted, |(_, fitted)| fitted),
             ),
-            layers: Some(self.layers),
-            colouring: Some(self.colouring),
-            look: Some(self.look),
-            layout: Some(self.layout.clone()),
-            selection: self
-                .selected
-                .map(Selection::Sample)
-                .or(self.place.map(Selection::Place)),
+            layers: Some(self.appearance.layers),
+            colouring: Some(self.appearance.colouring),
+            look: Some(self.appearance.look),
+            layout: Some(self.window.layout.clone()),
+            selection: self.runs.first.selected.map(Selection::Sample).or(self
+                .runs
+                .first
+                .place
+                .map(Selection::Place)),
             // The passes of the GPU are not saved.
-            clock: Some(self.playback.clock_of_events()),
-            speed: Some(self.playback.speed),
+            clock: Some(self.time.playback.clock_of_events()),
+            speed: Some(self.time.playback.speed),
             range: self
+                .time
                 .playback
                 .range
                 .as_ref()
                 .map(|range| [range.start, range.end]),
             second,
-            links: self.comparison.as_ref().map(|(_, comparison)| {
+            links: self.runs.second.as_ref().map(|(_, comparison)| {
                 [
                     comparison.linked_cameras,
                     comparison.linked_clocks,
@@ -69,23 +76,23 @@ impl State {
             let fitted = view.fitted == Some(true);
             self.take_camera((!fitted).then_some(camera), camera);
         }
-        self.layers = view.layers.unwrap_or(self.layers);
-        self.colouring = view.colouring.unwrap_or(self.colouring);
-        self.choose_look(view.look.unwrap_or(self.look));
+        self.appearance.layers = view.layers.unwrap_or(self.appearance.layers);
+        self.appearance.colouring = view.colouring.unwrap_or(self.appearance.colouring);
+        self.choose_look(view.look.unwrap_or(self.appearance.look));
         if let Some(layout) = &view.layout {
-            self.layout.clone_from(layout);
+            self.window.layout.clone_from(layout);
         }
         if let Some(clock) = view.clock {
             if self.clock_refusal(clock).is_none() {
-                self.playback.choose(clock);
+                self.time.playback.choose(clock);
             } else {
                 dropped.push("clock");
             }
         }
-        self.playback.speed = view.speed.unwrap_or(self.playback.speed);
+        self.time.playback.speed = view.speed.unwrap_or(self.time.playback.speed);
         if let Some([start, end]) = view.range {
             match self.cursor() {
-                Some((_, len)) if end <= len => self.playback.range = Some(start..end),
+                Some((_, len)) if end <= len => self.time.playback.range = Some(start..end),
                 _ => dropped.push("range"),
             }
         }
@@ -102,20 +109,20 @@ impl State {
 
     /// Shows the domain by a camera, or all of it; where there is no canvas yet, by `otherwise`.
     pub(super) fn take_camera(&mut self, camera: Option<Camera>, otherwise: Camera) {
-        self.fitted = camera.is_none();
-        self.camera = camera.unwrap_or(otherwise);
-        (self.flight, self.before_pattern) = (None, None);
-        if self.fitted && self.viewport.is_positive() {
-            self.camera = self.fitting();
+        self.runs.first.fitted = camera.is_none();
+        self.runs.first.camera = camera.unwrap_or(otherwise);
+        (self.runs.first.flight, self.runs.first.before_pattern) = (None, None);
+        if self.runs.first.fitted && self.runs.first.viewport.is_positive() {
+            self.runs.first.camera = self.fitting();
         }
-        self.camera = self.within_scales(self.camera);
+        self.runs.first.camera = self.within_scales(self.runs.first.camera);
         self.follow_pattern();
     }
 
     /// Returns whether the session at hand has what is to be selected.
     #[must_use]
     pub fn can_select(&self, selection: Selection) -> bool {
-        let Some(session) = &self.session else {
+        let Some(session) = &self.runs.first.session else {
             return false;
         };
         let size = session.size_radii();
@@ -127,7 +134,7 @@ impl State {
     }
 
     fn take_second(&mut self, view: &View) {
-        self.comparison = None;
+        self.runs.second = None;
         let Some(parameters) = view.second else {
             return;
         };
@@ -135,9 +142,9 @@ impl State {
             parameters,
             own: None,
         };
-        self.compare_with(recipe, self.engine);
+        self.compare_with(recipe, self.form.engine);
         if let (Some([cameras, clocks, marks]), Some((_, comparison))) =
-            (view.links, &mut self.comparison)
+            (view.links, &mut self.runs.second)
         {
             comparison.linked_cameras = cameras;
             comparison.linked_clocks = clocks;

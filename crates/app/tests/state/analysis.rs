@@ -9,7 +9,8 @@ use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
 use tilescope_app::analysis::brush::FIRST_PEAK;
 use tilescope_app::analysis::measured::{Measured, Part, Samples};
 use tilescope_app::analysis::{AnalysisCommand, MOST_KEPT};
-use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
 use tilescope_app::{Command, Session, State};
 use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
@@ -223,7 +224,7 @@ fn what_is_shown_faded_is_of_the_same_session() {
     assert!(state.analysis.last(&state.shown().unwrap()).is_some());
     state.apply(Command::Type(Field::Radius, "0.04".to_owned()));
     state.apply(Command::Run);
-    while state.sampling.is_some() {
+    while state.runs.first.sampling.is_some() {
         state.advance(0.0);
     }
     assert!(state.analysis.last(&state.shown().unwrap()).is_none());

@@ -8,7 +8,8 @@ use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush, Cause};
-use tilescope_app::command::{Choice, Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;
 use tilescope_app::{Command, State};
 use tilescope_core::Boundary as Border;
@@ -42,7 +43,7 @@ fn standing(state: &State) -> Vec<(u32, [f64; 2])> {
 
 /// Every pair of samples at the distances, from every pair of samples.
 fn brute_force(state: &State, [least, most]: [f64; 2]) -> BTreeSet<[u32; 2]> {
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     let (size, periodic) = (session.size_radii(), session.run().domain.is_periodic());
     let samples = standing(state);
     let mut pairs = BTreeSet::new();
@@ -70,7 +71,7 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
         panic!("not pairs");
     };
     assert_eq!(*total, pairs.len() as u64);
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     for pair in pairs {
         // The offset leads to an image of the second sample.
         let [from, to] = pair.ids.map(|id| session.place(id));
@@ -113,7 +114,7 @@ fn the_pairs_are_those_of_a_search_through_all_pairs() {
                 assert!(!expected.is_empty(), "conflicts in the middle of the run");
             }
             let said = state.brush_said();
-            let count = tilescope_app::sentence::grouped(expected.len());
+            let count = tilescope_app::words::grouped(expected.len());
             assert!(said.starts_with(&format!("{count} pair")), "{said}");
         }
     }
@@ -126,7 +127,7 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
         state.apply(Command::Time(TimeCommand::Jump(cursor)));
         brush(&mut state, Axis::Frequency, 0.9, 1.3);
         let samples = standing(&state);
-        let [width, height] = state.session.as_ref().unwrap().size_radii();
+        let [width, height] = state.runs.first.session.as_ref().unwrap().size_radii();
         let region = Region {
             width,
             height,
@@ -203,7 +204,7 @@ fn what_cannot_be_looked_for_is_said_and_empty_brushes_are_none() {
     state.apply(Command::Run);
     state.apply(Command::OpenPanel(Panel::Analysis));
     state.settle();
-    assert!(state.session.as_ref().unwrap().size_radii()[0] < 9.0);
+    assert!(state.runs.first.session.as_ref().unwrap().size_radii()[0] < 9.0);
     brush(&mut state, Axis::Distance, 1.0, 5.0);
     assert!(state.causes().is_none());
     let said = state.brush_said();

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use serde_json::json;
 use tilescope_analysis::{Boundary as Judged, Region};
-use tilescope_app::canvas::layers::Layer;
 use tilescope_app::combination::{CombineCommand, NINE};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{Kind, picture};
+use tilescope_app::layers::Layer;
 use tilescope_app::{Command, State};
 use tilescope_core::combine::file::{Layout, LayoutError, Set, Source};
 use tilescope_core::combine::{Combined, combine};
@@ -38,7 +38,7 @@ fn of_core(text: &str) -> Combined {
 
 /// The places of the samples that stand so after a stage.
 fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point> {
-    let run = state.session.as_ref().unwrap().run();
+    let run = state.runs.first.session.as_ref().unwrap().run();
     let ids = 0..run.samples.len() as u32;
     let found = ids.filter(|&id| so(run.standing(id, stage)));
     found.map(|id| run.samples.points[id as usize]).collect()
@@ -48,7 +48,7 @@ fn standing(state: &State, stage: Stage, so: fn(Standing) -> bool) -> Vec<Point>
 fn nine_sets_in_the_window_are_what_the_core_glues() {
     let state = nine();
     let expected = of_core(NINE);
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
     assert_eq!(run.points(), expected.points);
     assert_eq!(session.summary, *expected.summary());
@@ -75,7 +75,7 @@ fn nine_sets_in_the_window_are_what_the_core_glues() {
 #[test]
 fn one_goes_through_its_stages() {
     let mut state = nine();
-    let session = Arc::clone(state.session.as_ref().unwrap());
+    let session = Arc::clone(state.runs.first.session.as_ref().unwrap());
     assert_eq!(
         session.stages[..3],
         [Stage::Blocks, Stage::Tile, Stage::Eliminate]
@@ -87,7 +87,7 @@ fn one_goes_through_its_stages() {
     assert_eq!(state.current_stage(), Some(Stage::Tile));
     assert_eq!(session.count_after(1), session.summary.tiled);
     // There are no events, no parameters to vary and no passes: each is refused with a sentence.
-    assert!(state.debugger.is_none());
+    assert!(state.runs.first.debugger.is_none());
     let refusal = state.rival_refusal(Rival::NextSeed).unwrap();
     assert!(refusal.contains("layout"), "{refusal}");
     assert!(state.rival_refusal(Rival::Typed).is_none());
@@ -95,7 +95,7 @@ fn one_goes_through_its_stages() {
     let refusal = state.kind_refusal(Kind::Animation).unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
     // Beside a run of the panel's parameters, and swapped with it.
-    let draft = state.draft.parameters;
+    let draft = state.form.draft.parameters;
     state.apply(Command::Compare(CompareCommand::Start(Rival::Typed)));
     state.settle();
     state.apply(Command::Compare(CompareCommand::Swap));
@@ -104,14 +104,14 @@ fn one_goes_through_its_stages() {
     state.apply(Command::Compare(CompareCommand::Swap));
     state.settle();
     assert!(state.shows_combination());
-    assert_eq!(state.draft.parameters, draft);
+    assert_eq!(state.form.draft.parameters, draft);
 }
 
 /// The segments and rectangles of a group of the picture of the moment.
 fn drawn(state: &State, name: &str) -> usize {
     let view = state.export_view(Kind::Picture).unwrap();
     let still = state.still().unwrap();
-    let scene = picture::scene(state.session.as_ref().unwrap(), &still, &view);
+    let scene = picture::scene(state.runs.first.session.as_ref().unwrap(), &still, &view);
     let shapes = scene.groups.iter().filter(|group| group.name == name);
     let shapes = shapes.flat_map(|group| &group.shapes);
     let count = |shape: &tilescope_figures::Shape| match shape {
@@ -133,7 +133,7 @@ fn pictures_show_the_seams_while_their_layer_is_on() {
     // Whoever makes a combination wants to see them.
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
-    assert!(state.layers.has(Layer::Seams));
+    assert!(state.appearance.layers.has(Layer::Seams));
 }
 
 #[test]
@@ -189,7 +189,7 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
     drop_text(&mut state, &path, &layout.to_string());
     assert!(state.shows_combination(), "{}", told(&state));
     assert!(state.verdict().unwrap().report.valid());
-    let session = state.session.clone().unwrap();
+    let session = state.runs.first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!((combination.files, combination.seams.len()), (2, 1));
     // A session would refer to files outside.
@@ -238,7 +238,7 @@ fn a_piece_with_thousands_of_neighbours_is_glued() {
     drop_text(&mut state, &path, &layout.to_string());
     assert!(state.shows_combination(), "{}", told(&state));
     assert!(state.verdict().unwrap().report.valid());
-    let session = state.session.clone().unwrap();
+    let session = state.runs.first.session.clone().unwrap();
     let combination = session.combination.as_ref().unwrap();
     assert_eq!(combination.files, 805);
     assert!(combination.in_reach > 0.0 && combination.in_reach < 0.25);
@@ -253,7 +253,7 @@ fn large_combinations_keep_their_result_with_its_seams() {
     let mut state = opened();
     state.apply(Command::Combine(CombineCommand::Text(text.clone())));
     state.settle();
-    let session = state.session.clone().unwrap();
+    let session = state.runs.first.session.clone().unwrap();
     assert!(session.summary.count > 500_000 && !session.has_stages());
     let expected = of_core(&text);
     assert_eq!(session.run().points(), expected.points);

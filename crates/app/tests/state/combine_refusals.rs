@@ -34,7 +34,7 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
             open(&mut other, Purpose::Open, &path);
         }
         assert!(other.shows_combination(), "{}", told(&other));
-        assert_eq!(other.stage, 1);
+        assert_eq!(other.runs.first.stage, 1);
         assert_eq!(other.saved_combination(), state.saved_combination());
         assert!(other.verdict().unwrap().report.valid());
     }
@@ -66,19 +66,25 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
 /// Opens what is refused: a sentence says why, and the session at hand stays.
 fn refused(state: &mut State, path: &Path, text: &str, said: &str) {
     fs::write(path, text).unwrap();
-    let before = state.session.as_ref().unwrap().generation;
+    let before = state.runs.first.session.as_ref().unwrap().generation;
     for purpose in [Purpose::Open, Purpose::Combination] {
-        state.notice = None;
+        state.messages.notice = None;
         open(state, purpose, path);
-        let notice = state.notice.clone().expect(said);
+        let notice = state.messages.notice.clone().expect(said);
         assert!(
             notice.is_error && notice.text.contains(said),
             "{}",
             notice.text
         );
         assert!(notice.text.contains("layout.json") || notice.text.contains("session.json"));
-        assert_eq!(state.session.as_ref().unwrap().generation, before);
-        assert!(state.file.is_some(), "the sheet stays for another try");
+        assert_eq!(
+            state.runs.first.session.as_ref().unwrap().generation,
+            before
+        );
+        assert!(
+            state.files.sheet.is_some(),
+            "the sheet stays for another try"
+        );
     }
 }
 
@@ -154,13 +160,13 @@ fn a_combination_is_cancelled_while_it_is_made() {
     let gate = Arc::new(Gate::default());
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
-    let before = state.session.as_ref().unwrap().generation;
+    let before = state.runs.first.session.as_ref().unwrap().generation;
     let sheet = FileCommand::Dropped(vec![path.to_string_lossy().into_owned()]);
     for (start, cancel) in [
         (Command::Combine(CombineCommand::Nine), Command::Cancel),
         (Command::File(sheet), Command::File(FileCommand::Cancel)),
     ] {
-        state.notice = None;
+        state.messages.notice = None;
         // In the middle of its sets, and of what is done with them.
         for reports in [2, 11] {
             gate.close_after(reports);
@@ -171,9 +177,20 @@ fn a_combination_is_cancelled_while_it_is_made() {
             state.settle();
             let said = told(&state).to_lowercase();
             assert!(said.contains("cancelled"), "{said}");
-            assert!(!state.notice.as_ref().unwrap().text.contains("fault"));
-            assert_eq!(state.session.as_ref().unwrap().generation, before);
-            assert!(state.sampling.is_none() && state.filing.is_none());
+            assert!(
+                !state
+                    .messages
+                    .notice
+                    .as_ref()
+                    .unwrap()
+                    .text
+                    .contains("fault")
+            );
+            assert_eq!(
+                state.runs.first.session.as_ref().unwrap().generation,
+                before
+            );
+            assert!(state.runs.first.sampling.is_none() && state.files.filing.is_none());
         }
     }
     state.apply(Command::Combine(CombineCommand::Nine));

@@ -7,12 +7,12 @@ use std::path::Path;
 
 use egui::{Color32, Rect, pos2, vec2};
 use serde_json::Value;
-use tilescope_app::canvas::layers::Layer;
 use tilescope_app::clock::Clock;
 use tilescope_app::command::TimeCommand;
 use tilescope_app::export::{Entry, ExportCommand, Kind, View};
-use tilescope_app::sentence::grouped;
+use tilescope_app::layers::Layer;
 use tilescope_app::theme::{DARK, LIGHT, Look};
+use tilescope_app::words::grouped;
 use tilescope_app::{Command, Session, State};
 use tilescope_core::{Origin, Stage};
 use tilescope_figures::MomentOptions;
@@ -58,7 +58,7 @@ fn decode(path: &Path) -> Decoded {
 
 /// Checks what a file says of the run against the run.
 fn check_provenance(state: &State, parameters: &Value, recording: &Value) {
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
     assert_eq!(parameters["seed"], run.parameters.seed);
     assert_eq!(parameters["radius"], run.parameters.radius);
@@ -77,7 +77,7 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     for scale in ["0.5", "1", "2.75"] {
         let path = folder.path().join(format!("{scale}.png"));
         write(&mut state, Kind::Picture, &path, &[(Entry::Scale, scale)]);
-        assert!(state.export.is_none(), "{}", told(&state));
+        assert!(state.files.export.is_none(), "{}", told(&state));
         let picture = decode(&path);
         let [width, height] = view.pixels(scale.parse().unwrap());
         let size = [picture.info.width, picture.info.height].map(|side| side as usize);
@@ -233,7 +233,7 @@ fn an_animation_has_its_frames_and_its_range() {
     // Without a loop it is the stage that is shown, counted off by what is chosen.
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::ShowStage(2));
-    let session = state.session.clone().unwrap();
+    let session = state.runs.first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
     assert_eq!(state.export_range(), Some(stage));
     fill_in(&mut state, Kind::Animation, &path, &[]);
@@ -245,9 +245,9 @@ fn an_animation_has_its_frames_and_its_range() {
             .starts_with("2 frames of at most 600, ")
     );
     // The pattern is seen with a camera of its own; animations are of the run.
-    let camera = state.camera;
+    let camera = state.runs.first.camera;
     state.apply(Command::FirstStage);
-    assert_ne!(state.camera, camera);
+    assert_ne!(state.runs.first.camera, camera);
     assert_eq!(state.export_view(Kind::Animation).unwrap().camera, camera);
     assert_ne!(state.export_view(Kind::Picture).unwrap().camera, camera);
 }
@@ -256,7 +256,7 @@ fn an_animation_has_its_frames_and_its_range() {
 fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
-    let whole = state.session.clone().unwrap();
+    let whole = state.runs.first.session.clone().unwrap();
     let parameters = whole.run().parameters;
     let run = tilescope_core::sample(&parameters, &mut tilescope_core::Unobserved).unwrap();
     state.show(Session::from_run(run, 99));
@@ -267,7 +267,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     write(&mut state, Kind::Animation, &film, &[]);
     assert!(told(&state).contains("without events") && !film.exists());
     let mut pictures = BTreeSet::new();
-    for stage in 0..state.session.as_ref().unwrap().stages.len() {
+    for stage in 0..state.runs.first.session.as_ref().unwrap().stages.len() {
         state.apply(Command::ShowStage(stage));
         let path = folder.path().join(format!("{stage}.png"));
         write(&mut state, Kind::Picture, &path, &[]);
@@ -316,7 +316,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         });
         assert_eq!(checked.unwrap().differences, []);
         assert_eq!(certificate.count, covering as u64);
-        assert!(!state.notice.as_ref().unwrap().is_error);
+        assert!(!state.messages.notice.as_ref().unwrap().is_error);
         (certificate, told(&state))
     };
     let (tiled, told_then) = write_at(vec![Command::ShowStage(2)], "tiled.csv");
@@ -342,7 +342,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
     let set = read(&result, &Hint::default()).unwrap().set;
     assert_eq!(
         set.points,
-        state.session.as_ref().unwrap().run().positions()
+        state.runs.first.session.as_ref().unwrap().run().positions()
     );
     // Before anything is tiled there is nothing to write.
     state.apply(Command::ShowStage(1));
@@ -382,7 +382,7 @@ fn are_alike(a: [u8; 3], b: [u8; 3]) -> bool {
 
 /// A place of a block that neither a sample nor a line is near, and one of its samples, in r.
 fn places(state: &State, block: u32) -> ([f64; 2], [f64; 2]) {
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     let run = session.run();
     let shown = state.shown().unwrap();
     let radii = |x: i32| f64::from(x) / f64::from(tilescope_core::R);
@@ -425,7 +425,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
     ] {
         state.apply(Command::ToggleLayer(layer));
     }
-    let stages = state.session.as_ref().unwrap().stages.len();
+    let stages = state.runs.first.session.as_ref().unwrap().stages.len();
     let last = state.cursor().unwrap().1;
     for (look, print) in [
         (Look::Dark, false),
@@ -493,7 +493,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     let path = folder.path().join("canvas.svg");
     let mut state = opened();
     state.apply(Command::ToggleLayer(Layer::Tree));
-    let blocks = state.session.as_ref().unwrap().summary.blocks;
+    let blocks = state.runs.first.session.as_ref().unwrap().summary.blocks;
     let shoot = |state: &mut State| {
         write(state, Kind::Picture, &path, &[]);
         export(state, ExportCommand::Write);
@@ -513,7 +513,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     let texts = numbers.matches("<text").count();
     assert!((1..=blocks).contains(&texts), "{texts} of {blocks}");
     assert!(group(&svg, "KD-tree").is_some());
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     let count = grouped(session.summary.count);
     let title = format!("<title>Result: {count} samples, r = 0.02");
     assert!(svg.contains(&title), "{}", &svg[..400]);
@@ -522,7 +522,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     let svg = shoot(&mut state);
     let event = format!("event {} of {}", grouped(last - 1), grouped(last));
     assert!(svg.contains(&event));
-    let debugger = state.debugger.as_ref().unwrap();
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
     let said = tilescope_debugger::sentence(debugger.recording(), last - 2);
     assert!(svg.contains(&format!("<title>{said}")));
     // What is off is not there.

@@ -44,7 +44,7 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
             gate.close_after(reports);
             export(&mut state, ExportCommand::Write);
             if before.is_some() {
-                assert!(state.exporting.is_none());
+                assert!(state.files.exporting.is_none());
                 export(&mut state, ExportCommand::Write);
             }
             gate.wait_for_job();
@@ -55,7 +55,7 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
             gate.open();
             state.settle();
             assert!(told(&state).contains("cancelled"), "{}", told(&state));
-            assert!(state.export.is_some() && state.export_fraction().is_none());
+            assert!(state.files.export.is_some() && state.export_fraction().is_none());
             match before {
                 None => assert_eq!(names(folder.path()), BTreeSet::new()),
                 Some(text) => {
@@ -80,22 +80,22 @@ fn a_file_is_replaced_only_when_that_was_asked() {
         };
         fs::write(&there, "mine").unwrap();
         fill_in(&mut state, kind, &path, &[]);
-        let form = state.export.clone().unwrap();
+        let form = state.files.export.clone().unwrap();
         assert_eq!((form.taken.as_deref(), form.asked), (Some(&*there), false));
         export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(state.export.as_ref().unwrap().asked);
+        assert!(state.files.export.as_ref().unwrap().asked);
         assert_eq!(fs::read_to_string(&there).unwrap(), "mine");
         // Another name is another question.
         let other = path.with_file_name("other").with_extension("csv");
         let other = other.to_string_lossy().into_owned();
         export(&mut state, ExportCommand::Path(other));
         fill_in(&mut state, kind, &path, &[]);
-        assert!(!state.export.as_ref().unwrap().asked);
+        assert!(!state.files.export.as_ref().unwrap().asked);
         export(&mut state, ExportCommand::Write);
         export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(state.export.is_none(), "{}", told(&state));
+        assert!(state.files.export.is_none(), "{}", told(&state));
         assert_ne!(fs::read_to_string(&there).unwrap(), "mine");
     }
 }
@@ -109,8 +109,8 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
         state.apply(Command::DismissNotice);
         export(&mut state, ExportCommand::Close);
         write(&mut state, kind, path, entries);
-        let notice = state.notice.clone().expect("a refusal");
-        assert!(notice.is_error && state.export.is_some());
+        let notice = state.messages.notice.clone().expect("a refusal");
+        assert!(notice.is_error && state.files.export.is_some());
         for part in parts {
             assert!(notice.text.contains(part), "{}", notice.text);
         }
@@ -209,8 +209,8 @@ fn the_sheet_stays_open_for_another_file() {
     gate.open();
     state.settle();
     assert!(first.exists() && !second.exists());
-    assert_eq!(state.export.as_ref().unwrap().file(), second);
+    assert_eq!(state.files.export.as_ref().unwrap().file(), second);
     export(&mut state, ExportCommand::Write);
     state.settle();
-    assert!(second.exists() && state.export.is_none());
+    assert!(second.exists() && state.files.export.is_none());
 }

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 
 use tilescope_app::export::{Entry, ExportCommand, Kind, write};
-use tilescope_app::files::{Delivery, FileCommand, NamedBytes, Purpose, packed};
+use tilescope_app::files::{Delivery, FileCommand, Purpose, packed};
+use tilescope_app::incoming::NamedBytes;
 use tilescope_app::{Command, State};
 use tilescope_formats::{Overrides, certificate_path, check_bytes};
 
@@ -23,19 +24,19 @@ fn named(path: &Path) -> NamedBytes {
 }
 
 fn drop_bytes(state: &mut State, files: Vec<NamedBytes>) {
-    state.notice = None;
+    state.messages.notice = None;
     file(state, FileCommand::DroppedBytes(files, Vec::new()));
 }
 
 fn choose(state: &mut State, purpose: Purpose, files: Vec<NamedBytes>) {
-    state.notice = None;
+    state.messages.notice = None;
     file(state, FileCommand::Sheet(purpose));
     file(state, FileCommand::Chosen(files));
     file(state, FileCommand::Go);
 }
 
 fn open_path(state: &mut State, purpose: Purpose, path: &Path) {
-    state.notice = None;
+    state.messages.notice = None;
     file(state, FileCommand::Sheet(purpose));
     let path = path.to_string_lossy().into_owned();
     file(state, FileCommand::Path(path));
@@ -52,7 +53,7 @@ fn pattern_session() -> (tempfile::TempDir, State) {
     state.apply(Command::Run);
     state.settle();
     assert!(
-        state.session.as_ref().unwrap().own.is_some(),
+        state.runs.first.session.as_ref().unwrap().own.is_some(),
         "{}",
         told(&state)
     );
@@ -62,7 +63,11 @@ fn pattern_session() -> (tempfile::TempDir, State) {
 }
 
 fn is_error(state: &State) -> bool {
-    state.notice.as_ref().is_some_and(|notice| notice.is_error)
+    state
+        .messages
+        .notice
+        .as_ref()
+        .is_some_and(|notice| notice.is_error)
 }
 
 #[test]
@@ -84,7 +89,7 @@ fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
             choose(&mut other, Purpose::Open, all());
         }
         assert!(!is_error(&other), "{}", told(&other));
-        assert!(other.file.is_none(), "the sheet is closed");
+        assert!(other.files.sheet.is_none(), "the sheet is closed");
         let opened = other.saved().unwrap();
         assert_eq!(opened.digest, saved.digest);
         let pattern = opened.pattern.unwrap();
@@ -139,7 +144,7 @@ fn what_a_file_holds_decides_and_not_its_name() {
     for files in [both, vec![archive]] {
         let mut other = opened();
         drop_bytes(&mut other, files);
-        assert!(other.own_pattern.is_some(), "{}", told(&other));
+        assert!(other.form.own_pattern.is_some(), "{}", told(&other));
     }
 }
 
@@ -175,14 +180,17 @@ fn a_session_without_an_ending_is_saved_as_json() {
     ] {
         open_path(&mut state, Purpose::Save, &path(typed));
         assert!(path(written).is_file(), "{typed}: {}", told(&state));
-        assert!(state.file.is_none(), "the sheet is closed");
-        assert_eq!(state.session_path.as_deref(), path(written).to_str());
+        assert!(state.files.sheet.is_none(), "the sheet is closed");
+        assert_eq!(
+            state.runs.first.session_path.as_deref(),
+            path(written).to_str()
+        );
         assert!(!path("lecture").exists());
     }
     // What would be replaced is asked for by the name that it has in the end.
     fs::write(path("other.json"), "mine").unwrap();
     open_path(&mut state, Purpose::Save, &path("other"));
-    assert!(state.file.as_ref().unwrap().asked);
+    assert!(state.files.sheet.as_ref().unwrap().asked);
     assert_eq!(fs::read(path("other.json")).unwrap(), b"mine");
 }
 
@@ -192,7 +200,14 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     let set = folder.path().join("own.csv");
     let mut by_path = opened();
     open_path(&mut by_path, Purpose::Pattern, &set);
-    let expected = by_path.own_pattern.as_ref().unwrap().file.digest.clone();
+    let expected = by_path
+        .form
+        .own_pattern
+        .as_ref()
+        .unwrap()
+        .file
+        .digest
+        .clone();
     let both = || vec![named(&certificate_path(&set)), named(&set)];
     for dropped in [true, false] {
         let mut state = opened();
@@ -201,14 +216,14 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
         } else {
             choose(&mut state, Purpose::Pattern, both());
         }
-        let own = state.own_pattern.as_ref().expect("a pattern");
+        let own = state.form.own_pattern.as_ref().expect("a pattern");
         assert_eq!(own.file.digest, expected);
         assert!(told(&state).contains("The next run clips from"));
     }
     // Another set is another pattern.
     let mut other = opened();
     other.apply(Command::Type(
-        tilescope_app::command::Field::Seed,
+        tilescope_app::draft::Field::Seed,
         "9".to_owned(),
     ));
     other.apply(Command::Run);
@@ -217,7 +232,10 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     exporting::write(&mut other, Kind::Result, &path, &[]);
     let files = vec![named(&path), named(&certificate_path(&path))];
     drop_bytes(&mut other, files);
-    assert_ne!(other.own_pattern.as_ref().unwrap().file.digest, expected);
+    assert_ne!(
+        other.form.own_pattern.as_ref().unwrap().file.digest,
+        expected
+    );
 }
 
 #[test]
@@ -239,7 +257,7 @@ fn a_set_that_is_no_pattern_is_held_against_the_run_wherever_it_is_dropped_from(
         }
         let held = state.held().expect("a file").unwrap().clone();
         assert_eq!(held.measured, expected.measured);
-        assert!(state.own_pattern.is_none() && !is_error(&state));
+        assert!(state.form.own_pattern.is_none() && !is_error(&state));
         let said = told(&state);
         assert!(said.starts_with("bare.csv is held against this run"));
         assert!(said.contains("has no certificate"), "{said}");
@@ -248,7 +266,7 @@ fn a_set_that_is_no_pattern_is_held_against_the_run_wherever_it_is_dropped_from(
     let mut state = opened();
     choose(&mut state, Purpose::Pattern, vec![named(&bare)]);
     assert!(is_error(&state) && told(&state).contains("has no certificate"));
-    assert!(state.held().is_none() && state.file.is_some());
+    assert!(state.held().is_none() && state.files.sheet.is_some());
     choose(&mut state, Purpose::Against, vec![named(&bare)]);
     assert_eq!(
         state.held().unwrap().unwrap().measured,
@@ -268,7 +286,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
         "rows": [1.0], "pieces": [{ "file": "a.csv" }, { "seed": 2 }] });
     fs::write(&layout, text.to_string()).unwrap();
     let stated = |state: &State| {
-        let session = state.session.as_ref().unwrap();
+        let session = state.runs.first.session.as_ref().unwrap();
         let combination = session.combination.as_ref().expect("a combination");
         let digest = tilescope_debugger::digest(session.run());
         (digest, combination.stated.clone())
@@ -371,7 +389,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     let taken = folder.path().join("set.csv");
     fs::write(&taken, "somebody else's").unwrap();
     let mut state = opened();
-    state.delivery = Delivery::Download;
+    state.files.delivery = Delivery::Download;
     let mut archives = Vec::new();
     for _ in 0..2 {
         exporting::write(&mut state, Kind::Result, &taken, &[]);
@@ -381,7 +399,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
             "{said}"
         );
         assert!(said.contains("set.csv.zip") && said.contains("set.csv.certificate.json"));
-        assert!(state.export.is_none(), "the sheet is closed");
+        assert!(state.files.export.is_none(), "the sheet is closed");
         let mut downloads = state.take_downloads();
         assert_eq!(downloads.len(), 1);
         archives.push(downloads.pop().unwrap());
@@ -413,6 +431,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     let mut other = opened();
     drop_bytes(&mut other, vec![archives[0].clone()]);
     let digest = other
+        .form
         .own_pattern
         .as_ref()
         .expect("a pattern")
@@ -423,7 +442,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     fs::write(&path, &archives[0].bytes).unwrap();
     let mut third = opened();
     open_path(&mut third, Purpose::Pattern, &path);
-    assert_eq!(third.own_pattern.as_ref().unwrap().file.digest, digest);
+    assert_eq!(third.form.own_pattern.as_ref().unwrap().file.digest, digest);
     // A picture is downloaded as it is.
     exporting::write(&mut state, Kind::Picture, Path::new("view.svg"), &[]);
     let downloads = state.take_downloads();
@@ -441,7 +460,7 @@ fn a_session_is_downloaded_as_it_is_saved() {
     let mut state = opened();
     open_path(&mut state, Purpose::Save, &path);
     let written = fs::read(&path).unwrap();
-    state.delivery = Delivery::Download;
+    state.files.delivery = Delivery::Download;
     open_path(
         &mut state,
         Purpose::Save,
@@ -452,10 +471,10 @@ fn a_session_is_downloaded_as_it_is_saved() {
     assert_eq!(downloads.len(), 1);
     assert_eq!(downloads[0].name, "mine.json");
     assert!(downloads[0].bytes == written);
-    assert!(state.file.is_none());
+    assert!(state.files.sheet.is_none());
     // Nothing is typed that is to be opened; it is chosen.
     file(&mut state, FileCommand::Sheet(Purpose::Open));
-    assert_eq!(state.file.as_ref().unwrap().path, "");
+    assert_eq!(state.files.sheet.as_ref().unwrap().path, "");
     file(
         &mut state,
         FileCommand::Path(path.to_string_lossy().into_owned()),
@@ -463,7 +482,7 @@ fn a_session_is_downloaded_as_it_is_saved() {
     file(&mut state, FileCommand::Go);
     assert!(is_error(&state) && told(&state).contains("Browse"));
     let mut other = opened();
-    other.delivery = Delivery::Download;
+    other.files.delivery = Delivery::Download;
     choose(&mut other, Purpose::Open, downloads);
     assert_eq!(other.saved(), state.saved());
 }

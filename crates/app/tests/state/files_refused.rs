@@ -1,21 +1,20 @@
 //! Bytes that are broken, too many or made to do harm: each is refused with a sentence, and the session at hand stays.
 
-use tilescope_app::files::{
-    FileCommand, Incoming, MOST_FILES, NamedBytes, gather, packed, refusals, unpacked,
-};
+use tilescope_app::files::{FileCommand, MOST_FILES, gather, packed, refusals, unpacked};
+use tilescope_app::incoming::{Incoming, NamedBytes};
 use tilescope_app::{Command, State};
 
 use crate::exporting::{opened, told};
 
 fn drop_files(state: &mut State, files: &[(&str, &[u8])]) -> (String, bool) {
-    state.notice = None;
+    state.messages.notice = None;
     let files = files
         .iter()
         .map(|&(name, bytes)| NamedBytes::new(name, bytes));
     let command = FileCommand::DroppedBytes(files.collect(), Vec::new());
     state.apply(Command::File(command));
     state.settle();
-    let notice = state.notice.clone().expect("a sentence");
+    let notice = state.messages.notice.clone().expect("a sentence");
     (notice.text, notice.is_error)
 }
 
@@ -70,7 +69,7 @@ fn what_is_broken_is_refused_by_name() {
             "{text}"
         );
         assert_eq!(state.saved(), before, "{name}");
-        assert!(state.held().is_none() && state.own_pattern.is_none());
+        assert!(state.held().is_none() && state.form.own_pattern.is_none());
     }
     // A certificate that is none makes the set none that is vouched for.
     let set = b"x,y\n0.1,0.2\n0.6,0.3\n0.5,0.8\n";
@@ -107,12 +106,12 @@ fn of_several_files_one_is_opened_and_the_others_are_named() {
     state.apply(Command::File(both));
     state.settle();
     assert!(told(&state).contains("held against") && told(&state).contains("2,000,000,000"));
-    state.notice = None;
+    state.messages.notice = None;
     state.apply(Command::File(FileCommand::DroppedBytes(
         Vec::new(),
         Vec::new(),
     )));
-    assert_eq!(state.notice, None);
+    assert_eq!(state.messages.notice, None);
 }
 
 #[test]

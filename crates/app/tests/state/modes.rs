@@ -5,12 +5,12 @@ use tilescope_app::actions::actions;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
 use tilescope_app::arrangement::{Arrangement, DrawerCommand};
-use tilescope_app::command::{DebugCommand, Selection};
+use tilescope_app::command::DebugCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::embedding::Embedding;
 use tilescope_app::export::Kind;
 use tilescope_app::files::Purpose;
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{Command, State};
 
@@ -42,12 +42,12 @@ fn the_projector_mode_returns_to_the_look_before() {
             let names = || actions(&state).into_iter().map(|action| action.name);
             assert!(names().any(|name| name == "Projector mode"));
             assert!(press(&mut state, Modifiers::NONE, Key::F2));
-            assert_eq!(state.look, Look::Projector);
+            assert_eq!(state.appearance.look, Look::Projector);
             let listed = actions(&state);
             let toggle = |name: &str| listed.iter().any(|action| action.name == name);
             assert!(toggle("Leave the projector mode") && !toggle("Projector mode"));
             assert!(press(&mut state, Modifiers::NONE, way_out));
-            assert_eq!(state.look, before, "{way_out:?}");
+            assert_eq!(state.appearance.look, before, "{way_out:?}");
         }
     }
     assert!(!escape(&mut state), "there is nothing to leave");
@@ -56,9 +56,9 @@ fn the_projector_mode_returns_to_the_look_before() {
     view.look = Some(Look::Projector);
     state.apply(Command::Look(Look::Light));
     state.look_as(&view);
-    assert_eq!(state.look, Look::Projector);
+    assert_eq!(state.appearance.look, Look::Projector);
     assert!(escape(&mut state));
-    assert_eq!(state.look, Look::Light);
+    assert_eq!(state.appearance.look, Look::Light);
 }
 
 #[test]
@@ -73,10 +73,10 @@ fn escape_leaves_one_thing_after_another() {
     state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(3))));
     let entered = |state: &State| {
         [
-            state.selected.is_some(),
+            state.runs.first.selected.is_some(),
             state.analysis.brush.is_some(),
-            state.drawer.open.is_some(),
-            state.look == Look::Projector,
+            state.window.drawer.open.is_some(),
+            state.appearance.look == Look::Projector,
         ]
     };
     for left in 0..4 {
@@ -93,9 +93,9 @@ fn the_key_that_opens_a_sheet_or_the_list_closes_it() {
     let both = Modifiers::COMMAND | Modifiers::SHIFT;
     let is_open = |state: &State| {
         (
-            state.file.as_ref().map(|form| form.purpose),
-            state.export.as_ref().map(|form| form.kind),
-            state.palette.is_some(),
+            state.files.sheet.as_ref().map(|form| form.purpose),
+            state.files.export.as_ref().map(|form| form.kind),
+            state.window.finder.is_some(),
         )
     };
     for (modifiers, key, expected) in [
@@ -151,13 +151,13 @@ fn what_a_key_does_not_enter_has_an_action_that_leaves_it() {
     state.apply(Command::Compare(start));
     assert!(has(&state, "Close B"));
     state.apply(Command::Compare(CompareCommand::Close));
-    assert!(state.comparison.is_none());
+    assert!(state.runs.second.is_none());
     // Part of another page the window takes no keys for modes that it could not leave there.
     for command in [
         Command::ToggleProjector,
         Command::TogglePalette,
         Command::OpenPanel(Panel::Analysis),
     ] {
-        assert!(!Embedding::takes(&command));
+        assert!(!command.works_in_frame());
     }
 }

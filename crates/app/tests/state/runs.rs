@@ -1,11 +1,13 @@
 //! What stays, and what comes back, when another run takes the place of the one at hand.
 
-use tilescope_app::canvas::layers::Layer;
 use tilescope_app::combination::CombineCommand;
-use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::{Command, State};
 use tilescope_core::Order;
 use tilescope_debugger::{Listings, Marked};
@@ -48,7 +50,7 @@ fn lecture() -> State {
 }
 
 fn marks(state: &State) -> Vec<(Marked, String)> {
-    let debugger = state.debugger.as_ref().unwrap();
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
     let marks = debugger.bookmarks.iter();
     marks
         .map(|mark| (debugger.marked(mark), mark.note.clone()))
@@ -57,7 +59,7 @@ fn marks(state: &State) -> Vec<(Marked, String)> {
 
 /// What is set, apart from bookmarks.
 fn stops(state: &State) -> (Vec<String>, Vec<String>) {
-    let debugger = state.debugger.as_ref().unwrap();
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
     let conditions = debugger.breakpoints().iter().map(|b| b.condition.clone());
     (conditions.collect(), debugger.watches().to_vec())
 }
@@ -66,7 +68,7 @@ fn stops(state: &State) -> (Vec<String>, Vec<String>) {
 fn bookmarks_and_notes_survive_other_parameters_and_come_back_exactly() {
     let mut state = lecture();
     let (set, others) = (marks(&state), stops(&state));
-    let seed = state.draft.text(Field::Seed).to_owned();
+    let seed = state.form.draft.text(Field::Seed).to_owned();
     assert!(matches!(set[0].0, Marked::Here(3_000)));
     run_with(&mut state, Field::Seed, "7");
     let there = marks(&state);
@@ -77,7 +79,7 @@ fn bookmarks_and_notes_survive_other_parameters_and_come_back_exactly() {
     assert_eq!(stops(&state), others);
     // A run without events has no place for them, and a combination none either.
     apply(&mut state, Command::Combine(CombineCommand::Nine));
-    assert!(state.debugger.is_none());
+    assert!(state.runs.first.debugger.is_none());
     run_with(&mut state, Field::Seed, &seed);
     assert_eq!((marks(&state), stops(&state)), (set, others));
 }
@@ -87,7 +89,14 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
     let mut state = lecture();
     run_with(&mut state, Field::Radius, "0.08");
     debug(&mut state, DebugCommand::Bookmark);
-    let set = state.debugger.as_ref().unwrap().bookmarks.clone();
+    let set = state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .unwrap()
+        .bookmarks
+        .clone();
     assert_eq!(set.len(), 3);
     assert!(
         marks(&state)
@@ -106,7 +115,7 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
             apply(state, Command::File(command));
         }
         assert_eq!(
-            state.debugger.as_ref().unwrap().bookmarks,
+            state.runs.first.debugger.as_ref().unwrap().bookmarks,
             set,
             "{purpose:?}"
         );
@@ -114,8 +123,8 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
     let link = state.link();
     let mut there = opened();
     apply(&mut there, Command::OpenLink(link.fragment.clone()));
-    assert_eq!(there.notice, None);
-    assert_eq!(there.debugger.as_ref().unwrap().bookmarks, set);
+    assert_eq!(there.messages.notice, None);
+    assert_eq!(there.runs.first.debugger.as_ref().unwrap().bookmarks, set);
     assert_eq!(there.link(), link);
 }
 
@@ -139,21 +148,24 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
     debug(&mut state, DebugCommand::Pick(Selection::Sample(40)));
     apply(&mut state, Command::Time(TimeCommand::Loop(Some(100..400))));
     apply(&mut state, Command::Run);
-    assert_eq!(state.selected, Some(40));
-    assert!(!state.history_found.events().is_empty());
-    assert_eq!(state.playback.range, Some(100..400));
+    assert_eq!(state.runs.first.selected, Some(40));
+    assert!(!state.runs.first.history_found.events().is_empty());
+    assert_eq!(state.time.playback.range, Some(100..400));
     // In another run the sample is another one, and a place is a place.
     let place = [20.5, 20.25];
     run_with(&mut state, Field::Seed, "7");
-    assert_eq!((state.selected, state.playback.range.clone()), (None, None));
+    assert_eq!(
+        (state.runs.first.selected, state.time.playback.range.clone()),
+        (None, None)
+    );
     debug(&mut state, DebugCommand::Pick(Selection::Place(place)));
     run_with(&mut state, Field::Seed, "8");
-    assert_eq!(state.place, Some(place));
+    assert_eq!(state.runs.first.place, Some(place));
     run_with(&mut state, Field::Radius, "0.05");
-    assert_eq!(state.place, None);
+    assert_eq!(state.runs.first.place, None);
     // The events found are those of this run.
-    let debugger = state.debugger.as_ref().unwrap();
-    let found = state.query.found.events();
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let found = state.runs.first.query.found.events();
     let inserted = |&event: &usize| {
         let event = debugger.recording().event(event);
         event.is_some_and(|event| event.kind() == tilescope_debugger::Kind::Insert)
@@ -163,8 +175,16 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
 
 /// The radius of the panel, the one of the run shown, and whether the window says that they differ.
 fn radii(state: &State) -> (String, String, bool) {
-    let run = state.session.as_ref().unwrap().run().parameters.radius;
-    let typed = state.draft.text(Field::Radius).to_owned();
+    let run = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .run()
+        .parameters
+        .radius;
+    let typed = state.form.draft.text(Field::Radius).to_owned();
     (typed, run.to_string(), state.run_remark().is_some())
 }
 
@@ -175,7 +195,14 @@ fn agreed(radius: &str) -> (String, String, bool) {
 #[test]
 fn undoing_a_run_brings_parameters_and_run_back_together() {
     let mut state = opened();
-    let first = state.session.as_ref().unwrap().digest().to_owned();
+    let first = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .digest()
+        .to_owned();
     for text in ["0.0", "0.04"] {
         apply(&mut state, Command::Type(Field::Radius, text.to_owned()));
     }
@@ -184,7 +211,14 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
     assert!(remark.contains("radius") && remark.contains("order") && !remark.contains("seed"));
     apply(&mut state, Command::Run);
     assert_eq!(radii(&state), agreed("0.04"));
-    let second = state.session.as_ref().unwrap().digest().to_owned();
+    let second = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .digest()
+        .to_owned();
     // What is looked at is no step.
     for command in [
         Command::OpenPanel(Panel::Bookmarks),
@@ -193,15 +227,18 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
     ] {
         apply(&mut state, command);
     }
-    let looked_at = (state.layout.clone(), state.layers);
+    let looked_at = (state.window.layout.clone(), state.appearance.layers);
     apply(&mut state, Command::Undo);
     assert_eq!(radii(&state), agreed("0.02"));
-    assert_eq!(state.session.as_ref().unwrap().digest(), first);
-    assert_eq!(state.draft.parameters.order, Order::default());
+    assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), first);
+    assert_eq!(state.form.draft.parameters.order, Order::default());
     apply(&mut state, Command::Redo);
     assert_eq!(radii(&state), agreed("0.04"));
-    assert_eq!(state.session.as_ref().unwrap().digest(), second);
-    assert_eq!((state.layout.clone(), state.layers), looked_at);
+    assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), second);
+    assert_eq!(
+        (state.window.layout.clone(), state.appearance.layers),
+        looked_at
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
-use tilescope_app::command::Field;
+use tilescope_app::draft::Field;
 use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::jobs::Wake;
 use tilescope_app::{Command, State};
@@ -51,6 +51,7 @@ pub fn fill_in(state: &mut State, kind: Kind, path: &Path, entries: &[(Entry, &s
 
 pub fn told(state: &State) -> String {
     state
+        .messages
         .notice
         .as_ref()
         .map_or_else(String::new, |notice| notice.text.clone())

@@ -88,14 +88,21 @@ pub fn cursor(harness: &Harness<'_, App>) -> usize {
 /// Returns what happened last.
 pub fn last_kind(harness: &Harness<'_, App>) -> Option<Kind> {
     let last = cursor(harness).checked_sub(1)?;
-    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let debugger = harness
+        .state()
+        .state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .expect("events");
     let event = debugger.recording().event(last);
     event.map(tilescope_debugger::Event::kind)
 }
 
 /// Returns what happens next.
 pub fn next_kind(harness: &Harness<'_, App>) -> Option<Kind> {
-    let debugger = harness.state().state.debugger.as_ref();
+    let debugger = harness.state().state.runs.first.debugger.as_ref();
     debugger
         .expect("events")
         .event()

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::Layer;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layers::Layer;
+use tilescope_app::selection::Selection;
 use tilescope_app::{App, Command};
 use tilescope_debugger::Listings;
 
@@ -38,7 +40,13 @@ pub fn go(harness: &mut Harness<'_, App>, purpose: Purpose, path: &Path) {
 }
 
 pub fn notice(harness: &Harness<'_, App>) -> (String, bool) {
-    let notice = harness.state().state.notice.clone().expect("a notice");
+    let notice = harness
+        .state()
+        .state
+        .messages
+        .notice
+        .clone()
+        .expect("a notice");
     (notice.text, notice.is_error)
 }
 

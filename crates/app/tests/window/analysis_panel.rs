@@ -6,7 +6,8 @@ use egui::Key;
 use egui_kittest::Harness;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
-use tilescope_app::command::{Choice, Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::{Layout, Panel};
 use tilescope_app::{App, Command};
@@ -24,7 +25,7 @@ pub(crate) fn analysing() -> Harness<'static, App> {
     apply(&mut harness, Command::Run);
     let id = egui::Id::unique("a panel alone");
     let alone = egui_tiles::Tree::new_tabs(id, vec![Panel::Analysis]);
-    harness.state_mut().state.layout = Layout(alone);
+    harness.state_mut().state.window.layout = Layout(alone);
     settle(&mut harness);
     harness
 }
@@ -47,8 +48,8 @@ fn says(harness: &Harness<'_, App>, id: &str, facts: &[&str]) {
 fn the_panel_says_the_numbers_and_describes_its_charts() {
     let mut harness = analysing();
     let state = &harness.state().state;
-    let count = state.session.as_ref().unwrap().summary.count;
-    let count = tilescope_app::sentence::grouped(count);
+    let count = state.runs.first.session.as_ref().unwrap().summary.count;
+    let count = tilescope_app::words::grouped(count);
     says(&harness, "analysis.status", &[&count, "finish"]);
     says(&harness, SAMPLES, &[&count, "27,8"]);
     says(&harness, "chart.P", &["P(\u{3bd})", "reference"]);
@@ -87,7 +88,10 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
         Command::File(FileCommand::Path(path_text(&path))),
     );
     apply(&mut harness, Command::File(FileCommand::Go));
-    assert!(harness.state().state.file.is_none(), "the sheet is closed");
+    assert!(
+        harness.state().state.files.sheet.is_none(),
+        "the sheet is closed"
+    );
     let held = harness.state().state.held().unwrap().unwrap().clone();
     assert_eq!(held.measured.samples, 900);
     // Noise has conflicts; the radius is the run's.
@@ -98,7 +102,7 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     assert!(find(&harness, "analysis.unjudged").is_none());
     // Another radius: what does not depend on it stays, what was judged with the old one goes.
     let conflicts = held.measured.verdict().unwrap().conflicts as usize;
-    let conflicts = format!("file {}", tilescope_app::sentence::grouped(conflicts));
+    let conflicts = format!("file {}", tilescope_app::words::grouped(conflicts));
     says(&harness, CONFLICTS, &[&conflicts]);
     // 900 samples times the square of r.
     says(&harness, DENSITY, &["file 0.3600"]);
@@ -187,7 +191,7 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
 fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     let mut harness = analysing();
     let folder = folder("hostile-sets");
-    let before = harness.state().state.session.clone().unwrap();
+    let before = harness.state().state.runs.first.session.clone().unwrap();
     let lines = |line: &str, count: usize| format!("x,y\n{}", line.repeat(count)).into_bytes();
     for (name, bytes) in [
         ("empty.csv", Vec::new()),
@@ -211,7 +215,7 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     apply(&mut harness, Command::DismissNotice);
     go(&mut harness, Purpose::Against, &folder);
     assert!(notice(&harness).1, "a folder is no file");
-    let after = harness.state().state.session.clone().unwrap();
+    let after = harness.state().state.runs.first.session.clone().unwrap();
     assert!(std::sync::Arc::ptr_eq(&before, &after));
     // Twice the same place is a conflict, and is measured like all others.
     let twice = folder.join("twice.csv");
@@ -248,7 +252,7 @@ fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
     let brush = harness.state().state.analysis.brush;
     assert_eq!(brush, Brush::between(Axis::Distance, 1.0, 1.05));
     tab_to(&mut harness, "brush.distance.to");
-    assert!(harness.state().state.session.is_some());
+    assert!(harness.state().state.runs.first.session.is_some());
     harness.key_press(Key::Escape);
     harness.run();
     harness.key_press(Key::Escape);
@@ -310,7 +314,7 @@ fn oblong_domains_are_drawn_with_the_panel_open() {
 
 /// Counts the pixels of the canvas that differ.
 fn differing(harness: &Harness<'_, App>, a: &[u8], b: &[u8], width: u32) -> usize {
-    let canvas = harness.state().state.viewport;
+    let canvas = harness.state().state.runs.first.viewport;
     let pixels = a.chunks(4).zip(b.chunks(4)).enumerate();
     let changed = pixels.filter(|(index, (a, b))| {
         let (x, y) = (*index as u32 % width, *index as u32 / width);

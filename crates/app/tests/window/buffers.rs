@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
+use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
 use tilescope_app::passes::placed::Rows;
 use tilescope_app::passes::{PassCommand, Side};
@@ -37,7 +38,7 @@ fn with_passes() -> Harness<'static, App> {
         apply(&mut harness, command);
     }
     apply(&mut harness, Command::OpenPasses);
-    assert!(state(&harness).passes.is_some());
+    assert!(state(&harness).runs.first.passes.is_some());
     harness
 }
 
@@ -54,10 +55,17 @@ fn state<'a>(harness: &'a Harness<'_, App>) -> &'a State {
 
 /// Goes to the first pass of a name, and to one of its buffers.
 fn go(harness: &mut Harness<'_, App>, name: &str, buffer: Name) {
-    let entries = state(harness).passes.as_ref().unwrap().entries();
+    let entries = state(harness).runs.first.passes.as_ref().unwrap().entries();
     let place = entries.iter().position(|entry| entry.report.name == name);
     pass(harness, PassCommand::Select(place.expect("such a pass")));
-    let visit = state(harness).passes.as_ref().unwrap().visit().unwrap();
+    let visit = state(harness)
+        .runs
+        .first
+        .passes
+        .as_ref()
+        .unwrap()
+        .visit()
+        .unwrap();
     let place = visit.buffers.iter().position(|table| table.name == buffer);
     pass(harness, PassCommand::Buffer(place.expect("such a buffer")));
 }
@@ -80,7 +88,7 @@ fn points(harness: &Harness<'_, App>) -> BTreeSet<(i32, i32)> {
 }
 
 fn samples(harness: &Harness<'_, App>, wanted: impl Fn(Fate) -> bool) -> BTreeSet<(i32, i32)> {
-    let run = state(harness).session.as_ref().unwrap().run();
+    let run = state(harness).runs.first.session.as_ref().unwrap().run();
     let first = run
         .iterations
         .first()
@@ -122,8 +130,8 @@ fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
     node(&harness, "passes.show-canvas").click();
     harness.run();
     settle(&mut harness);
-    assert!(state(&harness).layout.shows(Panel::Canvas));
-    assert_eq!(state(&harness).playback.clock, Clock::Pass);
+    assert!(state(&harness).window.layout.shows(Panel::Canvas));
+    assert_eq!(state(&harness).time.playback.clock, Clock::Pass);
     on_canvas(&harness, &["pass 7 tile", "places", "after"]);
     let with = harness.render().expect("a picture");
     pass(&mut harness, PassCommand::OnCanvas(false));
@@ -147,13 +155,13 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     let before = Command::Time(TimeCommand::Clock(Clock::Line));
     apply(&mut harness, before);
     pass(&mut harness, PassCommand::ShowCanvas);
-    assert_eq!(state(&harness).playback.clock, Clock::Pass);
+    assert_eq!(state(&harness).time.playback.clock, Clock::Pass);
     assert!(state(&harness).engine_said().is_some());
     // The CPU samples next: neither the clock nor the test of the GPU is of that run.
     apply(&mut harness, Command::Engine(Engine::Auto));
     assert_eq!(state(&harness).engine_said(), None);
     apply(&mut harness, Command::Run);
-    assert_eq!(state(&harness).playback.clock, Clock::Line);
+    assert_eq!(state(&harness).time.playback.clock, Clock::Line);
 }
 
 #[test]
@@ -182,7 +190,14 @@ fn arrow_keys_go_from_pass_to_pass_and_the_tag_follows() {
 #[test]
 fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
     let mut harness = with_passes();
-    let entries = state(&harness).passes.as_ref().unwrap().entries().to_vec();
+    let entries = state(&harness)
+        .runs
+        .first
+        .passes
+        .as_ref()
+        .unwrap()
+        .entries()
+        .to_vec();
     for (place, stage) in [("survive", Stage::Eliminate), ("attribute", Stage::Tile)] {
         go(&mut harness, place, Name::Places);
         assert_eq!(state(&harness).current_stage(), Some(stage), "{place}");
@@ -191,7 +206,7 @@ fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
     assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));
     // The timeline leads, too, and is not led back.
     apply(&mut harness, Command::LastStage);
-    let passes = state(&harness).passes.as_ref().unwrap();
+    let passes = state(&harness).runs.first.passes.as_ref().unwrap();
     assert_eq!(passes.selected(), Some(entries.len() - 1));
     assert_eq!(state(&harness).current_stage(), Some(Stage::Finish));
 }

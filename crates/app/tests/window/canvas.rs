@@ -3,11 +3,11 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::command::TimeCommand;
+use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
-use tilescope_app::sentence::grouped;
 use tilescope_app::theme::Look;
+use tilescope_app::words::grouped;
 use tilescope_app::{App, Command};
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Fate, Moment, R};
@@ -50,7 +50,7 @@ fn shoot(harness: &mut Harness<'_, App>) -> Vec<f64> {
     // What was thinned out while the camera moved is whole in the next frame.
     harness.step();
     let image = harness.render().expect("a picture");
-    let rect = harness.state().state.viewport.shrink(1.0);
+    let rect = harness.state().state.runs.first.viewport.shrink(1.0);
     let [left, top, right, bottom] =
         [rect.left(), rect.top(), rect.right(), rect.bottom()].map(|side| side as usize);
     let mut tiles = Vec::new();
@@ -155,7 +155,14 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     for harness in [&mut stepping, &mut leaping] {
         apply(harness, Command::FlyTo([37.0, 45.0], 60.0));
     }
-    let session = stepping.state().state.session.clone().expect("a session");
+    let session = stepping
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     let end_of = |stage| session.stage_end(stage).expect("events");
     for (from, to) in [
         (end_of(TILE_STAGE) + 10, end_of(TILE_STAGE) + 9_010),
@@ -187,7 +194,11 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
         let along = (0..40).map(|k| {
             let t = 0.05 + 0.9 * f64::from(k) / 40.0;
             let place = [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * t);
-            let pos = state.camera.screen_from_domain(state.viewport, place);
+            let pos = state
+                .runs
+                .first
+                .camera
+                .screen_from_domain(state.runs.first.viewport, place);
             f64::from(image.get_pixel(pos.x as u32, pos.y as u32).0[0])
         });
         let seen: Vec<f64> = along.collect();
@@ -204,7 +215,14 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
 #[test]
 fn the_tree_shows_the_splits_that_were_made() {
     let mut harness = window(false);
-    let session = harness.state().state.session.clone().expect("a session");
+    let session = harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     let splits = session.run().blocks.splits.clone();
     let line = |k: usize| {
         let split = &splits[k];
@@ -216,7 +234,14 @@ fn the_tree_shows_the_splits_that_were_made() {
         ends.map(|end| end.map(|units| f64::from(units) / f64::from(R)))
     };
     let after = |harness: &Harness<'_, App>, wanted: u32| {
-        let recording = harness.state().state.debugger.as_ref().expect("events");
+        let recording = harness
+            .state()
+            .state
+            .runs
+            .first
+            .debugger
+            .as_ref()
+            .expect("events");
         let mut events = recording.recording().tape().from(0);
         let found = events.find(|(_, event)| {
             matches!(event.moment(), Some(Moment::Split { index, .. }) if index == wanted)
@@ -254,7 +279,11 @@ fn ages_colour_the_samples() {
 /// What the canvas says of a place of the domain.
 fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
     let state = &harness.state().state;
-    let pos = state.camera.screen_from_domain(state.viewport, place);
+    let pos = state
+        .runs
+        .first
+        .camera
+        .screen_from_domain(state.runs.first.viewport, place);
     harness.hover_at(pos);
     settle(harness);
     // What is hovered is known a frame later.
@@ -270,7 +299,14 @@ fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
 #[test]
 fn what_is_under_the_pointer_is_named() {
     let mut harness = opened();
-    let session = harness.state().state.session.clone().expect("a session");
+    let session = harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     let run = session.run();
     apply(&mut harness, Command::ToggleReducedMotion);
     apply(&mut harness, Command::ShowStage(3));

@@ -4,9 +4,10 @@ use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::{Arrangement, DrawerCommand};
-use tilescope_app::command::{DebugCommand, Selection};
+use tilescope_app::command::DebugCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 
@@ -61,16 +62,16 @@ fn every_panel_has_a_tab_and_fits() {
         let mut harness = opened_at(size);
         for (tab, panel, part) in TABS {
             click(&mut harness, tab);
-            assert_eq!(harness.state().state.drawer.open, Some(panel));
+            assert_eq!(harness.state().state.window.drawer.open, Some(panel));
             assert!(find(&harness, part).is_some(), "{tab} lacks {part}");
             assert_eq!(outside(&harness, size[0]), Vec::<String>::new(), "{tab}");
         }
         click(&mut harness, "drawer.close");
-        assert_eq!(harness.state().state.drawer.open, None);
+        assert_eq!(harness.state().state.window.drawer.open, None);
         // The same tab opens and closes.
         click(&mut harness, "tab.legend");
         click(&mut harness, "tab.legend");
-        assert_eq!(harness.state().state.drawer.open, None);
+        assert_eq!(harness.state().state.window.drawer.open, None);
     }
 }
 
@@ -81,7 +82,7 @@ fn what_lies_outside_would_be_found() {
 }
 
 fn canvas(harness: &Harness<'_, App>) -> Rect {
-    harness.state().state.viewport
+    harness.state().state.runs.first.viewport
 }
 
 #[test]
@@ -119,8 +120,8 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
         .state
         .apply(Command::OpenPanel(Panel::Events));
     settle(&mut harness);
-    let before = harness.state().state.layout.clone();
-    let arrangement = |harness: &Harness<'_, App>| harness.state().state.drawer.arrangement;
+    let before = harness.state().state.window.layout.clone();
+    let arrangement = |harness: &Harness<'_, App>| harness.state().state.window.drawer.arrangement;
     assert_eq!(arrangement(&harness), Arrangement::Tiles);
     harness.set_size(Vec2::from(PHONE));
     harness.step();
@@ -134,7 +135,10 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
         .state
         .apply(Command::OpenPanel(Panel::Bookmarks));
     settle(&mut harness);
-    assert_eq!(harness.state().state.drawer.open, Some(Panel::Bookmarks));
+    assert_eq!(
+        harness.state().state.window.drawer.open,
+        Some(Panel::Bookmarks)
+    );
     harness.set_size(vec2(844.0, 390.0));
     harness.step();
     assert_eq!(arrangement(&harness), Arrangement::Landscape);
@@ -143,7 +147,7 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     harness.run();
     assert_eq!(arrangement(&harness), Arrangement::Tiles);
     // Which tab is active is remembered by the frames; what stands where is the same.
-    assert_eq!(harness.state().state.layout, before);
+    assert_eq!(harness.state().state.window.layout, before);
     node(&harness, "find-events");
 }
 
@@ -198,16 +202,16 @@ fn every_primary_action_can_be_done() {
     click(&mut harness, "fit");
     // The verdict leads to its witness.
     click(&mut harness, "verdict");
-    assert!(harness.state().state.sight.is_some());
+    assert!(harness.state().state.runs.first.sight.is_some());
     click(&mut harness, "tab.parameters");
     click(&mut harness, "run");
-    assert!(harness.state().state.session.is_some());
+    assert!(harness.state().state.runs.first.session.is_some());
     menu(&mut harness, "view", "look-light");
-    assert_eq!(harness.state().state.look, Look::Light);
+    assert_eq!(harness.state().state.appearance.look, Look::Light);
     menu(&mut harness, "view", "toggle-reduced-motion");
-    assert!(harness.state().state.reduced_motion);
+    assert!(harness.state().state.appearance.reduced_motion);
     menu(&mut harness, "compare", "compare-start-next-seed");
-    assert!(harness.state().state.comparison.is_some());
+    assert!(harness.state().state.runs.second.is_some());
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
     menu(&mut harness, "compare", "compare-close");
     menu(&mut harness, "analyze", "open-panel-analysis");
@@ -247,7 +251,7 @@ fn sheets_and_notices_fit() {
         harness.run();
         let text =
             "A notice of many words that say what has happened, where, and what can be done. ";
-        harness.state_mut().state.notice = Some(tilescope_app::state::Notice {
+        harness.state_mut().state.messages.notice = Some(tilescope_app::state::Notice {
             text: text.repeat(3),
             is_error: true,
         });
@@ -282,18 +286,21 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
     let mut harness = opened_at([1440.0, 900.0]);
     let state = &mut harness.state_mut().state;
     state.prefer_reduced_motion(true);
-    assert_eq!((state.reduced_motion, state.motion_chosen()), (true, None));
+    assert_eq!(
+        (state.appearance.reduced_motion, state.motion_chosen()),
+        (true, None)
+    );
     // It is not remembered as a choice, and may change while the window is open.
     state.choose_motion(None);
     state.prefer_reduced_motion(false);
-    assert!(!state.reduced_motion);
+    assert!(!state.appearance.reduced_motion);
     state.apply(Command::ToggleReducedMotion);
     assert_eq!(state.motion_chosen(), Some(true));
     state.prefer_reduced_motion(false);
-    assert!(state.reduced_motion);
+    assert!(state.appearance.reduced_motion);
     state.choose_motion(Some(false));
     state.prefer_reduced_motion(true);
-    assert!(!state.reduced_motion);
+    assert!(!state.appearance.reduced_motion);
 }
 
 #[test]
@@ -308,18 +315,18 @@ fn reduced_motion_stops_what_moves_by_itself() {
     };
     let fly = Command::FlyTo([30.0, 30.0], 10.0);
     harness.state_mut().state.apply(fly.clone());
-    assert!(harness.state().state.flight.is_some());
+    assert!(harness.state().state.runs.first.flight.is_some());
     harness
         .state_mut()
         .state
         .apply(Command::ToggleReducedMotion);
     // A flight at work arrives at once, and there are no more.
     let state = &harness.state().state;
-    assert!(state.flight.is_none());
-    assert!((state.camera.center[0] - 30.0).abs() < 1e-9);
+    assert!(state.runs.first.flight.is_none());
+    assert!((state.runs.first.camera.center[0] - 30.0).abs() < 1e-9);
     harness.state_mut().state.apply(Command::Fit);
     harness.state_mut().state.apply(fly);
-    assert!(harness.state().state.flight.is_none());
+    assert!(harness.state().state.runs.first.flight.is_none());
     harness.run();
     assert_eq!(moves(&harness), [false; 2]);
     for look in [Look::Light, Look::Projector, Look::Dark] {
@@ -342,7 +349,7 @@ fn a_projector_in_a_phone_is_a_light_phone() {
     harness.state_mut().state.apply(projector);
     harness.run();
     let state = &harness.state().state;
-    assert_eq!(state.drawer.arrangement, Arrangement::Portrait);
+    assert_eq!(state.window.drawer.arrangement, Arrangement::Portrait);
     assert!((harness.ctx.zoom_factor() - 1.0).abs() < 1e-6);
     node(&harness, "menu");
 }

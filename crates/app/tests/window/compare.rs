@@ -3,11 +3,12 @@
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::{Choice, Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::jobs::Job;
 use tilescope_app::layout::Panel;
-use tilescope_app::state::Side;
+use tilescope_app::state::RunView;
 use tilescope_app::{App, Command, State};
 use tilescope_core::{Boundary, SampleError, Stage};
 use tilescope_debugger::{Direction, Divergence, Step};
@@ -25,14 +26,14 @@ fn compared(rival: Rival) -> Harness<'static, App> {
     harness
 }
 
-fn second(state: &State) -> &Side {
-    &state.comparison.as_ref().expect("a second run").0
+fn second(state: &State) -> &RunView {
+    &state.runs.second.as_ref().expect("a second run").0
 }
 
 fn divergence(state: &State) -> Divergence {
-    let (side, comparison) = state.comparison.as_ref().expect("a second run");
+    let (side, comparison) = state.runs.second.as_ref().expect("a second run");
     let (a, b) = (
-        state.session.as_ref().unwrap(),
+        state.runs.first.session.as_ref().unwrap(),
         side.session.as_ref().unwrap(),
     );
     comparison.divergence(a, b).expect("known").clone()
@@ -44,7 +45,7 @@ fn cursors(state: &State) -> [usize; 2] {
 }
 
 fn differing(state: &State) -> [usize; 3] {
-    let (side, comparison) = state.comparison.as_ref().expect("a second run");
+    let (side, comparison) = state.runs.second.as_ref().expect("a second run");
     let (a, b) = (state.shown().unwrap(), side.shown().unwrap());
     let found = comparison.differences.of(&a, &b).expect("known");
     [found.common, found.first.len(), found.second.len()]
@@ -60,7 +61,18 @@ fn another_seed_is_sampled_verified_and_shares_no_sample() {
     let state = &harness.state().state;
     let side = second(state);
     assert_eq!(side.session.as_ref().unwrap().run().parameters.seed, 2);
-    assert_eq!(state.session.as_ref().unwrap().run().parameters.seed, 1);
+    assert_eq!(
+        state
+            .runs
+            .first
+            .session
+            .as_ref()
+            .unwrap()
+            .run()
+            .parameters
+            .seed,
+        1
+    );
     let tilescope_app::state::Verification::Done(verdict) = &side.verification else {
         panic!("the second run is not verified");
     };
@@ -68,7 +80,7 @@ fn another_seed_is_sampled_verified_and_shares_no_sample() {
     let [common, first, second] = differing(state);
     assert_eq!(
         common + first,
-        state.session.as_ref().unwrap().summary.count
+        state.runs.first.session.as_ref().unwrap().summary.count
     );
     assert!(common < 10 && second > 9_000, "{common} {second}");
     assert!(text(&harness, "run-a").contains("seed 1"));
@@ -96,7 +108,7 @@ fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
         panic!("the searches must part at an event");
     };
     assert_eq!(a, b);
-    let stage = harness.state().state.session.as_ref().unwrap();
+    let stage = harness.state().state.runs.first.session.as_ref().unwrap();
     assert!(stage.stages[stage.stage_at(a)] >= Stage::Iterate(1));
     // Up to there the cursors are the same, one by one.
     apply(&mut harness, Command::Time(TimeCommand::Jump(a - 5)));
@@ -143,12 +155,12 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
     let mut harness = compared(Rival::NextSeed);
     let cameras = |harness: &Harness<'_, App>| {
         let state = &harness.state().state;
-        [state.camera, second(state).camera]
+        [state.runs.first.camera, second(state).camera]
     };
     apply(&mut harness, Command::Pan(vec2(40.0, 10.0)));
     let [a, b] = cameras(&harness);
     assert_eq!(a, b);
-    let on_b = |command| Command::Compare(CompareCommand::OnOther(Box::new(command)));
+    let on_b = |command| Command::OnSecond(Box::new(command));
     let at = second(&harness.state().state).viewport.center();
     apply(&mut harness, on_b(Command::Zoom(at, 3.0)));
     let [zoomed, b] = cameras(&harness);
@@ -168,12 +180,22 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
 #[test]
 fn the_runs_change_places_and_the_second_one_goes() {
     let mut harness = compared(Rival::NextSeed);
-    let seed = |state: &State| state.session.as_ref().unwrap().run().parameters.seed;
+    let seed = |state: &State| {
+        state
+            .runs
+            .first
+            .session
+            .as_ref()
+            .unwrap()
+            .run()
+            .parameters
+            .seed
+    };
     harness.key_press(Key::X);
     harness.run();
     let state = &harness.state().state;
     assert_eq!(seed(state), 2);
-    assert_eq!(state.draft.parameters.seed, 2);
+    assert_eq!(state.form.draft.parameters.seed, 2);
     assert_eq!(
         second(state)
             .session
@@ -189,7 +211,7 @@ fn the_runs_change_places_and_the_second_one_goes() {
         panic!("two seeds part at an event");
     };
     apply(&mut harness, Command::Compare(CompareCommand::Close));
-    assert!(harness.state().state.comparison.is_none());
+    assert!(harness.state().state.runs.second.is_none());
     assert_eq!(seed(&harness.state().state), 2);
 }
 
@@ -233,10 +255,10 @@ fn what_cannot_be_compared_says_why() {
     // A refused command does nothing.
     let start = CompareCommand::Start(Rival::Typed);
     apply(&mut harness, Command::Compare(start));
-    assert!(harness.state().state.comparison.is_none());
+    assert!(harness.state().state.runs.second.is_none());
     harness.key_press_modifiers(Modifiers::NONE, Key::X);
     harness.run();
-    assert!(harness.state().state.comparison.is_none());
+    assert!(harness.state().state.runs.second.is_none());
 }
 
 #[test]
@@ -266,9 +288,9 @@ fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
 #[test]
 fn a_key_zooms_once_whichever_canvas_has_the_pointer() {
     let mut harness = compared(Rival::NextSeed);
-    let scale = |harness: &Harness<'_, App>| harness.state().state.camera.scale;
+    let scale = |harness: &Harness<'_, App>| harness.state().state.runs.first.camera.scale;
     for viewport in [
-        harness.state().state.viewport,
+        harness.state().state.runs.first.viewport,
         second(&harness.state().state).viewport,
     ] {
         harness.hover_at(viewport.center());
@@ -295,7 +317,7 @@ fn a_kept_run_is_at_the_same_moment_even_when_clocks_are_apart() {
     harness.key_press(Key::X);
     harness.run();
     apply(&mut harness, Command::OpenPanel(Panel::Events));
-    assert!(harness.state().state.rows.is_some());
+    assert!(harness.state().state.runs.first.rows.is_some());
 }
 
 #[test]
@@ -314,9 +336,19 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
     harness.run();
     settle(&mut harness);
     let state = &harness.state().state;
-    assert_eq!(state.debugger.as_ref().unwrap().breakpoints().len(), 1);
+    assert_eq!(
+        state
+            .runs
+            .first
+            .debugger
+            .as_ref()
+            .unwrap()
+            .breakpoints()
+            .len(),
+        1
+    );
     // They are marked where a run of this one stops.
-    let hits = state.hits.events().to_vec();
+    let hits = state.runs.first.hits.events().to_vec();
     assert!(hits.len() > 100);
     harness.key_press(Key::Home);
     harness.run();
@@ -330,18 +362,24 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
 #[test]
 fn what_goes_wrong_with_the_second_run_is_said_of_it() {
     let mut harness = compared(Rival::NextSeed);
-    let (side, _) = harness.state_mut().state.comparison.as_mut().unwrap();
+    let (side, _) = harness.state_mut().state.runs.second.as_mut().unwrap();
     let cancelled = SampleError::Cancelled { stage: Stage::Tile };
     let wake: tilescope_app::jobs::Wake = std::sync::Arc::new(|| {});
     side.sampling = Some(Job::start(&wake, move |_| Err(cancelled.into())));
     settle(&mut harness);
     let state = &harness.state().state;
-    let notice = state.notice.as_ref().expect("a notice");
+    let notice = state.messages.notice.as_ref().expect("a notice");
     assert!(notice.text.starts_with("Run B: "), "{}", notice.text);
     let seed = |session: &Option<std::sync::Arc<tilescope_app::Session>>| {
         session.as_ref().unwrap().run().parameters.seed
     };
-    assert_eq!([seed(&state.session), seed(&second(state).session)], [1, 2]);
+    assert_eq!(
+        [
+            seed(&state.runs.first.session),
+            seed(&second(state).session)
+        ],
+        [1, 2]
+    );
 }
 
 #[test]
@@ -349,7 +387,7 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
     let note = "Too many samples differ to mark them at this scale: zoom in.";
     let drawn = |rival: Rival, command: Command| {
         let mut harness = compared(rival);
-        harness.state_mut().state.reduced_motion = true;
+        harness.state_mut().state.appearance.reduced_motion = true;
         apply(&mut harness, Command::LastStage);
         apply(&mut harness, command);
         harness.run();

@@ -3,10 +3,12 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::Layer;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::draft::Field;
+use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
@@ -41,7 +43,14 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::F5);
     assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
-    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let debugger = harness
+        .state()
+        .state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .expect("events");
     let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
     assert!(distance < 0.2);
     let first = cursor(&harness);
@@ -55,6 +64,8 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     let breakpoints = harness
         .state()
         .state
+        .runs
+        .first
         .debugger
         .as_ref()
         .unwrap()
@@ -135,7 +146,7 @@ fn the_arrows_follow_the_clock() {
     assert_eq!(cursor(&harness), whole);
     apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    let debugger = harness.state().state.debugger.as_ref().unwrap();
+    let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
     let lines = [whole, cursor(&harness)].map(|at| debugger.recording().event(at).unwrap().line());
     assert_ne!(lines[0], lines[1]);
 }
@@ -149,10 +160,18 @@ fn the_event_browser_finds_selects_and_says_what_is_wrong() {
     node(&harness, "find-events").type_text("insert iteration>1");
     harness.run();
     settle(&mut harness);
-    let found = harness.state().state.query.found.events().to_vec();
+    let found = harness
+        .state()
+        .state
+        .runs
+        .first
+        .query
+        .found
+        .events()
+        .to_vec();
     assert!(!found.is_empty());
     let row = format!("event-{}", found[0]);
-    let number = tilescope_app::sentence::event_number(found[0]);
+    let number = tilescope_app::words::event_number(found[0]);
     assert!(text(&harness, &row).contains(&number));
     node(&harness, &row).click();
     harness.run();
@@ -168,7 +187,7 @@ fn the_event_browser_finds_selects_and_says_what_is_wrong() {
         Command::Debug(DebugCommand::Query(String::new())),
     );
     apply(&mut harness, Command::Time(TimeCommand::Jump(1)));
-    let session = harness.state().state.session.clone().unwrap();
+    let session = harness.state().state.runs.first.session.clone().unwrap();
     let place = session
         .stages
         .iter()
@@ -189,7 +208,7 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     press(&mut harness, Modifiers::NONE, Key::E);
     let at = cursor(&harness);
     let sample = {
-        let debugger = harness.state().state.debugger.as_ref().unwrap();
+        let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
         debugger.recording().event(at - 1).unwrap().samples()[0]
     };
     apply(
@@ -197,16 +216,23 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
         Command::Debug(DebugCommand::Pick(Selection::Sample(sample))),
     );
     apply(&mut harness, Command::OpenPanel(Panel::Inspector));
-    let history = harness.state().state.history_found.events().to_vec();
+    let history = harness
+        .state()
+        .state
+        .runs
+        .first
+        .history_found
+        .events()
+        .to_vec();
     assert!(text(&harness, "history").contains(&history.len().to_string()));
     assert!(history.contains(&(at - 1)) && history.len() >= 2);
     press(&mut harness, Modifiers::NONE, Key::W);
     assert!(cursor(&harness) < at);
     // What is not there yet stays selected: its history lies ahead.
     apply(&mut harness, Command::FirstStage);
-    assert_eq!(harness.state().state.selected, Some(sample));
+    assert_eq!(harness.state().state.runs.first.selected, Some(sample));
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert_eq!(harness.state().state.selected, None);
+    assert_eq!(harness.state().state.runs.first.selected, None);
 }
 
 #[test]
@@ -222,12 +248,12 @@ fn bookmarks_and_watches_stay_with_their_moments() {
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
     apply(&mut harness, Command::FirstStage);
-    let number = tilescope_app::sentence::grouped(at);
+    let number = tilescope_app::words::grouped(at);
     assert!(text(&harness, "bookmark-1").contains(&number));
     node(&harness, "bookmark-1").click();
     harness.run();
     assert_eq!(cursor(&harness), at);
-    let debugger = harness.state().state.debugger.as_ref().unwrap();
+    let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
     assert_eq!(debugger.bookmarks[0].note, "the last one");
     apply(&mut harness, Command::OpenPanel(Panel::Watches));
     apply(
@@ -237,6 +263,8 @@ fn bookmarks_and_watches_stay_with_their_moments() {
     let value = harness
         .state()
         .state
+        .runs
+        .first
         .debugger
         .as_ref()
         .unwrap()
@@ -258,12 +286,12 @@ fn the_list_of_actions_is_reached_by_keys_and_does_what_it_says() {
     node(&harness, "find-action").type_text("projector");
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    assert_eq!(harness.state().state.look, Look::Projector);
-    assert!(harness.state().state.palette.is_none());
+    assert_eq!(harness.state().state.appearance.look, Look::Projector);
+    assert!(harness.state().state.window.finder.is_none());
     assert!(text(&harness, "status").contains("10,041"));
     press(&mut harness, Modifiers::COMMAND, Key::K);
     press(&mut harness, Modifiers::NONE, Key::Escape);
-    assert!(harness.state().state.palette.is_none());
+    assert!(harness.state().state.window.finder.is_none());
     // What cannot be done now is listed, and not done.
     apply(&mut harness, Command::TogglePalette);
     apply(
@@ -276,25 +304,31 @@ fn the_list_of_actions_is_reached_by_keys_and_does_what_it_says() {
 #[test]
 fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
     let mut harness = opened();
-    let start = harness.state().state.layout.clone();
-    let seed = harness.state().state.draft.text(Field::Seed).to_owned();
+    let start = harness.state().state.window.layout.clone();
+    let seed = harness
+        .state()
+        .state
+        .form
+        .draft
+        .text(Field::Seed)
+        .to_owned();
     let other = Command::Type(Field::Seed, "7".to_owned());
     apply(&mut harness, other);
     apply(&mut harness, Command::ToggleLayer(Layer::Disks));
-    let layers = harness.state().state.layers;
+    let layers = harness.state().state.appearance.layers;
     node(&harness, "tab.bookmarks").click();
     harness.run();
-    assert!(harness.state().state.layout.shows(Panel::Bookmarks));
+    assert!(harness.state().state.window.layout.shows(Panel::Bookmarks));
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert_eq!(harness.state().state.draft.text(Field::Seed), seed);
+    assert_eq!(harness.state().state.form.draft.text(Field::Seed), seed);
     let state = &harness.state().state;
-    assert!(state.layout.shows(Panel::Bookmarks) && state.layers == layers);
+    assert!(state.window.layout.shows(Panel::Bookmarks) && state.appearance.layers == layers);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(harness.state().state.draft.text(Field::Seed), "7");
+    assert_eq!(harness.state().state.form.draft.text(Field::Seed), "7");
     apply(&mut harness, Command::ResetLayout);
-    assert_eq!(harness.state().state.layout, start);
+    assert_eq!(harness.state().state.window.layout, start);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
-    assert!(harness.state().state.layout.shows(Panel::Bookmarks));
+    assert!(harness.state().state.window.layout.shows(Panel::Bookmarks));
 }
 
 #[test]
@@ -304,19 +338,19 @@ fn the_projector_shows_a_way_out() {
     let leave = "leave-projector";
     assert!(find(&harness, leave).is_none());
     press(&mut harness, Modifiers::NONE, Key::F2);
-    assert_eq!(harness.state().state.look, Look::Projector);
+    assert_eq!(harness.state().state.appearance.look, Look::Projector);
     node(&harness, leave).click();
     harness.run();
-    assert_eq!(harness.state().state.look, Look::Dark);
+    assert_eq!(harness.state().state.appearance.look, Look::Dark);
     for key in [Key::F2, Key::Escape] {
         press(&mut harness, Modifiers::NONE, Key::F2);
         // Escape closes what is open first.
         node(&harness, "speed").click();
         harness.run();
         press(&mut harness, Modifiers::NONE, Key::Escape);
-        assert_eq!(harness.state().state.look, Look::Projector);
+        assert_eq!(harness.state().state.appearance.look, Look::Projector);
         press(&mut harness, Modifiers::NONE, key);
-        assert_eq!(harness.state().state.look, Look::Dark, "{key:?}");
+        assert_eq!(harness.state().state.appearance.look, Look::Dark, "{key:?}");
     }
     let again = harness.render().expect("a picture");
     assert_eq!(again.dimensions(), window.dimensions());
@@ -333,7 +367,7 @@ fn every_panel_is_drawn_in_every_look() {
         let mut pictures = std::collections::BTreeSet::new();
         for panel in Panel::ALL {
             apply(&mut harness, Command::OpenPanel(panel));
-            assert!(harness.state().state.layout.shows(panel));
+            assert!(harness.state().state.window.layout.shows(panel));
             let picture = harness.render().expect("a picture");
             pictures.insert(picture.as_raw().clone());
         }

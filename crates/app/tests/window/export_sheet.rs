@@ -16,7 +16,7 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
 }
 
 fn kind(harness: &Harness<'_, App>) -> Option<Kind> {
-    let form = harness.state().state.export.as_ref();
+    let form = harness.state().state.files.export.as_ref();
     form.map(|form| form.kind)
 }
 
@@ -45,7 +45,7 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     // What is typed goes into the file's name, in the place of the one proposed.
     node(&harness, "export.path").type_text(&path.to_string_lossy());
     harness.run();
-    let form = harness.state().state.export.clone().expect("open");
+    let form = harness.state().state.files.export.clone().expect("open");
     assert_eq!(form.file(), path);
     let format = text(&harness, "export.format");
     assert!(
@@ -89,7 +89,14 @@ fn the_kinds_are_chosen_by_their_names_and_keep_the_file() {
         node(&harness, kind).click();
         harness.run();
         assert!(!is_disabled(&harness, "export.write"), "{kind}");
-        let path = &harness.state().state.export.as_ref().expect("open").path;
+        let path = &harness
+            .state()
+            .state
+            .files
+            .export
+            .as_ref()
+            .expect("open")
+            .path;
         assert!(path.ends_with(extension), "{path}");
     }
     press(&mut harness, Modifiers::NONE, Key::Escape);

@@ -5,10 +5,12 @@ use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
+use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
 
@@ -76,13 +78,13 @@ fn is_cut(rect: Rect, clip: Rect) -> bool {
 /// is as long as what happened.
 fn cut_texts(harness: &Harness<'_, App>) -> Vec<String> {
     let state = &harness.state().state;
-    let mut canvas = state.viewport.expand(0.5);
-    if let Some((second, _)) = &state.comparison {
+    let mut canvas = state.runs.first.viewport.expand(0.5);
+    if let Some((second, _)) = &state.runs.second {
         // The two runs have headings.
         canvas = canvas.union(second.viewport.expand(0.5));
         canvas.min.y -= 50.0;
     }
-    let sentence = state.debugger.as_ref().map(|debugger| {
+    let sentence = state.runs.first.debugger.as_ref().map(|debugger| {
         let last = debugger.state().cursor().saturating_sub(1);
         tilescope_debugger::sentence(debugger.recording(), last)
     });
@@ -168,7 +170,7 @@ fn nothing_of_the_bar_lies_over_another() {
         let said = buttons.filter(|node| {
             let node = node.accesskit_node();
             // Of lists that are scrolled rows lie behind the bar.
-            let is_row = |id: &str| id.ends_with(".line") || id.ends_with(".breakpoint");
+            let is_row = |id: &str| id.contains(".line") || id.contains(".breakpoint");
             node.label().is_some() && !node.author_id().is_some_and(is_row)
         });
         let places: Vec<(Rect, String)> = said
@@ -204,7 +206,7 @@ fn run_is_seen_at_every_size() {
         state.apply(Command::NameAdapter(Some("no such adapter".to_owned())));
         state.apply(Command::Engine(Engine::Gpu));
         settle(&mut harness);
-        harness.state_mut().state.notice = None;
+        harness.state_mut().state.messages.notice = None;
         let open = Command::OpenPanel(Panel::Parameters);
         harness.state_mut().state.apply(open);
         for text in ["0.00836", "0"] {
@@ -278,7 +280,10 @@ fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
     let mut harness = opened_at([1440.0, 900.0]);
     let run = |harness: &Harness<'_, App>| node(harness, "run").rect();
     let before = run(&harness);
-    let edge = pos2(harness.state().state.viewport.left() - 1.0, 400.0);
+    let edge = pos2(
+        harness.state().state.runs.first.viewport.left() - 1.0,
+        400.0,
+    );
     harness.drag_at(edge);
     harness.run();
     for x in [300.0, 200.0, 100.0, 20.0] {
@@ -289,7 +294,7 @@ fn a_tile_that_is_dragged_narrow_keeps_its_least_size() {
     harness.run();
     let after = run(&harness);
     assert!(after.width() < before.width() + 0.5);
-    assert!(harness.state().state.viewport.left() > 200.0);
+    assert!(harness.state().state.runs.first.viewport.left() > 200.0);
     assert_eq!(cut_texts(&harness), Vec::<String>::new());
     assert_eq!(cut_widgets(&harness), Vec::<String>::new());
 }

@@ -23,7 +23,7 @@ fn changed(name: &str, change: impl FnOnce(&mut Value)) -> (String, bool) {
     if said.1 {
         // The session before it is still here, and so is the sheet.
         assert_eq!(harness.state().state.saved(), before);
-        assert!(harness.state().state.file.is_some());
+        assert!(harness.state().state.files.sheet.is_some());
     }
     said
 }

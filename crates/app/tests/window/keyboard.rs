@@ -31,7 +31,7 @@ fn act(harness: &mut Harness<'_, App>, id: &str) {
     harness.run();
     press(harness, NONE, Key::Enter);
     assert!(
-        harness.state().state.palette.is_none(),
+        harness.state().state.window.finder.is_none(),
         "{name} was not done"
     );
 }
@@ -57,7 +57,14 @@ fn a_session_needs_no_mouse() {
     harness.event(Event::Text("0.02".to_owned()));
     harness.run();
     press(&mut harness, Modifiers::COMMAND, Key::Enter);
-    let session = harness.state().state.session.clone().expect("a session");
+    let session = harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     assert!((session.run().parameters.radius - 0.02).abs() < 1e-12);
     press(&mut harness, NONE, Key::Escape);
 
@@ -75,10 +82,17 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::Escape);
     act(&mut harness, "go-first-stage");
     press(&mut harness, NONE, Key::F5);
-    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let debugger = harness
+        .state()
+        .state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .expect("events");
     let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
     assert!(distance < 0.3);
-    assert!(!harness.state().state.hits.events().is_empty());
+    assert!(!harness.state().state.runs.first.hits.events().is_empty());
 
     // What is going on is read out; the cause is asked for; back again.
     let stopped = cursor(&harness);
@@ -87,7 +101,13 @@ fn a_session_needs_no_mouse() {
     let status = node(&harness, "status").accesskit_node();
     assert_eq!(status.live(), egui::accesskit::Live::Polite);
     let state = &harness.state().state;
-    let recording = state.debugger.as_ref().expect("events").recording();
+    let recording = state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .expect("events")
+        .recording();
     let sentence = tilescope_debugger::sentence(recording, stopped);
     assert_eq!(text(&harness, "status"), sentence);
     press(&mut harness, NONE, Key::W);
@@ -97,18 +117,25 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::F5);
     assert_eq!(cursor(&harness), stopped);
     press(&mut harness, NONE, Key::B);
-    let debugger = harness.state().state.debugger.as_ref().expect("events");
+    let debugger = harness
+        .state()
+        .state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .expect("events");
     assert_eq!(debugger.bookmarks[0].event, stopped);
 
     // The view moves, and what is in its middle is selected.
     act(&mut harness, "view-zoom");
-    let before = harness.state().state.camera;
+    let before = harness.state().state.runs.first.camera;
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
-    let after = harness.state().state.camera;
+    let after = harness.state().state.runs.first.camera;
     assert!(after.center[0] > before.center[0]);
     press(&mut harness, NONE, Key::M);
     let state = &harness.state().state;
-    assert!(state.selected.is_some() || state.place.is_some());
+    assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
 
     // Beside it the same with another seed; both at once to where they part.
     act(&mut harness, "compare-compare-start-next-seed");
@@ -116,19 +143,20 @@ fn a_session_needs_no_mouse() {
     let (second, _) = harness
         .state()
         .state
-        .comparison
+        .runs
+        .second
         .as_ref()
         .expect("a second run");
     assert!(second.session.is_some());
     assert!(cursor(&harness) < stopped);
     act(&mut harness, "compare-compare-close");
-    assert!(harness.state().state.comparison.is_none());
+    assert!(harness.state().state.runs.second.is_none());
 }
 
 #[test]
 fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     let mut harness = opened();
-    let playing = |harness: &Harness<'_, App>| harness.state().state.playback.is_playing();
+    let playing = |harness: &Harness<'_, App>| harness.state().state.time.playback.is_playing();
     let space = |harness: &mut Harness<'_, App>| {
         harness.key_press(Key::Space);
         harness.step();
@@ -244,26 +272,26 @@ fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
     let last = cursor(&harness);
     node(&harness, "canvas").focus();
     harness.run();
-    let before = harness.state().state.camera;
+    let before = harness.state().state.runs.first.camera;
     press(&mut harness, NONE, Key::ArrowRight);
     press(&mut harness, NONE, Key::ArrowDown);
-    let after = harness.state().state.camera;
+    let after = harness.state().state.runs.first.camera;
     assert!(after.center[0] > before.center[0] && after.center[1] < before.center[1]);
     assert_eq!(cursor(&harness), last);
     assert_eq!(focused(&harness).as_deref(), Some("canvas"));
     press(&mut harness, NONE, Key::Plus);
-    assert!(harness.state().state.camera.scale > after.scale);
+    assert!(harness.state().state.runs.first.camera.scale > after.scale);
     press(&mut harness, NONE, Key::Enter);
     let state = &harness.state().state;
-    assert!(state.selected.is_some() || state.place.is_some());
+    assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
     // Elsewhere the same keys go through time, and leave the focus where it is.
     node(&harness, "toggle-play").focus();
     harness.run();
-    let camera = harness.state().state.camera;
+    let camera = harness.state().state.runs.first.camera;
     press(&mut harness, NONE, Key::ArrowLeft);
     assert!(cursor(&harness) < last);
     assert_eq!(focused(&harness).as_deref(), Some("toggle-play"));
-    assert_eq!(harness.state().state.camera, camera);
+    assert_eq!(harness.state().state.runs.first.camera, camera);
 }
 
 #[test]
@@ -285,7 +313,7 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
     press(&mut harness, NONE, Key::Enter);
     tab_to(&mut harness, "entry.file-file-sheet-save");
     press(&mut harness, NONE, Key::Enter);
-    assert!(harness.state().state.file.is_some());
+    assert!(harness.state().state.files.sheet.is_some());
 }
 
 #[test]
@@ -339,23 +367,26 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
     harness.step();
     settle(&mut harness);
     assert_eq!(
-        harness.state().state.look,
+        harness.state().state.appearance.look,
         tilescope_app::theme::Look::Projector
     );
-    assert!(harness.state().state.palette.is_none());
+    assert!(harness.state().state.window.finder.is_none());
     assert_eq!(cursor(&harness), before);
     // The list is open, and its field has not the focus yet.
     let events = &mut harness.input_mut().events;
     events.push(key(Key::K, Modifiers::COMMAND));
     events.extend(letters("lig"));
     harness.step();
-    assert_eq!(harness.state().state.palette.as_ref().unwrap().text, "lig");
+    assert_eq!(
+        harness.state().state.window.finder.as_ref().unwrap().text,
+        "lig"
+    );
     settle(&mut harness);
     harness.event(Event::Text("ht".to_owned()));
     harness.run();
     press(&mut harness, NONE, Key::Enter);
     assert_eq!(
-        harness.state().state.look,
+        harness.state().state.appearance.look,
         tilescope_app::theme::Look::Light
     );
     // Enter before anything was typed does nothing.
@@ -364,8 +395,8 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
     events.push(key(Key::Enter, NONE));
     harness.step();
     press(&mut harness, NONE, Key::Enter);
-    assert!(harness.state().state.palette.is_some());
-    assert!(harness.state().state.sampling.is_none());
+    assert!(harness.state().state.window.finder.is_some());
+    assert!(harness.state().state.runs.first.sampling.is_none());
 }
 
 fn press_of(key: Key, modifiers: Modifiers) -> Event {
@@ -387,7 +418,7 @@ fn escape_in_the_frame_of_ctrl_k_closes_the_list() {
         let events = events.iter().map(|event| (*event).clone());
         harness.input_mut().events.extend(events);
         harness.run();
-        harness.state().state.palette.is_some()
+        harness.state().state.window.finder.is_some()
     };
     assert!(!frame(&mut harness, &[&open, &close]), "opened and closed");
     assert!(frame(&mut harness, &[&open]));

@@ -13,7 +13,13 @@ fn a_window_copies_its_link() {
     assert_eq!(harness.state().state.link().fragment, "v=1");
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::L);
     harness.run();
-    let notice = harness.state().state.notice.clone().expect("a notice");
+    let notice = harness
+        .state()
+        .state
+        .messages
+        .notice
+        .clone()
+        .expect("a notice");
     assert!(notice.text.starts_with("The link is copied"), "{notice:?}");
     harness.state_mut().state.apply(Command::CopyLink);
     harness.step();
@@ -30,7 +36,13 @@ fn a_window_copies_its_link() {
     let commands = &harness.output().platform_output.commands;
     assert!(!commands.iter().any(copied), "{commands:?}");
     harness.state_mut().state.tell_not_copied();
-    let notice = harness.state().state.notice.clone().expect("a notice");
+    let notice = harness
+        .state()
+        .state
+        .messages
+        .notice
+        .clone()
+        .expect("a notice");
     assert!(
         notice.is_error && notice.text.contains("address bar"),
         "{notice:?}"

@@ -2,7 +2,7 @@
 
 use egui::Color32;
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::Layer;
+use tilescope_app::layers::Layer;
 use tilescope_app::theme::DARK;
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
@@ -11,7 +11,7 @@ use crate::support::{opened_at, settle};
 
 /// Returns how many pixels of the canvas are nearer to one of `colors` than to `other` and the ground.
 fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) -> usize {
-    let rect = harness.state().state.viewport;
+    let rect = harness.state().state.runs.first.viewport;
     let image = harness.render().expect("a picture");
     let far = |a: &[u8], b: Color32| -> i32 {
         let parts = a.iter().zip(b.to_array());
@@ -36,7 +36,14 @@ fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) ->
 #[test]
 fn detectors_of_a_whole_domain_on_a_phone_leave_conflicts_and_gaps_to_be_seen() {
     let mut harness = opened_at([390.0, 844.0]);
-    let stages = harness.state().state.session.clone().expect("a session");
+    let stages = harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     let place = stages
         .stages
         .iter()

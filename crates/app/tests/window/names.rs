@@ -7,11 +7,13 @@ use std::sync::{Arc, Mutex};
 use egui::accesskit::{Action, NodeId, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::Field;
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::spoken::Spoken;
 use tilescope_app::{App, Command};
 
@@ -146,7 +148,7 @@ fn what_has_the_focus_is_said_and_what_changes_of_it() {
     focus(&mut harness, Role::TextInput, "Radius");
     let spoken = taken(&said);
     let typed = |harness: &Harness<'_, App>| {
-        let draft = &harness.state().state.draft;
+        let draft = &harness.state().state.form.draft;
         draft.text(Field::Radius).to_owned()
     };
     let before = typed(&harness);

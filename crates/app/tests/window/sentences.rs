@@ -5,13 +5,15 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
 use tilescope_app::passes::{PassCommand, Side};
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::{Boundary, Search, Stage};
@@ -131,7 +133,15 @@ fn the_window_and_its_export_sheet() {
     ]);
     told.after([Command::Look(Look::Light)]);
     told.says(&[("toggle-theme", "Dark theme")]);
-    let session = told.harness.state().state.session.clone().unwrap();
+    let session = told
+        .harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .unwrap();
     let first = |stage: &Stage| *stage == Stage::Iterate(1);
     let place = session.stages.iter().position(first).unwrap();
     told.after([Command::ShowStage(place)]);
@@ -142,11 +152,16 @@ fn the_window_and_its_export_sheet() {
     let event = Command::Time(TimeCommand::Clock(Clock::Event));
     told.after([event]);
     told.says(&[("step-forward", "Event forward (Right)")]);
-    let stage = Command::Time(TimeCommand::Clock(Clock::Stage));
+    told.after([Command::Time(TimeCommand::Clock(Clock::Stage))]);
+    the_export_sheet(&mut told);
+    told.end();
+}
+
+/// The sheet, and the list of actions behind it.
+fn the_export_sheet(told: &mut Told) {
     told.after([
         Command::FirstStage,
         export(ExportCommand::Open(Kind::Animation)),
-        stage,
     ]);
     told.says(&[
         ("export.prospect", "*is empty: there is nothing to animate*"),
@@ -225,7 +240,6 @@ fn the_window_and_its_export_sheet() {
         ("action.file-export-cancel", "Cancel the export"),
         ("action.file-file-sheet-save", "Save session\u{2026}"),
     ]);
-    told.end();
 }
 
 #[test]
@@ -437,12 +451,30 @@ fn the_analysis() {
 
 /// Goes to the first pass of a name, and to one of its buffers.
 fn go_to(told: &mut Told, name: &str, buffer: Name) {
-    let passes = || told.harness.state().state.passes.as_ref().unwrap();
+    let passes = || {
+        told.harness
+            .state()
+            .state
+            .runs
+            .first
+            .passes
+            .as_ref()
+            .unwrap()
+    };
     let entries = passes().entries();
     let place = entries.iter().position(|entry| entry.report.name == name);
     let place = place.expect("such a pass");
     told.after([Command::Passes(PassCommand::Select(place))]);
-    let visit = told.harness.state().state.passes.as_ref().unwrap().visit();
+    let visit = told
+        .harness
+        .state()
+        .state
+        .runs
+        .first
+        .passes
+        .as_ref()
+        .unwrap()
+        .visit();
     let tables = &visit.expect("a visit").buffers;
     let place = tables.iter().position(|table| table.name == buffer);
     let place = place.expect("such a buffer");
@@ -509,7 +541,7 @@ fn passes_on_a_device() {
     told.after([filter(""), pass(PassCommand::Select(2))]);
     told.says(&[("pass-3", "Pass 3: count, not comparable (intermediate)")]);
     told.after([pass(PassCommand::Last)]);
-    let passes = told.harness.state().state.passes.as_ref();
+    let passes = told.harness.state().state.runs.first.passes.as_ref();
     let last = format!("pass-{}", passes.expect("passes").entries().len());
     told.says(&[
         ("passes.place", "pass * of *, stage Finish"),

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::Layer;
-use tilescope_app::command::{Field, TimeCommand};
+use tilescope_app::command::TimeCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
+use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
@@ -38,12 +39,15 @@ fn a_session_is_opened_where_it_was_left() {
     let after = state.saved().expect("a session");
     assert_eq!(after, before);
     assert!(state.verdict().expect("verified").report.valid());
-    assert_eq!(state.selected, Some(40));
-    assert_eq!(state.look, Look::Light);
-    assert!(state.layers.has(Layer::Disks));
-    assert!(state.layout.shows(Panel::Events));
-    assert_eq!(state.draft.parameters, before.parameters);
-    assert_eq!(state.debugger.as_ref().unwrap().bookmarks[0].note, "here");
+    assert_eq!(state.runs.first.selected, Some(40));
+    assert_eq!(state.appearance.look, Look::Light);
+    assert!(state.appearance.layers.has(Layer::Disks));
+    assert!(state.window.layout.shows(Panel::Events));
+    assert_eq!(state.form.draft.parameters, before.parameters);
+    assert_eq!(
+        state.runs.first.debugger.as_ref().unwrap().bookmarks[0].note,
+        "here"
+    );
 }
 
 #[test]
@@ -58,7 +62,8 @@ fn the_second_run_comes_back_too() {
     let (side, _) = other
         .state()
         .state
-        .comparison
+        .runs
+        .second
         .as_ref()
         .expect("a second run");
     assert_eq!(side.session.as_ref().unwrap().run().parameters.seed, 2);
@@ -87,7 +92,7 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
             .unwrap()
             .contains("\"digest\"")
     );
-    assert!(harness.state().state.file.is_none());
+    assert!(harness.state().state.files.sheet.is_none());
     // The file is this session's now.
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.run();
@@ -95,13 +100,13 @@ fn the_sheet_is_used_by_keys_and_asks_before_it_replaces() {
     node(&harness, "file.go").click();
     harness.run();
     settle(&mut harness);
-    assert!(harness.state().state.file.is_none());
+    assert!(harness.state().state.files.sheet.is_none());
     harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
     harness.run();
     node(&harness, "file.go");
     harness.key_press(Key::Escape);
     harness.run();
-    assert!(harness.state().state.file.is_none());
+    assert!(harness.state().state.files.sheet.is_none());
 }
 
 /// Returns whether the sheet asks for leave to replace a file.
@@ -112,7 +117,14 @@ fn asks(harness: &Harness<'_, App>) -> bool {
 /// Writes a pattern of one's own: the result of a small run, with its certificate.
 pub(crate) fn pattern(harness: &mut Harness<'_, App>, folder: &Path) -> PathBuf {
     let path = folder.join("own.csv");
-    let session = harness.state().state.session.clone().expect("a session");
+    let session = harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     let run = session.run();
     let region = tilescope_analysis::Region {
         width: 1.0,
@@ -139,7 +151,7 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
     assert!(!is_error && said.contains("own.csv"), "{said}");
     apply(&mut harness, Command::Type(Field::Seed, "3".to_owned()));
     apply(&mut harness, Command::Run);
-    let session = harness.state().state.session.clone().unwrap();
+    let session = harness.state().state.runs.first.session.clone().unwrap();
     let held = session.own.as_ref().expect("a pattern of one's own");
     assert_eq!(held.file.path, path_text(&own));
     assert_eq!(
@@ -165,7 +177,16 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
     std::fs::copy(&certificate, moved.join(name)).unwrap();
     std::fs::remove_file(&own).unwrap();
     go(&mut other, Purpose::Open, &moved.join("with-pattern.json"));
-    let found = other.state().state.session.as_ref().unwrap().own.clone();
+    let found = other
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .own
+        .clone();
     assert_eq!(found.expect("found").file.digest, held.file.digest);
     // Gone altogether.
     go(&mut other, Purpose::Open, &path);
@@ -182,7 +203,7 @@ fn what_is_no_pattern_is_refused() {
     go(&mut harness, Purpose::Pattern, &bare);
     let (said, is_error) = notice(&harness);
     assert!(is_error && said.contains("certificate"), "{said}");
-    assert!(harness.state().state.own_pattern.is_none());
+    assert!(harness.state().state.form.own_pattern.is_none());
     go(&mut harness, Purpose::Pattern, &folder.join("none.csv"));
     assert!(notice(&harness).1);
 }
@@ -205,12 +226,12 @@ fn a_dropped_file_is_opened_for_what_it_is() {
         &mut other,
         Command::File(FileCommand::Dropped(vec![path_text(&own)])),
     );
-    assert!(other.state().state.own_pattern.is_some());
+    assert!(other.state().state.form.own_pattern.is_some());
     apply(&mut other, Command::OpenPanel(Panel::Parameters));
     assert!(text(&other, "own-pattern").contains(&path_text(&own)));
     node(&other, "generated-pattern").click();
     other.run();
-    assert!(other.state().state.own_pattern.is_none());
+    assert!(other.state().state.form.own_pattern.is_none());
 }
 
 #[test]
@@ -223,7 +244,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     assert_eq!(session.summary.blocks, 1);
     assert!(state.verdict().unwrap().report.valid());
     for place in 0..session.stages.len() {
@@ -232,7 +253,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     // As few samples as there can be: a side of 6 r.
     apply(
         &mut harness,
-        Command::Choose(tilescope_app::command::Choice::Boundary(
+        Command::Choose(tilescope_app::draft::Choice::Boundary(
             tilescope_core::Boundary::Bounded,
         )),
     );
@@ -242,7 +263,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
-    let count = state.session.as_ref().unwrap().summary.count;
+    let count = state.runs.first.session.as_ref().unwrap().summary.count;
     assert!((15..40).contains(&count), "{count}");
     assert!(state.verdict().unwrap().report.valid());
     let all = [
@@ -300,7 +321,7 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     state.apply(Command::Type(Field::Seed, "78".to_owned()));
     state.apply(Command::Run);
     settle(&mut other);
-    let session = other.state().state.session.clone().unwrap();
+    let session = other.state().state.runs.first.session.clone().unwrap();
     assert_eq!(session.run().parameters.seed, 78);
 }
 

@@ -4,10 +4,12 @@
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use egui_tiles::Tree;
 use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::Field;
 use tilescope_app::embedding::Embedding;
 use tilescope_app::layout::{Layout, Panel};
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
@@ -56,13 +58,13 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
 
 fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
     let id = egui::Id::unique("a panel alone");
-    harness.state_mut().state.layout = Layout(Tree::new_tabs(id, vec![panel]));
+    harness.state_mut().state.window.layout = Layout(Tree::new_tabs(id, vec![panel]));
     settle(harness);
 }
 
 fn every_panel(look: Look) -> SnapshotResults {
     let mut harness = prepared(SIZE);
-    harness.state_mut().state.bare = true;
+    harness.state_mut().state.window.bare = true;
     harness.state_mut().state.apply(Command::Look(look));
     let mut results = SnapshotResults::new();
     for panel in Panel::ALL {
@@ -156,7 +158,7 @@ fn what_is_embedded_is_the_canvas_or_the_player_alone() {
     state.apply(Command::Compare(CompareCommand::Close));
     let mut results = SnapshotResults::new();
     for embedding in Embedding::ALL {
-        harness.state_mut().state.embedding = Some(embedding);
+        harness.state_mut().state.window.embedding = Some(embedding);
         settle(&mut harness);
         for id in ["export", "menu", "layer.disks", "run", "tab.parameters"] {
             let there = find(&harness, id).is_some();
@@ -169,7 +171,7 @@ fn what_is_embedded_is_the_canvas_or_the_player_alone() {
         results.add(try_image_snapshot_options(&image, name, &options()));
     }
     // Without it there are panels again.
-    harness.state_mut().state.embedding = None;
+    harness.state_mut().state.window.embedding = None;
     settle(&mut harness);
     assert!(find(&harness, "tab.parameters").is_some());
     results.unwrap();
@@ -180,7 +182,7 @@ fn another_panel_and_another_moment_are_told_apart() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("snapshots");
     std::fs::create_dir_all(&folder).unwrap();
     let mut harness = prepared(SIZE);
-    harness.state_mut().state.bare = true;
+    harness.state_mut().state.window.bare = true;
     alone(&mut harness, Panel::Timeline);
     let image = harness.render().expect("a picture");
     image.save(folder.join("known.png")).unwrap();

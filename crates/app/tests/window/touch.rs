@@ -5,8 +5,9 @@ use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
 use egui_kittest::Harness;
 use tilescope_app::camera::Camera;
 use tilescope_app::canvas::touch::release_cancelled;
-use tilescope_app::command::{Command, Selection};
+use tilescope_app::command::Command;
 use tilescope_app::layout::Panel;
+use tilescope_app::selection::Selection;
 use tilescope_app::{App, command::DebugCommand};
 
 /// So long takes a frame, in seconds.
@@ -21,7 +22,7 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     support::settle(&mut harness);
     // Near enough to tell samples apart.
     let state = &mut harness.state_mut().state;
-    state.reduced_motion = true;
+    state.appearance.reduced_motion = true;
     state.apply(Command::FlyTo([60.0, 60.0], 12.0));
     support::settle(&mut harness);
     harness
@@ -82,17 +83,17 @@ fn wait(harness: &mut Harness<'_, App>, secs: f32) {
 }
 
 fn camera(harness: &Harness<'_, App>) -> Camera {
-    harness.state().state.camera
+    harness.state().state.runs.first.camera
 }
 
 fn middle(harness: &Harness<'_, App>) -> Pos2 {
-    harness.state().state.viewport.center()
+    harness.state().state.runs.first.viewport.center()
 }
 
 /// Returns a valid sample near the middle, and where it is on the screen.
 fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
     let state = &harness.state().state;
-    let session = state.session.as_ref().expect("a session");
+    let session = state.runs.first.session.as_ref().expect("a session");
     let shown = state.shown().expect("a moment");
     let mut best = (f64::INFINITY, 0);
     session.index.visit([60.0; 2], [60.0; 2], 2.0, |seen| {
@@ -106,15 +107,17 @@ fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
 
 fn place_of(harness: &Harness<'_, App>, id: u32) -> Pos2 {
     let state = &harness.state().state;
-    let session = state.session.as_ref().expect("a session");
+    let session = state.runs.first.session.as_ref().expect("a session");
     state
+        .runs
+        .first
         .camera
-        .screen_from_domain(state.viewport, session.place(id))
+        .screen_from_domain(state.runs.first.viewport, session.place(id))
 }
 
 fn is_nothing_selected(harness: &Harness<'_, App>) -> bool {
     let state = &harness.state().state;
-    state.selected.is_none() && state.place.is_none()
+    state.runs.first.selected.is_none() && state.runs.first.place.is_none()
 }
 
 const SIZES: [[f32; 2]; 2] = [[390.0, 844.0], [1440.0, 900.0]];
@@ -125,18 +128,21 @@ fn a_tap_selects_and_leaves_no_hover() {
         let mut harness = opened(size);
         let (id, at) = sample(&harness);
         down(&mut harness, 0, at);
-        assert_eq!(harness.state().state.hovered, None);
+        assert_eq!(harness.state().state.runs.first.hovered, None);
         up(&mut harness, 0, at);
         harness.step();
         let state = &harness.state().state;
-        assert_eq!((state.selected, state.hovered), (Some(id), None));
+        assert_eq!(
+            (state.runs.first.selected, state.runs.first.hovered),
+            (Some(id), None)
+        );
         // A mouse hovers, as ever.
         wait(&mut harness, 0.5);
         let at = place_of(&harness, id);
         harness.hover_at(at);
         harness.step();
         harness.step();
-        assert_eq!(harness.state().state.hovered, Some(id));
+        assert_eq!(harness.state().state.runs.first.hovered, Some(id));
     }
 }
 
@@ -163,7 +169,7 @@ fn two_fingers_pinch_about_their_middle_and_pan() {
     let mut harness = opened(SIZES[0]);
     // Away from the middle of the view, so that it matters what stays where it is.
     let between = middle(&harness) + vec2(50.0, -80.0);
-    let view = harness.state().state.viewport;
+    let view = harness.state().state.runs.first.viewport;
     let place = camera(&harness).domain_from_screen(view, between);
     let before = camera(&harness);
     let apart = |k: usize| vec2(30.0 + 3.0 * k as f32, 0.0);
@@ -244,7 +250,7 @@ fn a_double_tap_flies_to_the_block() {
     );
     // Nothing came between the two taps, or after them.
     wait(&mut harness, 1.0);
-    assert_eq!(harness.state().state.drawer.open, None);
+    assert_eq!(harness.state().state.window.drawer.open, None);
     // Two taps that are far apart in time are two taps.
     let mut harness = opened(SIZES[0]);
     tap(&mut harness, at);
@@ -258,22 +264,32 @@ fn a_double_tap_flies_to_the_block() {
 fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
     let mut harness = opened(SIZES[0]);
     let state = &mut harness.state_mut().state;
-    let bottom = state.viewport.center_bottom() - vec2(0.0, 20.0);
-    let before = state.viewport;
+    let bottom = state.runs.first.viewport.center_bottom() - vec2(0.0, 20.0);
+    let before = state.runs.first.viewport;
     tap(&mut harness, bottom);
     wait(&mut harness, 0.5);
     let state = &harness.state().state;
     assert!(state.shows(Panel::Inspector));
     assert!(
-        state.viewport.bottom() < bottom.y,
+        state.runs.first.viewport.bottom() < bottom.y,
         "the panel took a part of {before:?}"
     );
-    let place = match state.selected {
-        Some(id) => state.session.as_ref().expect("a session").place(id),
-        None => state.place.expect("a place"),
+    let place = match state.runs.first.selected {
+        Some(id) => state
+            .runs
+            .first
+            .session
+            .as_ref()
+            .expect("a session")
+            .place(id),
+        None => state.runs.first.place.expect("a place"),
     };
-    let now = state.camera.screen_from_domain(state.viewport, place);
-    assert!(state.viewport.contains(now), "{now:?}");
+    let now = state
+        .runs
+        .first
+        .camera
+        .screen_from_domain(state.runs.first.viewport, place);
+    assert!(state.runs.first.viewport.contains(now), "{now:?}");
     // A tap beside the domain lets go, and opens nothing.
     harness
         .state_mut()
@@ -281,7 +297,7 @@ fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
         .apply(Command::OpenPanel(Panel::Canvas));
     harness.state_mut().state.apply(Command::Fit);
     support::settle(&mut harness);
-    let corner = harness.state().state.viewport.center_top() + vec2(0.0, 12.0);
+    let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);
     wait(&mut harness, 0.5);
     assert!(is_nothing_selected(&harness));
@@ -300,7 +316,7 @@ fn a_click_shows_what_is_known_of_a_sample_at_once() {
     harness.drop_at(at);
     harness.step();
     let state = &harness.state().state;
-    assert_eq!(state.selected, Some(id));
+    assert_eq!(state.runs.first.selected, Some(id));
     assert!(state.shows(Panel::Inspector));
     assert!(!state.can_undo(), "a selection is nothing to undo");
 }
@@ -315,12 +331,15 @@ fn a_long_press_opens_the_history() {
         assert!(is_nothing_selected(&harness));
         wait(&mut harness, 0.8);
         let state = &harness.state().state;
-        assert_eq!(state.selected, Some(id));
+        assert_eq!(state.runs.first.selected, Some(id));
         assert!(state.shows(Panel::Inspector));
         up(&mut harness, 0, at);
         support::settle(&mut harness);
         let state = &harness.state().state;
-        assert_eq!((state.selected, state.hovered), (Some(id), None));
+        assert_eq!(
+            (state.runs.first.selected, state.runs.first.hovered),
+            (Some(id), None)
+        );
         support::node(&harness, "history");
     }
 }
@@ -347,7 +366,7 @@ fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
     assert!(is_nothing_selected(&harness));
     assert_eq!(camera(&harness), before);
     assert!(!harness.ctx.input(|input| input.pointer.any_down()));
-    assert_eq!(harness.state().state.hovered, None);
+    assert_eq!(harness.state().state.runs.first.hovered, None);
     // Nothing is added where nothing was taken back.
     let mut raw = egui::RawInput::default();
     raw.events.push(Event::PointerGone);
@@ -362,7 +381,7 @@ fn what_was_selected_can_be_let_go_by_a_tap_outside() {
     harness.state_mut().state.apply(Command::Debug(pick));
     harness.state_mut().state.apply(Command::Fit);
     support::settle(&mut harness);
-    let corner = harness.state().state.viewport.center_top() + vec2(0.0, 12.0);
+    let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);
     harness.step();
     assert!(is_nothing_selected(&harness));

@@ -1,11 +1,11 @@
 //! The window as a user meets it: clicked, typed into, looked at.
 
 use egui_kittest::Harness;
-use tilescope_app::canvas::layers::Layer;
 use tilescope_app::combination::CombineCommand;
-use tilescope_app::command::{Choice, Field};
 use tilescope_app::device::Engine;
+use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::ExportCommand;
+use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
@@ -69,7 +69,14 @@ fn enter_in_a_field_runs() {
     harness.key_press(egui::Key::Enter);
     harness.step();
     settle(&mut harness);
-    let session = harness.state().state.session.clone().expect("a session");
+    let session = harness
+        .state()
+        .state
+        .runs
+        .first
+        .session
+        .clone()
+        .expect("a session");
     assert_ne!(session.run().parameters.seed, 1);
 }
 
@@ -79,6 +86,8 @@ fn a_run_can_be_cancelled() {
     let count = harness
         .state()
         .state
+        .runs
+        .first
         .session
         .as_ref()
         .expect("a session")
@@ -103,6 +112,8 @@ fn a_run_can_be_cancelled() {
     let after = harness
         .state()
         .state
+        .runs
+        .first
         .session
         .as_ref()
         .expect("a session")
@@ -123,14 +134,14 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
         harness.state_mut().state.apply(command);
     }
     settle(&mut harness);
-    let before = harness.state().state.camera;
+    let before = harness.state().state.runs.first.camera;
     let verdict = harness.state().state.verdict().expect("a verdict");
     assert!(verdict.report.conflict_free() && !verdict.report.maximal());
     node(&harness, "verdict").click();
     harness.run();
-    let after = harness.state().state.camera;
+    let after = harness.state().state.runs.first.camera;
     assert!(after.scale > 5.0 * before.scale && (after.center[0] - before.center[0]).abs() > 1e-3);
-    assert!(harness.state().state.sight.is_some());
+    assert!(harness.state().state.runs.first.sight.is_some());
 }
 
 #[test]
@@ -146,12 +157,16 @@ fn every_layer_of_a_run_or_a_combination_has_a_chip_that_toggles_it() {
             let id = format!("layer.{}", format!("{layer:?}").to_lowercase());
             let chip = find(&harness, &id);
             assert_eq!(chip.is_some(), layer.is_of(combination), "{layer:?}");
-            let before = harness.state().state.layers.has(layer);
+            let before = harness.state().state.appearance.layers.has(layer);
             if let Some(chip) = chip {
                 assert_eq!(text(&harness, &id), layer.name_in(combination));
                 chip.click();
                 harness.run();
-                assert_ne!(harness.state().state.layers.has(layer), before, "{layer:?}");
+                assert_ne!(
+                    harness.state().state.appearance.layers.has(layer),
+                    before,
+                    "{layer:?}"
+                );
             }
         }
     }
@@ -168,7 +183,7 @@ fn the_theme_toggles_and_both_are_drawn() {
     let light = harness.render().expect("a picture");
     let brightness = |image: &[u8]| image.iter().map(|&v| u64::from(v)).sum::<u64>();
     assert!(brightness(light.as_raw()) > 2 * brightness(dark.as_raw()));
-    let other = harness.state().state.look.other().name();
+    let other = harness.state().state.appearance.look.other().name();
     assert_eq!(text(&harness, "toggle-theme"), other);
 }
 
@@ -190,12 +205,14 @@ fn the_export_sheet_refuses_unknown_extensions() {
 #[test]
 fn the_canvas_zooms_about_the_pointer_and_pans() {
     let mut harness = opened();
-    let viewport = harness.state().state.viewport;
+    let viewport = harness.state().state.runs.first.viewport;
     assert!(viewport.width() >= 0.6 * 1440.0);
     let at = viewport.center() + egui::vec2(120.0, 60.0);
     let place = harness
         .state()
         .state
+        .runs
+        .first
         .camera
         .domain_from_screen(viewport, at);
     harness.hover_at(at);
@@ -207,7 +224,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
         modifiers: egui::Modifiers::NONE,
     });
     harness.run();
-    let camera = harness.state().state.camera;
+    let camera = harness.state().state.runs.first.camera;
     let now = camera.domain_from_screen(viewport, at);
     assert!(camera.scale > 6.0 && (now[0] - place[0]).abs() < 1e-3);
     let center = camera.center;
@@ -217,7 +234,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
     harness.run();
     harness.drop_at(at + egui::vec2(50.0, 0.0));
     harness.run();
-    assert!(harness.state().state.camera.center[0] < center[0]);
+    assert!(harness.state().state.runs.first.camera.center[0] < center[0]);
 }
 
 #[test]
@@ -234,7 +251,7 @@ fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
     harness.step();
     settle(&mut harness);
     assert!(text(&harness, "notice").contains("GPU"));
-    assert_eq!(harness.state().state.engine, Engine::Auto);
+    assert_eq!(harness.state().state.form.engine, Engine::Auto);
     node(&harness, "dismiss").click();
     harness.run();
     node(&harness, "engine").click();
@@ -253,7 +270,7 @@ fn the_gpu_shows_its_name_and_its_verdict() {
     harness.step();
     assert!(is_disabled(&harness, "run"));
     settle(&mut harness);
-    let refusal = harness.state().state.device.refusal();
+    let refusal = harness.state().state.gpu.device.refusal();
     assert_eq!(refusal, None, "the test has passed");
     node(&harness, "run").click();
     harness.step();
@@ -265,7 +282,7 @@ fn the_gpu_shows_its_name_and_its_verdict() {
 
 /// Returns how much of a panel's tab is scrolled out of view.
 fn hidden_part(harness: &Harness<'_, App>, panel: Panel) -> f32 {
-    let tree = &harness.state().state.layout.0;
+    let tree = &harness.state().state.window.layout.0;
     let tile = tree.tiles.find_pane(&panel).expect("every panel is there");
     let tab = harness.ctx.read_response(tile.egui_id(tree.id()));
     let tab = tab.expect("it has a tab");

@@ -53,7 +53,7 @@ impl<'a> Sets<'a> {
             held: state.held().and_then(Result::ok),
             unit: shown.session.run().domain.radius(),
             generation: shown.session.generation,
-            palette: Palette::of(state.look),
+            palette: Palette::of(state.appearance.look),
         }
     }
 
@@ -70,7 +70,7 @@ impl<'a> Sets<'a> {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.look);
+    let palette = Palette::of(state.appearance.look);
     let Some(shown) = state.shown() else {
         let text = "There is no session yet.";
         ui.label(RichText::new(text).color(palette.muted));
@@ -121,7 +121,7 @@ fn status(
     sets: &Sets<'_>,
     own: &mut Vec<AnalysisCommand>,
 ) {
-    let (palette, analysis) = (Palette::of(state.look), &state.analysis);
+    let (palette, analysis) = (Palette::of(state.appearance.look), &state.analysis);
     ui.label(RichText::new("This moment").font(FontId::new(13.5, semibold())));
     // A line of its own: beside the heading narrow panels have no room for it.
     ui.horizontal(|ui| {
@@ -159,7 +159,7 @@ fn capital(text: &str) -> String {
 
 /// Shows what is being measured, and the way out or back in.
 fn progress(ui: &mut Ui, state: &State, shown: &Shown<'_>, own: &mut Vec<AnalysisCommand>) {
-    let (palette, analysis) = (Palette::of(state.look), &state.analysis);
+    let (palette, analysis) = (Palette::of(state.appearance.look), &state.analysis);
     if let Some((part, fraction)) = analysis.progress() {
         let cancel = ui.button("Cancel");
         cancel.known_as("analysis.cancel");
@@ -276,7 +276,7 @@ fn file(ui: &mut Ui, state: &State, commands: &mut Vec<Command>, own: &mut Vec<A
 
 /// The brush in numbers: the keyboard reaches it here.
 fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
-    let (palette, brush) = (Palette::of(state.look), state.analysis.brush);
+    let (palette, brush) = (Palette::of(state.appearance.look), state.analysis.brush);
     for (axis, name, sign, start) in [
         (Axis::Frequency, "Frequencies", "\u{3bd}", FIRST_PEAK),
         (Axis::Distance, "Distances", " r", [1.0, 1.05]),

@@ -1,15 +1,16 @@
 //! An export at work, and what is told of it when it ends.
 
-use crate::draft::sentence;
-use crate::errand::Errand;
+use crate::errand::{self, Errand};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::export::ExportCommand;
 use crate::export::write::{What, WriteError, Written, render};
 use crate::export::{ExportForm, Order};
-use crate::files::{Delivery, NamedBytes, packed};
+use crate::files::{Delivery, packed};
+use crate::incoming::NamedBytes;
 use crate::jobs::{Job, Monitor};
-use crate::sentence::counted;
 use crate::state::State;
+use crate::words::counted;
+use crate::words::sentence;
 
 /// How an export ends.
 pub type Outcome = Result<Ended, WriteError>;
@@ -59,7 +60,7 @@ fn deliver(order: &Order, delivery: Delivery, monitor: &Monitor) -> Outcome {
 impl State {
     /// Writes what the sheet asks for. Where another file would be replaced, the first time only asks.
     pub(super) fn start_export(&mut self) {
-        if self.exporting.is_some() {
+        if self.files.exporting.is_some() {
             return;
         }
         let order = match self.export_order() {
@@ -69,9 +70,9 @@ impl State {
                 return;
             }
         };
-        let delivery = self.delivery;
+        let delivery = self.files.delivery;
         let replaces = delivery != Delivery::Download;
-        if let Some(form) = self.export.as_mut().filter(|_| replaces) {
+        if let Some(form) = self.files.export.as_mut().filter(|_| replaces) {
             form.look();
             if form.taken.is_some() && !form.asked {
                 form.asked = true;
@@ -79,13 +80,13 @@ impl State {
             }
         }
         let delivering = Delivering { order, delivery };
-        self.exporting = Some(Job::run(&self.wake, delivering));
+        self.files.exporting = Some(errand::start(&self.jobs.wake, delivering));
     }
 
     pub(in crate::state) fn poll_export(&mut self) {
         #[cfg(not(target_arch = "wasm32"))]
-        if let Some(outcome) = self.browsing.as_ref().and_then(Job::poll) {
-            self.browsing = None;
+        if let Some(outcome) = self.files.browsing.as_ref().and_then(Job::poll) {
+            self.files.browsing = None;
             match outcome {
                 Ok(Some(path)) => {
                     let path = path.to_string_lossy().into_owned();
@@ -95,8 +96,8 @@ impl State {
                 Err(failure) => self.tell(sentence(&failure), true),
             }
         }
-        if let Some(outcome) = self.exporting.as_ref().and_then(Job::poll) {
-            self.exporting = None;
+        if let Some(outcome) = self.files.exporting.as_ref().and_then(Job::poll) {
+            self.files.exporting = None;
             self.finish_export(outcome);
         }
     }
@@ -107,7 +108,7 @@ impl State {
             Ok(Ok(Ended::Written(written))) => self.exported(&written, None),
             Ok(Ok(Ended::Download(written, file))) => {
                 self.exported(&written, Some(&file.name));
-                self.downloads.push(file);
+                self.files.downloads.push(file);
             }
             Ok(Err(WriteError::Cancelled)) => {
                 self.tell(
@@ -121,7 +122,7 @@ impl State {
             }
             Err(failure) => self.tell(sentence(&failure), true),
         }
-        if let Some(form) = &mut self.export {
+        if let Some(form) = &mut self.files.export {
             form.look();
             form.asked = false;
         }
@@ -130,8 +131,8 @@ impl State {
     fn exported(&mut self, written: &Written, download: Option<&str>) {
         // Meanwhile the sheet may have been opened for another file.
         let this = |form: &ExportForm| form.file() == written.path;
-        if self.export.as_ref().is_some_and(this) {
-            self.export = None;
+        if self.files.export.as_ref().is_some_and(this) {
+            self.files.export = None;
         }
         let (text, is_error) = told(written, download);
         self.tell(text, is_error);

@@ -5,24 +5,26 @@ use std::sync::Arc;
 use tilescope_debugger::Debugger;
 
 use crate::analysis::held::Held;
-use crate::draft::{Draft, ended, sentence};
+use crate::draft::Draft;
 use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
 use crate::recipe::OwnPattern;
-use crate::sentence::counted;
 use crate::state::State;
 use crate::state::undo::Part;
 use crate::view::View;
+use crate::words::counted;
+use crate::words::{ended, sentence};
 
 impl State {
     pub(in crate::state) fn poll_files(&mut self) {
         let found = self
+            .files
             .finding
             .as_ref()
             .and_then(|(purpose, job)| Some((*purpose, job.poll()?)));
         if let Some((purpose, outcome)) = found {
-            self.finding = None;
+            self.files.finding = None;
             // Meanwhile the sheet may have been opened for something else.
-            let form = self.file.as_ref();
+            let form = self.files.sheet.as_ref();
             let same = form.is_some_and(|form| form.purpose == purpose);
             match outcome {
                 #[cfg(not(target_arch = "wasm32"))]
@@ -42,14 +44,19 @@ impl State {
                 Err(failure) => self.tell(sentence(&failure), true),
             }
         }
-        if let Some(outcome) = self.filing.as_ref().and_then(|filing| filing.job.poll()) {
+        if let Some(outcome) = self
+            .files
+            .filing
+            .as_ref()
+            .and_then(|filing| filing.job.poll())
+        {
             self.filed(outcome);
         }
     }
 
     #[cfg(not(target_arch = "wasm32"))]
     pub(in crate::state) fn settle_files(&mut self) {
-        if let Some(filing) = &self.filing {
+        if let Some(filing) = &self.files.filing {
             let outcome = filing.job.wait();
             self.filed(outcome);
         }
@@ -57,16 +64,16 @@ impl State {
 
     /// Closes the sheet if it is the one that this file was named in.
     fn close_sheet(&mut self, filing: &Filing) {
-        let this = self.file.as_ref().is_some_and(|form| {
+        let this = self.files.sheet.as_ref().is_some_and(|form| {
             Some(form.purpose) == filing.purpose && form.path.trim() == filing.path
         });
         if this {
-            self.file = None;
+            self.files.sheet = None;
         }
     }
 
     fn filed(&mut self, outcome: Result<Outcome, String>) {
-        let Some(filing) = self.filing.take() else {
+        let Some(filing) = self.files.filing.take() else {
             return;
         };
         let Outcome { done, left } = outcome.unwrap_or_else(|why| Outcome::of(Err(why)));
@@ -74,7 +81,7 @@ impl State {
             Ok(done) => {
                 self.close_sheet(&filing);
                 // What is said is about this file, or nothing.
-                self.notice = None;
+                self.messages.notice = None;
                 self.take_done(done);
             }
             Err(why) => {
@@ -108,7 +115,7 @@ impl State {
 
     /// Says something beside whatever is said already.
     fn add(&mut self, told: &str) {
-        let (text, is_error) = match self.notice.take() {
+        let (text, is_error) = match self.messages.notice.take() {
             Some(notice) => (format!("{} {told}", notice.text), notice.is_error),
             None => (told.to_owned(), false),
         };
@@ -123,7 +130,7 @@ impl State {
             Done::Download(file) => {
                 let text = format!("The session is downloaded as {}.", file.name);
                 self.saved_as(text, file.name.clone());
-                self.downloads.push(file);
+                self.files.downloads.push(file);
             }
             Done::Opened(opened) => self.take_up(*opened),
             Done::Combined(combined) => self.take_combination(*combined),
@@ -133,13 +140,13 @@ impl State {
     }
 
     fn saved_as(&mut self, mut text: String, path: String) {
-        if self.comparison.is_some() && self.view().second.is_none() {
+        if self.runs.second.is_some() && self.view().second.is_none() {
             text.push_str(
                 " The run beside it is not: it is not finished, or its pattern comes from a file.",
             );
         }
         self.tell(text, false);
-        self.session_path = Some(path);
+        self.runs.first.session_path = Some(path);
     }
 
     fn take_held(&mut self, held: Held, no_pattern: Option<String>) {
@@ -160,7 +167,7 @@ impl State {
             own.file.path
         );
         let before = self.memento();
-        self.own_pattern = Some(own);
+        self.form.own_pattern = Some(own);
         self.remember(before, Part::Form, None);
         self.tell(text, false);
     }
@@ -174,12 +181,16 @@ impl State {
             Some(Err(error)) => return self.tell(sentence(&error.to_string()), true),
             None => return,
         };
-        (self.sampling, self.notice, self.arriving) = (None, None, None);
-        self.draft = Draft::from_parameters(opened.saved.parameters);
-        self.own_pattern.clone_from(&opened.session.own);
-        (self.selected, self.place) = (None, None);
+        (
+            self.runs.first.sampling,
+            self.messages.notice,
+            self.links.arriving,
+        ) = (None, None, None);
+        self.form.draft = Draft::from_parameters(opened.saved.parameters);
+        self.form.own_pattern.clone_from(&opened.session.own);
+        (self.runs.first.selected, self.runs.first.place) = (None, None);
         self.show(opened.session);
-        self.debugger = Some(debugger);
+        self.runs.first.debugger = Some(debugger);
         self.follow_cursor();
         let (view, mut dropped) = View::from_json(&opened.saved.view);
         dropped.extend(self.look_as(&view));
@@ -189,14 +200,18 @@ impl State {
 
     /// Shows a combination that was read; one that was saved where it was left.
     fn take_combination(&mut self, combined: Combined) {
-        (self.sampling, self.notice, self.arriving) = (None, None, None);
+        (
+            self.runs.first.sampling,
+            self.messages.notice,
+            self.links.arriving,
+        ) = (None, None, None);
         self.remember_run(Part::Run);
-        (self.selected, self.place) = (None, None);
+        (self.runs.first.selected, self.runs.first.place) = (None, None);
         self.show_combination(combined.session);
         let Some(saved) = combined.saved else {
             return;
         };
-        if let Some(session) = &self.session {
+        if let Some(session) = &self.runs.first.session {
             let last = session.stages.len() - 1;
             self.set_stage(saved.stage.min(last));
         }
@@ -215,6 +230,6 @@ impl State {
             );
             self.tell(text, false);
         }
-        self.session_path = Some(path);
+        self.runs.first.session_path = Some(path);
     }
 }

@@ -3,9 +3,11 @@
 use super::{settled, type_in};
 use crate::State;
 use crate::clock::Clock;
-use crate::command::{Choice, Command, DebugCommand, Field, TimeCommand};
+use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::compare::CompareCommand;
-use crate::panels::{happened, told};
+use crate::draft::{Choice, Field};
+use crate::panels::told;
+use crate::sentence::happened;
 use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
 use tilescope_debugger::{Direction, Target, moves};
 
@@ -18,7 +20,7 @@ fn time(state: &mut State, command: TimeCommand) {
 
 /// Returns whether the camera shows all of what is shown.
 fn fits(state: &State) -> bool {
-    state.camera == state.fitting()
+    state.runs.first.camera == state.fitting()
 }
 
 #[test]
@@ -46,7 +48,7 @@ fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
     state.apply(Command::TogglePlay);
     state.advance(Clock::Stage.tick_secs());
     assert_eq!(state.current_stage(), Some(Stage::Blocks));
-    assert!(fits(&state) && state.flight.is_none());
+    assert!(fits(&state) && state.runs.first.flight.is_none());
 }
 
 #[test]
@@ -72,8 +74,8 @@ fn a_breakpoint_that_takes_several_frames_leaves_the_pattern() {
     let condition = "event == 10600".to_owned();
     state.apply(Command::Debug(DebugCommand::Condition(0, condition)));
     time(&mut state, TimeCommand::Continue(FORWARDS));
-    assert!(state.continuing.is_some());
-    while state.continuing.is_some() {
+    assert!(state.time.continuing.is_some());
+    while state.time.continuing.is_some() {
         state.advance(0.01);
     }
     assert_eq!(state.cursor().unwrap().0, 10_599);
@@ -91,7 +93,7 @@ fn the_second_run_fits_too() {
     state.settle();
     state.apply(Command::Compare(CompareCommand::LinkCameras(false)));
     let viewport = egui::Rect::from_min_size(egui::pos2(0.0, 0.0), egui::vec2(300.0, 500.0));
-    let on_second = |command| Command::Compare(CompareCommand::OnOther(Box::new(command)));
+    let on_second = |command| Command::OnSecond(Box::new(command));
     state.apply(on_second(Command::Viewport(viewport)));
     state.apply(Command::TogglePlay);
     state.advance(Clock::Stage.tick_secs());
@@ -151,7 +153,7 @@ fn a_run_to_an_event_shows_the_event() {
                 let event = shown.last_event().unwrap();
                 assert!(moves::matches_target(recording, cursor - 1, event, target));
                 let sentence = tilescope_debugger::sentence(recording, cursor - 1);
-                assert_eq!(happened(&state), sentence);
+                assert_eq!(happened(state.shown().as_ref()), sentence);
                 // The canvas draws what the context has and the last event, unless a stage ends here.
                 assert!(!shown.ends_stage());
                 places.push(cursor);
@@ -164,7 +166,7 @@ fn a_run_to_an_event_shows_the_event() {
 
 /// Counts again what there is, from the tape alone.
 fn recount(state: &State) -> (usize, usize) {
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     let (cursor, _) = state.cursor().unwrap();
     let (mut blocks, mut samples) = (0, 0);
     for (_, event) in session.recording().unwrap().tape().from(0).take(cursor) {
@@ -182,7 +184,7 @@ fn recount(state: &State) -> (usize, usize) {
 fn what_is_counted_is_what_is_there() {
     for mut state in small() {
         let (_, len) = state.cursor().unwrap();
-        let session = state.session.clone().unwrap();
+        let session = state.runs.first.session.clone().unwrap();
         let ends = (0..session.stages.len()).filter_map(|place| session.stage_end(place));
         let ends = ends.flat_map(|end| [end.saturating_sub(1), end, end + 1]);
         let spread = (0..60).chain((60..len).step_by(len / 150));
@@ -200,15 +202,15 @@ fn what_is_counted_is_what_is_there() {
             } else {
                 "sample"
             };
-            let expected = crate::sentence::counted(number, noun, &format!("{noun}s"));
+            let expected = crate::words::counted(number, noun, &format!("{noun}s"));
             let told = told(&state);
             assert_eq!(told[0], expected, "{stage:?} {cursor}");
             // The number of the last event is how many have happened.
-            let last = cursor.checked_sub(1).map(crate::sentence::event_number);
+            let last = cursor.checked_sub(1).map(crate::words::event_number);
             let last = last.unwrap_or_else(|| "0".to_owned());
             assert_eq!(
                 told[1],
-                format!("event {last} of {}", crate::sentence::grouped(len))
+                format!("event {last} of {}", crate::words::grouped(len))
             );
             let iteration = session.recording().unwrap().context(cursor).iteration;
             let is_in = matches!(stage, Stage::Iterate(_));
@@ -221,7 +223,7 @@ fn what_is_counted_is_what_is_there() {
 #[test]
 fn the_timeline_has_the_iterations_of_the_tree() {
     for state in small() {
-        let session = state.session.as_ref().unwrap();
+        let session = state.runs.first.session.as_ref().unwrap();
         let recording = session.recording().unwrap();
         let outline = session.outline.as_ref().unwrap();
         // Roots of the tree are the stages behind the first, one for one and where these begin.
@@ -255,7 +257,15 @@ fn passes_and_presses_at_the_ends_change_nothing() {
     let (end, _) = state.cursor().unwrap();
     time(&mut state, TimeCommand::RunTo(Target::Gap, FORWARDS));
     assert_eq!(state.cursor().unwrap().0, end);
-    assert!(state.notice.as_ref().unwrap().text.contains("gap found"));
+    assert!(
+        state
+            .messages
+            .notice
+            .as_ref()
+            .unwrap()
+            .text
+            .contains("gap found")
+    );
     state.apply(Command::FirstStage);
     time(&mut state, TimeCommand::RunTo(Target::Gap, BACKWARDS));
     assert_eq!(state.cursor().unwrap().0, 0);

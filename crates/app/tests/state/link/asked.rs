@@ -28,7 +28,7 @@ fn small() -> State {
 fn the_state_is_told() {
     let mut state = small();
     let told = &ask(&mut state, &json!({"do": "state"}))["state"];
-    let session = state.session.as_ref().unwrap();
+    let session = state.runs.first.session.as_ref().unwrap();
     assert_eq!(told["seed"], json!(7));
     assert_eq!(told["parameters"]["radius"], json!(0.03));
     assert_eq!(told["samples"], json!(session.summary.count));
@@ -87,7 +87,7 @@ fn a_page_moves_through_time() {
     );
     assert!(cursor(&state) > 100);
     assert_eq!(
-        state.playback.clock,
+        state.time.playback.clock,
         Clock::Stage,
         "the clock is the user's"
     );
@@ -105,11 +105,11 @@ fn a_page_moves_through_time() {
     let (at, len) = state.cursor().unwrap();
     assert!(at.abs_diff(len / 2) <= 1);
     assert_eq!(ask(&mut state, &json!({"do": "play", "speed": 2})), done);
-    assert!(state.playback.is_playing() && state.told()["playing"] == json!(true));
+    assert!(state.time.playback.is_playing() && state.told()["playing"] == json!(true));
     assert_eq!(ask(&mut state, &json!({"do": "play"})), done);
-    assert!(state.playback.is_playing(), "it goes on");
+    assert!(state.time.playback.is_playing(), "it goes on");
     assert_eq!(ask(&mut state, &json!({"do": "pause"})), done);
-    assert!(!state.playback.is_playing());
+    assert!(!state.time.playback.is_playing());
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn a_page_seeks_what_happens() {
         found.is_sorted_by(|a, b| a < b),
         "in this sequence: {found:?}"
     );
-    let recording = state.debugger.as_ref().unwrap().recording();
+    let recording = state.runs.first.debugger.as_ref().unwrap().recording();
     let eliminates = recording.event(found[1] - 1).unwrap().kind();
     assert_eq!(eliminates, tilescope_debugger::Kind::Eliminate);
     assert_eq!(
@@ -148,7 +148,7 @@ fn a_page_seeks_what_happens() {
         answer["error"],
         json!("There is no insertion before this moment.")
     );
-    assert_eq!((cursor(&state), &state.notice), (5, &None));
+    assert_eq!((cursor(&state), &state.messages.notice), (5, &None));
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn seeds_that_numbers_would_round_are_text() {
         told["parameters"]["pattern"]["seed"],
         json!("9007199254740993")
     );
-    let run = state.session.as_ref().unwrap().run();
+    let run = state.runs.first.session.as_ref().unwrap().run();
     assert_eq!(run.parameters.seed, u64::MAX);
     assert_eq!(run.parameters.pattern.seed, (1 << 53) + 1);
     let wrong = json!({"do": "load", "parameters": {"radius": "0.03"}});
@@ -405,7 +405,7 @@ fn a_long_way_to_a_breakpoint_is_taken_frame_by_frame() {
     use tilescope_app::command::TimeCommand;
     use tilescope_debugger::{Direction, Event};
     let mut state = state();
-    let debugger = state.debugger.as_mut().expect("events");
+    let debugger = state.runs.first.debugger.as_mut().expect("events");
     let len = debugger.recording().len();
     // The line that is run most often.
     let mut counts = std::collections::HashMap::new();

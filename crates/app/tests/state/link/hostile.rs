@@ -1,7 +1,7 @@
 //! Links that are broken, newer, too large or made to do harm.
 
 use tilescope_app::State;
-use tilescope_app::canvas::layers::Layer;
+use tilescope_app::layers::Layer;
 use tilescope_app::link::{
     Content, MOST_BOOKMARKS, MOST_CHARACTERS, MOST_PATTERN_SIDE, MOST_SAMPLES, MOST_STOPS,
     MOST_TEXT, read, write,
@@ -132,7 +132,7 @@ fn what_makes_no_sense_is_named_and_the_rest_counts() {
             settle(&mut state);
         }
         assert!(said(&state).contains(part), "{text:.60}: {}", said(&state));
-        assert!(state.session.is_some());
+        assert!(state.runs.first.session.is_some());
     }
     // What is well is not named.
     assert_eq!(
@@ -166,10 +166,10 @@ fn nothing_larger_than_the_limit_is_started() {
     ] {
         let mut state = state();
         state.open_link(text);
-        check_parameters(&state.draft.parameters);
+        check_parameters(&state.form.draft.parameters);
         assert!(!said(&state).is_empty(), "{text}");
         // It is not waited for: two million samples take a while.
-        state.sampling = None;
+        state.runs.first.sampling = None;
     }
     // A layout whose pieces clip from many large patterns.
     let piece = |k: usize| {

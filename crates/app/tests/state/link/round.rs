@@ -4,14 +4,16 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use tilescope_app::camera::Camera;
-use tilescope_app::canvas::layers::{Colouring, Layer};
 use tilescope_app::clock::{Clock, SPEEDS};
 use tilescope_app::combination::CombineCommand;
-use tilescope_app::command::{Choice, DebugCommand, Field, Selection, TimeCommand};
+use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
+use tilescope_app::draft::{Choice, Field};
+use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::link::{MOST_CHARACTERS, MOST_TEXT, read};
 use tilescope_app::recipe::OwnPattern;
+use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{Command, State};
 use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
@@ -83,13 +85,13 @@ fn a_busy_session_is_there_again() {
     assert_eq!((a.breakpoints, a.watches), (b.breakpoints, b.watches));
     assert_eq!(a.bookmarks, b.bookmarks);
     let seconds = [&state, &there].map(|state| {
-        let (side, _) = state.comparison.as_ref().expect("a second run");
+        let (side, _) = state.runs.second.as_ref().expect("a second run");
         side.session.as_ref().expect("made").digest().to_owned()
     });
     assert_eq!(seconds[0], seconds[1]);
     assert_ne!(seconds[0], digest(&there), "another order, another set");
     assert_eq!(
-        (there.camera.center, there.look),
+        (there.runs.first.camera.center, there.appearance.look),
         ([20.0, 21.0], Look::Light)
     );
 }
@@ -202,14 +204,20 @@ fn whatever_a_user_did_is_in_the_link() {
 #[test]
 fn a_link_to_the_run_at_hand_samples_nothing() {
     let mut state = state();
-    let generation = state.session.as_ref().unwrap().generation;
+    let generation = state.runs.first.session.as_ref().unwrap().generation;
     state.open_link("v=1&at=1234&select=sample:12");
-    assert!(state.sampling.is_none());
-    assert_eq!(state.session.as_ref().unwrap().generation, generation);
+    assert!(state.runs.first.sampling.is_none());
+    assert_eq!(
+        state.runs.first.session.as_ref().unwrap().generation,
+        generation
+    );
     assert_eq!(state.cursor().unwrap().0, 1234);
-    assert_eq!(state.selected, Some(12));
+    assert_eq!(state.runs.first.selected, Some(12));
     state.open_link("v=1&seed=2&at=1234");
-    assert!(state.sampling.is_some(), "another seed is another run");
+    assert!(
+        state.runs.first.sampling.is_some(),
+        "another seed is another run"
+    );
 }
 
 #[test]
@@ -225,10 +233,10 @@ fn a_run_that_the_user_starts_counts_instead() {
     state.apply(Command::Run);
     settle(&mut state);
     assert_eq!(state.link().fragment, "v=1&radius=0.04");
-    assert_eq!(state.look, Look::Dark);
+    assert_eq!(state.appearance.look, Look::Dark);
     // And without that run it would have counted.
     assert_eq!(
-        opened("#v=1&radius=0.02&at=77&look=light").look,
+        opened("#v=1&radius=0.02&at=77&look=light").appearance.look,
         Look::Light
     );
 }
@@ -315,7 +323,7 @@ fn a_pattern_from_a_file_is_not_in_the_link() {
     let pattern = Pattern::of_spec(&spec, &mut tilescope_core::Unobserved).unwrap();
     let (path, digest) = ("own.csv".to_owned(), "0".repeat(16));
     let file = PatternFile { path, digest };
-    state.own_pattern = Some(OwnPattern {
+    state.form.own_pattern = Some(OwnPattern {
         file,
         pattern: Arc::clone(&pattern),
     });
@@ -325,26 +333,26 @@ fn a_pattern_from_a_file_is_not_in_the_link() {
     assert_eq!(link.left_out, ["the pattern, which comes from a file"]);
     // The run that the parameters describe is another one, and is sampled.
     state.open_link(&link.fragment);
-    assert!(state.sampling.is_some() && state.own_pattern.is_none());
+    assert!(state.runs.first.sampling.is_some() && state.form.own_pattern.is_none());
 }
 
 #[test]
 fn links_are_copied_with_the_address_of_their_page() {
     let mut state = state();
     state.apply(Command::CopyLink);
-    assert_eq!(state.copied.take().as_deref(), Some("#v=1"));
+    assert_eq!(state.links.copied.take().as_deref(), Some("#v=1"));
     assert!(
         said(&state).contains("tilescope --link"),
         "{}",
         said(&state)
     );
-    state.link_base = Some("https://lecture.example/tilescope/".to_owned());
+    state.links.base = Some("https://lecture.example/tilescope/".to_owned());
     state.apply(Command::CopyLink);
-    let copied = state.copied.take().unwrap();
+    let copied = state.links.copied.take().unwrap();
     assert_eq!(copied, "https://lecture.example/tilescope/#v=1");
     assert_eq!(said(&state), "The link is copied.");
     state.apply(Command::OpenLink(copied + "&look=light"));
-    assert_eq!(state.look, Look::Light);
+    assert_eq!(state.appearance.look, Look::Light);
 }
 
 #[test]
@@ -361,14 +369,14 @@ fn undo_brings_back_what_a_link_replaced() {
 #[test]
 fn a_camera_on_the_pattern_ends_with_it() {
     let mut state = state();
-    state.camera = Camera::default();
+    state.runs.first.camera = Camera::default();
     state.apply(Command::FlyTo([10.0, 10.0], 9.0));
     settle(&mut state);
     state.apply(Command::FirstStage);
     let link = state.link();
     let there = opened(&link.fragment);
     assert_eq!(there.link(), link);
-    let fitted = (there.camera.center[0] - 10.0).abs() > 1.0;
+    let fitted = (there.runs.first.camera.center[0] - 10.0).abs() > 1.0;
     assert!(fitted, "the pattern is fitted");
 }
 

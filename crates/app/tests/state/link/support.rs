@@ -33,6 +33,8 @@ pub fn settle(state: &mut State) {
 
 pub fn digest(state: &State) -> String {
     state
+        .runs
+        .first
         .session
         .as_ref()
         .expect("a session")
@@ -42,6 +44,7 @@ pub fn digest(state: &State) -> String {
 
 pub fn said(state: &State) -> String {
     state
+        .messages
         .notice
         .as_ref()
         .map_or_else(String::new, |notice| notice.text.clone())

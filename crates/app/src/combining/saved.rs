@@ -70,12 +70,6 @@ pub(super) fn json(layout: &Layout) -> Value {
     serde_json::to_value(layout).unwrap_or_default()
 }
 
-/// Returns whether a JSON object is a layout or a saved combination, rather than a session or a point set.
-#[must_use]
-pub fn holds_combination(value: &Value) -> bool {
-    value.get("combination").is_some() || value.get("pieces").is_some()
-}
-
 impl SavedCombination {
     /// Returns a session that shows a combination as it is saved; `None` if it shows none, or one with sets from files,
     /// which the session would not hold.

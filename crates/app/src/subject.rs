@@ -3,8 +3,8 @@
 
 use crate::analysis::brush::Found;
 use crate::camera::Camera;
-use crate::canvas::layers::{Colouring, Layers};
 use crate::geometry::Geometry;
+use crate::layers::{Colouring, Layers};
 use crate::moment::Shown;
 use crate::passes::OnCanvas;
 use crate::session::Session;

@@ -1,14 +1,12 @@
-//! One of two runs: everything that the window knows of a run and how it is looked at. The run that the panels show lives
-//! in the state itself; the two change places, so that whatever can be done with one can be done with the other.
+//! A run and how it is looked at: what there is once for the run that the panels show, and once more for the run beside it.
 
-use std::mem::swap;
 use std::sync::Arc;
 
 use egui::Rect;
 use tilescope_core::Parameters;
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 
-use super::{EventQuery, Found, Hits, State, Verification};
+use super::{EventQuery, Found, Hits, Verification};
 use crate::camera::{Camera, Flight};
 use crate::geometry::Geometry;
 use crate::jobs::Job;
@@ -17,8 +15,8 @@ use crate::passes::Passes;
 use crate::session::{MakeError, Session};
 use crate::verification::Sight;
 
-/// The run that is beside the one at hand.
-pub struct Side {
+/// A run and how it is looked at.
+pub struct RunView {
     /// What is being looked at.
     pub session: Option<Arc<Session>>,
     /// The run at work.
@@ -45,20 +43,32 @@ pub struct Side {
     pub geometry: Geometry,
     /// What the run at work is made from, where no file takes part.
     pub(super) asked: Option<Parameters>,
-    pub(super) rows: Option<OutlineRows>,
-    stops: Stops,
-    session_path: Option<String>,
-    revealed: usize,
-    passes: Option<Passes>,
-    query: EventQuery,
-    history_found: Found,
-    hits: Hits,
-    pub(super) flight: Option<Flight>,
+    /// What the event browser shows of the tree.
+    pub rows: Option<OutlineRows>,
+    /// What the user has set for debugging, while there are no events to debug.
+    pub(super) stops: Stops,
+    /// The file that the session was saved to or opened from last.
+    pub session_path: Option<String>,
+    /// The cursor to which the event browser was opened last.
+    pub(super) revealed: usize,
+    /// The passes of the session's parameters on the GPU, once they were asked for.
+    pub passes: Option<Passes>,
+    /// What the event browser looks for.
+    pub query: EventQuery,
+    /// The history of what is selected.
+    pub history_found: Found,
+    /// Where the breakpoints would stop a run.
+    pub hits: Hits,
+    /// Where the camera is flying to.
+    pub flight: Option<Flight>,
+    /// Whether the whole domain is shown, and stays so when the window changes.
     pub(super) fitted: bool,
+    /// While the pattern, which has a domain of its own, is shown: the camera to return to, and
+    /// whether it was fitted.
     pub(super) before_pattern: Option<(Camera, bool)>,
 }
 
-impl Default for Side {
+impl Default for RunView {
     fn default() -> Self {
         Self {
             session: None,
@@ -89,7 +99,7 @@ impl Default for Side {
     }
 }
 
-impl Side {
+impl RunView {
     /// Returns the moment that is shown.
     #[must_use]
     pub fn shown(&self) -> Option<Shown<'_>> {
@@ -99,34 +109,5 @@ impl Side {
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
         })
-    }
-}
-
-impl State {
-    /// Has the run at hand and another one change places.
-    pub(super) fn exchange(&mut self, side: &mut Side) {
-        swap(&mut self.session, &mut side.session);
-        swap(&mut self.sampling, &mut side.sampling);
-        swap(&mut self.verification, &mut side.verification);
-        swap(&mut self.stage, &mut side.stage);
-        swap(&mut self.debugger, &mut side.debugger);
-        swap(&mut self.camera, &mut side.camera);
-        swap(&mut self.viewport, &mut side.viewport);
-        swap(&mut self.hovered, &mut side.hovered);
-        swap(&mut self.selected, &mut side.selected);
-        swap(&mut self.place, &mut side.place);
-        swap(&mut self.sight, &mut side.sight);
-        swap(&mut self.geometry, &mut side.geometry);
-        swap(&mut self.rows, &mut side.rows);
-        swap(&mut self.stops, &mut side.stops);
-        swap(&mut self.session_path, &mut side.session_path);
-        swap(&mut self.hits, &mut side.hits);
-        swap(&mut self.revealed, &mut side.revealed);
-        swap(&mut self.passes, &mut side.passes);
-        swap(&mut self.query, &mut side.query);
-        swap(&mut self.history_found, &mut side.history_found);
-        swap(&mut self.flight, &mut side.flight);
-        swap(&mut self.fitted, &mut side.fitted);
-        swap(&mut self.before_pattern, &mut side.before_pattern);
     }
 }

@@ -8,8 +8,8 @@ use serde_json::Value;
 use tilescope_debugger::MAX_BYTES;
 use tilescope_formats::{CERTIFICATE_SUFFIX, Hint, ReadSet, read_bytes};
 
-use super::MOST_PATTERN_BYTES;
-use crate::combination::holds_combination;
+use crate::limits::MOST_PATTERN_BYTES;
+use crate::words::last_part;
 
 /// The most files that are looked at when several come together.
 pub const MOST_FILES: usize = 64;
@@ -20,7 +20,7 @@ pub struct NamedBytes {
     /// Its name, natively with its path.
     pub name: String,
     /// What it holds.
-    #[serde(with = "crate::errand::as_bytes")]
+    #[serde(with = "crate::encoding::as_bytes")]
     pub bytes: Vec<u8>,
 }
 
@@ -201,11 +201,6 @@ pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
     files.iter().enumerate().map(refusal).collect()
 }
 
-/// Returns the last part of a path, whatever system it is of.
-pub(crate) fn last_part(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
 fn ends_with(name: &str, ending: &str) -> bool {
     name.rsplit_once('.')
         .is_some_and(|(_, last)| last.eq_ignore_ascii_case(ending))
@@ -271,4 +266,10 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let left = incoming.without_named(names);
     incoming.beside = files;
     Some((incoming, left))
+}
+
+/// Returns whether a JSON object is a layout or a saved combination, rather than a session or a point set.
+#[must_use]
+pub fn holds_combination(value: &Value) -> bool {
+    value.get("combination").is_some() || value.get("pieces").is_some()
 }

@@ -11,9 +11,11 @@ use tilescope_core::combine::file::{Layout, Placed, Set, Source};
 use tilescope_core::{Boundary, Domain, Pattern, SampleError, Stage};
 use tilescope_formats::{Certificate, bytes_digest};
 
-use super::{CombinationError, saved};
-use crate::files::{Incoming, Unread, last_part};
+use super::saved;
+use crate::combination::CombinationError;
+use crate::incoming::{Incoming, Unread};
 use crate::jobs::Monitor;
+use crate::words::last_part;
 
 /// What a set without a certificate is a set of, where nothing else is said.
 const UNIT_SQUARE: Region = Region {
@@ -130,7 +132,7 @@ fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Held, Unrea
 fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incoming, Unread> {
     #[cfg(not(target_arch = "wasm32"))]
     if around.folder.is_some() {
-        let limit = crate::files::MOST_PATTERN_BYTES;
+        let limit = crate::limits::MOST_PATTERN_BYTES;
         return Incoming::from_path(path, limit, monitor);
     }
     let why = "it did not come with the layout; open both at once, and the set's certificate";

@@ -1,30 +1,18 @@
-//! Combinations: sets that a layout places side by side, glued along their seams and made ready to be looked at as a
-//! session whose blocks are the pieces. The core glues; files are read here and nowhere else of it.
-
-mod band;
-mod files;
-mod progress;
-mod saved;
+//! What is known of a combination: sets that a layout places side by side, glued along their seams. It is shown as a
+//! session whose blocks are the pieces; [`crate::combining`] makes it.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_core::combine::file::{Layout, LayoutError, PieceError, Placed, Set, Source};
-use tilescope_core::combine::{CombineError, Piece, Seam, combine, combine_in_stages};
-use tilescope_core::{Domain, Pattern, Rect, Run, SampleError, Stage};
+use tilescope_core::combine::file::{Layout, LayoutError, PieceError, Placed, Source};
+use tilescope_core::combine::{CombineError, Seam};
+use tilescope_core::{Domain, Rect, SampleError, Stage};
 
-pub use saved::{SavedCombination, SavedError, holds_combination};
-
-use crate::errand::{Errand, Lent, as_json};
-use crate::files::Incoming;
-use crate::jobs::Monitor;
-use crate::sentence::grouped;
-use crate::session::{MOST_STAGED, MakeError, Session, radii};
-
-use files::Files;
-use progress::{Gluing, OneSet, Sets, stopped};
+use crate::encoding::as_json;
+use crate::units::radii;
+use crate::words::grouped;
 
 /// The layout of the paper's figure 12: nine independent sets.
-pub const NINE: &str = include_str!("../../../../assets/layouts/nine.json");
+pub const NINE: &str = include_str!("../../../assets/layouts/nine.json");
 
 /// The most samples of a combination in the window: a file may ask for it, so that it is no more than what a session's
 /// file may ask for.
@@ -37,33 +25,6 @@ pub enum CombineCommand {
     Nine,
     /// That of a layout's text; sets from files have no folder to be in.
     Text(String),
-}
-
-/// Makes a combination that needs no files.
-#[derive(Serialize, Deserialize)]
-pub struct Combining {
-    /// The layout.
-    #[serde(with = "as_json")]
-    pub layout: Layout,
-    /// What the session is known by.
-    pub generation: u64,
-}
-
-impl Errand for Combining {
-    type Outcome = Result<Session, MakeError>;
-    const NAME: &'static str = "combine";
-
-    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
-        Ok(make(self.layout, None, self.generation, monitor)?)
-    }
-
-    fn given_up(monitor: &Monitor) -> Option<Self::Outcome> {
-        Some(Err(MakeError::given_up(monitor)))
-    }
-
-    fn keep(made: Self::Outcome) {
-        Lent::keep(made);
-    }
 }
 
 /// What a session that shows a combination knows beside its run.
@@ -91,7 +52,7 @@ pub struct Combination {
 }
 
 impl Combination {
-    fn of(
+    pub(crate) fn of(
         layout: Layout,
         stated: Value,
         placed: &Placed,
@@ -198,80 +159,6 @@ impl CombinationError {
     }
 }
 
-/// Makes what a layout describes; its files are those that came with the file `around` or lie in its folder, where it was
-/// in a file.
-///
-/// Fails as [`Layout::placed`] and [`combine`], where a set cannot be made or read, and when the monitor's owner cancels.
-pub fn make(
-    layout: Layout,
-    around: Option<&Incoming>,
-    generation: u64,
-    monitor: &Monitor,
-) -> Result<Session, CombinationError> {
-    let placed = layout.placed()?;
-    if placed.expected > MOST_COMBINED as f64 {
-        let expected = placed.expected;
-        return Err(CombinationError::TooManySamples { expected });
-    }
-    let files = Files::of(around);
-    let pieces = pieces(&placed, &files, monitor)?;
-    let options = layout.options();
-    let mut observer = Gluing(monitor);
-    let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
-    let (run, seams): (Run, Vec<Seam>) = if expected <= MOST_STAGED {
-        let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
-        (staged.run, staged.seams)
-    } else {
-        let combined = combine(placed.domain, &pieces, &options, &mut observer)?;
-        let seams = combined.seams.clone();
-        (combined.into_run(&pieces, &options), seams)
-    };
-    observer.end()?;
-    let stops = || monitor.is_cancelled();
-    let band = band::of(&placed.domain, &pieces, &seams, &stops).ok_or_else(stopped)?;
-    let stated = files.stated(&layout, &placed);
-    let combination = Combination::of(layout, stated, &placed, seams, band);
-    let session = Session::from_combination(run, combination, generation);
-    if stops() {
-        return Err(stopped().into());
-    }
-    Ok(session)
-}
-
 fn is_file(source: &Source) -> bool {
     matches!(source, Source::File { .. })
-}
-
-/// Makes or reads all sets, on all threads at once.
-fn pieces(
-    placed: &Placed,
-    files: &Files<'_>,
-    monitor: &Monitor,
-) -> Result<Vec<Piece>, CombinationError> {
-    let sets = Sets::new(monitor, placed.places.len());
-    let make = |source: &Source| {
-        let mut observer = OneSet::of(source, &sets);
-        set(source, files, monitor, &mut observer)
-    };
-    let pieces = placed.pieces(make, |count| sets.made(count));
-    pieces.map_err(|error| CombinationError::Piece(Box::new(error)))
-}
-
-fn set(
-    source: &Source,
-    files: &Files<'_>,
-    monitor: &Monitor,
-    observer: &mut OneSet<'_>,
-) -> Result<Set, CombinationError> {
-    match source {
-        Source::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
-        Source::Run { parameters, .. } => {
-            let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
-            Ok(Set::of_run(parameters, &pattern, observer)?)
-        }
-        Source::File { path, .. } => files.set(source, monitor).unwrap_or_else(|| {
-            let path = path.clone();
-            Err(CombinationError::NoFiles { path })
-        }),
-    }
 }

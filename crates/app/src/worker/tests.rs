@@ -1,5 +1,8 @@
 //! Errands are carried out in another thread's memory, as in a worker: what comes back is what a thread would have made.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use tilescope_debugger::{Debugger, Event, LineId, digest};
@@ -7,13 +10,16 @@ use tilescope_debugger::{Debugger, Event, LineId, digest};
 use super::*;
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush};
-use crate::canvas::layers::Layer;
 use crate::combination::CombineCommand;
-use crate::command::{Command, DebugCommand, Selection};
+use crate::command::{Command, DebugCommand};
 use crate::compare::{CompareCommand, Rival};
+use crate::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{Delivery, FileCommand};
+use crate::layers::Layer;
 use crate::layout::Panel;
+use crate::selection::Selection;
+use crate::session::Session;
 use crate::state::{State, Verification};
 
 type Reply = Result<Vec<u8>, Refused>;
@@ -101,6 +107,8 @@ fn visit() -> Vec<String> {
     state.advance(0.0);
     state.settle();
     let line = state
+        .runs
+        .first
         .debugger
         .as_ref()
         .and_then(Debugger::event)
@@ -108,26 +116,29 @@ fn visit() -> Vec<String> {
     let line = line.unwrap_or(LineId(0));
     state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(line)));
     state.settle();
-    let session = state.session.as_ref().expect("a session");
+    let session = state.runs.first.session.as_ref().expect("a session");
     let shown = state.shown().expect("a moment");
     let known = state.analysis.of(&shown).expect("measures");
     let brushed = brush.expect("a brush");
-    let second = state.comparison.as_ref().expect("a second run");
+    let second = state.runs.second.as_ref().expect("a second run");
     let other = second.0.session.as_ref().expect("a second session");
-    let Verification::Done(verdict) = &state.verification else {
+    let Verification::Done(verdict) = &state.runs.first.verification else {
         panic!("no verdict");
     };
     let mut found = vec![
-        format!("{:?}", state.hits.events()),
+        format!("{:?}", state.runs.first.hits.events()),
         digest(session.run()),
         digest(other.run()),
         format!("{:?}", session.summary),
         format!("{:?}", session.outline),
         format!("{:?}", session.conflicts),
         format!("{verdict:?}"),
-        format!("{:?}", state.query.found.events()),
-        format!("{:?}", state.history_found.events()),
-        format!("{:?}", state.geometry.of(&shown).expect("triangles")),
+        format!("{:?}", state.runs.first.query.found.events()),
+        format!("{:?}", state.runs.first.history_found.events()),
+        format!(
+            "{:?}",
+            state.runs.first.geometry.of(&shown).expect("triangles")
+        ),
         format!("{:?}", known.measured),
         format!("{:?}", state.analysis.reference.measured()),
         format!(
@@ -150,7 +161,7 @@ fn visit() -> Vec<String> {
 
 /// Takes samples out of a window and into it again, and combines sets; returns what came of it.
 fn hand_over(state: &mut State) -> Vec<String> {
-    state.delivery = Delivery::Download;
+    state.files.delivery = Delivery::Download;
     state.apply(Command::Compare(CompareCommand::Close));
     state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
     state.apply(Command::Export(ExportCommand::Write));
@@ -161,12 +172,13 @@ fn hand_over(state: &mut State) -> Vec<String> {
     state.apply(Command::File(dropped));
     state.settle();
     let pattern = state
+        .form
         .own_pattern
         .as_ref()
         .map(|own| own.file.digest.clone());
     state.apply(Command::Combine(CombineCommand::Nine));
     state.settle();
-    let session = state.session.as_ref().expect("a combination");
+    let session = state.runs.first.session.as_ref().expect("a combination");
     let combination = session.combination.as_ref().expect("seams");
     vec![
         sizes,
@@ -192,7 +204,7 @@ fn what_is_done_elsewhere_is_what_a_thread_does() {
     let log = elsewhere.log.borrow();
     // Those of a GPU, and one for sets of more samples.
     let others = ["difference", "pattern", "twin"];
-    for name in list::NAMES.iter().filter(|name| !others.contains(name)) {
+    for name in NAMES.iter().filter(|name| !others.contains(name)) {
         let is_carried = log.iter().any(|(other, _)| other == name);
         assert!(is_carried, "{name} of {log:?}");
     }
@@ -216,19 +228,19 @@ fn a_memory_that_has_forgotten_is_told_again() {
     state.settle();
     carry_with(None);
     assert_eq!(*second.log.borrow(), [("look", true)]);
-    assert!(!state.history_found.events().is_empty());
+    assert!(!state.runs.first.history_found.events().is_empty());
 }
 
 #[test]
 fn names_are_all_different_and_what_is_no_errand_is_refused() {
-    let mut names = list::NAMES.to_vec();
+    let mut names = NAMES.to_vec();
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), list::NAMES.len());
+    assert_eq!(names.len(), NAMES.len());
     let monitor = Monitor::reporting(|_, _| {});
     let unknown = perform("tidy up", &[], &monitor);
     assert!(matches!(unknown, Err(Refused::Fault(text)) if text.contains("tidy up")));
-    for name in list::NAMES {
+    for name in NAMES {
         let cut = perform(name, &[255; 3], &monitor);
         assert!(cut.is_err() || *name == "measure the reference", "{name}");
     }
@@ -238,7 +250,7 @@ fn names_are_all_different_and_what_is_no_errand_is_refused() {
 fn bytes_that_are_no_session_are_refused_and_a_cancelled_errand_says_so() {
     assert!(learn(&[1, 2, 3]).is_err());
     let monitor = Monitor::reporting(|_, _| {});
-    let sampling = crate::session::Sampling {
+    let sampling = crate::sampling::Sampling {
         recipe: tilescope_core::Parameters::default().into(),
         generation: 1,
     };

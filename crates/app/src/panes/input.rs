@@ -8,11 +8,12 @@ use egui::{
 };
 use tilescope_core::Standing;
 
-use super::hint::{self, Hint};
-use super::subject::Subject;
-use super::touch::{Hand, Touch};
-use crate::command::{Command, DebugCommand, Selection};
+use crate::canvas::hint::{self, Hint};
+use crate::canvas::touch::{Hand, Touch};
+use crate::command::{Command, DebugCommand};
+use crate::selection::Selection;
 use crate::state::State;
+use crate::subject::Subject;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;
@@ -33,7 +34,13 @@ pub fn handle(
     if touch.hand == Hand::Cancelled {
         return None;
     }
-    move_view(ui, response, &touch, state.embedding.is_some(), commands);
+    move_view(
+        ui,
+        response,
+        &touch,
+        state.window.embedding.is_some(),
+        commands,
+    );
     let is_picked = pick(response, subject, &touch, commands);
     keys(ui, response, commands);
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
@@ -65,7 +72,7 @@ fn inspect_later(
     let Some(at) = at else {
         return;
     };
-    let wait = if state.drawer.arrangement.is_compact() {
+    let wait = if state.window.drawer.arrangement.is_compact() {
         ui.options(|options| options.input_options.max_double_click_delay)
     } else {
         0.0

@@ -3,7 +3,7 @@
 
 use tilescope_core::{Domain, Point};
 
-use crate::session::radii;
+use crate::units::radii;
 
 /// Most cells of the grid: 32 MB of offsets.
 const MAX_CELLS: f64 = 8e6;

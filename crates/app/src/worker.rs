@@ -1,6 +1,6 @@
-//! All kinds of errands, by name.
+//! All kinds of errands by name, for a worker that is sent one.
 
-use super::{Errand, Refused, carry_out};
+use crate::errand::{Errand, Refused, carry_out};
 use crate::jobs::Monitor;
 
 macro_rules! errands {
@@ -19,15 +19,15 @@ macro_rules! errands {
 
         /// Their names.
         #[cfg(test)]
-        pub(super) const NAMES: &[&str] = &[$(<$errand>::NAME,)*];
+        const NAMES: &[&str] = &[$(<$errand>::NAME,)*];
     };
 }
 
 errands! {
-    crate::session::Patterning,
-    crate::session::Sampling,
-    crate::session::Twin,
-    crate::combination::Combining,
+    crate::sampling::Patterning,
+    crate::sampling::Sampling,
+    crate::sampling::Twin,
+    crate::combining::Combining,
     crate::verification::Judging,
     crate::geometry::Triangulating,
     crate::state::hits::Counting,
@@ -41,3 +41,6 @@ errands! {
     crate::files::ReadTask,
     crate::state::export::Delivering,
 }
+
+#[cfg(test)]
+mod tests;

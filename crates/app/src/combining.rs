@@ -1,0 +1,125 @@
+//! Makes combinations: sets are sampled or read from files, placed, glued by the core and made ready to be looked at.
+
+mod band;
+mod files;
+mod progress;
+mod saved;
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::combine::file::{Layout, Placed, Set, Source};
+use tilescope_core::combine::{Piece, Seam, combine, combine_in_stages};
+use tilescope_core::{Pattern, Run};
+
+pub use saved::{SavedCombination, SavedError};
+
+use crate::combination::{Combination, CombinationError, MOST_COMBINED};
+use crate::encoding::as_json;
+use crate::errand::{Errand, Lent};
+use crate::incoming::Incoming;
+use crate::jobs::Monitor;
+use crate::limits::MOST_STAGED;
+use crate::session::{MakeError, Session};
+
+use files::Files;
+use progress::{Gluing, OneSet, Sets, stopped};
+
+/// Makes a combination that needs no files.
+#[derive(Serialize, Deserialize)]
+pub struct Combining {
+    /// The layout.
+    #[serde(with = "as_json")]
+    pub layout: Layout,
+    /// What the session is known by.
+    pub generation: u64,
+}
+
+impl Errand for Combining {
+    type Outcome = Result<Session, MakeError>;
+    const NAME: &'static str = "combine";
+
+    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+        Ok(make(self.layout, None, self.generation, monitor)?)
+    }
+
+    fn given_up(monitor: &Monitor) -> Option<Self::Outcome> {
+        Some(Err(MakeError::given_up(monitor)))
+    }
+
+    fn keep(made: Self::Outcome) {
+        Lent::keep(made);
+    }
+}
+
+/// Makes what a layout describes; its files are those that came with the file `around` or lie in its folder, where it was
+/// in a file.
+///
+/// Fails as [`Layout::placed`] and [`combine`], where a set cannot be made or read, and when the monitor's owner cancels.
+pub fn make(
+    layout: Layout,
+    around: Option<&Incoming>,
+    generation: u64,
+    monitor: &Monitor,
+) -> Result<Session, CombinationError> {
+    let placed = layout.placed()?;
+    if placed.expected > MOST_COMBINED as f64 {
+        let expected = placed.expected;
+        return Err(CombinationError::TooManySamples { expected });
+    }
+    let files = Files::of(around);
+    let pieces = pieces(&placed, &files, monitor)?;
+    let options = layout.options();
+    let mut observer = Gluing(monitor);
+    let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
+    let (run, seams): (Run, Vec<Seam>) = if expected <= MOST_STAGED {
+        let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
+        (staged.run, staged.seams)
+    } else {
+        let combined = combine(placed.domain, &pieces, &options, &mut observer)?;
+        let seams = combined.seams.clone();
+        (combined.into_run(&pieces, &options), seams)
+    };
+    observer.end()?;
+    let stops = || monitor.is_cancelled();
+    let band = band::of(&placed.domain, &pieces, &seams, &stops).ok_or_else(stopped)?;
+    let stated = files.stated(&layout, &placed);
+    let combination = Combination::of(layout, stated, &placed, seams, band);
+    let session = Session::from_combination(run, combination, generation);
+    if stops() {
+        return Err(stopped().into());
+    }
+    Ok(session)
+}
+
+/// Makes or reads all sets, on all threads at once.
+fn pieces(
+    placed: &Placed,
+    files: &Files<'_>,
+    monitor: &Monitor,
+) -> Result<Vec<Piece>, CombinationError> {
+    let sets = Sets::new(monitor, placed.places.len());
+    let make = |source: &Source| {
+        let mut observer = OneSet::of(source, &sets);
+        set(source, files, monitor, &mut observer)
+    };
+    let pieces = placed.pieces(make, |count| sets.made(count));
+    pieces.map_err(|error| CombinationError::Piece(Box::new(error)))
+}
+
+fn set(
+    source: &Source,
+    files: &Files<'_>,
+    monitor: &Monitor,
+    observer: &mut OneSet<'_>,
+) -> Result<Set, CombinationError> {
+    match source {
+        Source::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
+        Source::Run { parameters, .. } => {
+            let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
+            Ok(Set::of_run(parameters, &pattern, observer)?)
+        }
+        Source::File { path, .. } => files.set(source, monitor).unwrap_or_else(|| {
+            let path = path.clone();
+            Err(CombinationError::NoFiles { path })
+        }),
+    }
+}

@@ -1,0 +1,144 @@
+//! One picture of a moment, or two of compared runs side by side: what is drawn where, and what pointer, fingers and keys
+//! do there, as commands.
+
+mod input;
+mod titles;
+
+use eframe::egui_wgpu::RenderState;
+use egui::{Rect, Sense, Ui, vec2};
+
+use crate::canvas::pane::Pane;
+use crate::canvas::sprites::Sprites;
+use crate::canvas::{buffers, hint, hover, overlay};
+use crate::command::Command;
+use crate::state::State;
+use crate::subject::Subject;
+use crate::theme::{Look, Palette};
+use crate::widgets::Known;
+pub(crate) use input::has_focus;
+pub use input::leads_zoom;
+
+/// The canvas between two frames.
+#[derive(Default)]
+pub struct Canvas {
+    first: Pane,
+    second: Pane,
+    /// What the second picture will draw with.
+    device: Option<RenderState>,
+    /// The symbols of the rows of buffers.
+    marks: Sprites,
+}
+
+impl Canvas {
+    /// Draws samples by instancing on the device of `render_state` from now on.
+    pub fn draw_with(&mut self, render_state: &RenderState) {
+        self.first.draw_with(render_state);
+        // The second picture asks for its own when there is one: pipelines take a while to be made.
+        self.device = Some(render_state.clone());
+    }
+
+    /// Shows the canvas in all the space that `ui` has left.
+    pub fn show(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+        let size = ui.available_size().max(vec2(1.0, 1.0));
+        let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+        let subject = state.subject();
+        let Some((second, comparison)) = &state.runs.second else {
+            let side = Side {
+                rect,
+                name: "Canvas of samples",
+                viewport: state.runs.first.viewport,
+                waiting: state.runs.first.sampling.is_some(),
+                subject,
+            };
+            side.show(ui, state, &mut self.first, &mut self.marks, commands)
+                .known_as("canvas");
+            return;
+        };
+        ui.painter()
+            .rect_filled(rect, 0.0, Palette::of(state.appearance.look).line);
+        let [left, right] = titles::halves(rect);
+        let left = Side {
+            rect: titles::heading(ui, left, state, &titles::first_title(state)),
+            name: "Canvas of run A",
+            viewport: state.runs.first.viewport,
+            waiting: state.runs.first.sampling.is_some(),
+            subject,
+        };
+        left.show(ui, state, &mut self.first, &mut self.marks, commands)
+            .known_as("canvas-a");
+        if let Some(device) = self.device.take() {
+            self.second.draw_with(&device);
+        }
+        let subject = state.second_subject();
+        let right = Side {
+            rect: titles::heading(ui, right, state, &titles::second_title(state, second)),
+            name: "Canvas of run B",
+            viewport: second.viewport,
+            waiting: second.sampling.is_some(),
+            subject,
+        };
+        let mut own = Vec::new();
+        right
+            .show(ui, state, &mut self.second, &mut self.marks, &mut own)
+            .known_as("canvas-b");
+        commands.extend(
+            own.into_iter()
+                .map(|command| Command::OnSecond(Box::new(command))),
+        );
+        titles::echo(
+            ui,
+            [left.rect, right.rect],
+            [&left.subject, &right.subject],
+            comparison,
+            state,
+        );
+    }
+}
+
+/// One of the pictures, and where it goes.
+struct Side<'a> {
+    rect: Rect,
+    name: &'a str,
+    /// Where it was in the frame before.
+    viewport: Rect,
+    /// Whether a run is at work for it.
+    waiting: bool,
+    subject: Option<Subject<'a>>,
+}
+
+impl Side<'_> {
+    fn show(
+        &self,
+        ui: &mut Ui,
+        state: &State,
+        pane: &mut Pane,
+        marks: &mut Sprites,
+        commands: &mut Vec<Command>,
+    ) -> egui::Response {
+        let rect = self.rect;
+        let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
+        if rect != self.viewport {
+            commands.push(Command::Viewport(rect));
+        }
+        let palette = Palette::of(state.appearance.look);
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 0.0, palette.outside);
+        let Some(subject) = &self.subject else {
+            overlay::waiting(&painter, rect, self.waiting, palette);
+            return response;
+        };
+        let pointer = input::handle(ui, &response, subject, state, commands);
+        let note = pane.paint(ui, rect, subject, palette);
+        let note = buffers::show(ui, rect, subject, palette, marks, note);
+        overlay::scale_bar(&painter, rect, subject, palette);
+        overlay::cursor(&painter, rect, subject, pointer, palette);
+        overlay::note(&painter, rect, subject, note.as_deref(), palette);
+        hint::show(&painter, rect, palette);
+        let brief = state.appearance.look == Look::Projector;
+        if pointer.is_some() {
+            hover::show(ui, &painter, &response, subject, palette, brief);
+        }
+        response
+    }
+}

@@ -1,0 +1,165 @@
+//! The parts of the state. Each is one subject; no part knows of another.
+
+use tilescope_debugger::Direction;
+
+use super::{FullScreen, Notice, RunView, announce, export, link};
+use crate::arrangement::Drawer;
+use crate::clock::Playback;
+use crate::compare::Comparison;
+use crate::device::{Device, Engine};
+use crate::draft::Draft;
+use crate::embedding::Embedding;
+use crate::export::ExportForm;
+use crate::files::{Delivery, FileForm, Filing, Purpose};
+use crate::finder::Finder;
+use crate::incoming::NamedBytes;
+use crate::jobs::{Job, Wake};
+use crate::layers::{Colouring, Layers};
+use crate::layout::Layout;
+use crate::recipe::OwnPattern;
+use crate::theme::Look;
+
+/// What the next run is made from.
+#[derive(Default)]
+pub struct Form {
+    /// The parameters as typed.
+    pub draft: Draft,
+    /// The pattern from a file that takes the place of the one of the parameters.
+    pub own_pattern: Option<OwnPattern>,
+    /// Who samples.
+    pub engine: Engine,
+}
+
+/// The runs that are looked at.
+#[derive(Default)]
+pub struct Runs {
+    /// The run that the panels show.
+    pub first: RunView,
+    /// The run beside it, and what is known of the two together.
+    pub second: Option<(RunView, Comparison)>,
+}
+
+/// How time runs.
+#[derive(Default)]
+pub struct Time {
+    /// The clock, and whether it runs.
+    pub playback: Playback,
+    /// The way in which a breakpoint is being looked for.
+    pub(super) continuing: Option<Direction>,
+}
+
+/// How moments are drawn.
+pub struct Appearance {
+    /// The layers shown.
+    pub layers: Layers,
+    /// What the colour of samples means.
+    pub colouring: Colouring,
+    /// Light, dark or for a projector; [`State::choose_look`](super::State::choose_look) changes it.
+    pub look: Look,
+    /// The look to which the projector mode returns.
+    pub(super) look_before: Look,
+    /// Whether the camera jumps instead of flying.
+    pub reduced_motion: bool,
+    /// What the user chose of that; the system's wish counts otherwise.
+    pub(super) motion_chosen: Option<bool>,
+}
+
+impl Default for Appearance {
+    fn default() -> Self {
+        Self {
+            layers: Layers::default(),
+            colouring: Colouring::default(),
+            look: Look::Dark,
+            look_before: Look::Dark,
+            reduced_motion: false,
+            motion_chosen: None,
+        }
+    }
+}
+
+/// What stands where.
+#[derive(Default)]
+pub struct Window {
+    /// Where the panels stand.
+    pub layout: Layout,
+    /// What a window shows that is too small for them.
+    pub drawer: Drawer,
+    /// The list of all actions, when open.
+    pub finder: Option<Finder>,
+    /// What of the window is left where it is part of another page.
+    pub embedding: Option<Embedding>,
+    /// Whether the bar on top is left out, as where the window is part of something else.
+    pub bare: bool,
+    /// Whether the window may have the full screen.
+    pub full_screen: FullScreen,
+}
+
+/// What is read and written.
+#[derive(Default)]
+pub struct FileDesk {
+    /// The export sheet, when open.
+    pub export: Option<ExportForm>,
+    /// The sheet of saved sessions and pattern files, when open.
+    pub sheet: Option<FileForm>,
+    /// What is read or written for it.
+    pub filing: Option<Filing>,
+    /// The system's dialog for it, while open.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub finding: Option<(Purpose, Job<Option<std::path::PathBuf>>)>,
+    /// The dialog of the browser for it, and the reading of what was chosen.
+    #[cfg(target_arch = "wasm32")]
+    pub finding: Option<(Purpose, Job<crate::files::web::Found>)>,
+    /// Where files go that are written.
+    pub delivery: Delivery,
+    /// Files that are to be downloaded.
+    pub(super) downloads: Vec<NamedBytes>,
+    /// How many frames the animation of the sheet has.
+    pub(super) frames: Option<crate::export::frames::Count>,
+    /// The export at work.
+    pub exporting: Option<Job<export::Outcome>>,
+    /// The system's file dialog for it, while open.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub browsing: Option<Job<Option<std::path::PathBuf>>>,
+}
+
+/// What is known of the GPU.
+#[derive(Default)]
+pub struct GpuState {
+    /// The device that samples, as far as it is known.
+    pub device: Device,
+    /// Why the device that was to sample does not.
+    pub failure: Option<String>,
+    /// What draws the window, where it is not always the same: on a page. There a GPU that passed its test samples without
+    /// being chosen.
+    pub(super) display: Option<String>,
+    /// Part of the name of the adapter to open; the fastest, if not given.
+    pub(super) adapter: Option<String>,
+}
+
+/// Links that come and go.
+#[derive(Default)]
+pub struct Links {
+    /// The address of the page, without a fragment, to which copied links belong. There is none natively.
+    pub base: Option<String>,
+    /// What is to be put on the clipboard.
+    pub copied: Option<String>,
+    /// A link whose run is being made.
+    pub(super) arriving: Option<Box<link::Arriving>>,
+}
+
+/// What the user should read or hear.
+#[derive(Default)]
+pub struct Messages {
+    /// A notice, when there is one.
+    pub notice: Option<Notice>,
+    /// What a screen reader should say.
+    pub(super) announcer: announce::Announcer,
+}
+
+/// What work in the background begins with.
+pub(super) struct JobContext {
+    /// Asks for a new frame.
+    pub(super) wake: Wake,
+    /// The number of the session made last.
+    pub(super) generation: u64,
+}

@@ -1,0 +1,112 @@
+//! Numbers, counts and sentences as the window writes them. Nothing here needs a session.
+
+use tilescope_analysis::Report;
+use tilescope_core::Stage;
+
+/// Returns `text` with a capital letter and a full stop. The name of a file in front stays as it is.
+#[must_use]
+pub fn sentence(text: &str) -> String {
+    let word = text.split([' ', ':', ',']).next().unwrap_or_default();
+    if word.contains(['.', '/', '\\', '_']) && !word.ends_with('.') {
+        return ended(text);
+    }
+    let mut letters = text.chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string());
+    ended(&(first.unwrap_or_default() + letters.as_str()))
+}
+
+/// Returns `text` with a full stop. It begins with a name, which stays as it is.
+#[must_use]
+pub fn ended(text: &str) -> String {
+    let stop = if text.ends_with(['.', '!', '?']) {
+        ""
+    } else {
+        "."
+    };
+    format!("{text}{stop}")
+}
+
+/// Returns `count` with thin groups of three digits.
+#[must_use]
+pub fn grouped(count: usize) -> String {
+    tilescope_debugger::grouped(count as u64)
+}
+
+/// Returns the number of an event as it is shown: from 1, so that the last one's is how many have happened.
+#[must_use]
+pub fn event_number(index: usize) -> String {
+    grouped(index + 1)
+}
+
+/// Returns "1 sample" or "2 samples".
+#[must_use]
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{} {}", grouped(count), if count == 1 { one } else { many })
+}
+
+/// Returns how many conflicts a report counts, in words.
+#[must_use]
+pub fn conflicts_in(report: &Report) -> String {
+    let more = if report.more_conflicts() {
+        " or more"
+    } else {
+        ""
+    };
+    let noun = if report.conflicts == 1 {
+        "conflict"
+    } else {
+        "conflicts"
+    };
+    format!("{}{more} {noun}", grouped(report.conflicts as usize))
+}
+
+/// Returns the name of a stage with a capital letter.
+#[must_use]
+pub fn stage_name(stage: Stage) -> String {
+    match stage {
+        Stage::Pattern => "Pattern".to_owned(),
+        Stage::Blocks => "Blocks".to_owned(),
+        Stage::Tile => "Tile".to_owned(),
+        Stage::Eliminate => "Eliminate".to_owned(),
+        Stage::Iterate(k) => format!("Iterate {k}"),
+        Stage::Regions => "Regions".to_owned(),
+        Stage::Finish => "Finish".to_owned(),
+    }
+}
+
+/// Returns a part of a whole in percent.
+#[must_use]
+pub fn share(part: usize, whole: usize) -> String {
+    format!("{:.1}%", 100.0 * part as f64 / whole.max(1) as f64)
+}
+
+/// Returns the last part of a path, whatever system it is of.
+#[must_use]
+pub fn last_part(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_and_counted() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1000), "1,000");
+        assert_eq!(grouped(12_345_678), "12,345,678");
+        assert_eq!(counted(1, "gap", "gaps"), "1 gap");
+        assert_eq!(counted(0, "gap", "gaps"), "0 gaps");
+    }
+
+    #[test]
+    fn sentences_leave_names_of_files_as_they_are() {
+        assert_eq!(sentence("the radius is 0"), "The radius is 0.");
+        assert_eq!(sentence("no!"), "No!");
+        assert_eq!(sentence(""), ".");
+        assert_eq!(sentence("set.csv: no points"), "set.csv: no points.");
+        assert_eq!(sentence("sets/a has 2 bytes"), "sets/a has 2 bytes.");
+        assert_eq!(ended("my set.csv is empty"), "my set.csv is empty.");
+    }
+}
