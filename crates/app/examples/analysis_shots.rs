@@ -7,7 +7,11 @@ use egui_kittest::Harness;
 use egui_tiles::Tree;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::{Layout, Panel};
@@ -35,43 +39,66 @@ fn main() {
     };
     let brush =
         |axis, from, to| Command::Analysis(AnalysisCommand::Brush(Brush::between(axis, from, to)));
-    shoot("analysis", vec![Command::OpenPanel(Panel::Analysis)]);
-    shoot("analysis-tiled", vec![Command::ShowStage(2)]);
-    shoot("analysis-pattern", vec![Command::FirstStage]);
+    shoot(
+        "analysis",
+        vec![Command::Window(WindowCommand::OpenPanel(Panel::Analysis))],
+    );
+    shoot(
+        "analysis-tiled",
+        vec![Command::Time(TimeCommand::ShowStage(2))],
+    );
+    shoot(
+        "analysis-pattern",
+        vec![Command::Time(TimeCommand::FirstStage)],
+    );
     let middle = TimeCommand::RunTo(Target::Elimination, Direction::Forwards);
     shoot(
         "analysis-light",
-        vec![Command::Time(middle), Command::Look(Look::Light)],
+        vec![
+            Command::Time(middle),
+            Command::Appearance(AppearanceCommand::Look(Look::Light)),
+        ],
     );
     let sheet = Command::File(FileCommand::Sheet(Purpose::Against));
     let path = Command::File(FileCommand::Path(noise.to_string_lossy().into_owned()));
     let go = Command::File(FileCommand::Go);
-    shoot("analysis-sheet", vec![Command::LastStage, sheet, path]);
+    shoot(
+        "analysis-sheet",
+        vec![Command::Time(TimeCommand::LastStage), sheet, path],
+    );
     shoot("analysis-file", vec![go]);
-    let near = || Command::FlyTo([37.0, 45.0], 18.0);
+    let near = || Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
     let distances = brush(Axis::Distance, 1.0, 1.05);
     shoot("analysis-distances", vec![near(), distances]);
     shoot("analysis-ring", vec![brush(Axis::Frequency, 0.8, 1.0)]);
     shoot(
         "analysis-ring-dark",
-        vec![Command::Look(Look::Dark), Command::Fit],
+        vec![
+            Command::Appearance(AppearanceCommand::Look(Look::Dark)),
+            Command::View(ViewCommand::Fit),
+        ],
     );
-    shoot("analysis-projector", vec![Command::Look(Look::Projector)]);
+    shoot(
+        "analysis-projector",
+        vec![Command::Appearance(AppearanceCommand::Look(
+            Look::Projector,
+        ))],
+    );
     let large = vec![
         brush(Axis::Distance, 1.0, 1.01),
-        Command::Look(Look::Dark),
-        Command::Type(Field::Radius, "0.0014".to_owned()),
+        Command::Appearance(AppearanceCommand::Look(Look::Dark)),
+        Command::Form(FormCommand::Type(Field::Radius, "0.0014".to_owned())),
         Command::Run,
     ];
     shoot("analysis-large", large);
     let alone = Tree::new_tabs(egui::Id::unique("alone"), vec![Panel::Analysis]);
     harness.state_mut().state.window.layout = Layout(alone);
     save(&mut harness, &folder, "analysis-alone", vec![]);
-    let light = vec![Command::Look(Look::Light)];
+    let light = vec![Command::Appearance(AppearanceCommand::Look(Look::Light))];
     save(&mut harness, &folder, "analysis-alone-light", light);
     harness.set_size(egui::vec2(310.0, 1400.0));
     save(&mut harness, &folder, "analysis-narrow-light", vec![]);
-    let dark = vec![Command::Look(Look::Dark)];
+    let dark = vec![Command::Appearance(AppearanceCommand::Look(Look::Dark))];
     save(&mut harness, &folder, "analysis-narrow", dark);
 }
 

@@ -4,6 +4,11 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::GpuCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;
@@ -18,13 +23,19 @@ fn main() {
         .with_size([1600.0, 1000.0])
         .with_max_steps(64)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
-    let near = || Command::FlyTo([37.0, 45.0], 18.0);
+    let near = || Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
     apply(&mut harness, vec![]);
-    apply(&mut harness, vec![Command::Engine(Engine::Gpu)]);
+    apply(
+        &mut harness,
+        vec![Command::Gpu(GpuCommand::Engine(Engine::Gpu))],
+    );
     apply(&mut harness, vec![Command::OpenPasses]);
     let canvas = || Command::Passes(PassCommand::ShowCanvas);
     go(&mut harness, "tile", Name::Places);
-    apply(&mut harness, vec![Command::OpenPanel(Panel::Passes)]);
+    apply(
+        &mut harness,
+        vec![Command::Window(WindowCommand::OpenPanel(Panel::Passes))],
+    );
     shoot(&mut harness, &folder, "panel");
     apply(&mut harness, vec![canvas()]);
     shoot(&mut harness, &folder, "places");
@@ -58,12 +69,18 @@ fn main() {
     let filter = PassCommand::Filter("flags>=4".to_owned());
     let commands = [before, filter, PassCommand::PickRow(Some(9_000))].map(Command::Passes);
     apply(&mut harness, commands.to_vec());
-    apply(&mut harness, vec![Command::Fit, Command::ToggleTheme]);
+    apply(
+        &mut harness,
+        vec![
+            Command::View(ViewCommand::Fit),
+            Command::Appearance(AppearanceCommand::ToggleTheme),
+        ],
+    );
     shoot(&mut harness, &folder, "before-filtered-light");
     let uniform = vec![
         Command::Passes(PassCommand::Filter(String::new())),
-        Command::Choose(Choice::Insertion(Insertion::Uniform)),
-        Command::Type(Field::Radius, "0.02".to_owned()),
+        Command::Form(FormCommand::Choose(Choice::Insertion(Insertion::Uniform))),
+        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
         Command::Run,
     ];
     apply(&mut harness, uniform);

@@ -4,6 +4,10 @@ use std::path::Path;
 
 use egui_kittest::Harness;
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
@@ -30,38 +34,59 @@ fn main() {
         image.save(&path).expect("a writable folder");
         println!("{}", path.display());
     };
-    let near = || Command::FlyTo([50.0, 50.0], 30.0);
+    let near = || Command::View(ViewCommand::FlyTo([50.0, 50.0], 30.0));
     shoot(
         "nine",
         vec![
             Command::Combine(CombineCommand::Nine),
-            Command::OpenPanel(Panel::Statistics),
-            Command::OpenPanel(Panel::Legend),
+            Command::Window(WindowCommand::OpenPanel(Panel::Statistics)),
+            Command::Window(WindowCommand::OpenPanel(Panel::Legend)),
         ],
     );
     shoot("nine-near", vec![near()]);
-    shoot("nine-placed-near", vec![Command::ShowStage(1)]);
-    shoot("nine-eliminated-near", vec![Command::ShowStage(2)]);
-    shoot("nine-pieces", vec![Command::FirstStage, Command::Fit]);
-    shoot("light", vec![Command::LastStage, Command::ToggleTheme]);
+    shoot(
+        "nine-placed-near",
+        vec![Command::Time(TimeCommand::ShowStage(1))],
+    );
+    shoot(
+        "nine-eliminated-near",
+        vec![Command::Time(TimeCommand::ShowStage(2))],
+    );
+    shoot(
+        "nine-pieces",
+        vec![
+            Command::Time(TimeCommand::FirstStage),
+            Command::View(ViewCommand::Fit),
+        ],
+    );
+    shoot(
+        "light",
+        vec![
+            Command::Time(TimeCommand::LastStage),
+            Command::Appearance(AppearanceCommand::ToggleTheme),
+        ],
+    );
     shoot(
         "light-origin-near",
-        vec![near(), Command::Colour(Colouring::Provenance)],
+        vec![
+            near(),
+            Command::Appearance(AppearanceCommand::Colour(Colouring::Provenance)),
+        ],
     );
     shoot(
         "projector",
         vec![
-            Command::Colour(Colouring::Block),
-            Command::Look(Look::Projector),
+            Command::Appearance(AppearanceCommand::Colour(Colouring::Block)),
+            Command::Appearance(AppearanceCommand::Look(Look::Projector)),
         ],
     );
-    shoot("projector-fit", vec![Command::Fit]);
+    shoot("projector-fit", vec![Command::View(ViewCommand::Fit)]);
     shoot(
         "bare",
         vec![
-            Command::Look(Look::Light),
-            Command::ToggleLayer(Layer::Blocks),
-            Command::ToggleLayer(Layer::Gaps),
+            Command::Appearance(AppearanceCommand::Look(Look::Light)),
+            Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Blocks)),
+            Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Gaps)),
         ],
     );
 }

@@ -3,7 +3,11 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
@@ -30,18 +34,36 @@ fn main() {
         println!("{}", path.display());
     };
     let start = |rival| Command::Compare(CompareCommand::Start(rival));
-    shoot("none", vec![Command::OpenPanel(Panel::Compare)]);
-    shoot("order", vec![start(Rival::Order), Command::ShowStage(3)]);
+    shoot(
+        "none",
+        vec![Command::Window(WindowCommand::OpenPanel(Panel::Compare))],
+    );
+    shoot(
+        "order",
+        vec![
+            start(Rival::Order),
+            Command::Time(TimeCommand::ShowStage(3)),
+        ],
+    );
     shoot("seeds", vec![start(Rival::NextSeed)]);
-    shoot("seeds-near", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
-    shoot("order-fitted", vec![start(Rival::Order), Command::Fit]);
-    let near = Command::FlyTo([37.0, 45.0], 24.0);
+    shoot(
+        "seeds-near",
+        vec![Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0))],
+    );
+    shoot(
+        "order-fitted",
+        vec![start(Rival::Order), Command::View(ViewCommand::Fit)],
+    );
+    let near = Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0));
     shoot("order-near", vec![near.clone()]);
-    shoot("light", vec![Command::ToggleTheme]);
+    shoot(
+        "light",
+        vec![Command::Appearance(AppearanceCommand::ToggleTheme)],
+    );
     shoot(
         "search",
         vec![
-            Command::Type(Field::Leaf, "6".to_owned()),
+            Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
             Command::Run,
             start(Rival::Search),
             Command::Compare(CompareCommand::GoToDivergence),
@@ -50,7 +72,7 @@ fn main() {
     shoot(
         "projector",
         vec![
-            Command::Look(Look::Projector),
+            Command::Appearance(AppearanceCommand::Look(Look::Projector)),
             Command::Time(TimeCommand::Jump(20_000)),
             near,
         ],

@@ -7,7 +7,11 @@ use std::time::Instant;
 
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
@@ -69,7 +73,8 @@ const fn rest(_: &mut App, _: u32) {}
 
 fn pan(app: &mut App, number: u32) {
     let step = if number.is_multiple_of(2) { 3.0 } else { -3.0 };
-    app.state.apply(Command::Pan(vec2(step, 0.0)));
+    app.state
+        .apply(Command::View(ViewCommand::Pan(vec2(step, 0.0))));
 }
 
 /// One event back, one forward.
@@ -99,9 +104,15 @@ fn measure_all(bench: &mut Bench, session: &Session, layers: &str) {
     let end = session.recording().map_or(0, |recording| recording.len());
     for (moment, cursor) in [("middle", middle), ("end", end)] {
         for (view, camera) in [
-            ("fitted", Command::Fit),
-            ("60 r", Command::FlyTo([40.0, 40.0], 60.0)),
-            ("12 r", Command::FlyTo([40.0, 40.0], 12.0)),
+            ("fitted", Command::View(ViewCommand::Fit)),
+            (
+                "60 r",
+                Command::View(ViewCommand::FlyTo([40.0, 40.0], 60.0)),
+            ),
+            (
+                "12 r",
+                Command::View(ViewCommand::FlyTo([40.0, 40.0], 12.0)),
+            ),
         ] {
             bench.apply(Command::Time(TimeCommand::Jump(cursor)));
             bench.apply(camera);
@@ -115,7 +126,8 @@ fn opened(instanced: bool, radius: Option<String>) -> Bench {
     let mut app = App::new(&ctx);
     if let Some(radius) = radius {
         app.state.settle();
-        app.state.apply(Command::Type(Field::Radius, radius));
+        app.state
+            .apply(Command::Form(FormCommand::Type(Field::Radius, radius)));
         app.state.apply(Command::Run);
     }
     if instanced {
@@ -129,7 +141,7 @@ fn opened(instanced: bool, radius: Option<String>) -> Bench {
     let mut bench = Bench { ctx, app };
     bench.frame();
     bench.app.state.settle();
-    bench.apply(Command::ToggleReducedMotion);
+    bench.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     bench
 }
 
@@ -165,17 +177,17 @@ fn main() {
         "", "at rest", "panning", "stepping"
     );
     measure_all(&mut bench, &session, "usual layers");
-    bench.apply(Command::Fit);
+    bench.apply(Command::View(ViewCommand::Fit));
     measure(&mut bench, "end, fitted");
     let start = Instant::now();
-    bench.apply(Command::OpenPanel(Panel::Analysis));
+    bench.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     let seconds = start.elapsed().as_secs_f64();
     println!("the moment and the reference are measured in {seconds:.2} s");
     measure(&mut bench, "end, fitted, with the analysis");
-    bench.apply(Command::OpenPanel(Panel::Parameters));
+    bench.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     for layer in Layer::ALL {
         if !bench.app.state.appearance.layers.has(layer) {
-            bench.apply(Command::ToggleLayer(layer));
+            bench.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
         }
     }
     measure_all(&mut bench, &session, "all layers");

@@ -4,6 +4,11 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::GpuCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::{Entry, ExportCommand, Kind};
@@ -35,70 +40,96 @@ fn main() {
         }
         save(&mut harness, &folder, name);
     };
-    let near = || Command::FlyTo([37.0, 45.0], 18.0);
+    let near = || Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
     shoot("finish", vec![]);
-    shoot("tile", vec![Command::ShowStage(2)]);
+    shoot("tile", vec![Command::Time(TimeCommand::ShowStage(2))]);
     shoot("tile-zoom", vec![near()]);
     shoot(
         "eliminate-zoom",
-        vec![Command::StepForward, Command::ToggleLayer(Layer::Disks)],
+        vec![
+            Command::Time(TimeCommand::StepForward),
+            Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+        ],
     );
-    shoot("iterate-zoom", vec![Command::StepForward]);
+    shoot(
+        "iterate-zoom",
+        vec![Command::Time(TimeCommand::StepForward)],
+    );
     shoot(
         "finish-zoom",
-        vec![Command::LastStage, Command::Colour(Colouring::Provenance)],
+        vec![
+            Command::Time(TimeCommand::LastStage),
+            Command::Appearance(AppearanceCommand::Colour(Colouring::Provenance)),
+        ],
     );
     shoot(
         "largest-hole",
-        vec![Command::FlyToWitness(Witness::LargestHole)],
+        vec![Command::View(ViewCommand::FlyToWitness(
+            Witness::LargestHole,
+        ))],
     );
-    shoot("pattern", vec![Command::ShowStage(0), Command::Fit]);
+    shoot(
+        "pattern",
+        vec![
+            Command::Time(TimeCommand::ShowStage(0)),
+            Command::View(ViewCommand::Fit),
+        ],
+    );
     shoot(
         "light-blocks",
-        vec![Command::ToggleTheme, Command::ShowStage(1)],
+        vec![
+            Command::Appearance(AppearanceCommand::ToggleTheme),
+            Command::Time(TimeCommand::ShowStage(1)),
+        ],
     );
     shoot(
         "light",
-        vec![Command::LastStage, Command::ToggleLayer(Layer::Disks)],
+        vec![
+            Command::Time(TimeCommand::LastStage),
+            Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+        ],
     );
     shoot(
         "light-eliminate",
         vec![
-            Command::ShowStage(3),
+            Command::Time(TimeCommand::ShowStage(3)),
             near(),
             Command::Export(ExportCommand::Open(Kind::Result)),
         ],
     );
     shoot(
         "light-iterate",
-        vec![Command::Export(ExportCommand::Close), Command::StepForward],
+        vec![
+            Command::Export(ExportCommand::Close),
+            Command::Time(TimeCommand::StepForward),
+        ],
     );
     exports(&mut shoot);
     moments(&mut shoot);
     ages_and_tree(&mut shoot);
     let gaps = vec![
-        Command::Choose(Choice::Search(Search::TwoRadii)),
-        Command::Type(Field::Leaf, "6".to_owned()),
-        Command::Type(Field::Radius, "0.004".to_owned()),
-        Command::ToggleTheme,
+        Command::Form(FormCommand::Choose(Choice::Search(Search::TwoRadii))),
+        Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
+        Command::Form(FormCommand::Type(Field::Radius, "0.004".to_owned())),
+        Command::Appearance(AppearanceCommand::ToggleTheme),
         Command::Run,
     ];
     shoot("two-radii", gaps);
     shoot(
         "two-radii-witness",
-        vec![Command::FlyToWitness(Witness::Verdict)],
+        vec![Command::View(ViewCommand::FlyToWitness(Witness::Verdict))],
     );
     let large = vec![
-        Command::Choose(Choice::Search(Search::Complete)),
-        Command::Type(Field::Leaf, "40".to_owned()),
-        Command::Type(Field::Radius, "0.0007".to_owned()),
+        Command::Form(FormCommand::Choose(Choice::Search(Search::Complete))),
+        Command::Form(FormCommand::Type(Field::Leaf, "40".to_owned())),
+        Command::Form(FormCommand::Type(Field::Radius, "0.0007".to_owned())),
         Command::Run,
     ];
     shoot("large", large);
     shoot("large-zoom", vec![near()]);
     let bad = vec![
-        Command::Type(Field::Radius, "0".to_owned()),
-        Command::Type(Field::Leaf, "2".to_owned()),
+        Command::Form(FormCommand::Type(Field::Radius, "0".to_owned())),
+        Command::Form(FormCommand::Type(Field::Leaf, "2".to_owned())),
     ];
     shoot("bad", bad);
     pointed_at(&mut harness, &folder);
@@ -117,34 +148,70 @@ fn save(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
 
 /// Samples by age, and the KD-tree half made and whole. It leaves everything as it found it.
 fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
-    let by_age = Command::Colour(Colouring::Age);
-    let tree = || Command::ToggleLayer(Layer::Tree);
+    let by_age = Command::Appearance(AppearanceCommand::Colour(Colouring::Age));
+    let tree = || Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Tree));
     shoot(
         "age",
-        vec![by_age, Command::Fit, Command::OpenPanel(Panel::Legend)],
+        vec![
+            by_age,
+            Command::View(ViewCommand::Fit),
+            Command::Window(WindowCommand::OpenPanel(Panel::Legend)),
+        ],
     );
-    shoot("age-zoom", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
-    shoot("age-zoom-light", vec![Command::Look(Look::Light)]);
-    shoot("age-light", vec![Command::Fit]);
-    shoot("age-projector", vec![Command::Look(Look::Projector)]);
-    shoot("tree-projector", vec![Command::ShowStage(1), tree()]);
-    let small = vec![Command::Type(Field::Leaf, "6".to_owned()), Command::Run];
+    shoot(
+        "age-zoom",
+        vec![Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0))],
+    );
+    shoot(
+        "age-zoom-light",
+        vec![Command::Appearance(AppearanceCommand::Look(Look::Light))],
+    );
+    shoot("age-light", vec![Command::View(ViewCommand::Fit)]);
+    shoot(
+        "age-projector",
+        vec![Command::Appearance(AppearanceCommand::Look(
+            Look::Projector,
+        ))],
+    );
+    shoot(
+        "tree-projector",
+        vec![Command::Time(TimeCommand::ShowStage(1)), tree()],
+    );
+    let small = vec![
+        Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
+        Command::Run,
+    ];
     shoot("tree-small-leaf", small);
     let middle = vec![
-        Command::ShowStage(1),
-        Command::Look(Look::Light),
+        Command::Time(TimeCommand::ShowStage(1)),
+        Command::Appearance(AppearanceCommand::Look(Look::Light)),
         Command::Time(TimeCommand::Jump(60)),
     ];
     shoot("tree-middle-light", middle);
-    shoot("tree-middle", vec![Command::Look(Look::Dark)]);
-    shoot("tree-finish", vec![Command::LastStage]);
-    shoot("tree-zoom", vec![Command::FlyTo([37.0, 45.0], 24.0)]);
-    shoot("tree-default", vec![Command::ResetParameters, Command::Run]);
-    shoot("tree-blocks", vec![Command::ShowStage(1), Command::Fit]);
+    shoot(
+        "tree-middle",
+        vec![Command::Appearance(AppearanceCommand::Look(Look::Dark))],
+    );
+    shoot("tree-finish", vec![Command::Time(TimeCommand::LastStage)]);
+    shoot(
+        "tree-zoom",
+        vec![Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0))],
+    );
+    shoot(
+        "tree-default",
+        vec![Command::Form(FormCommand::Reset), Command::Run],
+    );
+    shoot(
+        "tree-blocks",
+        vec![
+            Command::Time(TimeCommand::ShowStage(1)),
+            Command::View(ViewCommand::Fit),
+        ],
+    );
     let back = vec![
         tree(),
-        Command::LastStage,
-        Command::Colour(Colouring::Block),
+        Command::Time(TimeCommand::LastStage),
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Block)),
     ];
     shoot("tree-off", back);
 }
@@ -152,9 +219,9 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
 /// What the canvas says of the thing under the pointer.
 fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
     let start = [
-        Command::ResetParameters,
+        Command::Form(FormCommand::Reset),
         Command::Run,
-        Command::ToggleReducedMotion,
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
     ];
     for command in start {
         harness.state_mut().state.apply(command);
@@ -170,9 +237,9 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
     ] {
         let state = &mut harness.state_mut().state;
         for command in [
-            Command::Look(look),
-            Command::ShowStage(stage),
-            Command::FlyTo(place, radii),
+            Command::Appearance(AppearanceCommand::Look(look)),
+            Command::Time(TimeCommand::ShowStage(stage)),
+            Command::View(ViewCommand::FlyTo(place, radii)),
         ] {
             state.apply(command);
         }
@@ -199,7 +266,10 @@ fn exports(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         ("export-animation", Kind::Animation),
     ] {
         let open = Command::Export(ExportCommand::Open(kind));
-        shoot(name, vec![open, Command::ToggleTheme]);
+        shoot(
+            name,
+            vec![open, Command::Appearance(AppearanceCommand::ToggleTheme)],
+        );
     }
     let wrong = |entry, text: &str| Command::Export(ExportCommand::Type(entry, text.to_owned()));
     shoot(
@@ -216,11 +286,11 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot(
         "moment-elimination",
         vec![
-            Command::ToggleTheme,
-            Command::FirstStage,
+            Command::Appearance(AppearanceCommand::ToggleTheme),
+            Command::Time(TimeCommand::FirstStage),
             run_to(Target::Elimination),
-            Command::OpenPanel(Panel::Events),
-            Command::OpenPanel(Panel::Watches),
+            Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+            Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
             debug(DebugCommand::Watch("distance".to_owned())),
             debug(DebugCommand::Watch("nonsense(".to_owned())),
         ],
@@ -230,45 +300,68 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         vec![
             run_to(Target::Gap),
             debug(DebugCommand::Pick(Selection::Sample(900))),
-            Command::OpenPanel(Panel::Inspector),
+            Command::Window(WindowCommand::OpenPanel(Panel::Inspector)),
             debug(DebugCommand::Query("insert iteration>1".to_owned())),
-            Command::GoToCurrent,
+            Command::View(ViewCommand::GoToCurrent),
         ],
     );
-    shoot("moment-gap-light", vec![Command::ToggleTheme]);
+    shoot(
+        "moment-gap-light",
+        vec![Command::Appearance(AppearanceCommand::ToggleTheme)],
+    );
     let nets = [Layer::Delaunay, Layer::Voronoi, Layer::Circumcircles];
-    shoot("moment-geometry", nets.map(Command::ToggleLayer).to_vec());
+    shoot(
+        "moment-geometry",
+        nets.map(|x| Command::Appearance(AppearanceCommand::ToggleLayer(x)))
+            .to_vec(),
+    );
     shoot(
         "moment-no-geometry",
-        nets.map(Command::ToggleLayer).to_vec(),
+        nets.map(|x| Command::Appearance(AppearanceCommand::ToggleLayer(x)))
+            .to_vec(),
     );
     shoot(
         "moment-insertion",
         vec![
             run_to(Target::SecondInsertion),
             debug(DebugCommand::Bookmark),
-            Command::OpenPanel(Panel::Bookmarks),
-            Command::GoToCurrent,
+            Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+            Command::View(ViewCommand::GoToCurrent),
         ],
     );
     shoot(
         "passes",
         vec![
-            Command::Engine(tilescope_app::device::Engine::Gpu),
-            Command::OpenPanel(Panel::Passes),
+            Command::Gpu(GpuCommand::Engine(tilescope_app::device::Engine::Gpu)),
+            Command::Window(WindowCommand::OpenPanel(Panel::Passes)),
         ],
     );
     shoot("passes-run", vec![Command::OpenPasses]);
-    shoot("passes-closed", vec![Command::OpenPanel(Panel::Canvas)]);
-    shoot("projector", vec![Command::Look(Look::Projector)]);
-    let actions = Command::PaletteText("next".to_owned());
+    shoot(
+        "passes-closed",
+        vec![Command::Window(WindowCommand::OpenPanel(Panel::Canvas))],
+    );
+    shoot(
+        "projector",
+        vec![Command::Appearance(AppearanceCommand::Look(
+            Look::Projector,
+        ))],
+    );
+    let actions = Command::Window(WindowCommand::FinderText("next".to_owned()));
     shoot(
         "actions",
-        vec![Command::Look(Look::Dark), Command::TogglePalette, actions],
+        vec![
+            Command::Appearance(AppearanceCommand::Look(Look::Dark)),
+            Command::Window(WindowCommand::ToggleFinder),
+            actions,
+        ],
     );
     shoot(
         "actions-closed",
-        vec![Command::TogglePalette, Command::LastStage],
+        vec![
+            Command::Window(WindowCommand::ToggleFinder),
+            Command::Time(TimeCommand::LastStage),
+        ],
     );
 }
 

@@ -5,7 +5,9 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tilescope_app::arrangement::DrawerCommand;
+use tilescope_app::command::AppearanceCommand;
 use tilescope_app::command::DebugCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
@@ -30,7 +32,10 @@ fn main() {
     save(&mut harness, &folder, "phone-2x");
     for look in Look::ALL {
         let mut harness = opened([1440.0, 900.0], 1.0);
-        harness.state_mut().state.apply(Command::Look(look));
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Appearance(AppearanceCommand::Look(look)));
         for _ in 0..8 {
             harness.key_press(Key::Tab);
             harness.run();
@@ -47,7 +52,7 @@ fn opened(size: [f32; 2], pixels_per_point: f32) -> Harness<'static, App> {
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     harness.state_mut().state.settle();
     let state = &mut harness.state_mut().state;
-    state.apply(Command::ToggleReducedMotion);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(40))));
     harness
 }
@@ -55,7 +60,10 @@ fn opened(size: [f32; 2], pixels_per_point: f32) -> Harness<'static, App> {
 fn panels(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
     for panel in Panel::ALL {
         let command = DrawerCommand::Show(Some(panel));
-        harness.state_mut().state.apply(Command::Drawer(command));
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Window(WindowCommand::Drawer(command)));
         if panel == Panel::Passes {
             harness.state_mut().state.apply(Command::OpenPasses);
         }

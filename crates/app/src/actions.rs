@@ -13,6 +13,10 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
+use crate::command::AppearanceCommand;
+use crate::command::FormCommand;
+use crate::command::ViewCommand;
+use crate::command::WindowCommand;
 use crate::command::{Command, DebugCommand};
 use crate::finder::Finder;
 use crate::layers::{Colouring, Layer};
@@ -101,27 +105,6 @@ pub fn found(finder: &Finder, state: &State) -> Vec<Action> {
     found
 }
 
-impl State {
-    pub(crate) fn apply_to_palette(&mut self, command: Command) {
-        match command {
-            Command::TogglePalette => {
-                self.window.finder = match self.window.finder {
-                    None => Some(Finder::default()),
-                    Some(_) => None,
-                }
-            }
-            Command::ClosePalette => self.window.finder = None,
-            Command::PaletteText(text) => self.window.finder = Some(Finder { text, choice: 0 }),
-            Command::PaletteChoice(choice) => {
-                if let Some(palette) = &mut self.window.finder {
-                    palette.choice = choice;
-                }
-            }
-            _ => {}
-        }
-    }
-}
-
 const NO_SESSION: &str = "There is no session yet.";
 static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
     let most = grouped(MOST_STAGED as usize);
@@ -198,12 +181,12 @@ impl Action {
 impl List {
     /// Gives Escape to the first way out of something: what was entered last is left first.
     fn escape(&mut self, state: &State) {
-        let projector =
-            (state.appearance.look == Look::Projector).then_some(Command::ToggleProjector);
+        let projector = (state.appearance.look == Look::Projector)
+            .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
         let ways = [
             Command::Debug(DebugCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
-            Command::Drawer(DrawerCommand::Show(None)),
+            Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
         ];
         for way in ways.into_iter().chain(projector) {
             let is_way = |action: &&mut Action| action.command == way && action.refusal.is_none();
@@ -236,7 +219,12 @@ fn edit(list: &mut List, state: &State) {
         Command::Redo,
         no_future,
     );
-    add("Reset parameters", None, Command::ResetParameters, None);
+    add(
+        "Reset parameters",
+        None,
+        Command::Form(FormCommand::Reset),
+        None,
+    );
     let nothing = (state.runs.first.selected.is_none() && state.runs.first.place.is_none())
         .then_some("Nothing is selected.");
     let deselect = Command::Debug(DebugCommand::Pick(Selection::Nothing));
@@ -244,7 +232,7 @@ fn edit(list: &mut List, state: &State) {
     add(
         "All actions\u{2026}",
         Some((COMMAND, Key::K)),
-        Command::TogglePalette,
+        Command::Window(WindowCommand::ToggleFinder),
         None,
     );
 }
@@ -254,7 +242,7 @@ fn full_screen(list: &mut List, state: &State) {
         Menu::View,
         "Full screen",
         Some((Modifiers::ALT, Key::Enter)),
-        Command::ToggleFullScreen,
+        Command::Window(WindowCommand::ToggleFullScreen),
         state.window.full_screen.refusal(),
     );
 }
@@ -276,62 +264,70 @@ fn view(list: &mut List, state: &State) {
         .is_none()
         .then_some("No panel is open.");
     if state.window.drawer.arrangement.is_compact() {
-        let close = Command::Drawer(DrawerCommand::Show(None));
+        let close = Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None)));
         list.add(Menu::View, "Close the panel", None, close, no_panel);
     }
     let mut add = |name: String, keys, command| list.add(Menu::View, name, keys, command, None);
     add(
         "Show the whole domain".to_owned(),
         Some((NONE, Key::F)),
-        Command::Fit,
+        Command::View(ViewCommand::Fit),
     );
     add(
         "Go to where the last event happened".to_owned(),
         Some((NONE, Key::Period)),
-        Command::GoToCurrent,
+        Command::View(ViewCommand::GoToCurrent),
     );
     for look in [Look::Dark, Look::Light] {
-        add(look.name().to_owned(), None, Command::Look(look));
+        add(
+            look.name().to_owned(),
+            None,
+            Command::Appearance(AppearanceCommand::Look(look)),
+        );
     }
     add(
         projector_action(state.appearance.look).to_owned(),
         Some((NONE, Key::F2)),
-        Command::ToggleProjector,
+        Command::Appearance(AppearanceCommand::ToggleProjector),
     );
     add(
         "Reduced motion".to_owned(),
         None,
-        Command::ToggleReducedMotion,
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
     );
     for panel in Panel::ALL {
         add(
             format!("Panel: {}", panel.name()),
             None,
-            Command::OpenPanel(panel),
+            Command::Window(WindowCommand::OpenPanel(panel)),
         );
     }
-    add("Reset layout".to_owned(), None, Command::ResetLayout);
+    add(
+        "Reset layout".to_owned(),
+        None,
+        Command::Window(WindowCommand::ResetLayout),
+    );
     for layer in Layer::ALL {
         add(
             format!("Layer: {}", layer.name()),
             None,
-            Command::ToggleLayer(layer),
+            Command::Appearance(AppearanceCommand::ToggleLayer(layer)),
         );
     }
     add(
         "Colour by block".to_owned(),
         None,
-        Command::Colour(Colouring::Block),
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Block)),
     );
     add(
         "Colour by provenance".to_owned(),
         None,
-        Command::Colour(Colouring::Provenance),
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Provenance)),
     );
     add(
         "Colour by age".to_owned(),
         None,
-        Command::Colour(Colouring::Age),
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
     );
 }
 
@@ -348,18 +344,24 @@ fn camera(list: &mut List, state: &State) {
         ("Move the view down", Key::ArrowDown, vec2(0.0, -PAN)),
     ] {
         let keys = Some((SHIFT, key));
-        list.add(Menu::View, name, keys, Command::Pan(delta), no_session);
+        list.add(
+            Menu::View,
+            name,
+            keys,
+            Command::View(ViewCommand::Pan(delta)),
+            no_session,
+        );
     }
     let middle = state.runs.first.viewport.center();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
-        let command = Command::Zoom(middle, factor);
+        let command = Command::View(ViewCommand::Zoom(middle, factor));
         list.add(Menu::View, name, Some((NONE, key)), command, no_session);
     }
     list.add(
         Menu::Edit,
         "Select what is in the middle of the view",
         Some((NONE, Key::M)),
-        Command::SelectMiddle,
+        Command::View(ViewCommand::SelectMiddle),
         no_session,
     );
 }

@@ -13,6 +13,7 @@ use crate::actions;
 use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::canvas::touch::release_cancelled;
 use crate::command::Command;
+use crate::command::WindowCommand;
 use crate::files::FileCommand;
 use crate::focus;
 use crate::layout::{Layout, Panel};
@@ -277,7 +278,8 @@ impl App {
         };
         if arrangement != self.state.window.drawer.arrangement {
             let command = DrawerCommand::Arrange(arrangement);
-            self.state.apply(Command::Drawer(command));
+            self.state
+                .apply(Command::Window(WindowCommand::Drawer(command)));
         }
     }
 
@@ -317,11 +319,11 @@ impl App {
             self.state.window.layout = layout;
         }
         if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
-            self.state.choose_look(look);
+            self.state.appearance.choose_look(look);
             self.state.choose_motion(chosen);
         } else if let Some((look, _)) = eframe::get_value::<(Look, bool)>(storage, LOOK_KEY) {
             // Once it did not say who had decided on motion.
-            self.state.choose_look(look);
+            self.state.appearance.choose_look(look);
         }
     }
 }

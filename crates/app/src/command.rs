@@ -23,6 +23,18 @@ use crate::verification::Witness;
 /// A move in time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TimeCommand {
+    /// Shows the state after the stage of this place in the session's list.
+    ShowStage(usize),
+    /// Goes one tick back.
+    StepBack,
+    /// Goes one tick forward.
+    StepForward,
+    /// Goes to the first stage.
+    FirstStage,
+    /// Goes to the last stage.
+    LastStage,
+    /// Starts or stops the play.
+    TogglePlay,
     /// Chooses what a tick is.
     Clock(Clock),
     /// Chooses how fast time runs when playing.
@@ -78,38 +90,30 @@ pub enum DebugCommand {
     Pick(Selection),
 }
 
-/// One action of the user.
+/// A change of what the next run is made from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Command {
+pub enum FormCommand {
     /// Types a parameter.
     Type(Field, String),
     /// Chooses a parameter.
     Choose(Choice),
     /// Returns to the parameters of the default session.
-    ResetParameters,
-    /// Chooses who samples. The first choice of the GPU opens and tests it.
+    Reset,
+}
+
+/// A choice of who samples.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum GpuCommand {
+    /// Chooses the engine. The first choice of the GPU opens and tests it.
     Engine(Engine),
     /// Names the GPU adapter by a part of its name, or returns to the fastest. It counts from the next choice of the
     /// GPU on.
     NameAdapter(Option<String>),
-    /// Samples with the parameters of the panel.
-    Run,
-    /// Glues the sets of a layout to one.
-    Combine(CombineCommand),
-    /// Stops the sampling.
-    Cancel,
-    /// Shows the state after the stage of this place in the session's list.
-    ShowStage(usize),
-    /// Goes one stage back.
-    StepBack,
-    /// Goes one stage forward.
-    StepForward,
-    /// Goes to the first stage.
-    FirstStage,
-    /// Goes to the last stage.
-    LastStage,
-    /// Starts or stops the play of stages.
-    TogglePlay,
+}
+
+/// A change of how moments are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AppearanceCommand {
     /// Shows or hides a layer.
     ToggleLayer(Layer),
     /// Chooses what the colour of samples means.
@@ -120,10 +124,15 @@ pub enum Command {
     Look(Look),
     /// Enters the projector mode, or returns to the look before it.
     ToggleProjector,
-    /// Shows the window on the full screen, or no longer.
-    ToggleFullScreen,
     /// Jumps instead of flying, or flies again.
     ToggleReducedMotion,
+}
+
+/// A change of what stands where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum WindowCommand {
+    /// Shows the window on the full screen, or no longer.
+    ToggleFullScreen,
     /// Brings a panel into view.
     OpenPanel(Panel),
     /// Brings what is known of the selection into view. It comes with the selection, so that undoing does not concern it.
@@ -132,34 +141,19 @@ pub enum Command {
     Drawer(DrawerCommand),
     /// Puts all panels where they were at first.
     ResetLayout,
-    /// Takes back the last change of parameters, layers or layout.
-    Undo,
-    /// Makes it again.
-    Redo,
     /// Opens the list of all actions, or closes it.
-    TogglePalette,
+    ToggleFinder,
     /// Closes the list of all actions.
-    ClosePalette,
+    CloseFinder,
     /// Types what action is looked for.
-    PaletteText(String),
+    FinderText(String),
     /// Chooses an action of the list.
-    PaletteChoice(usize),
-    /// Moves in time.
-    Time(TimeCommand),
-    /// Runs the passes of the session's parameters on the GPU, to be looked at.
-    OpenPasses,
-    /// Does something with the passes.
-    Passes(PassCommand),
-    /// Does something with saved sessions and pattern files.
-    File(FileCommand),
-    /// Does something with the comparison of two runs.
-    Compare(CompareCommand),
-    /// Carries out a command of the canvas on the second of two compared runs.
-    OnSecond(Box<Command>),
-    /// Does something with what is measured.
-    Analysis(AnalysisCommand),
-    /// Does something with the debugger.
-    Debug(DebugCommand),
+    FinderChoice(usize),
+}
+
+/// A change of the view of a run, or of what is pointed at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ViewCommand {
     /// Tells where the canvas is in the window.
     Viewport(Rect),
     /// Moves the picture by screen points.
@@ -182,37 +176,84 @@ pub enum Command {
     GoToCurrent,
     /// Selects a sample and flies to it.
     GoToSample(u32),
+}
+
+/// What is done with links.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LinkCommand {
+    /// Puts a link to what is shown on the clipboard.
+    Copy,
+    /// Opens a link: a fragment of an address, or a whole one.
+    Open(String),
+}
+
+/// One action of the user.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Changes what the next run is made from.
+    Form(FormCommand),
+    /// Chooses who samples.
+    Gpu(GpuCommand),
+    /// Samples with the parameters of the panel.
+    Run,
+    /// Glues the sets of a layout to one.
+    Combine(CombineCommand),
+    /// Stops the sampling.
+    Cancel,
+    /// Moves in time.
+    Time(TimeCommand),
+    /// Does something with the debugger.
+    Debug(DebugCommand),
+    /// Changes the view of a run.
+    View(ViewCommand),
+    /// Changes how moments are drawn.
+    Appearance(AppearanceCommand),
+    /// Changes what stands where.
+    Window(WindowCommand),
+    /// Runs the passes of the session's parameters on the GPU, to be looked at.
+    OpenPasses,
+    /// Does something with the passes.
+    Passes(PassCommand),
+    /// Does something with the comparison of two runs.
+    Compare(CompareCommand),
+    /// Carries out a command of the canvas on the second of two compared runs.
+    OnSecond(Box<Command>),
+    /// Does something with what is measured.
+    Analysis(AnalysisCommand),
+    /// Does something with saved sessions and pattern files.
+    File(FileCommand),
     /// Does something with the export sheet.
     Export(ExportCommand),
-    /// Puts a link to what is shown on the clipboard.
-    CopyLink,
-    /// Opens a link: a fragment of an address, or a whole one.
-    OpenLink(String),
+    /// Does something with links.
+    Link(LinkCommand),
+    /// Takes back the last change of parameters, layers or layout.
+    Undo,
+    /// Makes it again.
+    Redo,
     /// Closes the notice.
     DismissNotice,
 }
 
 impl Command {
-    /// Returns whether a key may do this where the window is part of another page: nothing that opens what is not shown there.
+    /// Returns whether a key may do this where the window is part of another page: nothing that opens what is not shown
+    /// there.
     #[must_use]
     pub const fn works_in_frame(&self) -> bool {
+        use AppearanceCommand as A;
+        use WindowCommand as W;
         !matches!(
             self,
             Self::File(_)
                 | Self::Export(_)
                 | Self::Combine(_)
-                | Self::TogglePalette
-                | Self::OpenPanel(_)
-                | Self::Inspect
-                | Self::ResetLayout
+                | Self::Window(W::ToggleFinder | W::OpenPanel(_) | W::Inspect | W::ResetLayout)
                 | Self::OpenPasses
                 | Self::Run
                 | Self::Undo
                 | Self::Redo
                 | Self::Compare(_)
                 | Self::OnSecond(_)
-                | Self::Look(_)
-                | Self::ToggleProjector
+                | Self::Appearance(A::Look(_) | A::ToggleProjector)
         )
     }
 }
@@ -223,7 +264,7 @@ mod tests {
 
     #[test]
     fn keys_of_a_frame_open_nothing_that_it_lacks() {
-        assert!(Command::StepForward.works_in_frame());
-        assert!(!Command::TogglePalette.works_in_frame());
+        assert!(Command::Time(TimeCommand::StepForward).works_in_frame());
+        assert!(!Command::Window(WindowCommand::ToggleFinder).works_in_frame());
     }
 }

@@ -147,10 +147,15 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                     app.remember(storage);
                 }
                 if light {
-                    app.state.apply(crate::Command::ToggleTheme);
+                    app.state.apply(crate::Command::Appearance(
+                        crate::command::AppearanceCommand::ToggleTheme,
+                    ));
                 }
                 if let Some(link) = link {
-                    app.state.apply(crate::Command::OpenLink(link));
+                    app.state
+                        .apply(crate::Command::Link(crate::command::LinkCommand::Open(
+                            link,
+                        )));
                 }
                 let frames = counter;
                 Ok(Box::new(Counted { app, frames }))

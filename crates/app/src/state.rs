@@ -4,19 +4,22 @@
 use tilescope_core::Stage;
 
 use crate::analysis::Analysis;
-use crate::command::Command;
+use crate::command::{Command, GpuCommand, LinkCommand, WindowCommand};
 use crate::device::{Device, Engine};
 use crate::draft::Draft;
 use crate::jobs::{Job, Wake};
 use crate::layout::Layout;
 use crate::theme::Look;
 use crate::verification::Verdict;
+pub use appearance::Appearance;
 pub use debug::{EventQuery, Found, MOST_FOUND};
+pub use form::Form;
 pub use hits::{Hits, MOST_HITS};
 pub use page::PageStart;
 use parts::JobContext;
-pub use parts::{Appearance, FileDesk, Form, GpuState, Links, Messages, Runs, Time, Window};
+pub use parts::{FileDesk, GpuState, Links, Messages, Runs, Time};
 pub use run_view::RunView;
+pub use window::Window;
 
 /// What the verifier has said so far.
 pub enum Verification {
@@ -166,14 +169,9 @@ impl State {
 
     fn carry_out(&mut self, command: Command) {
         match command {
-            Command::Type(field, text) => self.form.draft.set_text(field, text),
-            Command::Choose(choice) => self.form.draft.choose(choice),
-            Command::ResetParameters => {
-                self.form.draft = Draft::default();
-                self.form.own_pattern = None;
-            }
-            Command::Engine(engine) => self.choose_engine(engine),
-            Command::NameAdapter(name) => self.name_adapter(name),
+            Command::Form(command) => self.form.apply(command),
+            Command::Gpu(GpuCommand::Engine(engine)) => self.choose_engine(engine),
+            Command::Gpu(GpuCommand::NameAdapter(name)) => self.name_adapter(name),
             Command::Run => self.run(),
             Command::Combine(command) => self.combine(command),
             Command::Cancel => {
@@ -181,27 +179,15 @@ impl State {
                     job.cancel();
                 }
             }
-            Command::ToggleLayer(layer) => self.appearance.layers.toggle(layer),
-            Command::Colour(colouring) => self.appearance.colouring = colouring,
-            Command::Hover(id) => self.runs.first.hovered = id,
             Command::DismissNotice => self.messages.notice = None,
-            Command::ToggleTheme => self.choose_look(self.appearance.look.other()),
-            Command::Look(look) => self.choose_look(look),
-            Command::ToggleProjector if self.appearance.look == Look::Projector => {
-                self.choose_look(self.appearance.look_before);
+            Command::Appearance(command) => {
+                if self.appearance.apply(command) {
+                    self.end_flight();
+                }
             }
-            Command::ToggleProjector => self.choose_look(Look::Projector),
-            Command::ToggleFullScreen => self.window.full_screen = FullScreen::Asked,
-            Command::ToggleReducedMotion => self.toggle_reduced_motion(),
-            Command::OpenPanel(panel) => self.open_panel(panel),
-            Command::Inspect => self.inspect(),
-            Command::Drawer(command) => self.apply_to_drawer(command),
-            Command::ResetLayout => self.window.layout = Layout::default(),
+            Command::Window(WindowCommand::Inspect) => self.inspect(),
+            Command::Window(command) => self.window.apply(command),
             Command::Undo | Command::Redo => {}
-            Command::TogglePalette
-            | Command::ClosePalette
-            | Command::PaletteText(_)
-            | Command::PaletteChoice(_) => self.apply_to_palette(command),
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
             Command::File(command) => self.apply_to_files(command),
@@ -214,26 +200,11 @@ impl State {
                 self.follow_cursor();
                 self.moved(before);
             }
-            Command::ShowStage(_)
-            | Command::StepBack
-            | Command::StepForward
-            | Command::FirstStage
-            | Command::LastStage
-            | Command::TogglePlay
-            | Command::Time(_) => self.apply_to_clock(&command),
-            Command::Viewport(_)
-            | Command::Pan(_)
-            | Command::Zoom(..)
-            | Command::SelectMiddle
-            | Command::Fit
-            | Command::FlyTo(..)
-            | Command::FlyToBlock(_)
-            | Command::GoToCurrent
-            | Command::FlyToWitness(_)
-            | Command::GoToSample(_) => self.apply_to_camera(&command),
+            Command::Time(command) => self.apply_to_time(command),
+            Command::View(command) => self.apply_to_view(command),
             Command::Export(command) => self.apply_to_export(command),
-            Command::CopyLink => self.copy_link(),
-            Command::OpenLink(text) => self.open_link(&text),
+            Command::Link(LinkCommand::Copy) => self.copy_link(),
+            Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
         }
     }
 
@@ -244,14 +215,15 @@ impl State {
 
 mod analysis;
 mod announce;
+mod appearance;
 mod camera;
 mod combine;
 mod compare;
 pub(crate) mod debug;
-mod drawer;
 mod engine;
 pub(crate) mod export;
 mod files;
+mod form;
 pub(crate) mod hits;
 mod link;
 mod page;
@@ -263,4 +235,5 @@ mod tests;
 mod time;
 mod undo;
 mod view;
+mod window;
 mod work;

@@ -8,6 +8,8 @@ use egui::{
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
 
+use crate::command::ViewCommand;
+use crate::command::WindowCommand;
 use crate::layers::Layer;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
@@ -457,15 +459,15 @@ mod tests {
 
     #[test]
     fn ids_are_the_names_of_values_in_small_letters() {
-        let open = Command::OpenPanel(Panel::Passes);
-        assert_eq!(Kebab(&open).to_string(), "open-panel-passes");
+        let open = Command::Window(WindowCommand::OpenPanel(Panel::Passes));
+        assert_eq!(Kebab(&open).to_string(), "window-open-panel-passes");
         let endless = Command::Time(TimeCommand::Loop(None));
         assert_eq!(Kebab(&endless).to_string(), "time-loop-none");
         assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
         assert_eq!(Kebab("A").to_string(), "a");
         // Signs are told apart.
-        let left = Command::Pan(vec2(-80.0, 0.0));
-        assert_eq!(Kebab(&left).to_string(), "pan-minus-80-0-0-0");
+        let left = Command::View(ViewCommand::Pan(vec2(-80.0, 0.0)));
+        assert_eq!(Kebab(&left).to_string(), "view-pan-minus-80-0-0-0");
     }
 
     #[test]

@@ -9,6 +9,7 @@ use eframe::{WebOptions, WebRunner};
 use egui::{Event, Ui};
 use js_sys::Object;
 use serde::Deserialize;
+use tilescope_app::command::LinkCommand;
 use tilescope_app::device::Engine;
 use tilescope_app::embedding::Embedding;
 use tilescope_app::errand::carry_with;
@@ -140,7 +141,9 @@ impl Tilescope {
     /// Opens what a link's fragment describes.
     pub fn open_link(&self, fragment: String) {
         if let Some(mut page) = self.runner.app_mut::<Page>() {
-            page.app.state.apply(Command::OpenLink(fragment));
+            page.app
+                .state
+                .apply(Command::Link(LinkCommand::Open(fragment)));
             // What the address holds now may be none of this program's links, even if nothing else changes.
             page.link = None;
             page.ctx.request_repaint();
@@ -306,7 +309,8 @@ impl Page {
         }
         // A link takes the notices away that were there before.
         if !options.link.is_empty() {
-            app.state.apply(Command::OpenLink(options.link.clone()));
+            app.state
+                .apply(Command::Link(LinkCommand::Open(options.link.clone())));
         }
         app.state.begin_on_page(&tilescope_app::state::PageStart {
             display: display.clone(),

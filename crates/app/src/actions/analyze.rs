@@ -7,6 +7,7 @@ use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
 use crate::arrangement::DrawerCommand;
 use crate::command::Command;
+use crate::command::WindowCommand;
 use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
 use crate::state::State;
@@ -21,13 +22,19 @@ pub(super) fn add(list: &mut List, state: &State) {
     let analysis = &state.analysis;
     let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     // Tiles have tabs to leave the analysis by; a projector and a small window do not.
-    let open = Command::OpenPanel(Panel::Analysis);
+    let open = Command::Window(WindowCommand::OpenPanel(Panel::Analysis));
     let (name, command) = if !state.analyses() {
         ("Show analysis", open)
     } else if state.window.drawer.arrangement.is_compact() {
-        ("Hide analysis", Command::Drawer(DrawerCommand::Show(None)))
+        (
+            "Hide analysis",
+            Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
+        )
     } else if state.appearance.look == Look::Projector {
-        ("Hide analysis", Command::OpenPanel(Panel::Parameters))
+        (
+            "Hide analysis",
+            Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),
+        )
     } else {
         ("Show analysis", open)
     };

@@ -5,6 +5,7 @@ use egui::Key;
 use super::{COMMAND, List, Menu, SHIFT};
 use crate::combination::CombineCommand;
 use crate::command::Command;
+use crate::command::LinkCommand;
 use crate::export::{ExportCommand, Kind};
 use crate::files::{FileCommand, Purpose};
 use crate::state::State;
@@ -65,7 +66,13 @@ pub(super) fn add(list: &mut List, state: &State) {
         );
     }
     let keys = Some((COMMAND | SHIFT, Key::L));
-    add(list, "Copy link", keys, Command::CopyLink, None);
+    add(
+        list,
+        "Copy link",
+        keys,
+        Command::Link(LinkCommand::Copy),
+        None,
+    );
     let idle = state
         .export_fraction()
         .is_none()

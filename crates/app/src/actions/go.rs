@@ -18,19 +18,34 @@ pub(super) fn add(list: &mut List, state: &State) {
         .debugger
         .is_none()
         .then_some(no_events(state));
-    let play = Command::TogglePlay;
+    let play = Command::Time(TimeCommand::TogglePlay);
     let space = Some((NONE, Key::Space));
     list.add(Menu::Go, "Play or pause", space, play, no_session);
     for (name, key, command, refusal) in [
         (
             "Tick forward",
             Key::ArrowRight,
-            Command::StepForward,
+            Command::Time(TimeCommand::StepForward),
             at_end,
         ),
-        ("Tick back", Key::ArrowLeft, Command::StepBack, at_start),
-        ("First stage", Key::Home, Command::FirstStage, at_start),
-        ("Last stage", Key::End, Command::LastStage, at_end),
+        (
+            "Tick back",
+            Key::ArrowLeft,
+            Command::Time(TimeCommand::StepBack),
+            at_start,
+        ),
+        (
+            "First stage",
+            Key::Home,
+            Command::Time(TimeCommand::FirstStage),
+            at_start,
+        ),
+        (
+            "Last stage",
+            Key::End,
+            Command::Time(TimeCommand::LastStage),
+            at_end,
+        ),
     ] {
         list.add(Menu::Go, name, Some((NONE, key)), command, refusal);
     }

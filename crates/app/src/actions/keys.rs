@@ -5,6 +5,7 @@ use egui::{Event, Key, KeyboardShortcut, Modifiers, Popup};
 
 use super::{Action, COMMAND, NONE, SHIFT, actions, found};
 use crate::command::Command;
+use crate::command::WindowCommand;
 use crate::finder::Finder;
 use crate::state::State;
 
@@ -100,7 +101,7 @@ fn meant_by(key: Key, held: Modifiers, state: &State) -> Option<(Command, Modifi
         let shortcut = action.keys().find(|shortcut| {
             shortcut.logical_key == key && held.matches_exact(shortcut.modifiers)
         })?;
-        let is_open = !listed || action.command == Command::TogglePalette;
+        let is_open = !listed || action.command == Command::Window(WindowCommand::ToggleFinder);
         let is_here = state.window.embedding.is_none() || action.command.works_in_frame();
         let can = action.refusal.is_none() && is_open && is_here;
         can.then_some((action.command, shortcut.modifiers))
@@ -183,7 +184,7 @@ fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
 impl Ahead {
     fn commands(self, state: &State) -> Vec<Command> {
         if self.is_closed {
-            return vec![Command::ClosePalette];
+            return vec![Command::Window(WindowCommand::CloseFinder)];
         }
         if self.text.trim().is_empty() {
             return Vec::new();
@@ -194,8 +195,8 @@ impl Ahead {
         };
         let found = found(&finder, state).into_iter().next();
         match found.filter(|action| self.is_entered && action.refusal.is_none()) {
-            Some(action) => vec![Command::ClosePalette, action.command],
-            None => vec![Command::PaletteText(finder.text)],
+            Some(action) => vec![Command::Window(WindowCommand::CloseFinder), action.command],
+            None => vec![Command::Window(WindowCommand::FinderText(finder.text))],
         }
     }
 }

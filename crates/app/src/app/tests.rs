@@ -6,6 +6,9 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
 
 use super::*;
 use crate::clock::Clock;
+use crate::command::AppearanceCommand;
+use crate::command::ViewCommand;
+use crate::command::WindowCommand;
 use crate::command::{DebugCommand, TimeCommand};
 use crate::embedding::Embedding;
 use crate::sentence::happened;
@@ -179,7 +182,7 @@ fn is_event(id: &str) -> bool {
 #[test]
 fn the_tree_shows_the_last_event_wherever_one_goes() {
     let mut window = Window::opened([1440.0, 900.0]);
-    window.apply(Command::OpenPanel(Panel::Events));
+    window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     let (_, len) = window.app.state.cursor().unwrap();
     // Far and near, to and fro, into parts that were never expanded.
     let mut at = 7_usize;
@@ -194,8 +197,8 @@ fn the_tree_shows_the_last_event_wherever_one_goes() {
 #[test]
 fn what_stands_on_one_screen_is_of_one_moment() {
     let mut window = Window::opened([1440.0, 900.0]);
-    window.apply(Command::OpenPanel(Panel::Events));
-    window.apply(Command::FirstStage);
+    window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
+    window.apply(Command::Time(TimeCommand::FirstStage));
     for target in [
         Target::Conflict,
         Target::Elimination,
@@ -291,7 +294,7 @@ fn sentences_are_whole() {
         let mut window = Window::opened(size);
         window.app.state.window.embedding = embedding;
         if let Some(look) = look {
-            window.apply(Command::Look(look));
+            window.apply(Command::Appearance(AppearanceCommand::Look(look)));
             // What a projector shows is larger.
             window.size /= window.ctx.zoom_factor();
             window.rest();
@@ -324,7 +327,7 @@ fn sentences_are_whole() {
 fn the_default_session_has_its_gaps_where_it_fits() {
     for size in [[1280.0, 720.0], [1024.0, 768.0], [1440.0, 900.0]] {
         let mut window = Window::opened(size);
-        window.apply(Command::Fit);
+        window.apply(Command::View(ViewCommand::Fit));
         while window.app.state.advance(0.1) {}
         let scale = window.app.state.runs.first.camera.scale;
         assert!(scale >= crate::canvas::MIN_DISK_SCALE, "{size:?}: {scale}");
@@ -334,10 +337,10 @@ fn the_default_session_has_its_gaps_where_it_fits() {
 #[test]
 fn a_bookmark_and_a_row_lead_to_the_same_moment() {
     let mut window = Window::opened([1440.0, 900.0]);
-    window.apply(Command::OpenPanel(Panel::Events));
+    window.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     window.apply(Command::Time(TimeCommand::Jump(4_000)));
     window.apply(Command::Debug(DebugCommand::Bookmark));
-    window.apply(Command::FirstStage);
+    window.apply(Command::Time(TimeCommand::FirstStage));
     let last = window
         .app
         .state

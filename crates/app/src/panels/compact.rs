@@ -8,6 +8,7 @@ use egui::{Context, CursorIcon, Stroke, WidgetInfo, pos2, vec2};
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::command::Command;
+use crate::command::WindowCommand;
 use crate::focus;
 use crate::layout::Panel;
 use crate::panes::Canvas;
@@ -337,7 +338,7 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         if open.is_none() {
             return;
         }
-        let mut push = |command| commands.push(Command::Drawer(command));
+        let mut push = |command| commands.push(Command::Window(WindowCommand::Drawer(command)));
         if state.window.drawer.arrangement == Arrangement::Portrait {
             let is_tall = state.window.drawer.is_tall;
             let (icon, name) = if is_tall {
@@ -394,7 +395,9 @@ fn tab(
     }
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
         let panel = (!is_open).then_some(panel);
-        commands.push(Command::Drawer(DrawerCommand::Show(panel)));
+        commands.push(Command::Window(WindowCommand::Drawer(DrawerCommand::Show(
+            panel,
+        ))));
     }
 }
 

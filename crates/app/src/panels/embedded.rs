@@ -7,6 +7,7 @@ use super::compact::part;
 use super::notice;
 use super::timeline::{PLAYER_MARGIN, Player};
 use crate::command::Command;
+use crate::command::ViewCommand;
 use crate::embedding::Embedding;
 use crate::panes::Canvas;
 use crate::state::State;
@@ -76,7 +77,7 @@ fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec
         let fill = egui::Shape::rect_filled(response.rect, 7.0, color);
         ui.painter().set(ground, fill);
         if response.clicked() {
-            commands.push(Command::Fit);
+            commands.push(Command::View(ViewCommand::Fit));
         }
     });
 }

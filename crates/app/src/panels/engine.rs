@@ -4,6 +4,7 @@ use egui::{Button, ComboBox, RichText, Ui};
 
 use super::parameters::{field_width, labelled};
 use crate::command::Command;
+use crate::command::GpuCommand;
 use crate::device::Engine;
 use crate::state::State;
 use crate::theme::Palette;
@@ -49,7 +50,7 @@ fn entry(ui: &mut Ui, state: &State, engine: Engine, commands: &mut Vec<Command>
         response = response.on_disabled_hover_text(why);
     }
     if response.clicked() && state.form.engine != engine {
-        commands.push(Command::Engine(engine));
+        commands.push(Command::Gpu(GpuCommand::Engine(engine)));
     }
 }
 

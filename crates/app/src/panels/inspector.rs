@@ -7,6 +7,7 @@ use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
 
 use super::divide;
+use crate::command::ViewCommand;
 use crate::command::{Command, TimeCommand};
 use crate::moment::Shown;
 use crate::state::State;
@@ -254,7 +255,7 @@ fn links(ui: &mut Ui, ids: &[u32], commands: &mut Vec<Command>) {
     for &id in ids.iter().rev() {
         let link = ui.link(RichText::new(grouped(id as usize)).monospace());
         if link.on_hover_text("Select it and fly there").clicked() {
-            commands.push(Command::GoToSample(id));
+            commands.push(Command::View(ViewCommand::GoToSample(id)));
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use egui::{Ui, vec2};
 
+use crate::command::AppearanceCommand;
 use crate::command::Command;
 use crate::layers::Layer;
 use crate::state::State;
@@ -20,7 +21,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let chip = chip(ui, named, state.appearance.layers.has(layer), palette);
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
-                commands.push(Command::ToggleLayer(layer));
+                commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
             }
         }
     });

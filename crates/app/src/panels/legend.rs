@@ -4,6 +4,7 @@ use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
 use crate::analysis::brush::Cause;
 use crate::canvas::age::{Ages, LAST_TILED};
+use crate::command::AppearanceCommand;
 use crate::command::Command;
 use crate::layers::{Colouring, Layer};
 use crate::state::State;
@@ -125,7 +126,7 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let button = ui.add(button);
             button.known_as(format_args!("colour.{}", Kebab(colouring)));
             if button.on_hover_text(explanation).clicked() {
-                commands.push(Command::Colour(colouring));
+                commands.push(Command::Appearance(AppearanceCommand::Colour(colouring)));
             }
         }
     });

@@ -33,6 +33,7 @@ pub use embedded::show as show_embedded;
 #[cfg(test)]
 pub(crate) use timeline::told;
 
+use crate::command::AppearanceCommand;
 use crate::command::Command;
 use crate::focus;
 use crate::layout::Panel;
@@ -125,7 +126,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
             button.known_as("leave-projector");
             if button.on_hover_text(name).clicked() {
-                commands.push(Command::ToggleProjector);
+                commands.push(Command::Appearance(AppearanceCommand::ToggleProjector));
             }
         });
 }

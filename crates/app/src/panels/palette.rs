@@ -7,6 +7,7 @@ use egui::{
 use super::sheet;
 use crate::actions::{self, Action};
 use crate::command::Command;
+use crate::command::WindowCommand;
 use crate::finder::Finder;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
@@ -57,12 +58,12 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
     let chosen = modal.inner.and_then(|place| found.get(place));
     if let Some(action) = chosen.filter(|action| action.refusal.is_none()) {
-        commands.push(Command::ClosePalette);
-        if action.command != Command::TogglePalette {
+        commands.push(Command::Window(WindowCommand::CloseFinder));
+        if action.command != Command::Window(WindowCommand::ToggleFinder) {
             commands.push(action.command.clone());
         }
     } else if modal.should_close() {
-        commands.push(Command::ClosePalette);
+        commands.push(Command::Window(WindowCommand::CloseFinder));
     }
 }
 
@@ -83,7 +84,7 @@ fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, 
     if !response.changed() {
         return (response.id, open.clone());
     }
-    commands.push(Command::PaletteText(text.clone()));
+    commands.push(Command::Window(WindowCommand::FinderText(text.clone())));
     (response.id, Finder { text, choice: 0 })
 }
 
@@ -91,10 +92,10 @@ fn field(ui: &mut Ui, open: &Finder, commands: &mut Vec<Command>) -> (egui::Id, 
 fn keys(ui: &Ui, choice: usize, count: usize, commands: &mut Vec<Command>) -> bool {
     ui.input(|input| {
         if input.key_pressed(Key::ArrowDown) && choice + 1 < count {
-            commands.push(Command::PaletteChoice(choice + 1));
+            commands.push(Command::Window(WindowCommand::FinderChoice(choice + 1)));
         }
         if input.key_pressed(Key::ArrowUp) && choice > 0 {
-            commands.push(Command::PaletteChoice(choice - 1));
+            commands.push(Command::Window(WindowCommand::FinderChoice(choice - 1)));
         }
         input.key_pressed(Key::Enter) && count > 0
     })

@@ -5,6 +5,7 @@ use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 
 use super::engine;
 use crate::command::Command;
+use crate::command::FormCommand;
 use crate::draft::Refusal;
 use crate::draft::{Choice, Field};
 use crate::files::FileCommand;
@@ -92,7 +93,7 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         &boundaries,
         palette,
     ) {
-        commands.push(Command::Choose(Choice::Boundary(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::Boundary(chosen))));
     }
     expected(ui, state, palette);
 
@@ -114,7 +115,9 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         palette,
     );
     if let Some(chosen) = chosen {
-        commands.push(Command::Choose(Choice::PatternBoundary(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::PatternBoundary(
+            chosen,
+        ))));
     }
     own_pattern(ui, state, commands);
     let turns = [(false, "as it is"), (true, "turned, mirrored")];
@@ -127,7 +130,7 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         &turns,
         palette,
     ) {
-        commands.push(Command::Choose(Choice::Dihedral(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::Dihedral(chosen))));
     }
     algorithm(ui, state, commands);
     engine::show(ui, state, commands);
@@ -178,7 +181,7 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ];
     let why = "The order in which tiled samples claim their disks.";
     if let Some(chosen) = choice(ui, ("order", "Order"), why, p.order, &orders, palette) {
-        commands.push(Command::Choose(Choice::Order(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::Order(chosen))));
     }
     let insertions = [
         (Insertion::Circumcentre, "circumcentres"),
@@ -193,7 +196,9 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         &insertions,
         palette,
     ) {
-        commands.push(Command::Choose(Choice::Insertion(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::Insertion(
+            chosen,
+        ))));
     }
     let searches = [
         (Search::Complete, "complete"),
@@ -201,7 +206,7 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ];
     let why = "How far detectors look. 2 r, which the paper believes to suffice, leaves gaps.";
     if let Some(chosen) = choice(ui, ("search", "Search"), why, p.search, &searches, palette) {
-        commands.push(Command::Choose(Choice::Search(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::Search(chosen))));
     }
     let variants = [
         (Variant::Staged, "staged"),
@@ -216,7 +221,7 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         &variants,
         palette,
     ) {
-        commands.push(Command::Choose(Choice::Variant(chosen)));
+        commands.push(Command::Form(FormCommand::Choose(Choice::Variant(chosen))));
     }
 }
 
@@ -330,7 +335,7 @@ fn edit(
     let response = ui.add(edit).accessible_name(name).on_hover_text(name);
     response.known_as(key(field));
     if response.changed() {
-        commands.push(Command::Type(field, text));
+        commands.push(Command::Form(FormCommand::Type(field, text)));
     }
     let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
     if entered && state.run_refusal().is_none() && state.runs.first.sampling.is_none() {
@@ -439,7 +444,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 let reset =
                     reset.on_hover_text("Reset the parameters to those of the first session");
                 if reset.clicked() {
-                    commands.push(Command::ResetParameters);
+                    commands.push(Command::Form(FormCommand::Reset));
                 }
             }
         }

@@ -5,6 +5,7 @@ use tilescope_core::Stage;
 
 use crate::combination::Combination;
 use crate::command::Command;
+use crate::command::TimeCommand;
 use crate::limits::MOST_STAGED;
 use crate::sentence::name_in;
 use crate::session::Session;
@@ -41,7 +42,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             palette,
             Some(stage),
         ) {
-            commands.push(Command::ShowStage(place));
+            commands.push(Command::Time(TimeCommand::ShowStage(place)));
         }
     }
     if !session.has_stages() {

@@ -348,22 +348,32 @@ fn controls(ui: &mut Ui, state: &State, with_ends: bool, commands: &mut Vec<Comm
             Icon::First,
             "First stage (Home)",
             at_start,
-            Command::FirstStage,
+            Command::Time(TimeCommand::FirstStage),
         ),
         (
             Icon::Back,
             &format!("{} back (Left)", capital(clock)),
             at_start,
-            Command::StepBack,
+            Command::Time(TimeCommand::StepBack),
         ),
-        (play, play_name, no_session, Command::TogglePlay),
+        (
+            play,
+            play_name,
+            no_session,
+            Command::Time(TimeCommand::TogglePlay),
+        ),
         (
             Icon::Forward,
             &format!("{} forward (Right)", capital(clock)),
             at_end,
-            Command::StepForward,
+            Command::Time(TimeCommand::StepForward),
         ),
-        (Icon::Last, "Last stage (End)", at_end, Command::LastStage),
+        (
+            Icon::Last,
+            "Last stage (End)",
+            at_end,
+            Command::Time(TimeCommand::LastStage),
+        ),
     ] {
         if !with_ends && matches!(icon, Icon::First | Icon::Last) {
             continue;

@@ -4,7 +4,9 @@ use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, U
 
 use super::verification;
 use crate::actions::{Action, Menu, actions};
+use crate::command::AppearanceCommand;
 use crate::command::Command;
+use crate::command::ViewCommand;
 use crate::export::{ExportCommand, Kind};
 use crate::state::State;
 use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
@@ -53,7 +55,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             theme_button(ui, state, commands);
             let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
             if fit.known_as("fit").clicked() {
-                commands.push(Command::Fit);
+                commands.push(Command::View(ViewCommand::Fit));
             }
             let export = ui.add_enabled(
                 state.runs.first.session.is_some(),
@@ -95,7 +97,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
             if fit.known_as("fit").clicked() {
-                commands.push(Command::Fit);
+                commands.push(Command::View(ViewCommand::Fit));
             }
             verification::chip(ui, state, commands);
         });
@@ -163,7 +165,7 @@ fn theme_button(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     let button = icon_button(ui, icon, name, None, palette);
     if button.known_as("toggle-theme").clicked() {
-        commands.push(Command::ToggleTheme);
+        commands.push(Command::Appearance(AppearanceCommand::ToggleTheme));
     }
 }
 

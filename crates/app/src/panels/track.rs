@@ -104,7 +104,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let target = cursor_at(&segments, pos.x);
         match state.cursor() {
             Some(_) => commands.push(Command::Time(TimeCommand::Jump(target))),
-            None => commands.push(Command::ShowStage(target)),
+            None => commands.push(Command::Time(TimeCommand::ShowStage(target))),
         }
     }
     for segment in &segments {
@@ -183,7 +183,7 @@ fn show_segment(
         .on_hover_text(tip)
         .clicked()
     {
-        commands.push(Command::ShowStage(segment.place));
+        commands.push(Command::Time(TimeCommand::ShowStage(segment.place)));
     }
 }
 

@@ -6,6 +6,7 @@ use egui::{
 
 use super::divide;
 use crate::command::Command;
+use crate::command::ViewCommand;
 use crate::state::{State, Verification};
 use crate::theme::{Palette, semibold};
 use crate::verification::Verdict;
@@ -41,7 +42,7 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tip = explanation(state);
     let response = response.on_hover_text(tip);
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
-        commands.push(Command::FlyToWitness(Witness::Verdict));
+        commands.push(Command::View(ViewCommand::FlyToWitness(Witness::Verdict)));
     }
 }
 
@@ -147,7 +148,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             button.known_as(Kebab(witness));
             let button = button.on_disabled_hover_text("The verifier has not named one.");
             if button.on_hover_text("Fly there").clicked() {
-                commands.push(Command::FlyToWitness(witness));
+                commands.push(Command::View(ViewCommand::FlyToWitness(witness)));
             }
         }
     });

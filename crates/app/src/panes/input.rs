@@ -10,6 +10,8 @@ use tilescope_core::Standing;
 
 use crate::canvas::hint::{self, Hint};
 use crate::canvas::touch::{Hand, Touch};
+use crate::command::ViewCommand;
+use crate::command::WindowCommand;
 use crate::command::{Command, DebugCommand};
 use crate::selection::Selection;
 use crate::state::State;
@@ -46,7 +48,7 @@ pub fn handle(
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
     if flies && let Some(pos) = response.interact_pointer_pos() {
         let place = subject.camera.domain_from_screen(response.rect, pos);
-        commands.push(Command::FlyToBlock(place));
+        commands.push(Command::View(ViewCommand::FlyToBlock(place)));
     }
     inspect_later(ui, response, is_picked, flies, state, commands);
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
@@ -86,7 +88,7 @@ fn inspect_later(
     }
     ui.data_mut(|data| data.remove::<f64>(id));
     if !flies {
-        commands.push(Command::Inspect);
+        commands.push(Command::Window(WindowCommand::Inspect));
     }
 }
 
@@ -111,7 +113,7 @@ fn move_view(
         None => Vec2::ZERO,
     };
     if moved != Vec2::ZERO {
-        commands.push(Command::Pan(moved));
+        commands.push(Command::View(ViewCommand::Pan(moved)));
     }
     let (at, factor) = if let Some(pinch) = touch.pinch {
         (pinch.middle, f64::from(pinch.factor))
@@ -132,7 +134,7 @@ fn move_view(
         return;
     };
     if (factor - 1.0).abs() > 1e-6 {
-        commands.push(Command::Zoom(at, factor));
+        commands.push(Command::View(ViewCommand::Zoom(at, factor)));
     }
 }
 
@@ -161,7 +163,7 @@ fn pick(
     let pointer = response.hover_pos().filter(|_| touch.hand == Hand::Mouse);
     let hovered = pointer.and_then(|pos| nearest(response, subject, pos, reach));
     if hovered != subject.hovered {
-        commands.push(Command::Hover(hovered));
+        commands.push(Command::View(ViewCommand::Hover(hovered)));
     }
     if touch.hand == Hand::Gesture {
         return false;
@@ -239,10 +241,10 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
     ui.input_mut(|input| {
         for (key, delta) in moves {
             let count = input.count_and_consume_key(egui::Modifiers::NONE, key);
-            commands.extend((0..count).map(|_| Command::Pan(delta)));
+            commands.extend((0..count).map(|_| Command::View(ViewCommand::Pan(delta))));
         }
         if input.consume_key(egui::Modifiers::NONE, Key::Enter) {
-            commands.push(Command::SelectMiddle);
+            commands.push(Command::View(ViewCommand::SelectMiddle));
         }
     });
 }

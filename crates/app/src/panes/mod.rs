@@ -11,6 +11,7 @@ use crate::canvas::pane::Pane;
 use crate::canvas::sprites::Sprites;
 use crate::canvas::{buffers, hint, hover, overlay};
 use crate::command::Command;
+use crate::command::ViewCommand;
 use crate::state::State;
 use crate::subject::Subject;
 use crate::theme::{Look, Palette};
@@ -119,7 +120,7 @@ impl Side<'_> {
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
         if rect != self.viewport {
-            commands.push(Command::Viewport(rect));
+            commands.push(Command::View(ViewCommand::Viewport(rect)));
         }
         let palette = Palette::of(state.appearance.look);
         let painter = ui.painter_at(rect);

@@ -28,7 +28,7 @@ impl State {
     /// Returns whether what is measured can be seen.
     #[must_use]
     pub fn analyses(&self) -> bool {
-        self.shows(Panel::Analysis)
+        self.window.shows(Panel::Analysis)
     }
 
     /// Has the moment measured while somebody looks.
@@ -73,7 +73,7 @@ impl State {
 
     /// Holds the moments of this run, and of others, against a file.
     pub(super) fn hold(&mut self, held: Held) {
-        self.open_panel(Panel::Analysis);
+        self.window.open_panel(Panel::Analysis);
         self.analysis.held = Some(Arc::new(held));
     }
 

@@ -6,6 +6,8 @@ use tilescope_core::Stage;
 use super::State;
 use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use crate::command::Command;
+use crate::command::ViewCommand;
+use crate::layout::Panel;
 use crate::selection::Selection;
 use crate::units::radii;
 use crate::verification::Sight;
@@ -15,14 +17,14 @@ use crate::verification::Witness;
 const IN_VIEW: f32 = 32.0;
 
 impl State {
-    pub(super) fn apply_to_camera(&mut self, command: &Command) {
-        match *command {
-            Command::Viewport(rect) => self.follow_viewport(rect),
-            Command::Pan(delta) => {
+    pub(super) fn apply_to_view(&mut self, command: ViewCommand) {
+        match command {
+            ViewCommand::Viewport(rect) => self.follow_viewport(rect),
+            ViewCommand::Pan(delta) => {
                 (self.runs.first.flight, self.runs.first.fitted) = (None, false);
                 self.runs.first.camera.pan(delta);
             }
-            Command::Zoom(pos, factor) => {
+            ViewCommand::Zoom(pos, factor) => {
                 (self.runs.first.flight, self.runs.first.fitted) = (None, false);
                 let scales = self.scales();
                 self.runs
@@ -30,11 +32,11 @@ impl State {
                     .camera
                     .zoom_about(self.runs.first.viewport, pos, factor, scales);
             }
-            Command::SelectMiddle => {
+            ViewCommand::SelectMiddle => {
                 self.select_middle();
                 self.inspect();
             }
-            Command::Fit => {
+            ViewCommand::Fit => {
                 self.runs.first.sight = None;
                 self.runs.first.fitted = true;
                 // Whoever asks for all of the pattern asks for all of the domain, too.
@@ -43,18 +45,18 @@ impl State {
                 }
                 self.fly(self.fitting());
             }
-            Command::FlyTo(center, radii) => self.fly_to(center, radii),
-            Command::GoToCurrent => self.go_to_current(),
-            Command::FlyToBlock(place) => self.fly_to_block(place),
-            Command::FlyToWitness(witness) => self.fly_to_witness(witness),
-            Command::GoToSample(id) => {
+            ViewCommand::FlyTo(center, radii) => self.fly_to(center, radii),
+            ViewCommand::GoToCurrent => self.go_to_current(),
+            ViewCommand::FlyToBlock(place) => self.fly_to_block(place),
+            ViewCommand::FlyToWitness(witness) => self.fly_to_witness(witness),
+            ViewCommand::GoToSample(id) => {
                 self.pick(Selection::Sample(id));
                 if let Some(session) = &self.runs.first.session {
                     let center = session.place(id);
                     self.fly_to(center, 12.0);
                 }
             }
-            _ => {}
+            ViewCommand::Hover(id) => self.runs.first.hovered = id,
         }
     }
 
@@ -244,11 +246,6 @@ impl State {
         self.fly_to(center, 9.0);
     }
 
-    /// Has the camera jump from now on, or fly again, as the user chooses.
-    pub(super) fn toggle_reduced_motion(&mut self) {
-        self.choose_motion(Some(!self.appearance.reduced_motion));
-    }
-
     /// Returns what the user chose of motion, if anything.
     #[must_use]
     pub const fn motion_chosen(&self) -> Option<bool> {
@@ -273,10 +270,22 @@ impl State {
     /// A flight at work ends where it leads.
     fn reduce_motion(&mut self, reduced: bool) {
         self.appearance.reduced_motion = reduced;
-        if self.appearance.reduced_motion
-            && let Some(flight) = self.runs.first.flight.take()
-        {
+        if reduced {
+            self.end_flight();
+        }
+    }
+
+    pub(super) fn end_flight(&mut self) {
+        if let Some(flight) = self.runs.first.flight.take() {
             self.runs.first.camera = flight.destination();
+        }
+    }
+
+    /// Brings what is known of the selection into view, if there is a selection and the window has panels.
+    pub(super) fn inspect(&mut self) {
+        let is_selected = self.runs.first.selected.is_some() || self.runs.first.place.is_some();
+        if is_selected && self.window.embedding.is_none() {
+            self.window.open_panel(Panel::Inspector);
         }
     }
 

@@ -7,6 +7,7 @@ use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 
 use super::{Notice, RunView, State};
 use crate::command::Command;
+use crate::command::ViewCommand;
 use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
@@ -109,7 +110,7 @@ impl State {
             Rival::Engine => self.other_engine(),
             _ => self.form.engine,
         };
-        self.open_panel(Panel::Compare);
+        self.window.open_panel(Panel::Compare);
         self.compare_with(recipe, engine);
     }
 
@@ -125,7 +126,7 @@ impl State {
             return;
         };
         let cursor = self.cursor();
-        self.open_panel(Panel::Compare);
+        self.window.open_panel(Panel::Compare);
         let (side, _) = self.runs.second.get_or_insert_default();
         let viewport = side.viewport;
         *side = RunView::default();
@@ -333,7 +334,7 @@ impl State {
         };
         // The event itself shows where: the moment behind it.
         self.jump(cursors[0] + 1);
-        self.apply_to_camera(&Command::GoToCurrent);
+        self.apply_to_view(ViewCommand::GoToCurrent);
         self.with_second(|state| state.jump(cursors[1] + 1));
     }
 
@@ -383,11 +384,11 @@ impl State {
 const fn moves_camera(command: &Command) -> bool {
     matches!(
         command,
-        Command::Pan(_)
-            | Command::Zoom(..)
-            | Command::Fit
-            | Command::FlyTo(..)
-            | Command::FlyToBlock(_)
-            | Command::GoToSample(_)
+        Command::View(ViewCommand::Pan(_))
+            | Command::View(ViewCommand::Zoom(..))
+            | Command::View(ViewCommand::Fit)
+            | Command::View(ViewCommand::FlyTo(..))
+            | Command::View(ViewCommand::FlyToBlock(_))
+            | Command::View(ViewCommand::GoToSample(_))
     )
 }

@@ -160,7 +160,7 @@ impl State {
         else {
             return;
         };
-        if !self.shows(crate::layout::Panel::Events) {
+        if !self.window.shows(crate::layout::Panel::Events) {
             return;
         }
         self.runs.first.revealed = cursor;

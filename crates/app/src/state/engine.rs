@@ -8,6 +8,7 @@ use tilescope_gpu::{Choice, Gpu, GpuError};
 use super::State;
 use crate::clock::Clock;
 use crate::command::Command;
+use crate::command::WindowCommand;
 use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::errand;
 use crate::incoming::NamedBytes;
@@ -257,7 +258,7 @@ impl State {
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.runs.first.passes.as_ref()?;
-        let is_seen = self.shows(Panel::Passes) && self.appearance.look != Look::Projector;
+        let is_seen = self.window.shows(Panel::Passes) && self.appearance.look != Look::Projector;
         let is_then = passes.moment() == Some(self.moment());
         let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;
         passes.on_canvas().filter(|_| is_meant)
@@ -273,7 +274,7 @@ impl State {
     /// Brings the canvas into view; time runs by passes from now on. A selected row of theirs is flown to.
     fn show_buffers(&mut self) {
         self.time.playback.choose(Clock::Pass);
-        self.apply(Command::OpenPanel(Panel::Canvas));
+        self.apply(Command::Window(WindowCommand::OpenPanel(Panel::Canvas)));
         let place = self
             .runs
             .first

@@ -19,17 +19,6 @@ use crate::layout::Layout;
 use crate::recipe::OwnPattern;
 use crate::theme::Look;
 
-/// What the next run is made from.
-#[derive(Default)]
-pub struct Form {
-    /// The parameters as typed.
-    pub draft: Draft,
-    /// The pattern from a file that takes the place of the one of the parameters.
-    pub own_pattern: Option<OwnPattern>,
-    /// Who samples.
-    pub engine: Engine,
-}
-
 /// The runs that are looked at.
 #[derive(Default)]
 pub struct Runs {
@@ -46,52 +35,6 @@ pub struct Time {
     pub playback: Playback,
     /// The way in which a breakpoint is being looked for.
     pub(super) continuing: Option<Direction>,
-}
-
-/// How moments are drawn.
-pub struct Appearance {
-    /// The layers shown.
-    pub layers: Layers,
-    /// What the colour of samples means.
-    pub colouring: Colouring,
-    /// Light, dark or for a projector; [`State::choose_look`](super::State::choose_look) changes it.
-    pub look: Look,
-    /// The look to which the projector mode returns.
-    pub(super) look_before: Look,
-    /// Whether the camera jumps instead of flying.
-    pub reduced_motion: bool,
-    /// What the user chose of that; the system's wish counts otherwise.
-    pub(super) motion_chosen: Option<bool>,
-}
-
-impl Default for Appearance {
-    fn default() -> Self {
-        Self {
-            layers: Layers::default(),
-            colouring: Colouring::default(),
-            look: Look::Dark,
-            look_before: Look::Dark,
-            reduced_motion: false,
-            motion_chosen: None,
-        }
-    }
-}
-
-/// What stands where.
-#[derive(Default)]
-pub struct Window {
-    /// Where the panels stand.
-    pub layout: Layout,
-    /// What a window shows that is too small for them.
-    pub drawer: Drawer,
-    /// The list of all actions, when open.
-    pub finder: Option<Finder>,
-    /// What of the window is left where it is part of another page.
-    pub embedding: Option<Embedding>,
-    /// Whether the bar on top is left out, as where the window is part of something else.
-    pub bare: bool,
-    /// Whether the window may have the full screen.
-    pub full_screen: FullScreen,
 }
 
 /// What is read and written.

@@ -89,9 +89,9 @@ impl State {
         }
         let clock = std::mem::replace(&mut self.time.playback.clock, unit);
         self.apply(if forwards {
-            Command::StepForward
+            Command::Time(TimeCommand::StepForward)
         } else {
-            Command::StepBack
+            Command::Time(TimeCommand::StepBack)
         });
         self.time.playback.clock = clock;
         Ok(())
@@ -119,7 +119,7 @@ impl State {
             let why = format!("there is no stage \"{stage}\"; there are {names}");
             return Err(RequestError::Refused(why));
         };
-        self.apply(Command::ShowStage(place));
+        self.apply(Command::Time(TimeCommand::ShowStage(place)));
         Ok(())
     }
 
@@ -129,7 +129,7 @@ impl State {
             Some((_, len)) => {
                 Command::Time(TimeCommand::Jump((part * len as f64).round() as usize))
             }
-            None => Command::ShowStage((part * last as f64).round() as usize),
+            None => Command::Time(TimeCommand::ShowStage((part * last as f64).round() as usize)),
         });
         Ok(())
     }
@@ -153,7 +153,8 @@ impl State {
         }
         self.appearance.layers = wanted.layers.unwrap_or(self.appearance.layers);
         self.appearance.colouring = wanted.colouring.unwrap_or(self.appearance.colouring);
-        self.choose_look(wanted.look.unwrap_or(self.appearance.look));
+        self.appearance
+            .choose_look(wanted.look.unwrap_or(self.appearance.look));
         self.follow_pattern();
         self.follow_first();
     }
@@ -180,7 +181,7 @@ impl State {
             self.apply(Command::Time(TimeCommand::Speed(speed)));
         }
         if !self.time.playback.is_playing() {
-            self.apply(Command::TogglePlay);
+            self.apply(Command::Time(TimeCommand::TogglePlay));
         }
         Ok(())
     }

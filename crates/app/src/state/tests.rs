@@ -7,6 +7,11 @@ use std::sync::Arc;
 use egui::Rect;
 
 use super::*;
+use crate::command::AppearanceCommand;
+use crate::command::FormCommand;
+use crate::command::GpuCommand;
+use crate::command::TimeCommand;
+use crate::command::ViewCommand;
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, Kind};
 use crate::layers::Layer;
@@ -17,16 +22,16 @@ use tilescope_core::Search;
 
 fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
-    state.apply(Command::Viewport(Rect::from_min_size(
+    state.apply(Command::View(ViewCommand::Viewport(Rect::from_min_size(
         egui::pos2(0.0, 0.0),
         egui::vec2(800.0, 800.0),
-    )));
+    ))));
     state.settle();
     state
 }
 
 fn type_in(state: &mut State, field: Field, text: &str) {
-    state.apply(Command::Type(field, text.to_owned()));
+    state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
 }
 
 #[test]
@@ -42,17 +47,17 @@ fn the_default_session_is_finished_and_verified() {
 fn stages_stop_at_both_ends() {
     let mut state = settled();
     let last = state.runs.first.stage;
-    state.apply(Command::StepForward);
+    state.apply(Command::Time(TimeCommand::StepForward));
     assert_eq!(state.runs.first.stage, last);
-    state.apply(Command::StepBack);
+    state.apply(Command::Time(TimeCommand::StepBack));
     assert_eq!(state.runs.first.stage, last - 1);
-    state.apply(Command::FirstStage);
-    state.apply(Command::StepBack);
+    state.apply(Command::Time(TimeCommand::FirstStage));
+    state.apply(Command::Time(TimeCommand::StepBack));
     assert_eq!(
         (state.runs.first.stage, state.current_stage()),
         (0, Some(Stage::Pattern))
     );
-    state.apply(Command::ShowStage(usize::MAX));
+    state.apply(Command::Time(TimeCommand::ShowStage(usize::MAX)));
     assert_eq!(state.runs.first.stage, last);
 }
 
@@ -60,7 +65,7 @@ fn stages_stop_at_both_ends() {
 fn playing_ends_at_the_last_stage() {
     let mut state = settled();
     let stages = state.runs.first.stage;
-    state.apply(Command::TogglePlay);
+    state.apply(Command::Time(TimeCommand::TogglePlay));
     assert_eq!(state.runs.first.stage, 0);
     for _ in 0..stages {
         state.advance(crate::clock::Clock::Stage.tick_secs());
@@ -76,7 +81,7 @@ fn a_bad_draft_is_not_run() {
     assert!(state.run_refusal().unwrap().contains("-3"));
     state.apply(Command::Run);
     assert!(state.runs.first.sampling.is_none());
-    state.apply(Command::ResetParameters);
+    state.apply(Command::Form(FormCommand::Reset));
     assert_eq!(state.run_refusal(), None);
 }
 
@@ -114,12 +119,14 @@ fn a_failing_verdict_leads_to_its_witness() {
     let mut state = settled();
     type_in(&mut state, Field::Leaf, "6");
     type_in(&mut state, Field::Radius, "0.004");
-    state.apply(Command::Choose(Choice::Search(Search::TwoRadii)));
+    state.apply(Command::Form(FormCommand::Choose(Choice::Search(
+        Search::TwoRadii,
+    ))));
     state.apply(Command::Run);
     state.settle();
     let report = &state.verdict().unwrap().report;
     assert!(report.conflict_free() && !report.maximal());
-    state.apply(Command::FlyToWitness(Witness::Verdict));
+    state.apply(Command::View(ViewCommand::FlyToWitness(Witness::Verdict)));
     let Some(Sight::Circle(center, radius)) = state.runs.first.sight else {
         panic!("a gap is the witness");
     };
@@ -132,9 +139,11 @@ fn a_failing_verdict_leads_to_its_witness() {
 #[test]
 fn a_valid_set_shows_its_extremes() {
     let mut state = settled();
-    state.apply(Command::FlyToWitness(Witness::Verdict));
+    state.apply(Command::View(ViewCommand::FlyToWitness(Witness::Verdict)));
     assert!(matches!(state.runs.first.sight, Some(Sight::Pair(_, d)) if (1.0..1.01).contains(&d)));
-    state.apply(Command::FlyToWitness(Witness::LargestHole));
+    state.apply(Command::View(ViewCommand::FlyToWitness(
+        Witness::LargestHole,
+    )));
     assert!(
         matches!(state.runs.first.sight, Some(Sight::Circle(_, r)) if (0.9..=1.0001).contains(&r))
     );
@@ -173,10 +182,10 @@ fn samples_that_are_not_there_yet_are_not_pointed_at() {
     let id = state.runs.first.session.as_ref().unwrap().run().iterations[0]
         .inserted
         .start;
-    state.apply(Command::GoToSample(id));
+    state.apply(Command::View(ViewCommand::GoToSample(id)));
     assert_eq!(state.runs.first.selected, Some(id));
-    state.apply(Command::Hover(Some(id)));
-    state.apply(Command::ShowStage(2));
+    state.apply(Command::View(ViewCommand::Hover(Some(id))));
+    state.apply(Command::Time(TimeCommand::ShowStage(2)));
     assert_eq!(
         (state.runs.first.selected, state.runs.first.hovered),
         (Some(id), None)
@@ -190,8 +199,10 @@ fn layers_and_theme_toggle() {
         state.appearance.layers.has(Layer::Gaps),
         state.appearance.look,
     );
-    state.apply(Command::ToggleLayer(Layer::Gaps));
-    state.apply(Command::ToggleTheme);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+        Layer::Gaps,
+    )));
+    state.apply(Command::Appearance(AppearanceCommand::ToggleTheme));
     assert_ne!(state.appearance.layers.has(Layer::Gaps), before.0);
     assert_ne!(state.appearance.look, before.1);
 }
@@ -199,10 +210,10 @@ fn layers_and_theme_toggle() {
 #[test]
 fn the_pattern_is_fitted_and_the_camera_returns() {
     let mut state = settled();
-    state.apply(Command::FlyTo([3.0, 90.0], 5.0));
+    state.apply(Command::View(ViewCommand::FlyTo([3.0, 90.0], 5.0)));
     while state.advance(0.1) {}
     let camera = state.runs.first.camera;
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     assert_eq!(state.current_stage(), Some(Stage::Pattern));
     let middle = state
         .runs
@@ -217,7 +228,7 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
         / 2.0;
     assert!((state.runs.first.camera.center[0] - middle).abs() < 1e-9);
     assert!(state.runs.first.camera.scale < camera.scale);
-    state.apply(Command::StepForward);
+    state.apply(Command::Time(TimeCommand::StepForward));
     assert_eq!(state.runs.first.camera, camera);
 }
 
@@ -254,7 +265,7 @@ fn a_large_session_keeps_the_result_alone_and_is_the_same_set() {
 /// Chooses the GPU, which must be there, if only as the software adapter llvmpipe.
 fn on_the_gpu() -> State {
     let mut state = settled();
-    state.apply(Command::Engine(Engine::Gpu));
+    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     state.settle();
     assert!(
         state.gpu.device.ready().is_some(),
@@ -296,7 +307,7 @@ fn a_large_session_on_the_gpu_keeps_the_result_alone() {
     let session = state.runs.first.session.clone().unwrap();
     assert!(!session.has_stages() && session.engine.starts_with("GPU"));
     assert!(state.verdict().unwrap().report.valid());
-    state.apply(Command::Engine(Engine::Cpu));
+    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Cpu)));
     state.apply(Command::Run);
     state.settle();
     let of_cpu = state.runs.first.session.as_ref().unwrap();
@@ -308,8 +319,10 @@ fn a_large_session_on_the_gpu_keeps_the_result_alone() {
 #[test]
 fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
     let mut state = settled();
-    state.apply(Command::NameAdapter(Some("no such adapter".to_owned())));
-    state.apply(Command::Engine(Engine::Gpu));
+    state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
+        "no such adapter".to_owned(),
+    ))));
+    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     assert!(state.run_refusal().unwrap().contains("tested"));
     state.settle();
     assert_eq!(state.form.engine, Engine::Auto);
@@ -319,14 +332,14 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
         "{}",
         notice.text
     );
-    state.apply(Command::Engine(Engine::Gpu));
+    state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     assert_eq!(state.form.engine, Engine::Auto);
     assert_eq!(state.run_refusal(), None);
     state.apply(Command::Run);
     state.settle();
     assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
     // Another name may be asked for.
-    state.apply(Command::NameAdapter(None));
+    state.apply(Command::Gpu(GpuCommand::NameAdapter(None)));
     assert_eq!(state.gpu.device.refusal(), None);
 }
 
@@ -364,16 +377,16 @@ fn a_run_of_a_gpu_that_differs_is_shown_without_events_and_told_of() {
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("GPU (some card) differs from the CPU"));
     assert!(state.runs.first.debugger.is_none() && state.cursor().is_none());
-    state.apply(Command::ShowStage(2));
+    state.apply(Command::Time(TimeCommand::ShowStage(2)));
     assert_eq!(state.current_stage(), Some(Stage::Tile));
 }
 
 #[test]
 fn the_variant_as_printed_is_made_by_the_cpu_whoever_is_chosen() {
     let mut state = on_the_gpu();
-    state.apply(Command::Choose(Choice::Variant(
+    state.apply(Command::Form(FormCommand::Choose(Choice::Variant(
         tilescope_core::Variant::AsPrinted,
-    )));
+    ))));
     state.apply(Command::Run);
     state.settle();
     assert_eq!(state.runs.first.session.as_ref().unwrap().engine, "CPU");
@@ -384,19 +397,19 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
     let mut state = settled();
     let middle = state.runs.first.viewport.center();
     for stage in [state.runs.first.stage, 0] {
-        state.apply(Command::ShowStage(stage));
-        state.apply(Command::Fit);
+        state.apply(Command::Time(TimeCommand::ShowStage(stage)));
+        state.apply(Command::View(ViewCommand::Fit));
         while state.advance(0.5) {}
         let fitted = state.runs.first.camera.scale;
         let is_seen =
             |state: &State| (0.2..0.3).contains(&(state.runs.first.camera.scale / fitted));
         for _ in 0..40 {
-            state.apply(Command::Zoom(middle, 0.5));
+            state.apply(Command::View(ViewCommand::Zoom(middle, 0.5)));
         }
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
-        state.apply(Command::Zoom(middle, 1e12));
+        state.apply(Command::View(ViewCommand::Zoom(middle, 1e12)));
         assert!(state.runs.first.camera.scale <= crate::camera::MAX_SCALE);
-        state.apply(Command::FlyTo([10.0, 10.0], 1e9));
+        state.apply(Command::View(ViewCommand::FlyTo([10.0, 10.0], 1e9)));
         while state.advance(0.5) {}
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // Of a link, a session or a page that embeds it.
@@ -415,9 +428,13 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
             state.runs.first.camera.scale
         );
         // A window that has become larger.
-        state.apply(Command::Viewport(state.runs.first.viewport.expand(400.0)));
+        state.apply(Command::View(ViewCommand::Viewport(
+            state.runs.first.viewport.expand(400.0),
+        )));
         assert!(state.runs.first.camera.scale > 0.4 * fitted);
-        state.apply(Command::Viewport(state.runs.first.viewport.expand(-400.0)));
+        state.apply(Command::View(ViewCommand::Viewport(
+            state.runs.first.viewport.expand(-400.0),
+        )));
     }
 }
 

@@ -63,21 +63,31 @@ impl State {
         }
     }
 
-    pub(super) fn apply_to_clock(&mut self, command: &Command) {
+    pub(super) fn apply_to_time(&mut self, command: TimeCommand) {
         if self.runs.first.session.is_none() {
             return;
         }
         let before = self.runs.first.stage;
         self.time.continuing = None;
-        match *command {
-            Command::ShowStage(place) => self.show_stage(place),
-            Command::StepBack => self.tick(Direction::Backwards),
-            Command::StepForward => self.tick(Direction::Forwards),
-            Command::FirstStage => self.show_stage(0),
-            Command::LastStage => self.show_stage(usize::MAX),
-            Command::TogglePlay => self.toggle_play(),
-            Command::Time(ref command) => self.apply_to_time(command),
-            _ => {}
+        match command {
+            TimeCommand::ShowStage(place) => self.show_stage(place),
+            TimeCommand::StepBack => self.tick(Direction::Backwards),
+            TimeCommand::StepForward => self.tick(Direction::Forwards),
+            TimeCommand::FirstStage => self.show_stage(0),
+            TimeCommand::LastStage => self.show_stage(usize::MAX),
+            TimeCommand::TogglePlay => self.toggle_play(),
+            TimeCommand::Clock(clock) if self.clock_refusal(clock).is_none() => {
+                self.time.playback.choose(clock);
+            }
+            TimeCommand::Clock(_) => {}
+            TimeCommand::Speed(speed) => self.time.playback.speed = speed,
+            TimeCommand::Jump(cursor) => self.jump(cursor),
+            TimeCommand::Step(step, direction) => self.step(step, direction),
+            TimeCommand::RunTo(target, direction) => self.run_to(target, direction),
+            TimeCommand::Continue(direction) => self.run_on(direction),
+            TimeCommand::LoopStart => self.set_range(|range, at| range.start = at),
+            TimeCommand::LoopEnd => self.set_range(|range, at| range.end = at),
+            TimeCommand::Loop(range) => self.time.playback.range = range,
         }
         self.moved(before);
     }
@@ -117,23 +127,6 @@ impl State {
             .as_ref()
             .filter(|_| self.time.playback.clock == Clock::Pass)?;
         Some((passes.selected()?, passes.entries().len().checked_sub(1)?))
-    }
-
-    fn apply_to_time(&mut self, command: &TimeCommand) {
-        match *command {
-            TimeCommand::Clock(clock) if self.clock_refusal(clock).is_none() => {
-                self.time.playback.choose(clock);
-            }
-            TimeCommand::Clock(_) => {}
-            TimeCommand::Speed(speed) => self.time.playback.speed = speed,
-            TimeCommand::Jump(cursor) => self.jump(cursor),
-            TimeCommand::Step(step, direction) => self.step(step, direction),
-            TimeCommand::RunTo(target, direction) => self.run_to(target, direction),
-            TimeCommand::Continue(direction) => self.run_on(direction),
-            TimeCommand::LoopStart => self.set_range(|range, at| range.start = at),
-            TimeCommand::LoopEnd => self.set_range(|range, at| range.end = at),
-            TimeCommand::Loop(ref range) => self.time.playback.range.clone_from(range),
-        }
     }
 
     /// Shows the end of the stage at `place` of the list.

@@ -5,6 +5,8 @@ use tilescope_core::combine::file::Layout as Combination;
 
 use super::State;
 use crate::command::Command;
+use crate::command::FormCommand;
+use crate::command::WindowCommand;
 use crate::draft::Draft;
 use crate::draft::Field;
 use crate::files::FileCommand;
@@ -65,11 +67,8 @@ pub struct History {
 /// frame.
 pub(super) const fn concerns(command: &Command) -> Option<Part> {
     match command {
-        Command::Type(..)
-        | Command::Choose(_)
-        | Command::ResetParameters
-        | Command::File(FileCommand::GeneratedPattern) => Some(Part::Form),
-        Command::ResetLayout => Some(Part::Layout),
+        Command::Form(_) | Command::File(FileCommand::GeneratedPattern) => Some(Part::Form),
+        Command::Window(WindowCommand::ResetLayout) => Some(Part::Layout),
         _ => None,
     }
 }
@@ -116,7 +115,7 @@ impl State {
     /// Adds a step of `command`, if it changed something since `before`.
     pub(super) fn remember(&mut self, before: Memento, part: Part, command: Option<&Command>) {
         let field = match command {
-            Some(Command::Type(field, _)) => Some(*field),
+            Some(Command::Form(FormCommand::Type(field, _))) => Some(*field),
             _ => None,
         };
         if before != self.memento() {

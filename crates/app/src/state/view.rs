@@ -9,14 +9,6 @@ use crate::theme::Look;
 use crate::view::View;
 
 impl State {
-    /// Chooses a look. The projector mode is left for the one before it.
-    pub fn choose_look(&mut self, look: Look) {
-        if look == Look::Projector && self.appearance.look != look {
-            self.appearance.look_before = self.appearance.look;
-        }
-        self.appearance.look = look;
-    }
-
     /// Returns how the session at hand is looked at.
     #[must_use]
     pub fn view(&self) -> View {
@@ -78,7 +70,8 @@ impl State {
         }
         self.appearance.layers = view.layers.unwrap_or(self.appearance.layers);
         self.appearance.colouring = view.colouring.unwrap_or(self.appearance.colouring);
-        self.choose_look(view.look.unwrap_or(self.appearance.look));
+        self.appearance
+            .choose_look(view.look.unwrap_or(self.appearance.look));
         if let Some(layout) = &view.layout {
             self.window.layout.clone_from(layout);
         }

@@ -11,6 +11,8 @@ use super::*;
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush};
 use crate::combination::CombineCommand;
+use crate::command::AppearanceCommand;
+use crate::command::WindowCommand;
 use crate::command::{Command, DebugCommand};
 use crate::compare::{CompareCommand, Rival};
 use crate::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
@@ -90,12 +92,14 @@ impl Carrier for Elsewhere {
 fn visit() -> Vec<String> {
     let mut state = State::new(Arc::new(|| {}));
     state.settle();
-    state.apply(Command::ToggleLayer(Layer::Gaps));
+    state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+        Layer::Gaps,
+    )));
     state.apply(Command::Debug(DebugCommand::Query(
         "insert iteration>1".to_owned(),
     )));
     state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(412))));
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.advance(0.0);
     state.settle();
     let brush = Brush::between(Axis::Frequency, 1.0, 1.3);

@@ -9,7 +9,9 @@ use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
 use tilescope_app::analysis::brush::FIRST_PEAK;
 use tilescope_app::analysis::measured::{Measured, Part, Samples};
 use tilescope_app::analysis::{AnalysisCommand, MOST_KEPT};
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
 use tilescope_app::{Command, Session, State};
@@ -25,7 +27,7 @@ fn go_on(_: tilescope_analysis::Progress) -> ControlFlow<()> {
 /// A window that shows the analysis of a small session.
 fn analysing() -> State {
     let mut state = opened();
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     state
 }
@@ -140,7 +142,7 @@ fn runs_that_keep_the_result_alone_and_runs_without_events_are_measured_too() {
         state.settle();
         assert_is_that_of_the_crate(&state);
         assert_eq!(state.cursor(), None);
-        state.apply(Command::ShowStage(stages - 2));
+        state.apply(Command::Time(TimeCommand::ShowStage(stages - 2)));
         state.settle();
         if stages > 3 {
             assert_is_that_of_the_crate(&state);
@@ -156,7 +158,7 @@ fn nothing_is_measured_while_nobody_looks_or_nothing_stands() {
             && state.analysis.progress().is_none()
     );
     assert!(state.analysis.reference.measured().is_none());
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     jump(&mut state, 0);
     state.settle();
     let why = state.analysis.failure(&state.shown().unwrap());
@@ -173,7 +175,7 @@ fn held() -> (State, Arc<Gate>) {
     let gate = Arc::new(Gate::default());
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     jump(&mut state, 3_000);
     // The cursor is found to have moved, then to rest.
@@ -222,7 +224,10 @@ fn a_cursor_that_moves_on_leaves_its_moment_unmeasured_and_what_is_shown_is_name
 fn what_is_shown_faded_is_of_the_same_session() {
     let mut state = analysing();
     assert!(state.analysis.last(&state.shown().unwrap()).is_some());
-    state.apply(Command::Type(Field::Radius, "0.04".to_owned()));
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Radius,
+        "0.04".to_owned(),
+    )));
     state.apply(Command::Run);
     while state.runs.first.sampling.is_some() {
         state.advance(0.0);
@@ -235,13 +240,13 @@ fn what_is_shown_faded_is_of_the_same_session() {
 #[test]
 fn nothing_is_at_work_while_the_panel_is_hidden() {
     let (mut state, gate) = held();
-    state.apply(Command::OpenPanel(Panel::Parameters));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     state.advance(0.0);
     assert!(state.analysis.progress().is_none());
     gate.open();
     state.settle();
     assert!(state.analysis.of(&state.shown().unwrap()).is_none());
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert_is_that_of_the_crate(&state);
 }
@@ -291,7 +296,7 @@ fn the_spectrum_that_comes_first_sees_as_far_along_both_axes() {
 #[test]
 fn parts_come_one_after_the_other() {
     let mut state = opened();
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     let mut seen = Vec::new();
     let mut frames = 0;
     while !is_whole(&state) {

@@ -8,7 +8,9 @@ use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush, Cause};
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;
 use tilescope_app::{Command, State};
@@ -18,7 +20,7 @@ use crate::exporting::opened;
 
 fn analysing() -> State {
     let mut state = opened();
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     state
 }
@@ -89,10 +91,13 @@ fn found_pairs(state: &State) -> BTreeSet<[u32; 2]> {
 fn the_pairs_are_those_of_a_search_through_all_pairs() {
     for border in [Border::Periodic, Border::Bounded] {
         let mut state = opened();
-        state.apply(Command::Choose(Choice::Boundary(border)));
-        state.apply(Command::Type(Field::Height, "0.7".to_owned()));
+        state.apply(Command::Form(FormCommand::Choose(Choice::Boundary(border))));
+        state.apply(Command::Form(FormCommand::Type(
+            Field::Height,
+            "0.7".to_owned(),
+        )));
         state.apply(Command::Run);
-        state.apply(Command::OpenPanel(Panel::Analysis));
+        state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
         state.settle();
         for (cursor, range) in [
             (usize::MAX, [1.0, 1.05]),
@@ -184,9 +189,9 @@ fn causes_follow_the_moment_and_go_with_the_brush_and_the_panel() {
     state.settle();
     assert_ne!(found_pairs(&state), first);
     assert!(state.subject().unwrap().causes.is_some());
-    state.apply(Command::OpenPanel(Panel::Parameters));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     assert!(state.subject().unwrap().causes.is_none());
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.apply(Command::Analysis(AnalysisCommand::Brush(None)));
     state.settle();
     assert!(state.causes().is_none());
@@ -196,13 +201,15 @@ fn causes_follow_the_moment_and_go_with_the_brush_and_the_panel() {
 fn what_cannot_be_looked_for_is_said_and_empty_brushes_are_none() {
     // In a domain of less than ten r, two samples five r apart may have two nearest images.
     let mut state = opened();
-    state.apply(Command::Choose(Choice::Boundary(Border::Bounded)));
+    state.apply(Command::Form(FormCommand::Choose(Choice::Boundary(
+        Border::Bounded,
+    ))));
     for (field, text) in [(Field::Radius, "0.13"), (Field::Leaf, "6")] {
-        state.apply(Command::Type(field, text.to_owned()));
+        state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     assert_eq!(state.run_refusal(), None);
     state.apply(Command::Run);
-    state.apply(Command::OpenPanel(Panel::Analysis));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert!(state.runs.first.session.as_ref().unwrap().size_radii()[0] < 9.0);
     brush(&mut state, Axis::Distance, 1.0, 5.0);

@@ -8,6 +8,9 @@ use std::sync::Arc;
 use serde_json::json;
 use tilescope_analysis::{Boundary as Judged, Region};
 use tilescope_app::combination::{CombineCommand, NINE};
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{Kind, picture};
 use tilescope_app::layers::Layer;
@@ -81,9 +84,9 @@ fn one_goes_through_its_stages() {
         [Stage::Blocks, Stage::Tile, Stage::Eliminate]
     );
     assert_eq!(state.current_stage(), Some(Stage::Finish));
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     assert_eq!(state.current_stage(), Some(Stage::Blocks));
-    state.apply(Command::StepForward);
+    state.apply(Command::Time(TimeCommand::StepForward));
     assert_eq!(state.current_stage(), Some(Stage::Tile));
     assert_eq!(session.count_after(1), session.summary.tiled);
     // There are no events, no parameters to vary and no passes: each is refused with a sentence.
@@ -124,11 +127,13 @@ fn drawn(state: &State, name: &str) -> usize {
 #[test]
 fn pictures_show_the_seams_while_their_layer_is_on() {
     let mut state = nine();
-    state.apply(Command::Fit);
+    state.apply(Command::View(ViewCommand::Fit));
     // Six on the border of the periodic domain are seen on both sides of it.
     assert_eq!(drawn(&state, "seams"), 18 + 6);
     assert!(drawn(&state, "band") >= 36);
-    state.apply(Command::ToggleLayer(Layer::Seams));
+    state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+        Layer::Seams,
+    )));
     assert_eq!((drawn(&state, "seams"), drawn(&state, "band")), (0, 0));
     // Whoever makes a combination wants to see them.
     state.apply(Command::Combine(CombineCommand::Nine));

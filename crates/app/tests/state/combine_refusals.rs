@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use tilescope_app::combination::{CombineCommand, NINE};
+use tilescope_app::command::TimeCommand;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::{Command, State};
 
@@ -19,7 +20,7 @@ fn a_combination_is_saved_as_its_layout_and_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("session.json");
     let mut state = nine();
-    state.apply(Command::ShowStage(1));
+    state.apply(Command::Time(TimeCommand::ShowStage(1)));
     open(&mut state, Purpose::Save, &path);
     assert!(
         told(&state).starts_with("The session is in"),

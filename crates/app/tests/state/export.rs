@@ -8,7 +8,9 @@ use std::path::Path;
 use egui::{Color32, Rect, pos2, vec2};
 use serde_json::Value;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::AppearanceCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
 use tilescope_app::export::{Entry, ExportCommand, Kind, View};
 use tilescope_app::layers::Layer;
 use tilescope_app::theme::{DARK, LIGHT, Look};
@@ -71,7 +73,7 @@ fn check_provenance(state: &State, parameters: &Value, recording: &Value) {
 fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
-    state.apply(Command::ShowStage(3));
+    state.apply(Command::Time(TimeCommand::ShowStage(3)));
     let view = state.export_view(Kind::Picture).unwrap();
     let mut pictures = Vec::new();
     for scale in ["0.5", "1", "2.75"] {
@@ -100,11 +102,11 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     // Another place, another moment and another theme are other pictures.
     let path = folder.path().join("other.png");
     for command in [
-        Command::Pan(vec2(40.0, 0.0)),
-        Command::ShowStage(2),
-        Command::ToggleTheme,
-        Command::ToggleLayer(Layer::Conflicts),
-        Command::ToggleLayer(Layer::Delaunay),
+        Command::View(ViewCommand::Pan(vec2(40.0, 0.0))),
+        Command::Time(TimeCommand::ShowStage(2)),
+        Command::Appearance(AppearanceCommand::ToggleTheme),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Conflicts)),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Delaunay)),
     ] {
         let before = pictures.pop().unwrap();
         state.apply(command.clone());
@@ -122,7 +124,7 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
 fn an_svg_holds_the_layers_that_are_on_and_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
-    state.apply(Command::ShowStage(2));
+    state.apply(Command::Time(TimeCommand::ShowStage(2)));
     let shoot = |state: &mut State, name: &str| {
         let path = folder.path().join(name);
         // A scale that no PNG could have does not concern it.
@@ -149,12 +151,12 @@ fn an_svg_holds_the_layers_that_are_on_and_the_parameters() {
     assert!(shown.iter().all(|(group, _)| has(&svg, group)));
     assert!(hidden.iter().all(|(group, _)| !has(&svg, group)));
     for (_, layer) in shown.into_iter().chain(hidden) {
-        state.apply(Command::ToggleLayer(layer));
+        state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
     }
     let svg = shoot(&mut state, "others.svg");
     assert!(shown.iter().all(|(group, _)| !has(&svg, group)));
     assert!(hidden.iter().all(|(group, _)| has(&svg, group)));
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     assert!(shoot(&mut state, "pattern.svg").contains("<title>Pattern: "));
 }
 
@@ -232,7 +234,7 @@ fn an_animation_has_its_frames_and_its_range() {
     assert_eq!(decoded.json("Range")["clock"], "event");
     // Without a loop it is the stage that is shown, counted off by what is chosen.
     state.apply(Command::Time(TimeCommand::Loop(None)));
-    state.apply(Command::ShowStage(2));
+    state.apply(Command::Time(TimeCommand::ShowStage(2)));
     let session = state.runs.first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
     assert_eq!(state.export_range(), Some(stage));
@@ -246,7 +248,7 @@ fn an_animation_has_its_frames_and_its_range() {
     );
     // The pattern is seen with a camera of its own; animations are of the run.
     let camera = state.runs.first.camera;
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     assert_ne!(state.runs.first.camera, camera);
     assert_eq!(state.export_view(Kind::Animation).unwrap().camera, camera);
     assert_ne!(state.export_view(Kind::Picture).unwrap().camera, camera);
@@ -268,7 +270,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     assert!(told(&state).contains("without events") && !film.exists());
     let mut pictures = BTreeSet::new();
     for stage in 0..state.runs.first.session.as_ref().unwrap().stages.len() {
-        state.apply(Command::ShowStage(stage));
+        state.apply(Command::Time(TimeCommand::ShowStage(stage)));
         let path = folder.path().join(format!("{stage}.png"));
         write(&mut state, Kind::Picture, &path, &[]);
         let picture = decode(&path);
@@ -278,7 +280,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     }
     assert_eq!(pictures.len(), whole.run().stages().len());
     // What a layer shows is gone without it.
-    state.apply(Command::ShowStage(3));
+    state.apply(Command::Time(TimeCommand::ShowStage(3)));
     let path = folder.path().join("layers.svg");
     for (group, layer) in [("gaps", Layer::Gaps), ("eliminated", Layer::Eliminated)] {
         let label = format!("aria-label=\"{group}\"");
@@ -286,7 +288,7 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
             fs::remove_file(&path).ok();
             write(&mut state, Kind::Picture, &path, &[]);
             assert_eq!(fs::read_to_string(&path).unwrap().contains(&label), shown);
-            state.apply(Command::ToggleLayer(layer));
+            state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
         }
     }
     let set = folder.path().join("set.npy");
@@ -319,7 +321,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         assert!(!state.messages.notice.as_ref().unwrap().is_error);
         (certificate, told(&state))
     };
-    let (tiled, told_then) = write_at(vec![Command::ShowStage(2)], "tiled.csv");
+    let (tiled, told_then) = write_at(vec![Command::Time(TimeCommand::ShowStage(2))], "tiled.csv");
     assert!(tiled.conflicts > 0 && !tiled.valid);
     assert!(told_then.contains("in conflict"), "{told_then}");
     assert_eq!(tiled.parameters["moment"]["stage"], Stage::Tile.to_string());
@@ -327,10 +329,13 @@ fn samples_of_a_moment_are_certified_as_they_are() {
     let middle = Command::Time(TimeCommand::Jump(end + 400));
     let (under_way, _) = write_at(vec![middle], "under-way.npy");
     assert!(under_way.conflicts > 0 && under_way.conflicts < tiled.conflicts);
-    let (eliminated, told_then) = write_at(vec![Command::ShowStage(3)], "eliminated.ply");
+    let (eliminated, told_then) = write_at(
+        vec![Command::Time(TimeCommand::ShowStage(3))],
+        "eliminated.ply",
+    );
     assert!(eliminated.conflicts == 0 && eliminated.gaps > 0 && !eliminated.valid);
     assert!(told_then.contains("not maximal"), "{told_then}");
-    let (last, told_then) = write_at(vec![Command::LastStage], "last.csv");
+    let (last, told_then) = write_at(vec![Command::Time(TimeCommand::LastStage)], "last.csv");
     assert!(
         last.valid && told_then.contains("conflict-free and maximal"),
         "{told_then}"
@@ -345,7 +350,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         state.runs.first.session.as_ref().unwrap().run().positions()
     );
     // Before anything is tiled there is nothing to write.
-    state.apply(Command::ShowStage(1));
+    state.apply(Command::Time(TimeCommand::ShowStage(1)));
     let none = folder.path().join("none.csv");
     write(&mut state, Kind::Samples, &none, &[]);
     assert!(told(&state).contains("No sample covers its disk"));
@@ -414,8 +419,8 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
     let path = folder.path().join("canvas.png");
     let mut state = opened();
     let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 900.0));
-    state.apply(Command::Viewport(canvas));
-    state.apply(Command::Fit);
+    state.apply(Command::View(ViewCommand::Viewport(canvas)));
+    state.apply(Command::View(ViewCommand::Fit));
     for layer in [
         Layer::Gaps,
         Layer::Eliminated,
@@ -423,7 +428,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
         Layer::Conflicts,
         Layer::Candidates,
     ] {
-        state.apply(Command::ToggleLayer(layer));
+        state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
     }
     let stages = state.runs.first.session.as_ref().unwrap().stages.len();
     let last = state.cursor().unwrap().1;
@@ -432,11 +437,11 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
         (Look::Light, false),
         (Look::Dark, true),
     ] {
-        state.apply(Command::Look(look));
+        state.apply(Command::Appearance(AppearanceCommand::Look(look)));
         for cursor in [Some(last), Some(last - 1), None] {
             state.apply(match cursor {
                 Some(cursor) => Command::Time(TimeCommand::Jump(cursor)),
-                None => Command::ShowStage(stages - 2),
+                None => Command::Time(TimeCommand::ShowStage(stages - 2)),
             });
             fill_in(&mut state, Kind::Picture, &path, &[]);
             export(&mut state, ExportCommand::Print(print));
@@ -492,7 +497,9 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("canvas.svg");
     let mut state = opened();
-    state.apply(Command::ToggleLayer(Layer::Tree));
+    state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+        Layer::Tree,
+    )));
     let blocks = state.runs.first.session.as_ref().unwrap().summary.blocks;
     let shoot = |state: &mut State| {
         write(state, Kind::Picture, &path, &[]);
@@ -501,13 +508,13 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
         fs::read_to_string(&path).unwrap()
     };
     // Everything is in view, so that every block has its number.
-    state.apply(Command::FlyTo([25.0, 25.0], 52.0));
+    state.apply(Command::View(ViewCommand::FlyTo([25.0, 25.0], 52.0)));
     while state.advance(0.5) {}
-    state.apply(Command::Viewport(Rect::from_min_size(
+    state.apply(Command::View(ViewCommand::Viewport(Rect::from_min_size(
         pos2(0.0, 0.0),
         vec2(900.0, 900.0),
-    )));
-    state.apply(Command::Fit);
+    ))));
+    state.apply(Command::View(ViewCommand::Fit));
     let svg = shoot(&mut state);
     let numbers = group(&svg, "block numbers").unwrap();
     let texts = numbers.matches("<text").count();
@@ -527,7 +534,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     assert!(svg.contains(&format!("<title>{said}")));
     // What is off is not there.
     for layer in [Layer::Tree, Layer::Blocks] {
-        state.apply(Command::ToggleLayer(layer));
+        state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
     }
     let svg = shoot(&mut state);
     for name in ["KD-tree", "blocks", "block borders", "block numbers"] {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use egui::{Rect, pos2, vec2};
 use tilescope_app::Command;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
 use tilescope_app::export::{Entry, ExportCommand, Kind, MOST_FRAMES};
 use tilescope_formats::certificate_path;
 
@@ -173,7 +174,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
     assert!(state.export_prospect().unwrap().starts_with("501 frames"));
     state.apply(Command::Time(TimeCommand::Loop(None)));
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     let range = state.export_range().unwrap();
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
     let refusal = state.export_prospect().unwrap_err().to_string();
@@ -183,8 +184,8 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     );
     // A canvas that is too large for the scale.
     let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(5_000.0, 4_000.0));
-    state.apply(Command::Viewport(canvas));
-    state.apply(Command::LastStage);
+    state.apply(Command::View(ViewCommand::Viewport(canvas)));
+    state.apply(Command::Time(TimeCommand::LastStage));
     let eight = [(Entry::Scale, "8")];
     fill_in(&mut state, Kind::Picture, &path("a.png"), &eight);
     let refusal = state.export_prospect().unwrap_err().to_string();

@@ -4,6 +4,8 @@
 use crate::exporting;
 use std::fs;
 use std::path::Path;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::TimeCommand;
 
 use tilescope_app::export::{Entry, ExportCommand, Kind, write};
 use tilescope_app::files::{Delivery, FileCommand, Purpose, packed};
@@ -222,10 +224,10 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     }
     // Another set is another pattern.
     let mut other = opened();
-    other.apply(Command::Type(
+    other.apply(Command::Form(FormCommand::Type(
         tilescope_app::draft::Field::Seed,
         "9".to_owned(),
-    ));
+    )));
     other.apply(Command::Run);
     other.settle();
     let path = folder.path().join("other.ply");
@@ -328,7 +330,7 @@ fn rendered(state: &State) -> Vec<NamedBytes> {
 fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
-    state.apply(Command::ShowStage(3));
+    state.apply(Command::Time(TimeCommand::ShowStage(3)));
     for (kind, name) in [
         (Kind::Result, "a.csv"),
         (Kind::Result, "a.json"),

@@ -5,7 +5,9 @@ use tilescope_app::actions::actions;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
 use tilescope_app::arrangement::{Arrangement, DrawerCommand};
+use tilescope_app::command::AppearanceCommand;
 use tilescope_app::command::DebugCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::Kind;
 use tilescope_app::files::Purpose;
@@ -37,7 +39,7 @@ fn escape(state: &mut State) -> bool {
 fn the_projector_mode_returns_to_the_look_before() {
     let mut state = opened();
     for before in [Look::Light, Look::Dark] {
-        state.apply(Command::Look(before));
+        state.apply(Command::Appearance(AppearanceCommand::Look(before)));
         for way_out in [Key::F2, Key::Escape] {
             let names = || actions(&state).into_iter().map(|action| action.name);
             assert!(names().any(|name| name == "Projector mode"));
@@ -54,7 +56,7 @@ fn the_projector_mode_returns_to_the_look_before() {
     // A saved view may begin with it.
     let mut view = state.view();
     view.look = Some(Look::Projector);
-    state.apply(Command::Look(Look::Light));
+    state.apply(Command::Appearance(AppearanceCommand::Look(Look::Light)));
     state.look_as(&view);
     assert_eq!(state.appearance.look, Look::Projector);
     assert!(escape(&mut state));
@@ -64,10 +66,10 @@ fn the_projector_mode_returns_to_the_look_before() {
 #[test]
 fn escape_leaves_one_thing_after_another() {
     let mut state = opened();
-    state.apply(Command::ToggleProjector);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleProjector));
     let arrange = DrawerCommand::Arrange(Arrangement::Portrait);
-    state.apply(Command::Drawer(arrange));
-    state.apply(Command::OpenPanel(Panel::Legend));
+    state.apply(Command::Window(WindowCommand::Drawer(arrange)));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
     let brush = Brush::between(Axis::Distance, 1.0, 1.05);
     state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
     state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(3))));
@@ -127,10 +129,10 @@ fn the_key_that_opens_a_sheet_or_the_list_closes_it() {
 #[test]
 fn the_analysis_is_left_by_its_key_where_there_are_no_tabs() {
     let mut state = opened();
-    state.apply(Command::ToggleProjector);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleProjector));
     for arrangement in [Arrangement::Tiles, Arrangement::Portrait] {
         let arrange = DrawerCommand::Arrange(arrangement);
-        state.apply(Command::Drawer(arrange));
+        state.apply(Command::Window(WindowCommand::Drawer(arrange)));
         for expected in [true, false] {
             assert!(press(&mut state, Modifiers::NONE, Key::A));
             assert_eq!(state.analyses(), expected, "{arrangement:?}");
@@ -154,9 +156,9 @@ fn what_a_key_does_not_enter_has_an_action_that_leaves_it() {
     assert!(state.runs.second.is_none());
     // Part of another page the window takes no keys for modes that it could not leave there.
     for command in [
-        Command::ToggleProjector,
-        Command::TogglePalette,
-        Command::OpenPanel(Panel::Analysis),
+        Command::Appearance(AppearanceCommand::ToggleProjector),
+        Command::Window(WindowCommand::ToggleFinder),
+        Command::Window(WindowCommand::OpenPanel(Panel::Analysis)),
     ] {
         assert!(!command.works_in_frame());
     }

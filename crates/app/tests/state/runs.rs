@@ -1,6 +1,10 @@
 //! What stays, and what comes back, when another run takes the place of the one at hand.
 
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::LinkCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
@@ -20,7 +24,10 @@ fn apply(state: &mut State, command: Command) {
 }
 
 fn run_with(state: &mut State, field: Field, text: &str) {
-    apply(state, Command::Type(field, text.to_owned()));
+    apply(
+        state,
+        Command::Form(FormCommand::Type(field, text.to_owned())),
+    );
     apply(state, Command::Run);
 }
 
@@ -122,7 +129,10 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
     }
     let link = state.link();
     let mut there = opened();
-    apply(&mut there, Command::OpenLink(link.fragment.clone()));
+    apply(
+        &mut there,
+        Command::Link(LinkCommand::Open(link.fragment.clone())),
+    );
     assert_eq!(there.messages.notice, None);
     assert_eq!(there.runs.first.debugger.as_ref().unwrap().bookmarks, set);
     assert_eq!(there.link(), link);
@@ -204,9 +214,15 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
         .digest()
         .to_owned();
     for text in ["0.0", "0.04"] {
-        apply(&mut state, Command::Type(Field::Radius, text.to_owned()));
+        apply(
+            &mut state,
+            Command::Form(FormCommand::Type(Field::Radius, text.to_owned())),
+        );
     }
-    apply(&mut state, Command::Choose(Choice::Order(Order::Index)));
+    apply(
+        &mut state,
+        Command::Form(FormCommand::Choose(Choice::Order(Order::Index))),
+    );
     let remark = state.run_remark().unwrap();
     assert!(remark.contains("radius") && remark.contains("order") && !remark.contains("seed"));
     apply(&mut state, Command::Run);
@@ -221,9 +237,9 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
         .to_owned();
     // What is looked at is no step.
     for command in [
-        Command::OpenPanel(Panel::Bookmarks),
-        Command::OpenPanel(Panel::Watches),
-        Command::ToggleLayer(Layer::Disks),
+        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
     ] {
         apply(&mut state, command);
     }
@@ -245,7 +261,10 @@ fn undoing_a_run_brings_parameters_and_run_back_together() {
 fn what_was_typed_and_not_run_is_undone_by_itself() {
     let mut state = opened();
     run_with(&mut state, Field::Radius, "0.03");
-    apply(&mut state, Command::Type(Field::Radius, "0.05".to_owned()));
+    apply(
+        &mut state,
+        Command::Form(FormCommand::Type(Field::Radius, "0.05".to_owned())),
+    );
     let differs = |typed: &str, run: &str| (typed.to_owned(), run.to_owned(), true);
     assert_eq!(radii(&state), differs("0.05", "0.03"));
     apply(&mut state, Command::Undo);
@@ -257,7 +276,10 @@ fn what_was_typed_and_not_run_is_undone_by_itself() {
         assert_eq!(radii(&state), expected);
     }
     // What cannot be read is not in the run either.
-    apply(&mut state, Command::Type(Field::Radius, "0.03x".to_owned()));
+    apply(
+        &mut state,
+        Command::Form(FormCommand::Type(Field::Radius, "0.03x".to_owned())),
+    );
     assert!(radii(&state).2);
 }
 
@@ -265,7 +287,10 @@ fn what_was_typed_and_not_run_is_undone_by_itself() {
 fn a_run_that_is_not_waited_for_is_undone_with_its_parameters() {
     let mut state = opened();
     for text in ["0.03", "0.025"] {
-        state.apply(Command::Type(Field::Radius, text.to_owned()));
+        state.apply(Command::Form(FormCommand::Type(
+            Field::Radius,
+            text.to_owned(),
+        )));
         state.apply(Command::Run);
     }
     apply(&mut state, Command::Undo);
@@ -273,7 +298,10 @@ fn a_run_that_is_not_waited_for_is_undone_with_its_parameters() {
     apply(&mut state, Command::Redo);
     assert_eq!(radii(&state), agreed("0.025"));
     // Undone while it is at work.
-    state.apply(Command::Type(Field::Radius, "0.03".to_owned()));
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Radius,
+        "0.03".to_owned(),
+    )));
     state.apply(Command::Run);
     apply(&mut state, Command::Undo);
     assert_eq!(radii(&state), agreed("0.025"));
@@ -291,7 +319,7 @@ fn a_combination_or_a_link_is_undone_with_the_run_that_it_replaced() {
     assert_eq!(radii(&state), agreed("0.03"));
     apply(
         &mut state,
-        Command::OpenLink("v=1&radius=0.05&leaf=8".to_owned()),
+        Command::Link(LinkCommand::Open("v=1&radius=0.05&leaf=8".to_owned())),
     );
     assert_eq!(radii(&state), agreed("0.05"));
     apply(&mut state, Command::Undo);

@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::ViewCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
@@ -55,9 +58,12 @@ pub fn busy() -> Harness<'static, App> {
     let mut harness = opened();
     apply(
         &mut harness,
-        Command::Type(Field::Radius, "0.02".to_owned()),
+        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
     );
-    apply(&mut harness, Command::Type(Field::Leaf, "12".to_owned()));
+    apply(
+        &mut harness,
+        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
+    );
     apply(&mut harness, Command::Run);
     let line = Listings::shipped().find("eliminate.5").expect("a line");
     for command in [
@@ -74,8 +80,14 @@ pub fn busy() -> Harness<'static, App> {
     apply(&mut harness, Command::Debug(note));
     apply(&mut harness, Command::Time(TimeCommand::Jump(3_456)));
     apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
-    apply(&mut harness, Command::ToggleLayer(Layer::Disks));
-    apply(&mut harness, Command::FlyTo([20.0, 21.0], 9.0));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+    );
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo([20.0, 21.0], 9.0)),
+    );
     harness.state_mut().state.advance(5.0);
     harness.run();
     harness

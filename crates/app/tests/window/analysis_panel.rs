@@ -6,7 +6,9 @@ use egui::Key;
 use egui_kittest::Harness;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::{Layout, Panel};
@@ -20,7 +22,10 @@ use crate::support::{find, focused, is_disabled, node, opened_at, settle, text};
 pub(crate) fn analysing() -> Harness<'static, App> {
     let mut harness = opened_at([1000.0, 1100.0]);
     for (field, value) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
-        apply(&mut harness, Command::Type(field, value.to_owned()));
+        apply(
+            &mut harness,
+            Command::Form(FormCommand::Type(field, value.to_owned())),
+        );
     }
     apply(&mut harness, Command::Run);
     let id = egui::Id::unique("a panel alone");
@@ -108,7 +113,7 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     says(&harness, DENSITY, &["file 0.3600"]);
     apply(
         &mut harness,
-        Command::Type(Field::Radius, "0.03".to_owned()),
+        Command::Form(FormCommand::Type(Field::Radius, "0.03".to_owned())),
     );
     apply(&mut harness, Command::Run);
     says(&harness, DENSITY, &["file 0.8100"]);
@@ -116,12 +121,15 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     says(&harness, "analysis.unjudged", &["0.02", "0.03"]);
     apply(
         &mut harness,
-        Command::Type(Field::Radius, "0.02".to_owned()),
+        Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned())),
     );
     apply(&mut harness, Command::Run);
     says(&harness, CONFLICTS, &[&conflicts]);
     // Another domain: it is kept, not drawn, and the panel says why.
-    apply(&mut harness, Command::Type(Field::Width, "2".to_owned()));
+    apply(
+        &mut harness,
+        Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
+    );
     apply(&mut harness, Command::Run);
     assert!(harness.state().state.held().unwrap().is_err());
     assert!(!text(&harness, SAMPLES).contains("file"));
@@ -143,11 +151,11 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     let path = noise("another-domain");
     for (command, domain) in [
         (
-            Command::Type(Field::Width, "2".to_owned()),
+            Command::Form(FormCommand::Type(Field::Width, "2".to_owned())),
             "2 \u{d7} 1 periodic",
         ),
         (
-            Command::Type(Field::Height, "0.5".to_owned()),
+            Command::Form(FormCommand::Type(Field::Height, "0.5".to_owned())),
             "2 \u{d7} 0.5 periodic",
         ),
     ] {
@@ -164,8 +172,8 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     let torus = path.with_file_name("torus.txt");
     std::fs::write(&torus, "4\n0.1 0.1\n0.6 0.1\n0.1 0.6\n0.6 0.6\n").unwrap();
     for command in [
-        Command::Type(Field::Width, "1".to_owned()),
-        Command::Type(Field::Height, "1".to_owned()),
+        Command::Form(FormCommand::Type(Field::Width, "1".to_owned())),
+        Command::Form(FormCommand::Type(Field::Height, "1".to_owned())),
     ] {
         apply(&mut harness, command);
     }
@@ -175,7 +183,7 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
     apply(&mut harness, Command::Analysis(AnalysisCommand::Clear));
     apply(
         &mut harness,
-        Command::Choose(Choice::Boundary(Boundary::Bounded)),
+        Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
     );
     apply(&mut harness, Command::Run);
     apply(&mut harness, Command::DismissNotice);
@@ -296,7 +304,10 @@ fn oblong_domains_are_drawn_with_the_panel_open() {
     let mut harness = analysing();
     for (width, height) in [("2", "1"), ("1", "1.7")] {
         for (field, value) in [(Field::Width, width), (Field::Height, height)] {
-            apply(&mut harness, Command::Type(field, value.to_owned()));
+            apply(
+                &mut harness,
+                Command::Form(FormCommand::Type(field, value.to_owned())),
+            );
         }
         apply(&mut harness, Command::Run);
         settle(&mut harness);
@@ -326,7 +337,10 @@ fn differing(harness: &Harness<'_, App>, a: &[u8], b: &[u8], width: u32) -> usiz
 #[test]
 fn what_is_brushed_is_seen_on_the_canvas_and_goes_again() {
     let mut harness = opened_at([1440.0, 900.0]);
-    apply(&mut harness, Command::OpenPanel(Panel::Analysis));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Analysis)),
+    );
     let width = 1440;
     let mut picture = |brush: Option<Brush>| {
         apply(

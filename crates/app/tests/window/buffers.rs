@@ -5,7 +5,12 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::GpuCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::Field;
@@ -33,8 +38,12 @@ fn pass(harness: &mut Harness<'_, App>, command: PassCommand) {
 /// Returns the window with the passes of a small run.
 fn with_passes() -> Harness<'static, App> {
     let mut harness = opened();
-    let radius = Command::Type(Field::Radius, "0.02".to_owned());
-    for command in [radius, Command::Run, Command::Engine(Engine::Gpu)] {
+    let radius = Command::Form(FormCommand::Type(Field::Radius, "0.02".to_owned()));
+    for command in [
+        radius,
+        Command::Run,
+        Command::Gpu(GpuCommand::Engine(Engine::Gpu)),
+    ] {
         apply(&mut harness, command);
     }
     apply(&mut harness, Command::OpenPasses);
@@ -123,7 +132,10 @@ fn places_and_the_grid_are_on_the_canvas_where_the_session_has_its_samples() {
 #[test]
 fn the_button_shows_them_the_tag_names_them_and_the_choice_removes_them() {
     let mut harness = with_passes();
-    apply(&mut harness, Command::OpenPanel(Panel::Passes));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Passes)),
+    );
     go(&mut harness, "tile", Name::Places);
     let counts = rows(&harness).shown.counts();
     assert!(counts.inside > 1_000 && counts.inside < counts.rows);
@@ -158,7 +170,7 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     assert_eq!(state(&harness).time.playback.clock, Clock::Pass);
     assert!(state(&harness).engine_said().is_some());
     // The CPU samples next: neither the clock nor the test of the GPU is of that run.
-    apply(&mut harness, Command::Engine(Engine::Auto));
+    apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Auto)));
     assert_eq!(state(&harness).engine_said(), None);
     apply(&mut harness, Command::Run);
     assert_eq!(state(&harness).time.playback.clock, Clock::Line);
@@ -205,7 +217,7 @@ fn the_timeline_stands_at_the_last_stage_that_is_whole_behind_the_pass() {
     pass(&mut harness, PassCommand::Select(0));
     assert_eq!(state(&harness).current_stage(), Some(Stage::Blocks));
     // The timeline leads, too, and is not led back.
-    apply(&mut harness, Command::LastStage);
+    apply(&mut harness, Command::Time(TimeCommand::LastStage));
     let passes = state(&harness).runs.first.passes.as_ref().unwrap();
     assert_eq!(passes.selected(), Some(entries.len() - 1));
     assert_eq!(state(&harness).current_stage(), Some(Stage::Finish));
@@ -228,9 +240,15 @@ fn a_session_that_is_stepped_through_by_events_is_not_drawn_over() {
     apply(&mut harness, Command::Time(TimeCommand::Jump(there)));
     assert!(state(&harness).buffers_on_canvas().is_some());
     apply(&mut harness, step());
-    apply(&mut harness, Command::OpenPanel(Panel::Passes));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Passes)),
+    );
     assert!(state(&harness).buffers_on_canvas().is_some());
-    apply(&mut harness, Command::Look(Look::Projector));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::Look(Look::Projector)),
+    );
     assert!(state(&harness).buffers_on_canvas().is_none());
 }
 
@@ -260,14 +278,17 @@ fn a_filter_chooses_the_rows_and_unchanged_cells() {
 #[test]
 fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
     let mut harness = opened();
-    apply(&mut harness, Command::Engine(Engine::Gpu));
+    apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     apply(&mut harness, Command::OpenPasses);
     go(&mut harness, "tile", Name::Places);
     let all = rows(&harness).shown.counts().rows;
     assert!(all > 20_000);
     let left_out = (all - 20_000).to_string();
     assert!(!text(&harness, "on-canvas").contains(&left_out));
-    apply(&mut harness, Command::FlyTo([60.0, 60.0], 260.0));
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo([60.0, 60.0], 260.0)),
+    );
     for _ in 0..200 {
         harness.step();
     }

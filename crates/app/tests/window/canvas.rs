@@ -3,7 +3,10 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
+use tilescope_app::command::AppearanceCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
@@ -33,7 +36,10 @@ fn window(instanced: bool) -> Harness<'static, App> {
             app
         });
     settle(&mut harness);
-    apply(&mut harness, Command::ToggleReducedMotion);
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
+    );
     harness
 }
 
@@ -78,9 +84,9 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 fn cameras() -> [Command; 3] {
     [
-        Command::Fit,
-        Command::FlyTo([37.0, 45.0], 40.0),
-        Command::FlyTo([1.5, 60.0], 9.0),
+        Command::View(ViewCommand::Fit),
+        Command::View(ViewCommand::FlyTo([37.0, 45.0], 40.0)),
+        Command::View(ViewCommand::FlyTo([1.5, 60.0], 9.0)),
     ]
 }
 
@@ -88,7 +94,10 @@ fn cameras() -> [Command; 3] {
 fn instancing_and_meshes_show_the_same() {
     let (mut on_gpu, mut as_meshes) = (window(true), window(false));
     for harness in [&mut on_gpu, &mut as_meshes] {
-        apply(harness, Command::ToggleLayer(Layer::Disks));
+        apply(
+            harness,
+            Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+        );
     }
     for (stage, colouring) in [
         (TILE_STAGE, Colouring::Block),
@@ -97,8 +106,11 @@ fn instancing_and_meshes_show_the_same() {
     ] {
         for camera in cameras() {
             let shoot_stage = |harness: &mut Harness<'_, App>, stage| {
-                apply(harness, Command::ShowStage(stage));
-                apply(harness, Command::Colour(colouring));
+                apply(harness, Command::Time(TimeCommand::ShowStage(stage)));
+                apply(
+                    harness,
+                    Command::Appearance(AppearanceCommand::Colour(colouring)),
+                );
                 apply(harness, camera.clone());
                 shoot(harness)
             };
@@ -115,10 +127,13 @@ fn instancing_and_meshes_show_the_same() {
 #[test]
 fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
     let (mut on_gpu, mut as_meshes) = (window(true), window(false));
-    let view = Command::FlyTo([37.0, 45.0], 14.0);
+    let view = Command::View(ViewCommand::FlyTo([37.0, 45.0], 14.0));
     let mut shots = Vec::new();
     for harness in [&mut on_gpu, &mut as_meshes] {
-        apply(harness, Command::ShowStage(FIRST_ITERATION));
+        apply(
+            harness,
+            Command::Time(TimeCommand::ShowStage(FIRST_ITERATION)),
+        );
         apply(harness, view.clone());
         let whole = shoot(harness);
         let mut changes = Vec::new();
@@ -128,11 +143,17 @@ fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
             Layer::Eliminated,
             Layer::Disks,
         ] {
-            apply(harness, Command::ToggleLayer(layer));
+            apply(
+                harness,
+                Command::Appearance(AppearanceCommand::ToggleLayer(layer)),
+            );
             let other = shoot(harness);
             assert!(difference(&whole, &other) > 0.02, "{layer:?} shows nothing");
             changes.push(other);
-            apply(harness, Command::ToggleLayer(layer));
+            apply(
+                harness,
+                Command::Appearance(AppearanceCommand::ToggleLayer(layer)),
+            );
         }
         let back = difference(&whole, &shoot(harness));
         assert!(back < 0.01, "toggled back, it is as before: {back}");
@@ -153,7 +174,10 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     let (mut stepping, mut leaping) = (window(true), window(true));
     let jump = |cursor| Command::Time(TimeCommand::Jump(cursor));
     for harness in [&mut stepping, &mut leaping] {
-        apply(harness, Command::FlyTo([37.0, 45.0], 60.0));
+        apply(
+            harness,
+            Command::View(ViewCommand::FlyTo([37.0, 45.0], 60.0)),
+        );
     }
     let session = stepping
         .state()
@@ -205,7 +229,9 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
         harness
             .state_mut()
             .state
-            .apply(Command::ToggleLayer(Layer::Tree));
+            .apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+                Layer::Tree,
+            )));
         seen
     };
     let (before, after) = (shoot(), shoot());
@@ -255,7 +281,10 @@ fn the_tree_shows_the_splits_that_were_made() {
     for later in 2..splits.len() {
         assert!(tree_at(&mut harness, line(later)) < 8.0, "split {later}");
     }
-    apply(&mut harness, Command::ShowStage(BLOCKS_STAGE));
+    apply(
+        &mut harness,
+        Command::Time(TimeCommand::ShowStage(BLOCKS_STAGE)),
+    );
     for made in 0..splits.len() {
         assert!(tree_at(&mut harness, line(made)) > 20.0, "split {made}");
     }
@@ -264,14 +293,26 @@ fn the_tree_shows_the_splits_that_were_made() {
 #[test]
 fn ages_colour_the_samples() {
     let mut harness = window(true);
-    apply(&mut harness, Command::FlyTo([37.0, 45.0], 30.0));
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo([37.0, 45.0], 30.0)),
+    );
     let by_block = shoot(&mut harness);
-    apply(&mut harness, Command::Colour(Colouring::Age));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
+    );
     let by_age = shoot(&mut harness);
     assert!(difference(&by_block, &by_age) > 0.5);
-    apply(&mut harness, Command::OpenPanel(Panel::Legend));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Legend)),
+    );
     node(&harness, "ages");
-    apply(&mut harness, Command::Colour(Colouring::Block));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Block)),
+    );
     assert!(find(&harness, "ages").is_none());
     assert!(difference(&by_block, &shoot(&mut harness)) < 1e-3);
 }
@@ -308,8 +349,11 @@ fn what_is_under_the_pointer_is_named() {
         .clone()
         .expect("a session");
     let run = session.run();
-    apply(&mut harness, Command::ToggleReducedMotion);
-    apply(&mut harness, Command::ShowStage(3));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
+    );
+    apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
     let lost = (0..run.samples.len() as u32).find(|&id| {
         let place = session.place(id);
         let inside = place.iter().all(|x| (20.0..100.0).contains(x));
@@ -319,7 +363,10 @@ fn what_is_under_the_pointer_is_named() {
     let Fate::Eliminated { by } = run.samples.fates[lost as usize] else {
         unreachable!()
     };
-    apply(&mut harness, Command::FlyTo(session.place(lost), 6.0));
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo(session.place(lost), 6.0)),
+    );
     let said = said_of(&mut harness, session.place(lost)).expect("a sample");
     let number = |id: u32| grouped(id as usize);
     assert!(
@@ -327,27 +374,45 @@ fn what_is_under_the_pointer_is_named() {
         "{said}"
     );
     assert!(said.ends_with(&format!(": eliminated by sample {}", number(by))));
-    apply(&mut harness, Command::ShowStage(TILE_STAGE));
+    apply(
+        &mut harness,
+        Command::Time(TimeCommand::ShowStage(TILE_STAGE)),
+    );
     let said = said_of(&mut harness, session.place(lost)).expect("a sample");
     assert!(said.ends_with(": not decided yet"), "{said}");
 
     let inserted = run.iterations[0].inserted.start;
-    apply(&mut harness, Command::LastStage);
-    apply(&mut harness, Command::FlyTo(session.place(inserted), 6.0));
+    apply(&mut harness, Command::Time(TimeCommand::LastStage));
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo(session.place(inserted), 6.0)),
+    );
     let said = said_of(&mut harness, session.place(inserted)).expect("a sample");
     let expected = format!("Sample {} inserted in iteration 1: valid", number(inserted));
     assert_eq!(said, expected);
 
-    apply(&mut harness, Command::ShowStage(3));
+    apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
     let said = said_of(&mut harness, session.place(inserted)).expect("a gap");
     assert!(said.starts_with("Gap: area 0."), "{said}");
-    apply(&mut harness, Command::ShowStage(BLOCKS_STAGE));
+    apply(
+        &mut harness,
+        Command::Time(TimeCommand::ShowStage(BLOCKS_STAGE)),
+    );
     let block = said_of(&mut harness, session.place(inserted)).expect("a block");
     assert!(block.starts_with("Block ") && block.contains("cut off by split"));
-    apply(&mut harness, Command::Look(Look::Projector));
-    apply(&mut harness, Command::FlyTo(session.place(inserted), 6.0));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::Look(Look::Projector)),
+    );
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo(session.place(inserted), 6.0)),
+    );
     let brief = said_of(&mut harness, session.place(inserted)).expect("a block");
     assert!(block.starts_with(&brief) && !brief.contains("split"));
-    apply(&mut harness, Command::FlyTo([-90.0, -90.0], 6.0));
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::FlyTo([-90.0, -90.0], 6.0)),
+    );
     assert_eq!(said_of(&mut harness, [-90.0, -90.0]), None);
 }

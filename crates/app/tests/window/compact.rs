@@ -4,7 +4,10 @@ use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::{Arrangement, DrawerCommand};
+use tilescope_app::command::AppearanceCommand;
 use tilescope_app::command::DebugCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::layout::Panel;
 use tilescope_app::selection::Selection;
@@ -118,7 +121,7 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     harness
         .state_mut()
         .state
-        .apply(Command::OpenPanel(Panel::Events));
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     settle(&mut harness);
     let before = harness.state().state.window.layout.clone();
     let arrangement = |harness: &Harness<'_, App>| harness.state().state.window.drawer.arrangement;
@@ -133,7 +136,7 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
     harness
         .state_mut()
         .state
-        .apply(Command::OpenPanel(Panel::Bookmarks));
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)));
     settle(&mut harness);
     assert_eq!(
         harness.state().state.window.drawer.open,
@@ -155,11 +158,11 @@ fn the_size_of_the_window_decides_at_once_and_tiles_stay() {
 fn fingers_have_room() {
     let mut harness = opened_at(PHONE);
     for id in [
-        "first-stage",
-        "step-back",
-        "toggle-play",
-        "step-forward",
-        "last-stage",
+        "time-first-stage",
+        "time-step-back",
+        "time-toggle-play",
+        "time-step-forward",
+        "time-last-stage",
         "menu",
         "tab.parameters",
     ] {
@@ -192,13 +195,13 @@ fn menu(harness: &mut Harness<'_, App>, menu: &str, action: &str) {
 #[test]
 fn every_primary_action_can_be_done() {
     let mut harness = opened_at(PHONE);
-    click(&mut harness, "first-stage");
+    click(&mut harness, "time-first-stage");
     assert_eq!(cursor(&harness), 0);
-    click(&mut harness, "step-forward");
+    click(&mut harness, "time-step-forward");
     assert!(cursor(&harness) > 0);
-    click(&mut harness, "step-back");
+    click(&mut harness, "time-step-back");
     assert_eq!(cursor(&harness), 0);
-    click(&mut harness, "last-stage");
+    click(&mut harness, "time-last-stage");
     click(&mut harness, "fit");
     // The verdict leads to its witness.
     click(&mut harness, "verdict");
@@ -206,15 +209,15 @@ fn every_primary_action_can_be_done() {
     click(&mut harness, "tab.parameters");
     click(&mut harness, "run");
     assert!(harness.state().state.runs.first.session.is_some());
-    menu(&mut harness, "view", "look-light");
+    menu(&mut harness, "view", "appearance-look-light");
     assert_eq!(harness.state().state.appearance.look, Look::Light);
-    menu(&mut harness, "view", "toggle-reduced-motion");
+    menu(&mut harness, "view", "appearance-toggle-reduced-motion");
     assert!(harness.state().state.appearance.reduced_motion);
     menu(&mut harness, "compare", "compare-start-next-seed");
     assert!(harness.state().state.runs.second.is_some());
     assert_eq!(outside(&harness, PHONE[0]), Vec::<String>::new());
     menu(&mut harness, "compare", "compare-close");
-    menu(&mut harness, "analyze", "open-panel-analysis");
+    menu(&mut harness, "analyze", "window-open-panel-analysis");
     assert!(harness.state().state.analyses());
 }
 
@@ -243,7 +246,7 @@ fn sheets_and_notices_fit() {
         assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
         harness.key_press(egui::Key::Escape);
         harness.run();
-        menu(&mut harness, "edit", "toggle-palette");
+        menu(&mut harness, "edit", "window-toggle-finder");
         let field = node(&harness, "find-action").rect();
         assert!(window.contains_rect(field), "{field:?}");
         assert_eq!(outside(&harness, size[0]), Vec::<String>::new());
@@ -269,7 +272,9 @@ fn a_selected_sample_and_two_runs_fit() {
     for command in [
         Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(Rival::Order)),
-        Command::Drawer(DrawerCommand::Show(Some(Panel::Inspector))),
+        Command::Window(WindowCommand::Drawer(DrawerCommand::Show(Some(
+            Panel::Inspector,
+        )))),
     ] {
         state.apply(command);
     }
@@ -294,7 +299,7 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
     state.choose_motion(None);
     state.prefer_reduced_motion(false);
     assert!(!state.appearance.reduced_motion);
-    state.apply(Command::ToggleReducedMotion);
+    state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     assert_eq!(state.motion_chosen(), Some(true));
     state.prefer_reduced_motion(false);
     assert!(state.appearance.reduced_motion);
@@ -313,31 +318,37 @@ fn reduced_motion_stops_what_moves_by_itself() {
             style.scroll_animation != egui::style::ScrollAnimation::none(),
         ]
     };
-    let fly = Command::FlyTo([30.0, 30.0], 10.0);
+    let fly = Command::View(ViewCommand::FlyTo([30.0, 30.0], 10.0));
     harness.state_mut().state.apply(fly.clone());
     assert!(harness.state().state.runs.first.flight.is_some());
     harness
         .state_mut()
         .state
-        .apply(Command::ToggleReducedMotion);
+        .apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     // A flight at work arrives at once, and there are no more.
     let state = &harness.state().state;
     assert!(state.runs.first.flight.is_none());
     assert!((state.runs.first.camera.center[0] - 30.0).abs() < 1e-9);
-    harness.state_mut().state.apply(Command::Fit);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::View(ViewCommand::Fit));
     harness.state_mut().state.apply(fly);
     assert!(harness.state().state.runs.first.flight.is_none());
     harness.run();
     assert_eq!(moves(&harness), [false; 2]);
     for look in [Look::Light, Look::Projector, Look::Dark] {
-        harness.state_mut().state.apply(Command::Look(look));
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Appearance(AppearanceCommand::Look(look)));
         harness.run();
         assert_eq!(moves(&harness), [false; 2], "{look:?}");
     }
     harness
         .state_mut()
         .state
-        .apply(Command::ToggleReducedMotion);
+        .apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
     harness.run();
     assert_eq!(moves(&harness), [true; 2]);
 }
@@ -345,7 +356,7 @@ fn reduced_motion_stops_what_moves_by_itself() {
 #[test]
 fn a_projector_in_a_phone_is_a_light_phone() {
     let mut harness = opened_at(PHONE);
-    let projector = Command::Look(Look::Projector);
+    let projector = Command::Appearance(AppearanceCommand::Look(Look::Projector));
     harness.state_mut().state.apply(projector);
     harness.run();
     let state = &harness.state().state;

@@ -3,7 +3,10 @@
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::jobs::Job;
@@ -54,7 +57,10 @@ fn differing(state: &State) -> [usize; 3] {
 #[test]
 fn another_seed_is_sampled_verified_and_shares_no_sample() {
     let mut harness = opened();
-    apply(&mut harness, Command::OpenPanel(Panel::Compare));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
+    );
     node(&harness, "compare.next-seed").click();
     harness.run();
     settle(&mut harness);
@@ -157,12 +163,18 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
         let state = &harness.state().state;
         [state.runs.first.camera, second(state).camera]
     };
-    apply(&mut harness, Command::Pan(vec2(40.0, 10.0)));
+    apply(
+        &mut harness,
+        Command::View(ViewCommand::Pan(vec2(40.0, 10.0))),
+    );
     let [a, b] = cameras(&harness);
     assert_eq!(a, b);
     let on_b = |command| Command::OnSecond(Box::new(command));
     let at = second(&harness.state().state).viewport.center();
-    apply(&mut harness, on_b(Command::Zoom(at, 3.0)));
+    apply(
+        &mut harness,
+        on_b(Command::View(ViewCommand::Zoom(at, 3.0))),
+    );
     let [zoomed, b] = cameras(&harness);
     assert_eq!(zoomed, b);
     assert!((zoomed.scale / a.scale - 3.0).abs() < 1e-9);
@@ -171,7 +183,10 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
         &mut harness,
         Command::Compare(CompareCommand::LinkCameras(false)),
     );
-    apply(&mut harness, on_b(Command::Pan(vec2(5.0, 0.0))));
+    apply(
+        &mut harness,
+        on_b(Command::View(ViewCommand::Pan(vec2(5.0, 0.0)))),
+    );
     let [a, b] = cameras(&harness);
     assert_eq!(a, zoomed);
     assert_ne!(a, b);
@@ -222,9 +237,12 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
     assert_eq!(divergence(&harness.state().state), Divergence::Same);
     apply(
         &mut harness,
-        Command::Choose(Choice::Boundary(Boundary::Bounded)),
+        Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
     );
-    apply(&mut harness, Command::Type(Field::Leaf, "12".to_owned()));
+    apply(
+        &mut harness,
+        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
+    );
     apply(&mut harness, Command::Run);
     let Divergence::Domain { .. } = divergence(&harness.state().state) else {
         panic!("a periodic and a bounded domain cannot be compared");
@@ -232,7 +250,7 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
     node(&harness, "compare.refusal");
     assert!(text(&harness, "run-a").contains("bounded"));
     // Time still goes on in both, stage by stage.
-    apply(&mut harness, Command::ShowStage(2));
+    apply(&mut harness, Command::Time(TimeCommand::ShowStage(2)));
     let state = &harness.state().state;
     assert_eq!(state.current_stage(), Some(Stage::Tile));
     let side = second(state);
@@ -245,11 +263,17 @@ fn a_run_is_kept_beside_the_next_one_even_in_another_domain() {
 #[test]
 fn what_cannot_be_compared_says_why() {
     let mut harness = opened();
-    apply(&mut harness, Command::OpenPanel(Panel::Compare));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
+    );
     assert!(is_disabled(&harness, "compare.engine"));
     let refusal = harness.state().state.rival_refusal(Rival::Engine);
     assert!(refusal.expect("a reason").contains("GPU"));
-    apply(&mut harness, Command::Type(Field::Radius, "0".to_owned()));
+    apply(
+        &mut harness,
+        Command::Form(FormCommand::Type(Field::Radius, "0".to_owned())),
+    );
     let refusal = harness.state().state.rival_refusal(Rival::Typed);
     assert!(refusal.expect("a reason").contains("radius"));
     // A refused command does nothing.
@@ -316,7 +340,10 @@ fn a_kept_run_is_at_the_same_moment_even_when_clocks_are_apart() {
     assert_eq!(cursors(&harness.state().state), [12_000; 2]);
     harness.key_press(Key::X);
     harness.run();
-    apply(&mut harness, Command::OpenPanel(Panel::Events));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+    );
     assert!(harness.state().state.runs.first.rows.is_some());
 }
 
@@ -388,7 +415,7 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
     let drawn = |rival: Rival, command: Command| {
         let mut harness = compared(rival);
         harness.state_mut().state.appearance.reduced_motion = true;
-        apply(&mut harness, Command::LastStage);
+        apply(&mut harness, Command::Time(TimeCommand::LastStage));
         apply(&mut harness, command);
         harness.run();
         let said = |shape: &egui::epaint::ClippedShape| match &shape.shape {
@@ -397,7 +424,10 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
         };
         harness.output().shapes.iter().any(said)
     };
-    assert!(drawn(Rival::NextSeed, Command::Fit));
-    assert!(!drawn(Rival::NextSeed, Command::FlyTo([37.0, 45.0], 9.0)));
-    assert!(!drawn(Rival::Search, Command::Fit));
+    assert!(drawn(Rival::NextSeed, Command::View(ViewCommand::Fit)));
+    assert!(!drawn(
+        Rival::NextSeed,
+        Command::View(ViewCommand::FlyTo([37.0, 45.0], 9.0))
+    ));
+    assert!(!drawn(Rival::Search, Command::View(ViewCommand::Fit)));
 }

@@ -4,6 +4,9 @@
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
@@ -36,7 +39,10 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     node(&harness, "eliminate.5.breakpoint").click();
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Home);
-    apply(&mut harness, Command::OpenPanel(Panel::Bookmarks));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+    );
     node(&harness, "eliminate.5.condition").focus();
     harness.run();
     node(&harness, "eliminate.5.condition").type_text("distance < 0.2");
@@ -141,7 +147,7 @@ fn the_arrows_follow_the_clock() {
     );
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(cursor(&harness), whole - 1);
-    node(&harness, "step-forward").click();
+    node(&harness, "time-step-forward").click();
     harness.run();
     assert_eq!(cursor(&harness), whole);
     apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
@@ -154,7 +160,10 @@ fn the_arrows_follow_the_clock() {
 #[test]
 fn the_event_browser_finds_selects_and_says_what_is_wrong() {
     let mut harness = opened();
-    apply(&mut harness, Command::OpenPanel(Panel::Events));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+    );
     node(&harness, "find-events").focus();
     harness.run();
     node(&harness, "find-events").type_text("insert iteration>1");
@@ -204,7 +213,7 @@ fn the_event_browser_finds_selects_and_says_what_is_wrong() {
 #[test]
 fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     let mut harness = opened();
-    apply(&mut harness, Command::FirstStage);
+    apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     press(&mut harness, Modifiers::NONE, Key::E);
     let at = cursor(&harness);
     let sample = {
@@ -215,7 +224,10 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
         &mut harness,
         Command::Debug(DebugCommand::Pick(Selection::Sample(sample))),
     );
-    apply(&mut harness, Command::OpenPanel(Panel::Inspector));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Inspector)),
+    );
     let history = harness
         .state()
         .state
@@ -229,7 +241,7 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     press(&mut harness, Modifiers::NONE, Key::W);
     assert!(cursor(&harness) < at);
     // What is not there yet stays selected: its history lies ahead.
-    apply(&mut harness, Command::FirstStage);
+    apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     assert_eq!(harness.state().state.runs.first.selected, Some(sample));
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert_eq!(harness.state().state.runs.first.selected, None);
@@ -241,13 +253,16 @@ fn bookmarks_and_watches_stay_with_their_moments() {
     press(&mut harness, Modifiers::SHIFT, Key::I);
     let at = cursor(&harness);
     press(&mut harness, Modifiers::NONE, Key::B);
-    apply(&mut harness, Command::OpenPanel(Panel::Bookmarks));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+    );
     node(&harness, "bookmark-1.note").focus();
     harness.run();
     node(&harness, "bookmark-1.note").type_text("the last one");
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
-    apply(&mut harness, Command::FirstStage);
+    apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     let number = tilescope_app::words::grouped(at);
     assert!(text(&harness, "bookmark-1").contains(&number));
     node(&harness, "bookmark-1").click();
@@ -255,7 +270,10 @@ fn bookmarks_and_watches_stay_with_their_moments() {
     assert_eq!(cursor(&harness), at);
     let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
     assert_eq!(debugger.bookmarks[0].note, "the last one");
-    apply(&mut harness, Command::OpenPanel(Panel::Watches));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
+    );
     apply(
         &mut harness,
         Command::Debug(DebugCommand::Watch("inserted + 1".to_owned())),
@@ -293,12 +311,12 @@ fn the_list_of_actions_is_reached_by_keys_and_does_what_it_says() {
     press(&mut harness, Modifiers::NONE, Key::Escape);
     assert!(harness.state().state.window.finder.is_none());
     // What cannot be done now is listed, and not done.
-    apply(&mut harness, Command::TogglePalette);
+    apply(&mut harness, Command::Window(WindowCommand::ToggleFinder));
     apply(
         &mut harness,
-        Command::PaletteText("tick forward".to_owned()),
+        Command::Window(WindowCommand::FinderText("tick forward".to_owned())),
     );
-    assert!(is_disabled(&harness, "action.go-step-forward"));
+    assert!(is_disabled(&harness, "action.go-time-step-forward"));
 }
 
 #[test]
@@ -312,9 +330,12 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
         .draft
         .text(Field::Seed)
         .to_owned();
-    let other = Command::Type(Field::Seed, "7".to_owned());
+    let other = Command::Form(FormCommand::Type(Field::Seed, "7".to_owned()));
     apply(&mut harness, other);
-    apply(&mut harness, Command::ToggleLayer(Layer::Disks));
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+    );
     let layers = harness.state().state.appearance.layers;
     node(&harness, "tab.bookmarks").click();
     harness.run();
@@ -325,7 +346,7 @@ fn tabs_and_layers_fill_no_undo_and_moved_panels_do() {
     assert!(state.window.layout.shows(Panel::Bookmarks) && state.appearance.layers == layers);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(harness.state().state.form.draft.text(Field::Seed), "7");
-    apply(&mut harness, Command::ResetLayout);
+    apply(&mut harness, Command::Window(WindowCommand::ResetLayout));
     assert_eq!(harness.state().state.window.layout, start);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(harness.state().state.window.layout.shows(Panel::Bookmarks));
@@ -359,14 +380,20 @@ fn the_projector_shows_a_way_out() {
 #[test]
 fn every_panel_is_drawn_in_every_look() {
     let mut harness = opened();
-    apply(&mut harness, Command::FirstStage);
+    apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     press(&mut harness, Modifiers::NONE, Key::G);
     press(&mut harness, Modifiers::NONE, Key::F11);
     for look in [Look::Dark, Look::Light] {
-        apply(&mut harness, Command::Look(look));
+        apply(
+            &mut harness,
+            Command::Appearance(AppearanceCommand::Look(look)),
+        );
         let mut pictures = std::collections::BTreeSet::new();
         for panel in Panel::ALL {
-            apply(&mut harness, Command::OpenPanel(panel));
+            apply(
+                &mut harness,
+                Command::Window(WindowCommand::OpenPanel(panel)),
+            );
             assert!(harness.state().state.window.layout.shows(panel));
             let picture = harness.render().expect("a picture");
             pictures.insert(picture.as_raw().clone());

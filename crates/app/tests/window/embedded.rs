@@ -6,6 +6,8 @@ use egui::{Event, Key, Modifiers, Pos2, Rect, TouchDeviceId, TouchId, TouchPhase
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::hint::{self, Hint};
+use tilescope_app::command::TimeCommand;
+use tilescope_app::command::ViewCommand;
 use tilescope_app::embedding::Embedding;
 use tilescope_app::focus::{self, End};
 use tilescope_app::{App, Command};
@@ -39,7 +41,7 @@ fn a_player_of_any_size_has_what_it_takes() {
     for size in SIZES {
         let mut harness = embedded(Embedding::Player, size);
         let window = Rect::from_min_size(Pos2::ZERO, size.into()).expand(0.5);
-        for id in ["step-back", "toggle-play", "step-forward"] {
+        for id in ["time-step-back", "time-toggle-play", "time-step-forward"] {
             node(&harness, id);
         }
         let moment = node(&harness, "moment").rect();
@@ -57,7 +59,7 @@ fn a_player_of_any_size_has_what_it_takes() {
         let status = node(&harness, "status");
         assert_eq!(status.accesskit_node().live(), Live::Polite);
         assert!(status.rect().height() > 10.0, "{size:?}");
-        node(&harness, "step-back").click();
+        node(&harness, "time-step-back").click();
         let before = harness.state().state.runs.first.stage;
         harness.run();
         assert_eq!(
@@ -175,7 +177,7 @@ fn a_button_leads_back_to_the_whole_domain() {
         assert!(find(&harness, "fit").is_none());
         let before = harness.state().state.runs.first.camera;
         let state = &mut harness.state_mut().state;
-        state.apply(Command::Pan(vec2(900.0, 0.0)));
+        state.apply(Command::View(ViewCommand::Pan(vec2(900.0, 0.0))));
         harness.run();
         node(&harness, "fit").click();
         settle(&mut harness);
@@ -214,12 +216,18 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
         assert_eq!(tab_through(&mut canvas, backwards), ["canvas"]);
     }
     let mut player = embedded(Embedding::Player, [860.0, 480.0]);
-    player.state_mut().state.apply(Command::StepBack);
-    player.state_mut().state.apply(Command::Pan(vec2(9.0, 0.0)));
+    player
+        .state_mut()
+        .state
+        .apply(Command::Time(TimeCommand::StepBack));
+    player
+        .state_mut()
+        .state
+        .apply(Command::View(ViewCommand::Pan(vec2(9.0, 0.0))));
     player.run();
     let forwards = tab_through(&mut player, false);
     assert_eq!(forwards[0], "canvas");
-    for id in ["fit", "toggle-play", "clock", "speed", "moment"] {
+    for id in ["fit", "time-toggle-play", "clock", "speed", "moment"] {
         assert!(forwards.iter().any(|at| at == id), "{id}: {forwards:?}");
     }
     let mut backwards = tab_through(&mut player, true);

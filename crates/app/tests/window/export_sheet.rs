@@ -4,6 +4,9 @@ use std::path::Path;
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::TimeCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
@@ -115,7 +118,10 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
     harness.run();
     assert!(is_disabled(&harness, "export.write"));
     assert!(is_disabled(&harness, "export.samples"));
-    harness.state_mut().state.apply(Command::LastStage);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Time(TimeCommand::LastStage));
     harness.run();
     for (field, wrong, facts, right) in [
         ("export.every", "0", ["1", "10,000,000"], "1"),
@@ -136,8 +142,8 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
     press(&mut harness, Modifiers::NONE, Key::Escape);
     press(&mut harness, Modifiers::NONE, Key::Home);
     for command in [
-        Command::TogglePalette,
-        Command::PaletteText("export".to_owned()),
+        Command::Window(WindowCommand::ToggleFinder),
+        Command::Window(WindowCommand::FinderText("export".to_owned())),
     ] {
         harness.state_mut().state.apply(command);
     }
@@ -158,7 +164,10 @@ fn every_kind_of_the_sheet_is_drawn_in_both_themes() {
     let mut harness = opened();
     for look in [Look::Dark, Look::Light] {
         let mut pictures = std::collections::BTreeSet::new();
-        harness.state_mut().state.apply(Command::Look(look));
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Appearance(AppearanceCommand::Look(look)));
         for kind in Kind::ALL {
             let command = Command::Export(ExportCommand::Open(kind));
             harness.state_mut().state.apply(command);

@@ -5,6 +5,10 @@ use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::DrawerCommand;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::GpuCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
@@ -36,9 +40,9 @@ fn busy(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = opened_at(size);
     let state = &mut harness.state_mut().state;
     for command in [
-        Command::ToggleReducedMotion,
-        Command::Type(Field::Radius, "0.03".to_owned()),
-        Command::Type(Field::Leaf, "12".to_owned()),
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
+        Command::Form(FormCommand::Type(Field::Radius, "0.03".to_owned())),
+        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
         Command::Run,
     ] {
         state.apply(command);
@@ -46,7 +50,7 @@ fn busy(size: [f32; 2]) -> Harness<'static, App> {
     state.settle();
     let line = Listings::shipped().find("eliminate.5").expect("a line");
     for command in [
-        Command::FirstStage,
+        Command::Time(TimeCommand::FirstStage),
         Command::Time(TimeCommand::RunTo(Target::Elimination, Direction::Forwards)),
         Command::Debug(DebugCommand::ToggleBreakpoint(line)),
         Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
@@ -140,7 +144,10 @@ fn no_panel_is_cut_off_on_a_small_screen() {
     for size in SCREENS {
         let mut harness = busy(size);
         for panel in Panel::ALL {
-            harness.state_mut().state.apply(Command::OpenPanel(panel));
+            harness
+                .state_mut()
+                .state
+                .apply(Command::Window(WindowCommand::OpenPanel(panel)));
             harness.run();
             // Rows of lists are as long as what happened: the tip has all of it.
             let listed = [Panel::Inspector, Panel::Events].contains(&panel);
@@ -151,7 +158,7 @@ fn no_panel_is_cut_off_on_a_small_screen() {
             );
             let widgets = cut_widgets(&harness);
             assert!(widgets.is_empty(), "{panel:?} at {size:?}: {widgets:#?}");
-            within(&harness, "toggle-play");
+            within(&harness, "time-toggle-play");
             within(&harness, "stage.eliminate");
             let arrow = harness.query_by_label("Scroll tabs right");
             assert!(arrow.is_none(), "no room for all tabs at {size:?}");
@@ -203,14 +210,16 @@ fn run_is_seen_at_every_size() {
         let mut harness = opened_at(size);
         // What is said of the engine does not push it away.
         let state = &mut harness.state_mut().state;
-        state.apply(Command::NameAdapter(Some("no such adapter".to_owned())));
-        state.apply(Command::Engine(Engine::Gpu));
+        state.apply(Command::Gpu(GpuCommand::NameAdapter(Some(
+            "no such adapter".to_owned(),
+        ))));
+        state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
         settle(&mut harness);
         harness.state_mut().state.messages.notice = None;
-        let open = Command::OpenPanel(Panel::Parameters);
+        let open = Command::Window(WindowCommand::OpenPanel(Panel::Parameters));
         harness.state_mut().state.apply(open);
         for text in ["0.00836", "0"] {
-            let radius = Command::Type(Field::Radius, text.to_owned());
+            let radius = Command::Form(FormCommand::Type(Field::Radius, text.to_owned()));
             harness.state_mut().state.apply(radius);
             harness.run();
             within(&harness, "run");
@@ -225,7 +234,10 @@ fn low_windows_reach_everything() {
         for panel in Panel::ALL {
             // The tabs of panels are scrolled.
             let show = DrawerCommand::Show(Some(panel));
-            harness.state_mut().state.apply(Command::Drawer(show));
+            harness
+                .state_mut()
+                .state
+                .apply(Command::Window(WindowCommand::Drawer(show)));
             settle(&mut harness);
             let tab = |text: &String| TABS.iter().any(|tab| text.starts_with(&format!("{tab:?}")));
             let listed = [Panel::Inspector, Panel::Events, Panel::Passes].contains(&panel);
@@ -239,11 +251,17 @@ fn low_windows_reach_everything() {
         harness
             .state_mut()
             .state
-            .apply(Command::Drawer(DrawerCommand::Show(Some(
-                Panel::Parameters,
+            .apply(Command::Window(WindowCommand::Drawer(DrawerCommand::Show(
+                Some(Panel::Parameters),
             ))));
         settle(&mut harness);
-        for id in ["menu", "toggle-play", "last-stage", "tab.parameters", "run"] {
+        for id in [
+            "menu",
+            "time-toggle-play",
+            "time-last-stage",
+            "tab.parameters",
+            "run",
+        ] {
             node(&harness, id).focus();
             harness.run();
             within(&harness, id);

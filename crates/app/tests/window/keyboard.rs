@@ -6,6 +6,7 @@ use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::actions::Action;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_debugger::Kind;
@@ -51,7 +52,7 @@ fn tab_to(harness: &mut Harness<'_, App>, id: &str) {
 fn a_session_needs_no_mouse() {
     let mut harness = opened();
     // A run of one's own: the radius is typed into its field.
-    act(&mut harness, "view-open-panel-parameters");
+    act(&mut harness, "view-window-open-panel-parameters");
     tab_to(&mut harness, "radius");
     press(&mut harness, Modifiers::COMMAND, Key::A);
     harness.event(Event::Text("0.02".to_owned()));
@@ -69,18 +70,18 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::Escape);
 
     // A breakpoint where samples die, with a condition.
-    act(&mut harness, "go-first-stage");
+    act(&mut harness, "go-time-first-stage");
     act(&mut harness, "go-time-run-to-elimination-forwards");
     assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
     act(&mut harness, "go-time-step-into-backwards");
     assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
     act(&mut harness, "debug-debug-toggle-breakpoint");
-    act(&mut harness, "view-open-panel-bookmarks");
+    act(&mut harness, "view-window-open-panel-bookmarks");
     tab_to(&mut harness, "eliminate.5.condition");
     harness.event(Event::Text("distance < 0.3".to_owned()));
     harness.run();
     press(&mut harness, NONE, Key::Escape);
-    act(&mut harness, "go-first-stage");
+    act(&mut harness, "go-time-first-stage");
     press(&mut harness, NONE, Key::F5);
     let debugger = harness
         .state()
@@ -112,7 +113,7 @@ fn a_session_needs_no_mouse() {
     assert_eq!(text(&harness, "status"), sentence);
     press(&mut harness, NONE, Key::W);
     assert!(cursor(&harness) <= stopped + 1);
-    act(&mut harness, "view-open-panel-inspector");
+    act(&mut harness, "view-window-open-panel-inspector");
     press(&mut harness, Modifiers::SHIFT, Key::F5);
     press(&mut harness, NONE, Key::F5);
     assert_eq!(cursor(&harness), stopped);
@@ -128,7 +129,7 @@ fn a_session_needs_no_mouse() {
     assert_eq!(debugger.bookmarks[0].event, stopped);
 
     // The view moves, and what is in its middle is selected.
-    act(&mut harness, "view-zoom");
+    act(&mut harness, "view-view-zoom");
     let before = harness.state().state.runs.first.camera;
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
     let after = harness.state().state.runs.first.camera;
@@ -168,7 +169,7 @@ fn space_plays_and_pauses_unless_a_button_has_the_focus() {
     space(&mut harness);
     assert!(!playing(&harness));
     press(&mut harness, NONE, Key::End);
-    node(&harness, "first-stage").focus();
+    node(&harness, "time-first-stage").focus();
     harness.step();
     space(&mut harness);
     // The button was pressed, and nothing plays.
@@ -228,7 +229,10 @@ fn tab_reaches_every_control_of_every_panel() {
     for size in [[1440.0, 900.0], [390.0, 844.0]] {
         let mut harness = support::opened_at(size);
         for panel in Panel::ALL {
-            harness.state_mut().state.apply(Command::OpenPanel(panel));
+            harness
+                .state_mut()
+                .state
+                .apply(Command::Window(WindowCommand::OpenPanel(panel)));
             settle(&mut harness);
             let round = tab_round(&mut harness);
             let missing: Vec<Told> = controls(&harness)
@@ -246,7 +250,7 @@ fn tab_goes_through_a_small_window_from_top_to_bottom() {
     harness
         .state_mut()
         .state
-        .apply(Command::OpenPanel(Panel::Parameters));
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     settle(&mut harness);
     let round = tab_round(&mut harness);
     let place = |id: &str| {
@@ -256,8 +260,8 @@ fn tab_goes_through_a_small_window_from_top_to_bottom() {
     let places = [
         "menu",
         "canvas",
-        "first-stage",
-        "toggle-play",
+        "time-first-stage",
+        "time-toggle-play",
         "tab.parameters",
         "radius",
         "run",
@@ -285,12 +289,12 @@ fn arrows_move_a_canvas_that_has_the_focus_and_else_time() {
     let state = &harness.state().state;
     assert!(state.runs.first.selected.is_some() || state.runs.first.place.is_some());
     // Elsewhere the same keys go through time, and leave the focus where it is.
-    node(&harness, "toggle-play").focus();
+    node(&harness, "time-toggle-play").focus();
     harness.run();
     let camera = harness.state().state.runs.first.camera;
     press(&mut harness, NONE, Key::ArrowLeft);
     assert!(cursor(&harness) < last);
-    assert_eq!(focused(&harness).as_deref(), Some("toggle-play"));
+    assert_eq!(focused(&harness).as_deref(), Some("time-toggle-play"));
     assert_eq!(harness.state().state.runs.first.camera, camera);
 }
 
@@ -299,8 +303,8 @@ fn tabs_rows_and_menus_are_pressed_by_enter() {
     let mut harness = opened();
     tab_to(&mut harness, "tab.events");
     press(&mut harness, NONE, Key::Enter);
-    assert!(harness.state().state.shows(Panel::Events));
-    act(&mut harness, "go-first-stage");
+    assert!(harness.state().state.window.shows(Panel::Events));
+    act(&mut harness, "go-time-first-stage");
     tab_to(&mut harness, "event-0");
     press(&mut harness, NONE, Key::Enter);
     assert!(cursor(&harness) > 0);
@@ -322,7 +326,7 @@ fn a_panel_scrolls_to_what_has_the_focus() {
     harness
         .state_mut()
         .state
-        .apply(Command::OpenPanel(Panel::Parameters));
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
     settle(&mut harness);
     let window = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(390.0, 844.0));
     let place = |harness: &Harness<'_, App>| node(harness, "variant").rect();

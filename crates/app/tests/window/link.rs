@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers, OutputCommand};
 
 use tilescope_app::Command;
+use tilescope_app::command::LinkCommand;
 
 use crate::support::{opened, settle};
 
@@ -21,7 +22,10 @@ fn a_window_copies_its_link() {
         .clone()
         .expect("a notice");
     assert!(notice.text.starts_with("The link is copied"), "{notice:?}");
-    harness.state_mut().state.apply(Command::CopyLink);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Link(LinkCommand::Copy));
     harness.step();
     let commands = &harness.output().platform_output.commands;
     let copied = |command: &OutputCommand| *command == OutputCommand::CopyText("#v=1".to_owned());
@@ -31,7 +35,10 @@ fn a_window_copies_its_link() {
     assert!(!commands.iter().any(copied), "it is copied once");
     // Where something else copies, the window does not; what fails there is told.
     harness.state_mut().copy_with(|text| text == "#v=1");
-    harness.state_mut().state.apply(Command::CopyLink);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Link(LinkCommand::Copy));
     harness.step();
     let commands = &harness.output().platform_output.commands;
     assert!(!commands.iter().any(copied), "{commands:?}");

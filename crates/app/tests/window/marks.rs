@@ -2,6 +2,8 @@
 
 use egui::Color32;
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::TimeCommand;
 use tilescope_app::layers::Layer;
 use tilescope_app::theme::DARK;
 use tilescope_app::{App, Command};
@@ -48,12 +50,14 @@ fn detectors_of_a_whole_domain_on_a_phone_leave_conflicts_and_gaps_to_be_seen() 
         .stages
         .iter()
         .position(|&stage| stage == Stage::Eliminate);
-    let eliminated = Command::ShowStage(place.expect("the stage"));
+    let eliminated = Command::Time(TimeCommand::ShowStage(place.expect("the stage")));
     harness.state_mut().state.apply(eliminated);
     harness
         .state_mut()
         .state
-        .apply(Command::ToggleLayer(Layer::Samples));
+        .apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+            Layer::Samples,
+        )));
     settle(&mut harness);
     let count =
         |harness: &mut Harness<'_, App>| pixels(harness, &[DARK.conflict, DARK.gap], DARK.detector);
@@ -62,7 +66,9 @@ fn detectors_of_a_whole_domain_on_a_phone_leave_conflicts_and_gaps_to_be_seen() 
     harness
         .state_mut()
         .state
-        .apply(Command::ToggleLayer(Layer::Detectors));
+        .apply(Command::Appearance(AppearanceCommand::ToggleLayer(
+            Layer::Detectors,
+        )));
     settle(&mut harness);
     let without = count(&mut harness);
     assert!(without > 500, "{without} pixels of conflicts and gaps");

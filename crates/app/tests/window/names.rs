@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use egui::accesskit::{Action, NodeId, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
@@ -83,7 +84,10 @@ fn whatever_can_have_the_focus_has_a_name_of_its_own() {
         harness.set_size(size.into());
         harness.run();
         for panel in Panel::ALL {
-            apply(&mut harness, Command::OpenPanel(panel));
+            apply(
+                &mut harness,
+                Command::Window(WindowCommand::OpenPanel(panel)),
+            );
             check(&harness, &format!("{panel:?} at {size:?}"));
         }
     }
@@ -109,9 +113,9 @@ fn sheets_and_lists_have_names_too() {
         check(&harness, purpose.title());
         apply(&mut harness, Command::File(FileCommand::Close));
     }
-    apply(&mut harness, Command::TogglePalette);
+    apply(&mut harness, Command::Window(WindowCommand::ToggleFinder));
     check(&harness, "the list of all actions");
-    apply(&mut harness, Command::TogglePalette);
+    apply(&mut harness, Command::Window(WindowCommand::ToggleFinder));
     for id in ["clock", "menu.view"] {
         node(&harness, id).click();
         harness.run();
@@ -172,16 +176,22 @@ fn what_has_the_focus_is_said_and_what_changes_of_it() {
         "{changed:?}"
     );
     // Nothing is said of what moves by itself.
-    apply(&mut harness, Command::FirstStage);
+    apply(&mut harness, Command::Time(TimeCommand::FirstStage));
     focus(&mut harness, Role::Slider, "Moment");
     assert_eq!(texts(&said), ["Moment, slider, 0"]);
-    harness.state_mut().state.apply(Command::TogglePlay);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Time(TimeCommand::TogglePlay));
     for _ in 0..8 {
         harness.step();
     }
     assert!(harness.state().state.cursor().expect("events").0 > 0);
     assert_eq!(texts(&said), Vec::<String>::new());
-    harness.state_mut().state.apply(Command::TogglePlay);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Time(TimeCommand::TogglePlay));
     harness.run();
     taken(&said);
     // In the list of all actions the field keeps the focus, and the choice is said.

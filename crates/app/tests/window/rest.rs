@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use egui_kittest::Harness;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 
@@ -28,7 +29,10 @@ fn assert_rests(harness: &mut Harness<'_, App>, what: &str) {
 fn every_panel_comes_to_rest() {
     let mut harness = opened();
     for panel in Panel::ALL {
-        harness.state_mut().state.apply(Command::OpenPanel(panel));
+        harness
+            .state_mut()
+            .state
+            .apply(Command::Window(WindowCommand::OpenPanel(panel)));
         assert_rests(&mut harness, panel.name());
     }
 }

@@ -5,6 +5,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::GpuCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
@@ -48,7 +52,10 @@ impl Told {
 
     fn typed(&mut self, fields: &[(Field, &str)]) -> &mut Self {
         for &(field, text) in fields {
-            apply(&mut self.harness, Command::Type(field, text.to_owned()));
+            apply(
+                &mut self.harness,
+                Command::Form(FormCommand::Type(field, text.to_owned())),
+            );
         }
         self
     }
@@ -114,11 +121,11 @@ fn the_window_and_its_export_sheet() {
         ("counts", "10,041 samples   event 45,961 of 45,961"),
         ("engine-used", "engine: CPU"),
         ("run", "Run"),
-        ("first-stage", "First stage (Home)"),
-        ("step-back", "Stage back (Left)"),
-        ("toggle-play", "Play (Space)"),
-        ("step-forward", "Stage forward (Right)"),
-        ("last-stage", "Last stage (End)"),
+        ("time-first-stage", "First stage (Home)"),
+        ("time-step-back", "Stage back (Left)"),
+        ("time-toggle-play", "Play (Space)"),
+        ("time-step-forward", "Stage forward (Right)"),
+        ("time-last-stage", "Last stage (End)"),
         ("moment", "Moment"),
         ("clock", "Clock"),
         ("speed", "Speed"),
@@ -131,7 +138,7 @@ fn the_window_and_its_export_sheet() {
         ("radius", "Radius"),
         ("seed", "Seed"),
     ]);
-    told.after([Command::Look(Look::Light)]);
+    told.after([Command::Appearance(AppearanceCommand::Look(Look::Light))]);
     told.says(&[("toggle-theme", "Dark theme")]);
     let session = told
         .harness
@@ -144,14 +151,14 @@ fn the_window_and_its_export_sheet() {
         .unwrap();
     let first = |stage: &Stage| *stage == Stage::Iterate(1);
     let place = session.stages.iter().position(first).unwrap();
-    told.after([Command::ShowStage(place)]);
+    told.after([Command::Time(TimeCommand::ShowStage(place))]);
     told.says(&[
         ("status", "Iteration 1: *"),
         ("verdict", "Verdict: result verified"),
     ]);
     let event = Command::Time(TimeCommand::Clock(Clock::Event));
     told.after([event]);
-    told.says(&[("step-forward", "Event forward (Right)")]);
+    told.says(&[("time-step-forward", "Event forward (Right)")]);
     told.after([Command::Time(TimeCommand::Clock(Clock::Stage))]);
     the_export_sheet(&mut told);
     told.end();
@@ -160,7 +167,7 @@ fn the_window_and_its_export_sheet() {
 /// The sheet, and the list of actions behind it.
 fn the_export_sheet(told: &mut Told) {
     told.after([
-        Command::FirstStage,
+        Command::Time(TimeCommand::FirstStage),
         export(ExportCommand::Open(Kind::Animation)),
     ]);
     told.says(&[
@@ -172,7 +179,7 @@ fn the_export_sheet(told: &mut Told) {
         ("export.write", "Write animation"),
     ]);
     let every = |text| typed(Entry::Every, text);
-    told.after([Command::LastStage, every("0")]);
+    told.after([Command::Time(TimeCommand::LastStage), every("0")]);
     told.says(&[("export.prospect", "*whole number from 1 to 10,000,000*")]);
     told.after([every("1"), typed(Entry::Delay, "5")]);
     told.says(&[("export.prospect", "The delay is \"5\" ms*")]);
@@ -219,12 +226,12 @@ fn the_export_sheet(told: &mut Told) {
     ]);
     told.after([
         export(ExportCommand::Close),
-        Command::FirstStage,
-        Command::TogglePalette,
+        Command::Time(TimeCommand::FirstStage),
+        Command::Window(WindowCommand::ToggleFinder),
     ]);
     told.says(&[
         ("find-action", "Find an action"),
-        ("action.go-step-forward", "Tick forward"),
+        ("action.go-time-step-forward", "Tick forward"),
         (
             "action.file-export-open-samples",
             "Export samples of this moment\u{2026}",
@@ -260,14 +267,18 @@ fn parameters_engines_and_verdicts() {
         "notice",
         "Cancelled during stage *. The session before it is still here.",
     )]);
-    told.after([Command::NameAdapter(Some("no such adapter".to_owned()))]);
-    told.after([Command::Engine(Engine::Gpu)]);
+    told.after([Command::Gpu(GpuCommand::NameAdapter(Some(
+        "no such adapter".to_owned(),
+    )))]);
+    told.after([Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
     told.says(&[("notice", "*The GPU cannot serve.*")]);
     node(&told.harness, "engine").click();
     told.harness.run();
     told.says(&[("engine.auto", "auto (CPU)"), ("engine.gpu", "GPU")]);
     told.harness.key_press(egui::Key::Escape);
-    told.after([Command::Choose(Choice::Search(Search::TwoRadii))]);
+    told.after([Command::Form(FormCommand::Choose(Choice::Search(
+        Search::TwoRadii,
+    )))]);
     told.typed(&[(Field::Leaf, "6"), (Field::Radius, "0.004")]);
     told.after([Command::Run]);
     told.says(&[("verdict", "Verdict: not maximal")]);
@@ -280,7 +291,7 @@ fn two_runs_and_the_debugger() {
     told.typed(&[(Field::Radius, "0.02"), (Field::Leaf, "8")]);
     told.after([
         Command::Run,
-        Command::OpenPanel(Panel::Compare),
+        Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
         Command::Compare(CompareCommand::Start(Rival::Typed)),
     ]);
     told.says(&[
@@ -301,7 +312,7 @@ fn two_runs_and_the_debugger() {
     told.says(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
     told.after([
         Command::Compare(CompareCommand::Keep),
-        Command::Choose(Choice::Boundary(Boundary::Bounded)),
+        Command::Form(FormCommand::Choose(Choice::Boundary(Boundary::Bounded))),
         Command::Run,
     ]);
     told.says(&[
@@ -313,17 +324,23 @@ fn two_runs_and_the_debugger() {
     ]);
     told.after([Command::Compare(CompareCommand::Close)]);
     let target = TimeCommand::RunTo(Target::Violation, Direction::Forwards);
-    told.after([Command::FirstStage, Command::Time(target)]);
+    told.after([
+        Command::Time(TimeCommand::FirstStage),
+        Command::Time(target),
+    ]);
     told.says(&[("notice", "*no violated invariant*")]);
     let query = |text: &str| Command::Debug(DebugCommand::Query(text.to_owned()));
-    told.after([Command::OpenPanel(Panel::Events), query("insert colour=3")]);
+    told.after([
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+        query("insert colour=3"),
+    ]);
     told.says(&[("found-events", "*there is no \"colour\"*")]);
     told.after([query("")]);
     told.says(&[
         ("find-events", "Find events"),
         ("event-0", "Event 1: begin: blocks"),
     ]);
-    told.after([Command::OpenPanel(Panel::Inspector)]);
+    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Inspector))]);
     told.says(&[(
         "inspector.hint",
         "Click a sample, or any place, to read what happened there.",
@@ -331,10 +348,10 @@ fn two_runs_and_the_debugger() {
     let pick = DebugCommand::Pick(Selection::Sample(40));
     told.after([Command::Debug(pick)]);
     told.says(&[("history", "History: * events")]);
-    told.after([Command::OpenPanel(Panel::Bookmarks)]);
+    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks))]);
     told.says(&[("no-bookmarks", "B remembers the moment.")]);
     told.after([Command::Debug(DebugCommand::Bookmark)]);
-    let listings = Command::OpenPanel(Panel::Pseudocode);
+    let listings = Command::Window(WindowCommand::OpenPanel(Panel::Pseudocode));
     let jump = |at| Command::Time(TimeCommand::Jump(at));
     told.after([Command::Debug(DebugCommand::Watch(
         "inserted + 1".to_owned(),
@@ -345,7 +362,10 @@ fn two_runs_and_the_debugger() {
     ]);
     told.after([listings]);
     told.says(&[("eliminate.5.breakpoint", "Breakpoint on line eliminate.5")]);
-    told.after([jump(3_000), Command::OpenPanel(Panel::Watches)]);
+    told.after([
+        jump(3_000),
+        Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
+    ]);
     told.says(&[("watch-1.value", "= *"), ("add-watch", "Add a watch")]);
     told.end();
 }
@@ -375,7 +395,7 @@ fn sessions_and_patterns() {
     let own = pattern(&mut told.harness, &folder);
     go(&mut told.harness, Purpose::Pattern, &own);
     told.says(&[("notice", "*The next run clips from*")]);
-    told.after([Command::OpenPanel(Panel::Parameters)]);
+    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Parameters))]);
     told.says(&[
         ("own-pattern", "The pattern comes from *own.csv: * samples."),
         ("generated-pattern", "Use a generated pattern"),
@@ -485,7 +505,7 @@ fn go_to(told: &mut Told, name: &str, buffer: Name) {
 fn passes_on_a_device() {
     let mut told = Told::opened();
     told.typed(&[(Field::Radius, "0.02")]);
-    told.after([Command::Run, Command::Engine(Engine::Gpu)]);
+    told.after([Command::Run, Command::Gpu(GpuCommand::Engine(Engine::Gpu))]);
     told.says(&[("engine-said", "*self-test passed*")]);
     told.after([Command::Run]);
     told.says(&[
@@ -520,7 +540,7 @@ fn passes_on_a_device() {
         "*buffer counters, after: its rows are numbers, not places",
     )]);
     // Where the panel is there is no canvas.
-    told.after([Command::OpenPanel(Panel::Passes)]);
+    told.after([Command::Window(WindowCommand::OpenPanel(Panel::Passes))]);
     go_to(&mut told, "tile", Name::Origins);
     told.says(&[
         ("passes.summary", "* are equal to the CPU, 0 differ*"),

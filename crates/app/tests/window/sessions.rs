@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
@@ -20,8 +23,14 @@ use crate::support::{is_disabled, node, opened, settle, text};
 fn a_session_is_opened_where_it_was_left() {
     let path = folder("round").join("one.json");
     let mut harness = busy();
-    apply(&mut harness, Command::OpenPanel(Panel::Events));
-    apply(&mut harness, Command::Look(Look::Light));
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+    );
+    apply(
+        &mut harness,
+        Command::Appearance(AppearanceCommand::Look(Look::Light)),
+    );
     let before = harness.state().state.saved().expect("a session");
     let digest = before.digest.clone();
     go(&mut harness, Purpose::Save, &path);
@@ -149,7 +158,10 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
     go(&mut harness, Purpose::Pattern, &own);
     let (said, is_error) = notice(&harness);
     assert!(!is_error && said.contains("own.csv"), "{said}");
-    apply(&mut harness, Command::Type(Field::Seed, "3".to_owned()));
+    apply(
+        &mut harness,
+        Command::Form(FormCommand::Type(Field::Seed, "3".to_owned())),
+    );
     apply(&mut harness, Command::Run);
     let session = harness.state().state.runs.first.session.clone().unwrap();
     let held = session.own.as_ref().expect("a pattern of one's own");
@@ -227,7 +239,10 @@ fn a_dropped_file_is_opened_for_what_it_is() {
         Command::File(FileCommand::Dropped(vec![path_text(&own)])),
     );
     assert!(other.state().state.form.own_pattern.is_some());
-    apply(&mut other, Command::OpenPanel(Panel::Parameters));
+    apply(
+        &mut other,
+        Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),
+    );
     assert!(text(&other, "own-pattern").contains(&path_text(&own)));
     node(&other, "generated-pattern").click();
     other.run();
@@ -240,7 +255,7 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     // A domain that is one block: nothing conflicts but across the border.
     apply(
         &mut harness,
-        Command::Type(Field::Radius, "0.05".to_owned()),
+        Command::Form(FormCommand::Type(Field::Radius, "0.05".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
@@ -248,18 +263,18 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     assert_eq!(session.summary.blocks, 1);
     assert!(state.verdict().unwrap().report.valid());
     for place in 0..session.stages.len() {
-        apply(&mut harness, Command::ShowStage(place));
+        apply(&mut harness, Command::Time(TimeCommand::ShowStage(place)));
     }
     // As few samples as there can be: a side of 6 r.
     apply(
         &mut harness,
-        Command::Choose(tilescope_app::draft::Choice::Boundary(
+        Command::Form(FormCommand::Choose(tilescope_app::draft::Choice::Boundary(
             tilescope_core::Boundary::Bounded,
-        )),
+        ))),
     );
     apply(
         &mut harness,
-        Command::Type(Field::Radius, "0.1666".to_owned()),
+        Command::Form(FormCommand::Type(Field::Radius, "0.1666".to_owned())),
     );
     apply(&mut harness, Command::Run);
     let state = &harness.state().state;
@@ -273,7 +288,10 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
         Layer::Circumcircles,
     ];
     for layer in all {
-        apply(&mut harness, Command::ToggleLayer(layer));
+        apply(
+            &mut harness,
+            Command::Appearance(AppearanceCommand::ToggleLayer(layer)),
+        );
     }
     for _ in 0..200 {
         harness
@@ -287,8 +305,14 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     }
     // Three samples have no room for a gap detector's disk.
     let before = harness.state().state.saved();
-    apply(&mut harness, Command::Type(Field::Radius, "0.5".to_owned()));
-    apply(&mut harness, Command::OpenPanel(Panel::Parameters));
+    apply(
+        &mut harness,
+        Command::Form(FormCommand::Type(Field::Radius, "0.5".to_owned())),
+    );
+    apply(
+        &mut harness,
+        Command::Window(WindowCommand::OpenPanel(Panel::Parameters)),
+    );
     assert!(is_disabled(&harness, "run"));
     assert!(text(&harness, "refusal-width").contains("6 r"));
     apply(&mut harness, Command::Run);
@@ -303,7 +327,10 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     let saved = harness.state().state.saved();
     let mut other = opened();
     let state = &mut other.state_mut().state;
-    state.apply(Command::Type(Field::Seed, "77".to_owned()));
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Seed,
+        "77".to_owned(),
+    )));
     state.apply(Command::Run);
     for command in [
         FileCommand::Sheet(Purpose::Open),
@@ -318,7 +345,10 @@ fn a_session_that_is_opened_stays_when_a_run_at_work_ends() {
     let state = &mut other.state_mut().state;
     state.apply(Command::File(FileCommand::Sheet(Purpose::Open)));
     state.apply(Command::File(FileCommand::Go));
-    state.apply(Command::Type(Field::Seed, "78".to_owned()));
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Seed,
+        "78".to_owned(),
+    )));
     state.apply(Command::Run);
     settle(&mut other);
     let session = other.state().state.runs.first.session.clone().unwrap();
@@ -346,7 +376,10 @@ fn a_sheet_that_is_closed_opens_nothing_and_another_session_is_not_the_files() {
     assert_eq!(other.state().state.saved(), before);
     // Opened after all; then another run: the file is not its own.
     go(&mut other, Purpose::Open, &path);
-    apply(&mut other, Command::Type(Field::Seed, "5".to_owned()));
+    apply(
+        &mut other,
+        Command::Form(FormCommand::Type(Field::Seed, "5".to_owned())),
+    );
     apply(&mut other, Command::Run);
     go(&mut other, Purpose::Save, &path);
     assert!(asks(&other));

@@ -4,6 +4,9 @@
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use egui_tiles::Tree;
 use tilescope_app::arrangement::DrawerCommand;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
@@ -30,16 +33,16 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
     let state = &mut harness.state_mut().state;
     let line = Listings::shipped().find("eliminate.5").expect("a line");
     for command in [
-        Command::ToggleReducedMotion,
-        Command::Type(Field::Radius, "0.03".to_owned()),
-        Command::Type(Field::Leaf, "12".to_owned()),
+        Command::Appearance(AppearanceCommand::ToggleReducedMotion),
+        Command::Form(FormCommand::Type(Field::Radius, "0.03".to_owned())),
+        Command::Form(FormCommand::Type(Field::Leaf, "12".to_owned())),
         Command::Run,
     ] {
         state.apply(command);
     }
     state.settle();
     for command in [
-        Command::FirstStage,
+        Command::Time(TimeCommand::FirstStage),
         Command::Time(TimeCommand::RunTo(Target::Elimination, Direction::Forwards)),
         Command::Debug(DebugCommand::ToggleBreakpoint(line)),
         Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
@@ -65,7 +68,10 @@ fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
 fn every_panel(look: Look) -> SnapshotResults {
     let mut harness = prepared(SIZE);
     harness.state_mut().state.window.bare = true;
-    harness.state_mut().state.apply(Command::Look(look));
+    harness
+        .state_mut()
+        .state
+        .apply(Command::Appearance(AppearanceCommand::Look(look)));
     let mut results = SnapshotResults::new();
     for panel in Panel::ALL {
         alone(&mut harness, panel);
@@ -93,7 +99,9 @@ fn the_projector_shows_what_it_did() {
     harness
         .state_mut()
         .state
-        .apply(Command::Look(Look::Projector));
+        .apply(Command::Appearance(AppearanceCommand::Look(
+            Look::Projector,
+        )));
     harness
         .state_mut()
         .state
@@ -110,7 +118,9 @@ fn small(windows: &[(&str, [f32; 2], Option<Panel>)]) -> SnapshotResults {
         let mut harness = prepared(size);
         let state = &mut harness.state_mut().state;
         state.apply(Command::Compare(CompareCommand::Close));
-        state.apply(Command::Drawer(DrawerCommand::Show(panel)));
+        state.apply(Command::Window(WindowCommand::Drawer(DrawerCommand::Show(
+            panel,
+        ))));
         settle(&mut harness);
         let image = harness.render().expect("a picture of the window");
         let name = format!("small/{name}");
@@ -144,7 +154,9 @@ fn a_lying_a_small_phone_and_a_tablet_have_the_same() {
 fn a_projector_has_room_for_all() {
     let mut harness = prepared([1920.0, 1080.0]);
     let state = &mut harness.state_mut().state;
-    state.apply(Command::Look(Look::Projector));
+    state.apply(Command::Appearance(AppearanceCommand::Look(
+        Look::Projector,
+    )));
     state.apply(Command::Compare(CompareCommand::Close));
     settle(&mut harness);
     let image = harness.render().expect("a picture of the window");
@@ -164,7 +176,7 @@ fn what_is_embedded_is_the_canvas_or_the_player_alone() {
             let there = find(&harness, id).is_some();
             assert!(!there, "{embedding:?} shows {id}");
         }
-        let plays = find(&harness, "toggle-play").is_some();
+        let plays = find(&harness, "time-toggle-play").is_some();
         assert_eq!(plays, embedding == Embedding::Player);
         let image = harness.render().expect("a picture of the window");
         let name = format!("embedded/{}", embedding.name());

@@ -6,6 +6,8 @@ use egui_kittest::Harness;
 use tilescope_app::camera::Camera;
 use tilescope_app::canvas::touch::release_cancelled;
 use tilescope_app::command::Command;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::layout::Panel;
 use tilescope_app::selection::Selection;
 use tilescope_app::{App, command::DebugCommand};
@@ -23,7 +25,7 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     // Near enough to tell samples apart.
     let state = &mut harness.state_mut().state;
     state.appearance.reduced_motion = true;
-    state.apply(Command::FlyTo([60.0, 60.0], 12.0));
+    state.apply(Command::View(ViewCommand::FlyTo([60.0, 60.0], 12.0)));
     support::settle(&mut harness);
     harness
 }
@@ -223,7 +225,7 @@ fn two_fingers_select_nothing_however_they_are_lifted() {
         down(&mut harness, 1, beside);
         wait(&mut harness, 1.5);
         assert!(is_nothing_selected(&harness));
-        assert!(!harness.state().state.shows(Panel::Inspector));
+        assert!(!harness.state().state.window.shows(Panel::Inspector));
         up(&mut harness, 1, beside);
         up(&mut harness, 0, at);
         // Afterwards one finger selects again.
@@ -269,7 +271,7 @@ fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
     tap(&mut harness, bottom);
     wait(&mut harness, 0.5);
     let state = &harness.state().state;
-    assert!(state.shows(Panel::Inspector));
+    assert!(state.window.shows(Panel::Inspector));
     assert!(
         state.runs.first.viewport.bottom() < bottom.y,
         "the panel took a part of {before:?}"
@@ -294,21 +296,24 @@ fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
     harness
         .state_mut()
         .state
-        .apply(Command::OpenPanel(Panel::Canvas));
-    harness.state_mut().state.apply(Command::Fit);
+        .apply(Command::Window(WindowCommand::OpenPanel(Panel::Canvas)));
+    harness
+        .state_mut()
+        .state
+        .apply(Command::View(ViewCommand::Fit));
     support::settle(&mut harness);
     let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);
     wait(&mut harness, 0.5);
     assert!(is_nothing_selected(&harness));
-    assert!(!harness.state().state.shows(Panel::Inspector));
+    assert!(!harness.state().state.window.shows(Panel::Inspector));
 }
 
 #[test]
 fn a_click_shows_what_is_known_of_a_sample_at_once() {
     let mut harness = opened(SIZES[1]);
     let (id, at) = sample(&harness);
-    assert!(!harness.state().state.shows(Panel::Inspector));
+    assert!(!harness.state().state.window.shows(Panel::Inspector));
     harness.hover_at(at);
     harness.step();
     harness.drag_at(at);
@@ -317,7 +322,7 @@ fn a_click_shows_what_is_known_of_a_sample_at_once() {
     harness.step();
     let state = &harness.state().state;
     assert_eq!(state.runs.first.selected, Some(id));
-    assert!(state.shows(Panel::Inspector));
+    assert!(state.window.shows(Panel::Inspector));
     assert!(!state.can_undo(), "a selection is nothing to undo");
 }
 
@@ -332,7 +337,7 @@ fn a_long_press_opens_the_history() {
         wait(&mut harness, 0.8);
         let state = &harness.state().state;
         assert_eq!(state.runs.first.selected, Some(id));
-        assert!(state.shows(Panel::Inspector));
+        assert!(state.window.shows(Panel::Inspector));
         up(&mut harness, 0, at);
         support::settle(&mut harness);
         let state = &harness.state().state;
@@ -379,7 +384,10 @@ fn what_was_selected_can_be_let_go_by_a_tap_outside() {
     let mut harness = opened(SIZES[0]);
     let pick = DebugCommand::Pick(Selection::Sample(40));
     harness.state_mut().state.apply(Command::Debug(pick));
-    harness.state_mut().state.apply(Command::Fit);
+    harness
+        .state_mut()
+        .state
+        .apply(Command::View(ViewCommand::Fit));
     support::settle(&mut harness);
     let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);

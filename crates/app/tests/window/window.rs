@@ -2,6 +2,9 @@
 
 use egui_kittest::Harness;
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::GpuCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::ExportCommand;
@@ -29,7 +32,7 @@ fn it_opens_on_a_finished_verified_session() {
 #[test]
 fn stages_go_back_and_forward_by_button_key_and_track() {
     let mut harness = opened();
-    node(&harness, "step-back").click();
+    node(&harness, "time-step-back").click();
     harness.run();
     assert_eq!(shown_stage(&harness), Stage::Iterate(3));
     for _ in 0..2 {
@@ -40,7 +43,7 @@ fn stages_go_back_and_forward_by_button_key_and_track() {
     node(&harness, "stage.eliminate").click();
     harness.run();
     assert_eq!(shown_stage(&harness), Stage::Eliminate);
-    node(&harness, "step-forward").click();
+    node(&harness, "time-step-forward").click();
     harness.run();
     assert_eq!(shown_stage(&harness), Stage::Iterate(1));
 }
@@ -96,7 +99,10 @@ fn a_run_can_be_cancelled() {
     harness
         .state_mut()
         .state
-        .apply(Command::Type(Field::Radius, "0.0005".to_owned()));
+        .apply(Command::Form(FormCommand::Type(
+            Field::Radius,
+            "0.0005".to_owned(),
+        )));
     harness.step();
     node(&harness, "run").click();
     harness.step();
@@ -126,9 +132,9 @@ fn a_run_can_be_cancelled() {
 fn a_failing_verdict_is_red_and_flies_to_the_gap() {
     let mut harness = opened();
     for command in [
-        Command::Type(Field::Leaf, "6".to_owned()),
-        Command::Type(Field::Radius, "0.004".to_owned()),
-        Command::Choose(Choice::Search(Search::TwoRadii)),
+        Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
+        Command::Form(FormCommand::Type(Field::Radius, "0.004".to_owned())),
+        Command::Form(FormCommand::Choose(Choice::Search(Search::TwoRadii))),
         Command::Run,
     ] {
         harness.state_mut().state.apply(command);
@@ -241,7 +247,7 @@ fn the_canvas_zooms_about_the_pointer_and_pans() {
 fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
     let mut harness = opened();
     assert!(text(&harness, "engine-used").contains("CPU"));
-    let missing = Command::NameAdapter(Some("no such adapter".to_owned()));
+    let missing = Command::Gpu(GpuCommand::NameAdapter(Some("no such adapter".to_owned())));
     harness.state_mut().state.apply(missing);
     node(&harness, "engine").click();
     harness.run();
@@ -266,7 +272,7 @@ fn the_gpu_shows_its_name_and_its_verdict() {
     harness
         .state_mut()
         .state
-        .apply(Command::Engine(Engine::Gpu));
+        .apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     harness.step();
     assert!(is_disabled(&harness, "run"));
     settle(&mut harness);
@@ -298,7 +304,10 @@ fn the_tab_of_an_opened_panel_comes_into_view() {
             if panel == Panel::Timeline {
                 continue;
             }
-            harness.state_mut().state.apply(Command::OpenPanel(panel));
+            harness
+                .state_mut()
+                .state
+                .apply(Command::Window(WindowCommand::OpenPanel(panel)));
             settle(&mut harness);
             let hidden = hidden_part(&harness, panel);
             assert!(hidden < 1.0, "{hidden} of {panel:?} at {size:?}");

@@ -3,6 +3,8 @@
 use super::{settled, type_in};
 use crate::State;
 use crate::clock::Clock;
+use crate::command::FormCommand;
+use crate::command::ViewCommand;
 use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
@@ -28,7 +30,7 @@ fn play_fits_the_domain_behind_the_pattern() {
     for clock in [Clock::Stage, Clock::Event, Clock::Line] {
         let mut state = settled();
         time(&mut state, TimeCommand::Clock(clock));
-        state.apply(Command::TogglePlay);
+        state.apply(Command::Time(TimeCommand::TogglePlay));
         assert_eq!(state.current_stage(), Some(Stage::Pattern));
         assert!(fits(&state));
         state.advance(clock.tick_secs());
@@ -40,12 +42,12 @@ fn play_fits_the_domain_behind_the_pattern() {
 #[test]
 fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
     let mut state = settled();
-    state.apply(Command::FlyTo([3.0, 90.0], 5.0));
+    state.apply(Command::View(ViewCommand::FlyTo([3.0, 90.0], 5.0)));
     while state.advance(0.1) {}
-    state.apply(Command::FirstStage);
-    state.apply(Command::Fit);
+    state.apply(Command::Time(TimeCommand::FirstStage));
+    state.apply(Command::View(ViewCommand::Fit));
     // The flight is under way when the pattern goes.
-    state.apply(Command::TogglePlay);
+    state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
     assert_eq!(state.current_stage(), Some(Stage::Blocks));
     assert!(fits(&state) && state.runs.first.flight.is_none());
@@ -56,7 +58,7 @@ fn a_loop_over_the_pattern_fits_both() {
     let mut state = settled();
     time(&mut state, TimeCommand::Clock(Clock::Event));
     time(&mut state, TimeCommand::Loop(Some(0..3)));
-    state.apply(Command::TogglePlay);
+    state.apply(Command::Time(TimeCommand::TogglePlay));
     for _ in 0..7 {
         assert!(fits(&state), "{:?}", state.cursor());
         state.advance(Clock::Event.tick_secs());
@@ -66,7 +68,7 @@ fn a_loop_over_the_pattern_fits_both() {
 #[test]
 fn a_breakpoint_that_takes_several_frames_leaves_the_pattern() {
     let mut state = settled();
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     let line = tilescope_debugger::Listings::shipped()
         .find("tile.3")
         .unwrap();
@@ -88,14 +90,14 @@ fn the_second_run_fits_too() {
     type_in(&mut state, Field::Radius, "0.02");
     state.apply(Command::Run);
     state.settle();
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(Command::Compare(CompareCommand::Keep));
     state.settle();
     state.apply(Command::Compare(CompareCommand::LinkCameras(false)));
     let viewport = egui::Rect::from_min_size(egui::pos2(0.0, 0.0), egui::vec2(300.0, 500.0));
     let on_second = |command| Command::OnSecond(Box::new(command));
-    state.apply(on_second(Command::Viewport(viewport)));
-    state.apply(Command::TogglePlay);
+    state.apply(on_second(Command::View(ViewCommand::Viewport(viewport))));
+    state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
     let fitted = state.with_second(|second| {
         assert_eq!(second.current_stage(), Some(Stage::Blocks));
@@ -122,7 +124,7 @@ fn small() -> Vec<State> {
                 Choice::Variant(variant),
                 Choice::Insertion(insertion),
             ] {
-                state.apply(Command::Choose(choice));
+                state.apply(Command::Form(FormCommand::Choose(choice)));
             }
             assert_eq!(state.run_refusal(), None);
             state.apply(Command::Run);
@@ -143,7 +145,7 @@ fn a_run_to_an_event_shows_the_event() {
             Target::Gap,
             Target::Insertion,
         ] {
-            state.apply(Command::FirstStage);
+            state.apply(Command::Time(TimeCommand::FirstStage));
             let mut places = Vec::new();
             for way in [FORWARDS, FORWARDS, FORWARDS, BACKWARDS] {
                 time(&mut state, TimeCommand::RunTo(target, way));
@@ -266,7 +268,7 @@ fn passes_and_presses_at_the_ends_change_nothing() {
             .text
             .contains("gap found")
     );
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     time(&mut state, TimeCommand::RunTo(Target::Gap, BACKWARDS));
     assert_eq!(state.cursor().unwrap().0, 0);
 }

@@ -1,6 +1,7 @@
 //! What a screen reader is told: each thing once, when it is new.
 
 use tilescope_app::Command;
+use tilescope_app::command::LinkCommand;
 use tilescope_app::command::TimeCommand;
 
 use super::support::{settle, state};
@@ -20,7 +21,7 @@ fn what_is_new_is_announced_once() {
     state.advance(0.0);
     let moment = state.announcement().unwrap();
     assert!(moment != first && !moment.contains("Verified"), "{moment}");
-    state.apply(Command::CopyLink);
+    state.apply(Command::Link(LinkCommand::Copy));
     state.advance(0.0);
     let copied = state.announcement().unwrap();
     assert!(copied.starts_with("The link is copied"), "{copied}");
@@ -28,8 +29,8 @@ fn what_is_new_is_announced_once() {
     state.advance(0.0);
     assert_eq!(state.announcement(), Some(copied));
     // The same notice again is new again.
-    state.apply(Command::StepBack);
-    state.apply(Command::CopyLink);
+    state.apply(Command::Time(TimeCommand::StepBack));
+    state.apply(Command::Link(LinkCommand::Copy));
     state.advance(0.0);
     assert!(state.announcement().unwrap().contains("The link is copied"));
 }
@@ -54,12 +55,12 @@ fn errors_and_verdicts_are_announced() {
 fn while_time_runs_only_stages_are_announced() {
     let mut state = state();
     settle(&mut state);
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(Command::Time(TimeCommand::Clock(
         tilescope_app::clock::Clock::Event,
     )));
     state.apply(Command::Time(TimeCommand::Speed(64.0)));
-    state.apply(Command::TogglePlay);
+    state.apply(Command::Time(TimeCommand::TogglePlay));
     let mut heard = std::collections::HashSet::new();
     for _ in 0..200 {
         state.advance(0.02);

@@ -416,7 +416,7 @@ fn a_long_way_to_a_breakpoint_is_taken_frame_by_frame() {
     let (&line, &hits) = counts.iter().max_by_key(|(_, hits)| **hits).unwrap();
     assert!(hits > 10_000, "{hits}");
     debugger.add_breakpoint(line, "false");
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     let on = Command::Time(TimeCommand::Continue(Direction::Forwards));
     state.apply(on.clone());
     let (first, _) = state.cursor().unwrap();
@@ -427,7 +427,7 @@ fn a_long_way_to_a_breakpoint_is_taken_frame_by_frame() {
     settle(&mut state);
     assert_eq!(state.cursor(), Some((len, len)));
     // Whatever else moves in time ends it.
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     state.apply(on);
     state.apply(Command::Time(TimeCommand::Jump(7)));
     settle(&mut state);

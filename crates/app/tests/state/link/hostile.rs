@@ -345,7 +345,9 @@ fn what_is_changed_in_a_link_by_a_hair_is_harmless() {
 fn a_link_from_outside_leaves_a_working_window() {
     let mut state: State = opened("v=3&layout=HHH&at=1e9&watch=((((((&break=eliminate.5:)(");
     for _ in 0..4 {
-        state.apply(tilescope_app::Command::StepBack);
+        state.apply(tilescope_app::Command::Time(
+            tilescope_app::command::TimeCommand::StepBack,
+        ));
     }
     settle(&mut state);
     state.open_link("");

@@ -6,6 +6,11 @@ use std::sync::Arc;
 use tilescope_app::camera::Camera;
 use tilescope_app::clock::{Clock, SPEEDS};
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::command::AppearanceCommand;
+use tilescope_app::command::FormCommand;
+use tilescope_app::command::LinkCommand;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::WindowCommand;
 use tilescope_app::command::{DebugCommand, TimeCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
@@ -23,7 +28,7 @@ use super::support::{Draws, digest, opened, said, settle, state};
 
 fn small(state: &mut State) {
     for (field, text) in [(Field::Radius, "0.03"), (Field::Leaf, "12")] {
-        state.apply(Command::Type(field, text.to_owned()));
+        state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     state.apply(Command::Run);
     settle(state);
@@ -34,7 +39,10 @@ fn the_default_session_needs_no_words() {
     let mut state = state();
     assert_eq!(state.link().fragment, "v=1");
     assert_eq!(state.link().left_out, [""; 0]);
-    state.apply(Command::Type(Field::Seed, "7".to_owned()));
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Seed,
+        "7".to_owned(),
+    )));
     assert_eq!(state.link().fragment, "v=1", "nothing was run yet");
     state.apply(Command::Run);
     settle(&mut state);
@@ -61,12 +69,12 @@ fn a_busy_session_is_there_again() {
         Command::Time(TimeCommand::Clock(Clock::Line)),
         Command::Time(TimeCommand::Speed(8.0)),
         Command::Time(TimeCommand::Loop(Some(100..400))),
-        Command::ToggleLayer(Layer::Disks),
-        Command::ToggleLayer(Layer::Circumcircles),
-        Command::Colour(Colouring::Age),
-        Command::Look(Look::Light),
-        Command::OpenPanel(Panel::Events),
-        Command::FlyTo([20.0, 21.0], 9.0),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Circumcircles)),
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
+        Command::Appearance(AppearanceCommand::Look(Look::Light)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+        Command::View(ViewCommand::FlyTo([20.0, 21.0], 9.0)),
         Command::Compare(CompareCommand::Start(Rival::Order)),
     ] {
         state.apply(command);
@@ -100,51 +108,62 @@ fn run_command(draws: &mut Draws) -> Command {
     let number =
         |draws: &mut Draws, low: f64, high: f64| (low + (high - low) * draws.part()).to_string();
     match draws.below(14) {
-        0 => Command::Type(Field::Seed, draws.next().to_string()),
-        1 => Command::Type(Field::Radius, number(draws, 0.025, 0.06)),
-        2 => Command::Type(Field::Width, number(draws, 0.8, 1.3)),
-        3 => Command::Type(Field::Height, number(draws, 0.8, 1.3)),
-        4 => Command::Type(Field::Leaf, number(draws, 6.0, 20.0)),
-        5 => Command::Type(Field::PatternSide, number(draws, 30.0, 50.0)),
-        6 => Command::Type(Field::PatternSeed, draws.below(9).to_string()),
-        7 => Command::Choose(Choice::Boundary(
-            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        0 => Command::Form(FormCommand::Type(Field::Seed, draws.next().to_string())),
+        1 => Command::Form(FormCommand::Type(Field::Radius, number(draws, 0.025, 0.06))),
+        2 => Command::Form(FormCommand::Type(Field::Width, number(draws, 0.8, 1.3))),
+        3 => Command::Form(FormCommand::Type(Field::Height, number(draws, 0.8, 1.3))),
+        4 => Command::Form(FormCommand::Type(Field::Leaf, number(draws, 6.0, 20.0))),
+        5 => Command::Form(FormCommand::Type(
+            Field::PatternSide,
+            number(draws, 30.0, 50.0),
         )),
-        8 => Command::Choose(Choice::PatternBoundary(
-            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        6 => Command::Form(FormCommand::Type(
+            Field::PatternSeed,
+            draws.below(9).to_string(),
         )),
-        9 => Command::Choose(Choice::Dihedral(draws.below(2) == 0)),
-        10 => Command::Choose(Choice::Order(*draws.of(&[
+        7 => Command::Form(FormCommand::Choose(Choice::Boundary(
+            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        ))),
+        8 => Command::Form(FormCommand::Choose(Choice::PatternBoundary(
+            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        ))),
+        9 => Command::Form(FormCommand::Choose(Choice::Dihedral(draws.below(2) == 0))),
+        10 => Command::Form(FormCommand::Choose(Choice::Order(*draws.of(&[
             Order::Index,
             Order::Random,
             Order::PhaseGroup,
-        ]))),
-        11 => Command::Choose(Choice::Insertion(
+        ])))),
+        11 => Command::Form(FormCommand::Choose(Choice::Insertion(
             *draws.of(&[Insertion::Circumcentre, Insertion::Uniform]),
-        )),
-        12 => Command::Choose(Choice::Search(
+        ))),
+        12 => Command::Form(FormCommand::Choose(Choice::Search(
             *draws.of(&[Search::Complete, Search::TwoRadii]),
-        )),
-        _ => Command::Choose(Choice::Variant(
+        ))),
+        _ => Command::Form(FormCommand::Choose(Choice::Variant(
             *draws.of(&[Variant::Staged, Variant::AsPrinted]),
-        )),
+        ))),
     }
 }
 
 fn view_command(draws: &mut Draws) -> Command {
     match draws.below(19) {
         0 => Command::Time(TimeCommand::Jump(draws.below(9_000))),
-        1 => Command::ShowStage(draws.below(6)),
-        2 => Command::ToggleLayer(*draws.of(&Layer::ALL)),
-        3 => Command::Colour(*draws.of(&[Colouring::Block, Colouring::Provenance])),
-        4 => Command::Look(*draws.of(&Look::ALL)),
-        5 => Command::OpenPanel(*draws.of(&Panel::ALL)),
-        6 => Command::FlyTo(
+        1 => Command::Time(TimeCommand::ShowStage(draws.below(6))),
+        2 => Command::Appearance(AppearanceCommand::ToggleLayer(*draws.of(&Layer::ALL))),
+        3 => Command::Appearance(AppearanceCommand::Colour(
+            *draws.of(&[Colouring::Block, Colouring::Provenance]),
+        )),
+        4 => Command::Appearance(AppearanceCommand::Look(*draws.of(&Look::ALL))),
+        5 => Command::Window(WindowCommand::OpenPanel(*draws.of(&Panel::ALL))),
+        6 => Command::View(ViewCommand::FlyTo(
             [30.0 * draws.part(), 30.0 * draws.part()],
             1.0 + 20.0 * draws.part(),
-        ),
-        7 => Command::Zoom(egui::pos2(100.0, 200.0), 0.2 + 3.0 * draws.part()),
-        8 => Command::Fit,
+        )),
+        7 => Command::View(ViewCommand::Zoom(
+            egui::pos2(100.0, 200.0),
+            0.2 + 3.0 * draws.part(),
+        )),
+        8 => Command::View(ViewCommand::Fit),
         9 => Command::Debug(DebugCommand::Pick(Selection::Sample(
             draws.below(900) as u32
         ))),
@@ -229,7 +248,10 @@ fn a_run_that_the_user_starts_counts_instead() {
         "v=1&radius=0.02&at=77&look=light",
         "it is on its way"
     );
-    state.apply(Command::Type(Field::Radius, "0.04".to_owned()));
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Radius,
+        "0.04".to_owned(),
+    )));
     state.apply(Command::Run);
     settle(&mut state);
     assert_eq!(state.link().fragment, "v=1&radius=0.04");
@@ -254,7 +276,7 @@ fn a_cancelled_run_of_a_link_leaves_the_session_at_hand() {
 #[test]
 fn what_does_not_fit_is_left_out_and_told() {
     let mut state = state();
-    state.apply(Command::OpenPanel(Panel::Events));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
     for line in 0..40 {
         state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(LineId(line))));
         state.apply(Command::Debug(DebugCommand::Watch(format!("p + {line}"))));
@@ -297,7 +319,7 @@ fn combinations_are_in_links() {
     let mut state = state();
     state.apply(Command::Combine(CombineCommand::Nine));
     settle(&mut state);
-    state.apply(Command::ShowStage(1));
+    state.apply(Command::Time(TimeCommand::ShowStage(1)));
     let link = state.link();
     assert_eq!(link.fragment, "v=1&combine=nine&stage=tile");
     let there = opened(&link.fragment);
@@ -339,7 +361,7 @@ fn a_pattern_from_a_file_is_not_in_the_link() {
 #[test]
 fn links_are_copied_with_the_address_of_their_page() {
     let mut state = state();
-    state.apply(Command::CopyLink);
+    state.apply(Command::Link(LinkCommand::Copy));
     assert_eq!(state.links.copied.take().as_deref(), Some("#v=1"));
     assert!(
         said(&state).contains("tilescope --link"),
@@ -347,18 +369,18 @@ fn links_are_copied_with_the_address_of_their_page() {
         said(&state)
     );
     state.links.base = Some("https://lecture.example/tilescope/".to_owned());
-    state.apply(Command::CopyLink);
+    state.apply(Command::Link(LinkCommand::Copy));
     let copied = state.links.copied.take().unwrap();
     assert_eq!(copied, "https://lecture.example/tilescope/#v=1");
     assert_eq!(said(&state), "The link is copied.");
-    state.apply(Command::OpenLink(copied + "&look=light"));
+    state.apply(Command::Link(LinkCommand::Open(copied + "&look=light")));
     assert_eq!(state.appearance.look, Look::Light);
 }
 
 #[test]
 fn undo_brings_back_what_a_link_replaced() {
     let mut state = state();
-    state.apply(Command::OpenPanel(Panel::Watches));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Watches)));
     let before = state.link();
     state.open_link("v=1&layers=disks");
     assert_ne!(state.link(), before);
@@ -370,9 +392,9 @@ fn undo_brings_back_what_a_link_replaced() {
 fn a_camera_on_the_pattern_ends_with_it() {
     let mut state = state();
     state.runs.first.camera = Camera::default();
-    state.apply(Command::FlyTo([10.0, 10.0], 9.0));
+    state.apply(Command::View(ViewCommand::FlyTo([10.0, 10.0], 9.0)));
     settle(&mut state);
-    state.apply(Command::FirstStage);
+    state.apply(Command::Time(TimeCommand::FirstStage));
     let link = state.link();
     let there = opened(&link.fragment);
     assert_eq!(there.link(), link);

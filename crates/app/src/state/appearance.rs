@@ -1,0 +1,92 @@
+//! How moments are drawn.
+
+use crate::command::AppearanceCommand;
+use crate::layers::{Colouring, Layers};
+use crate::theme::Look;
+
+/// How moments are drawn.
+pub struct Appearance {
+    /// The layers shown.
+    pub layers: Layers,
+    /// What the colour of samples means.
+    pub colouring: Colouring,
+    /// Light, dark or for a projector; [`Self::choose_look`] changes it.
+    pub look: Look,
+    /// The look to which the projector mode returns.
+    pub(super) look_before: Look,
+    /// Whether the camera jumps instead of flying.
+    pub reduced_motion: bool,
+    /// What the user chose of that; the system's wish counts otherwise.
+    pub(super) motion_chosen: Option<bool>,
+}
+
+impl Default for Appearance {
+    fn default() -> Self {
+        Self {
+            layers: Layers::default(),
+            colouring: Colouring::default(),
+            look: Look::Dark,
+            look_before: Look::Dark,
+            reduced_motion: false,
+            motion_chosen: None,
+        }
+    }
+}
+
+impl Appearance {
+    /// Returns whether the camera may no longer fly, so that a flight at work must end.
+    pub(super) fn apply(&mut self, command: AppearanceCommand) -> bool {
+        match command {
+            AppearanceCommand::ToggleLayer(layer) => self.layers.toggle(layer),
+            AppearanceCommand::Colour(colouring) => self.colouring = colouring,
+            AppearanceCommand::ToggleTheme => self.choose_look(self.look.other()),
+            AppearanceCommand::Look(look) => self.choose_look(look),
+            AppearanceCommand::ToggleProjector => self.choose_look(match self.look {
+                Look::Projector => self.look_before,
+                _ => Look::Projector,
+            }),
+            AppearanceCommand::ToggleReducedMotion => {
+                self.reduced_motion = !self.reduced_motion;
+                self.motion_chosen = Some(self.reduced_motion);
+                return self.reduced_motion;
+            }
+        }
+        false
+    }
+
+    /// Chooses a look. The projector mode is left for the one before it.
+    pub fn choose_look(&mut self, look: Look) {
+        if look == Look::Projector && self.look != look {
+            self.look_before = self.look;
+        }
+        self.look = look;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_projector_mode_is_left_for_the_look_before_it() {
+        let mut appearance = Appearance::default();
+        for command in [
+            AppearanceCommand::Look(Look::Light),
+            AppearanceCommand::ToggleProjector,
+        ] {
+            appearance.apply(command);
+        }
+        assert_eq!(appearance.look, Look::Projector);
+        appearance.apply(AppearanceCommand::Look(Look::Projector));
+        appearance.apply(AppearanceCommand::ToggleProjector);
+        assert_eq!(appearance.look, Look::Light);
+    }
+
+    #[test]
+    fn a_flight_ends_where_motion_is_no_longer_wanted() {
+        let mut appearance = Appearance::default();
+        assert!(appearance.apply(AppearanceCommand::ToggleReducedMotion));
+        assert!(!appearance.apply(AppearanceCommand::ToggleReducedMotion));
+        assert_eq!(appearance.motion_chosen, Some(false));
+    }
+}

@@ -1,0 +1,42 @@
+//! What the next run is made from.
+
+use crate::command::FormCommand;
+use crate::device::Engine;
+use crate::draft::Draft;
+use crate::recipe::OwnPattern;
+
+/// What the next run is made from.
+#[derive(Default)]
+pub struct Form {
+    /// The parameters as typed.
+    pub draft: Draft,
+    /// The pattern from a file that takes the place of the one of the parameters.
+    pub own_pattern: Option<OwnPattern>,
+    /// Who samples.
+    pub engine: Engine,
+}
+
+impl Form {
+    pub(super) fn apply(&mut self, command: FormCommand) {
+        match command {
+            FormCommand::Type(field, text) => self.draft.set_text(field, text),
+            FormCommand::Choose(choice) => self.draft.choose(choice),
+            FormCommand::Reset => (self.draft, self.own_pattern) = (Draft::default(), None),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draft::Field;
+
+    #[test]
+    fn what_was_typed_is_gone_after_a_reset() {
+        let mut form = Form::default();
+        form.apply(FormCommand::Type(Field::Seed, "7".to_owned()));
+        assert_eq!(form.draft.parameters.seed, 7);
+        form.apply(FormCommand::Reset);
+        assert_eq!(form.draft, Draft::default());
+    }
+}
