@@ -107,6 +107,13 @@ fn main() {
     exports(&mut shoot);
     moments(&mut shoot);
     ages_and_tree(&mut shoot);
+    other_parameters(&mut shoot);
+    pointed_at(&mut harness, &folder);
+}
+
+/// Too short a search, a large run and parameters that cannot be run.
+fn other_parameters(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
+    let near = Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
     let gaps = vec![
         Command::Form(FormCommand::Choose(Choice::Search(Search::TwoRadii))),
         Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
@@ -126,13 +133,12 @@ fn main() {
         Command::Run,
     ];
     shoot("large", large);
-    shoot("large-zoom", vec![near()]);
+    shoot("large-zoom", vec![near]);
     let bad = vec![
         Command::Form(FormCommand::Type(Field::Radius, "0".to_owned())),
         Command::Form(FormCommand::Type(Field::Leaf, "2".to_owned())),
     ];
     shoot("bad", bad);
-    pointed_at(&mut harness, &folder);
 }
 
 fn save(harness: &mut Harness<'_, App>, folder: &str, name: &str) {

@@ -8,8 +8,6 @@ use egui::{
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
 
-use crate::command::ViewCommand;
-use crate::command::WindowCommand;
 use crate::layers::Layer;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 
@@ -453,7 +451,7 @@ pub fn primary_button(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::{Command, TimeCommand};
+    use crate::command::{Command, TimeCommand, ViewCommand, WindowCommand};
     use crate::layout::Panel;
     use tilescope_core::Stage;
 

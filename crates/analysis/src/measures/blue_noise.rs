@@ -292,4 +292,18 @@ mod tests {
             );
         }
     }
+
+    /// A power that is off by a constant has ten times it as its oscillation, whatever the frequencies.
+    #[test]
+    fn oscillation_is_ten_times_the_mean_deviation() {
+        let frequencies: Vec<f64> = (1..40)
+            .map(|k| 0.1 * f64::from(k) + 0.01 * f64::from(k * k % 7))
+            .collect();
+        let powers = frequencies.iter().enumerate().map(|(k, _)| match k % 2 {
+            0 => 1.2,
+            _ => 0.8,
+        });
+        let curve = PowerCurve::new(frequencies.clone(), powers.collect()).unwrap();
+        assert!((curve.oscillation().unwrap() - 2.0).abs() < 1e-12);
+    }
 }

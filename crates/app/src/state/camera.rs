@@ -5,7 +5,6 @@ use tilescope_core::Stage;
 
 use super::State;
 use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
-use crate::command::Command;
 use crate::command::ViewCommand;
 use crate::layout::Panel;
 use crate::selection::Selection;

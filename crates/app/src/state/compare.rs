@@ -384,11 +384,13 @@ impl State {
 const fn moves_camera(command: &Command) -> bool {
     matches!(
         command,
-        Command::View(ViewCommand::Pan(_))
-            | Command::View(ViewCommand::Zoom(..))
-            | Command::View(ViewCommand::Fit)
-            | Command::View(ViewCommand::FlyTo(..))
-            | Command::View(ViewCommand::FlyToBlock(_))
-            | Command::View(ViewCommand::GoToSample(_))
+        Command::View(
+            ViewCommand::Pan(_)
+                | ViewCommand::Zoom(..)
+                | ViewCommand::Fit
+                | ViewCommand::FlyTo(..)
+                | ViewCommand::FlyToBlock(_)
+                | ViewCommand::GoToSample(_)
+        )
     )
 }

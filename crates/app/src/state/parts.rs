@@ -2,22 +2,14 @@
 
 use tilescope_debugger::Direction;
 
-use super::{FullScreen, Notice, RunView, announce, export, link};
-use crate::arrangement::Drawer;
+use super::{Notice, RunView, announce, export, link};
 use crate::clock::Playback;
 use crate::compare::Comparison;
-use crate::device::{Device, Engine};
-use crate::draft::Draft;
-use crate::embedding::Embedding;
+use crate::device::Device;
 use crate::export::ExportForm;
 use crate::files::{Delivery, FileForm, Filing, Purpose};
-use crate::finder::Finder;
 use crate::incoming::NamedBytes;
 use crate::jobs::{Job, Wake};
-use crate::layers::{Colouring, Layers};
-use crate::layout::Layout;
-use crate::recipe::OwnPattern;
-use crate::theme::Look;
 
 /// The runs that are looked at.
 #[derive(Default)]

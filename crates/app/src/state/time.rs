@@ -7,7 +7,7 @@ use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
 
 use super::State;
 use crate::clock::Clock;
-use crate::command::{Command, TimeCommand};
+use crate::command::TimeCommand;
 use crate::moment::Shown;
 use crate::passes::PassCommand;
 use crate::subject::Subject;

@@ -5,7 +5,6 @@ use crate::camera::Camera;
 use crate::command::DebugCommand;
 use crate::recipe::Recipe;
 use crate::selection::Selection;
-use crate::theme::Look;
 use crate::view::View;
 
 impl State {

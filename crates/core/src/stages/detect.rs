@@ -402,3 +402,24 @@ const fn minus(a: Offset, b: Offset) -> Offset {
 const fn norm_squared(a: Offset) -> i64 {
     a.0 * a.0 + a.1 * a.1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::Boundary;
+
+    /// A place on a border may be 3.42 r from all samples, so that detectors nearer than 4.42 r to it look farther.
+    #[test]
+    fn detectors_near_a_border_look_farther() {
+        let side = 20 * R;
+        let radius = |boundary, depth| {
+            let domain = Domain::from_units(side, side, boundary);
+            Reach::new(&domain, Search::Complete, Point::new(depth, side / 2)).radius
+        };
+        for depth in [0, R, 3 * R, 442 * R / 100] {
+            assert!(f64::from(radius(Boundary::Bounded, depth)) > 3.42 * f64::from(R));
+            assert!(radius(Boundary::Periodic, depth) < 3 * R);
+        }
+        assert!(radius(Boundary::Bounded, 5 * R) < 3 * R);
+    }
+}
