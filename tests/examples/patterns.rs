@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/patterns");
     let mut digests = String::new();
     let mut total = 0;
-    for ready in &READY_MADE {
+    for ready in READY_MADE {
         let packed = Pattern::generate(&ready.spec, &mut Unobserved)?.to_packed();
         write_whole(&folder.join(ready.name), &packed)?;
         writeln!(digests, "{}  {}", bytes_digest(&packed), ready.name)?;

@@ -10,7 +10,6 @@ mod disk;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
 
-pub(crate) use crate::incoming::Unread;
 pub use crate::incoming::{Incoming, MOST_FILES, NamedBytes, gather, refusals};
 pub use archive::{PackError, packed, unpacked};
 #[cfg(not(target_arch = "wasm32"))]

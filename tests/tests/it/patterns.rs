@@ -40,7 +40,7 @@ fn every_file_has_its_digest_and_is_built_in() {
     assert_eq!(found, listed());
     let built_in: BTreeSet<&str> = READY_MADE.iter().map(|ready| ready.name).collect();
     assert_eq!(built_in, found.keys().map(String::as_str).collect());
-    for ready in &READY_MADE {
+    for ready in READY_MADE {
         assert!(ready.packed == file(ready.name), "{}", ready.name);
     }
     let total: usize = READY_MADE.iter().map(|ready| ready.packed.len()).sum();
@@ -49,7 +49,7 @@ fn every_file_has_its_digest_and_is_built_in() {
 
 #[test]
 fn every_file_is_the_generated_pattern_bit_for_bit() {
-    for ready in &READY_MADE {
+    for ready in READY_MADE {
         let generated = Pattern::generate(&ready.spec, &mut Unobserved).unwrap();
         assert!(generated.to_packed() == file(ready.name), "{}", ready.name);
         let unpacked = Pattern::from_packed(ready.packed).unwrap();
@@ -61,7 +61,7 @@ fn every_file_is_the_generated_pattern_bit_for_bit() {
 #[test]
 fn a_flipped_byte_is_refused_and_has_another_digest() {
     let digests = listed();
-    for ready in &READY_MADE {
+    for ready in READY_MADE {
         for at in [9, 20, 24, ready.packed.len() / 2, ready.packed.len() - 1] {
             let mut bytes = ready.packed.to_vec();
             bytes[at] ^= 0x10;

@@ -210,19 +210,8 @@ impl State {
         }
     }
 
-    fn at(&self) -> Option<At> {
-        self.runs.first.session.as_ref().map(|_| At {
-            stage: self.runs.first.stage,
-            cursor: self.cursor().map(|(cursor, _)| cursor),
-        })
-    }
-
     fn second_at(&self) -> Option<At> {
-        let (side, _) = self.runs.second.as_ref()?;
-        side.session.as_ref().map(|_| At {
-            stage: side.stage,
-            cursor: side.debugger.as_ref().map(|d| d.state().cursor()),
-        })
+        self.runs.second.as_ref()?.0.at()
     }
 
     fn follow_second(&mut self) {
@@ -250,7 +239,7 @@ impl State {
         if !comparison.linked_clocks {
             return;
         }
-        let (Some(at), Some((side, comparison))) = (self.at(), &self.runs.second) else {
+        let (Some(at), Some((side, comparison))) = (self.runs.first.at(), &self.runs.second) else {
             return;
         };
         let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {
@@ -364,20 +353,7 @@ impl State {
     #[must_use]
     pub fn second_subject(&self) -> Option<Subject<'_>> {
         let (side, _) = self.runs.second.as_ref()?;
-        Some(Subject {
-            shown: side.shown()?,
-            camera: side.camera,
-            layers: self.appearance.layers,
-            colouring: self.appearance.colouring,
-            hovered: side.hovered,
-            selected: side.selected,
-            place: side.place,
-            sight: side.sight,
-            geometry: &side.geometry,
-            contrast: self.contrast(true),
-            causes: None,
-            buffers: None,
-        })
+        side.subject(&self.appearance, self.contrast(true))
     }
 }
 

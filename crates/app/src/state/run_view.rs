@@ -6,13 +6,15 @@ use egui::Rect;
 use tilescope_core::Parameters;
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 
-use super::{EventQuery, Found, Hits, Verification};
+use super::{Appearance, EventQuery, Found, Hits, Verification};
 use crate::camera::{Camera, Flight};
+use crate::compare::link::At;
 use crate::geometry::Geometry;
 use crate::jobs::Job;
 use crate::moment::Shown;
 use crate::passes::Passes;
 use crate::session::{MakeError, Session};
+use crate::subject::{Contrast, Subject};
 use crate::verification::Sight;
 
 /// A run and how it is looked at.
@@ -108,6 +110,38 @@ impl RunView {
             session,
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
+        })
+    }
+
+    /// Returns what its canvas shows, without what is known only of the run that the panels show.
+    pub(super) fn subject<'a>(
+        &'a self,
+        appearance: &Appearance,
+        contrast: Option<Contrast<'a>>,
+    ) -> Option<Subject<'a>> {
+        Some(Subject {
+            shown: self.shown()?,
+            camera: self.camera,
+            layers: appearance.layers,
+            colouring: appearance.colouring,
+            hovered: self.hovered,
+            selected: self.selected,
+            place: self.place,
+            sight: self.sight,
+            geometry: &self.geometry,
+            contrast,
+            causes: None,
+            buffers: None,
+        })
+    }
+
+    /// Returns where its time stands, as far as another run can follow.
+    pub(super) fn at(&self) -> Option<At> {
+        self.session.as_ref()?;
+        let debugger = self.debugger.as_ref();
+        Some(At {
+            stage: self.stage,
+            cursor: debugger.map(|debugger| debugger.state().cursor()),
         })
     }
 }

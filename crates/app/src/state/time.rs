@@ -19,30 +19,17 @@ impl State {
     /// Returns the moment that is shown.
     #[must_use]
     pub fn shown(&self) -> Option<Shown<'_>> {
-        let session = self.runs.first.session.as_deref()?;
-        Some(Shown {
-            session,
-            debugger: self.runs.first.debugger.as_ref(),
-            stage: *session.stages.get(self.runs.first.stage)?,
-        })
+        self.runs.first.shown()
     }
 
     /// Returns what the canvas shows.
     #[must_use]
     pub fn subject(&self) -> Option<Subject<'_>> {
+        let first = &self.runs.first;
         Some(Subject {
-            shown: self.shown()?,
-            camera: self.runs.first.camera,
-            layers: self.appearance.layers,
-            colouring: self.appearance.colouring,
-            hovered: self.runs.first.hovered,
-            selected: self.runs.first.selected,
-            place: self.runs.first.place,
-            sight: self.runs.first.sight,
-            geometry: &self.runs.first.geometry,
-            contrast: self.contrast(false),
             causes: self.causes(),
             buffers: self.buffers_on_canvas(),
+            ..first.subject(&self.appearance, self.contrast(false))?
         })
     }
 

@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn ready_made_patterns_are_not_generated() {
-        for ready in &READY_MADE {
+        for ready in READY_MADE {
             let pattern = ready_made(Identity::of(&ready.spec).unwrap()).expect(ready.name);
             assert!(pattern.is_of(&ready.spec), "{}", ready.name);
         }
