@@ -7,11 +7,9 @@ use egui_kittest::Harness;
 use egui_tiles::Tree;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
+};
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::{Layout, Panel};

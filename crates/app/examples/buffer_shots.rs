@@ -4,11 +4,9 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::GpuCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{
+    AppearanceCommand, FormCommand, GpuCommand, ViewCommand, WindowCommand,
+};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;

@@ -7,11 +7,9 @@ use std::time::Instant;
 
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
+};
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;

@@ -4,12 +4,10 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::GpuCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand,
+    WindowCommand,
+};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::layers::{Colouring, Layer};

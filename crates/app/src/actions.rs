@@ -13,11 +13,9 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
-use crate::command::AppearanceCommand;
-use crate::command::FormCommand;
-use crate::command::ViewCommand;
-use crate::command::WindowCommand;
-use crate::command::{Command, DebugCommand};
+use crate::command::{
+    AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, WindowCommand,
+};
 use crate::finder::Finder;
 use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;

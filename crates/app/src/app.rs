@@ -9,21 +9,18 @@ use egui_tiles::{
     Behavior, Container, EditAction, SimplificationOptions, TileId, Tiles, UiResponse,
 };
 
-use crate::actions;
 use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::canvas::touch::release_cancelled;
-use crate::command::Command;
-use crate::command::WindowCommand;
+use crate::command::{Command, WindowCommand};
 use crate::files::FileCommand;
-use crate::focus;
 use crate::layout::{Layout, Panel};
-use crate::panels;
 use crate::panes::Canvas;
 use crate::presses::Presses;
 use crate::spoken::{Speaker, Spoken};
 use crate::state::{FullScreen, State};
 use crate::theme::{self, Look, Manner};
 use crate::widgets::{Kebab, Known};
+use crate::{actions, focus, panels};
 
 /// The application.
 pub struct App {

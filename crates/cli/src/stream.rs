@@ -17,10 +17,9 @@ use tilescope_formats::{
 use crate::bands::Bands;
 use crate::engine::Chosen;
 use crate::facts::Facts;
-use crate::interrupt;
-use crate::make;
 use crate::parameters::RunArguments;
 use crate::progress::Stopwatch;
+use crate::{interrupt, make};
 
 /// Samples handed to the writer at a time.
 const PIECE: usize = 1 << 16;

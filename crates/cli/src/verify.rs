@@ -9,9 +9,8 @@ use serde_json::json;
 use tilescope_formats::{Certificate, CheckError, StreamCheck, check_stream};
 
 use crate::options::SetArguments;
-use crate::output;
 use crate::progress::verifying;
-use crate::{interrupt, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Arguments of `tilescope verify`.
 #[derive(Debug, Args)]

@@ -14,10 +14,9 @@ use tilescope_formats::PointSet;
 use crate::facts::Facts;
 use crate::make::{positions, with_radius};
 use crate::options::region;
-use crate::output;
 use crate::progress::{Stopwatch, verifying};
 use crate::sample_arguments::{Method, SampleArguments, save_unverified};
-use crate::{interrupt, verdict_code};
+use crate::{interrupt, output, verdict_code};
 
 /// Units around a window that are computed to judge it: 4r, where 2r would do.
 const MARGIN: i64 = 4 * R as i64;

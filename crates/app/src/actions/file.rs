@@ -4,8 +4,7 @@ use egui::Key;
 
 use super::{COMMAND, List, Menu, SHIFT};
 use crate::combination::CombineCommand;
-use crate::command::Command;
-use crate::command::LinkCommand;
+use crate::command::{Command, LinkCommand};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{FileCommand, Purpose};
 use crate::state::State;

@@ -4,8 +4,7 @@
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Popup};
 
 use super::{Action, COMMAND, NONE, SHIFT, actions, found};
-use crate::command::Command;
-use crate::command::WindowCommand;
+use crate::command::{Command, WindowCommand};
 use crate::finder::Finder;
 use crate::state::State;
 

@@ -6,10 +6,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
 
 use super::*;
 use crate::clock::Clock;
-use crate::command::AppearanceCommand;
-use crate::command::ViewCommand;
-use crate::command::WindowCommand;
-use crate::command::{DebugCommand, TimeCommand};
+use crate::command::{AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, WindowCommand};
 use crate::embedding::Embedding;
 use crate::sentence::happened;
 use tilescope_debugger::{Kind, Target};

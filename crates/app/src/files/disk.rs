@@ -9,8 +9,7 @@ use tilescope_debugger::{MAX_BYTES, PatternFile};
 use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
 
 use super::{FileForm, Incoming, NamedBytes, Purpose, SESSION_NAME};
-use crate::incoming::Unread;
-use crate::incoming::{begins_as_object, holds_document, pick, too_long};
+use crate::incoming::{Unread, begins_as_object, holds_document, pick, too_long};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::limits::MOST_PATTERN_BYTES;
 use crate::recipe::{OwnPattern, load};

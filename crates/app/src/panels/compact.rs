@@ -7,8 +7,7 @@ use egui::{Context, CursorIcon, Stroke, WidgetInfo, pos2, vec2};
 
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
-use crate::command::Command;
-use crate::command::WindowCommand;
+use crate::command::{Command, WindowCommand};
 use crate::focus;
 use crate::layout::Panel;
 use crate::panes::Canvas;

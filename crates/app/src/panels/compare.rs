@@ -8,9 +8,7 @@ use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference}
 use crate::state::{RunView, State};
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, heading, primary_button, row};
-use crate::words::counted;
-use crate::words::grouped;
-use crate::words::stage_name;
+use crate::words::{counted, grouped, stage_name};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -3,8 +3,7 @@
 use egui::{Button, ComboBox, RichText, Ui};
 
 use super::parameters::{field_width, labelled};
-use crate::command::Command;
-use crate::command::GpuCommand;
+use crate::command::{Command, GpuCommand};
 use crate::device::Engine;
 use crate::state::State;
 use crate::theme::Palette;

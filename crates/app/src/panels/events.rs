@@ -13,9 +13,7 @@ use crate::focus;
 use crate::state::{Found, MOST_FOUND, State};
 use crate::theme::{Palette, is_for_fingers, row_height};
 use crate::widgets::Known;
-use crate::words::counted;
-use crate::words::event_number;
-use crate::words::grouped;
+use crate::words::{counted, event_number, grouped};
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;

@@ -7,15 +7,12 @@ use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
 
 use super::divide;
-use crate::command::ViewCommand;
-use crate::command::{Command, TimeCommand};
+use crate::command::{Command, TimeCommand, ViewCommand};
 use crate::moment::Shown;
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Known, heading, row};
-use crate::words::counted;
-use crate::words::event_number;
-use crate::words::grouped;
+use crate::words::{counted, event_number, grouped};
 
 /// Rows of a history that are shown at once.
 const MOST_ROWS: usize = 200;

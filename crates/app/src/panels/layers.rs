@@ -2,8 +2,7 @@
 
 use egui::{Ui, vec2};
 
-use crate::command::AppearanceCommand;
-use crate::command::Command;
+use crate::command::{AppearanceCommand, Command};
 use crate::layers::Layer;
 use crate::state::State;
 use crate::theme::Palette;

@@ -4,8 +4,7 @@ use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
 use crate::analysis::brush::Cause;
 use crate::canvas::age::{Ages, LAST_TILED};
-use crate::command::AppearanceCommand;
-use crate::command::Command;
+use crate::command::{AppearanceCommand, Command};
 use crate::layers::{Colouring, Layer};
 use crate::state::State;
 use crate::theme::Palette;

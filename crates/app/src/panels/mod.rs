@@ -33,8 +33,7 @@ pub use embedded::show as show_embedded;
 #[cfg(test)]
 pub(crate) use timeline::told;
 
-use crate::command::AppearanceCommand;
-use crate::command::Command;
+use crate::command::{AppearanceCommand, Command};
 use crate::focus;
 use crate::layout::Panel;
 use crate::panes::Canvas;

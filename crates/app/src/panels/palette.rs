@@ -6,8 +6,7 @@ use egui::{
 
 use super::sheet;
 use crate::actions::{self, Action};
-use crate::command::Command;
-use crate::command::WindowCommand;
+use crate::command::{Command, WindowCommand};
 use crate::finder::Finder;
 use crate::state::State;
 use crate::theme::{Palette, row_height};

@@ -4,17 +4,14 @@ use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 
 use super::engine;
-use crate::command::Command;
-use crate::command::FormCommand;
-use crate::draft::Refusal;
-use crate::draft::{Choice, Field};
+use crate::command::{Command, FormCommand};
+use crate::draft::{Choice, Field, Refusal};
 use crate::files::FileCommand;
 use crate::layout::Panel;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Known, heading, primary_button};
-use crate::words::grouped;
-use crate::words::sentence;
+use crate::words::{grouped, sentence};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;

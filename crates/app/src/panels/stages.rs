@@ -4,16 +4,14 @@ use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 
 use crate::combination::Combination;
-use crate::command::Command;
-use crate::command::TimeCommand;
+use crate::command::{Command, TimeCommand};
 use crate::limits::MOST_STAGED;
 use crate::sentence::name_in;
 use crate::session::Session;
 use crate::state::State;
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Kebab, Known, heading, row as pair};
-use crate::words::grouped;
-use crate::words::share;
+use crate::words::{grouped, share};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -17,8 +17,7 @@ use crate::sentence::happened;
 use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
-use crate::words::counted;
-use crate::words::grouped;
+use crate::words::{counted, grouped};
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;

@@ -4,15 +4,12 @@ use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, U
 
 use super::verification;
 use crate::actions::{Action, Menu, actions};
-use crate::command::AppearanceCommand;
-use crate::command::Command;
-use crate::command::ViewCommand;
+use crate::command::{AppearanceCommand, Command, ViewCommand};
 use crate::export::{ExportCommand, Kind};
 use crate::state::State;
 use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
-use crate::words::counted;
-use crate::words::grouped;
+use crate::words::{counted, grouped};
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;

@@ -5,16 +5,12 @@ use egui::{
 };
 
 use super::divide;
-use crate::command::Command;
-use crate::command::ViewCommand;
+use crate::command::{Command, ViewCommand};
 use crate::state::{State, Verification};
 use crate::theme::{Palette, semibold};
-use crate::verification::Verdict;
-use crate::verification::Witness;
+use crate::verification::{Verdict, Witness};
 use crate::widgets::{Kebab, Known, heading, row, verdict_mark};
-use crate::words::conflicts_in;
-use crate::words::counted;
-use crate::words::grouped;
+use crate::words::{conflicts_in, counted, grouped};
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -10,9 +10,7 @@ use tilescope_core::Standing;
 
 use crate::canvas::hint::{self, Hint};
 use crate::canvas::touch::{Hand, Touch};
-use crate::command::ViewCommand;
-use crate::command::WindowCommand;
-use crate::command::{Command, DebugCommand};
+use crate::command::{Command, DebugCommand, ViewCommand, WindowCommand};
 use crate::selection::Selection;
 use crate::state::State;
 use crate::subject::Subject;

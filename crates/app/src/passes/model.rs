@@ -9,8 +9,7 @@ use tilescope_gpu::twin::Difference;
 use super::placed::Placed;
 use super::table::BufferTable;
 use crate::limits::MOST_STAGED;
-use crate::words::grouped;
-use crate::words::sentence;
+use crate::words::{grouped, sentence};
 
 /// How a pass compares with the CPU.
 #[derive(Clone, Debug, PartialEq, Eq)]

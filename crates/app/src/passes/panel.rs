@@ -11,9 +11,7 @@ use super::table::{BufferTable, Side};
 use super::{Badge, Fault, PassCommand, Passes, choice, grid};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
-use crate::words::counted;
-use crate::words::grouped;
-use crate::words::stage_name;
+use crate::words::{counted, grouped, stage_name};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;

@@ -4,8 +4,7 @@
 use super::device::{self, Arrival, Goal, Stop, Survey};
 use super::{Passes, Work, csv, model};
 use crate::jobs::Job;
-use crate::words::counted;
-use crate::words::sentence;
+use crate::words::{counted, sentence};
 
 impl Passes {
     pub(super) fn survey(&mut self) {

@@ -9,8 +9,7 @@ use crate::command::ViewCommand;
 use crate::layout::Panel;
 use crate::selection::Selection;
 use crate::units::radii;
-use crate::verification::Sight;
-use crate::verification::Witness;
+use crate::verification::{Sight, Witness};
 
 /// So far within the view, in screen points, is a selection kept.
 const IN_VIEW: f32 = 32.0;

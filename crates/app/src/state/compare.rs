@@ -6,8 +6,7 @@ use std::sync::Arc;
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 
 use super::{Notice, RunView, State};
-use crate::command::Command;
-use crate::command::ViewCommand;
+use crate::command::{Command, ViewCommand};
 use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};

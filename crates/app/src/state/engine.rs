@@ -7,8 +7,7 @@ use tilescope_gpu::{Choice, Gpu, GpuError};
 
 use super::State;
 use crate::clock::Clock;
-use crate::command::Command;
-use crate::command::WindowCommand;
+use crate::command::{Command, WindowCommand};
 use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::errand;
 use crate::incoming::NamedBytes;

@@ -6,8 +6,6 @@ use std::sync::Arc;
 
 use super::State;
 use crate::combining::SavedCombination;
-use crate::errand;
-use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
     SaveTask, Source,
@@ -16,6 +14,7 @@ use crate::incoming::NamedBytes;
 use crate::jobs::{Job, Monitor};
 use crate::verification::region_of;
 use crate::words::last_part;
+use crate::{errand, files};
 
 mod outcome;
 

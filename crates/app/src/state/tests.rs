@@ -7,17 +7,12 @@ use std::sync::Arc;
 use egui::Rect;
 
 use super::*;
-use crate::command::AppearanceCommand;
-use crate::command::FormCommand;
-use crate::command::GpuCommand;
-use crate::command::TimeCommand;
-use crate::command::ViewCommand;
+use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand};
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, Kind};
 use crate::layers::Layer;
 use crate::session::Session;
-use crate::verification::Sight;
-use crate::verification::Witness;
+use crate::verification::{Sight, Witness};
 use tilescope_core::Search;
 
 fn settled() -> State {

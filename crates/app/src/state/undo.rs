@@ -4,11 +4,8 @@
 use tilescope_core::combine::file::Layout as Combination;
 
 use super::State;
-use crate::command::Command;
-use crate::command::FormCommand;
-use crate::command::WindowCommand;
-use crate::draft::Draft;
-use crate::draft::Field;
+use crate::command::{Command, FormCommand, WindowCommand};
+use crate::draft::{Draft, Field};
 use crate::files::FileCommand;
 use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;

@@ -4,8 +4,7 @@
 use crate::exporting;
 use std::fs;
 use std::path::Path;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::TimeCommand;
+use tilescope_app::command::{FormCommand, TimeCommand};
 
 use tilescope_app::export::{Entry, ExportCommand, Kind, write};
 use tilescope_app::files::{Delivery, FileCommand, Purpose, packed};

@@ -1,11 +1,9 @@
 //! What stays, and what comes back, when another run takes the place of the one at hand.
 
 use tilescope_app::combination::CombineCommand;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::LinkCommand;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, WindowCommand,
+};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::files::{FileCommand, Purpose};

@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand,
+};
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layers::Layer;

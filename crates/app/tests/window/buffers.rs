@@ -5,12 +5,9 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::GpuCommand;
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{
+    AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, WindowCommand,
+};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::Field;

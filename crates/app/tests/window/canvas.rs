@@ -3,10 +3,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, WindowCommand};
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;

@@ -4,10 +4,9 @@
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
+};
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;

@@ -4,9 +4,7 @@ use std::path::Path;
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{AppearanceCommand, TimeCommand, WindowCommand};
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};

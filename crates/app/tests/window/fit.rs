@@ -5,11 +5,9 @@ use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::GpuCommand;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, WindowCommand,
+};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::Field;

@@ -2,8 +2,7 @@
 
 use egui::Color32;
 use egui_kittest::Harness;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::TimeCommand;
+use tilescope_app::command::{AppearanceCommand, TimeCommand};
 use tilescope_app::layers::Layer;
 use tilescope_app::theme::DARK;
 use tilescope_app::{App, Command};

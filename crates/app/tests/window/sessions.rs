@@ -4,10 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};

@@ -4,10 +4,9 @@
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
 use egui_tiles::Tree;
 use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
+};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::embedding::Embedding;

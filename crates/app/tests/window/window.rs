@@ -2,9 +2,7 @@
 
 use egui_kittest::Harness;
 use tilescope_app::combination::CombineCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::GpuCommand;
-use tilescope_app::command::WindowCommand;
+use tilescope_app::command::{FormCommand, GpuCommand, WindowCommand};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::ExportCommand;

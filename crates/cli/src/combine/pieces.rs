@@ -15,11 +15,10 @@ use tilescope_core::combine::Piece;
 use tilescope_core::combine::file::{PieceError, Place, Placed, Set, Source};
 use tilescope_core::{Boundary, Progress};
 
-use crate::interrupt;
 use crate::options::UNIT_SQUARE;
 use crate::parameters::set_of_file;
-use crate::pattern_cache;
 use crate::progress::Bar;
+use crate::{interrupt, pattern_cache};
 
 /// The longest file of a set: as many samples as a result may have, of 40 bytes.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;

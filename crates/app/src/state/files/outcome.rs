@@ -11,8 +11,7 @@ use crate::recipe::OwnPattern;
 use crate::state::State;
 use crate::state::undo::Part;
 use crate::view::View;
-use crate::words::counted;
-use crate::words::{ended, sentence};
+use crate::words::{counted, ended, sentence};
 
 impl State {
     pub(in crate::state) fn poll_files(&mut self) {

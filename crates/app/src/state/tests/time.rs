@@ -3,9 +3,7 @@
 use super::{settled, type_in};
 use crate::State;
 use crate::clock::Clock;
-use crate::command::FormCommand;
-use crate::command::ViewCommand;
-use crate::command::{Command, DebugCommand, TimeCommand};
+use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewCommand};
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
 use crate::panels::told;

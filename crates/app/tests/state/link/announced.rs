@@ -1,8 +1,7 @@
 //! What a screen reader is told: each thing once, when it is new.
 
 use tilescope_app::Command;
-use tilescope_app::command::LinkCommand;
-use tilescope_app::command::TimeCommand;
+use tilescope_app::command::{LinkCommand, TimeCommand};
 
 use super::support::{settle, state};
 

@@ -6,12 +6,10 @@ use std::sync::Arc;
 use tilescope_app::camera::Camera;
 use tilescope_app::clock::{Clock, SPEEDS};
 use tilescope_app::combination::CombineCommand;
-use tilescope_app::command::AppearanceCommand;
-use tilescope_app::command::FormCommand;
-use tilescope_app::command::LinkCommand;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::command::{DebugCommand, TimeCommand};
+use tilescope_app::command::{
+    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand,
+    WindowCommand,
+};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layers::{Colouring, Layer};
