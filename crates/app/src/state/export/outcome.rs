@@ -1,9 +1,9 @@
 //! An export at work, and what is told of it when it ends.
 
 use crate::errand::{self, Errand};
-use crate::export::write::{What, WriteError, Written, render};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::export::ExportCommand;
+use crate::export::write::{What, WriteError, Written, render};
 use crate::export::{ExportForm, Order};
 use crate::files::{Delivery, packed};
 use crate::incoming::NamedBytes;
