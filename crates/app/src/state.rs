@@ -14,9 +14,9 @@ pub use form::Form;
 pub use hits::{Hits, MOST_HITS};
 pub use page::PageStart;
 use parts::JobContext;
-pub use parts::{FileDesk, GpuState, Links, Messages, Runs, Time};
+pub use parts::{FileState, GpuState, Links, Messages, Runs, Time};
 pub use run_view::RunView;
-pub use window::Window;
+pub use window::WindowState;
 
 /// What the verifier has said so far.
 pub enum Verification {
@@ -73,9 +73,9 @@ pub struct State {
     /// How moments are drawn.
     pub appearance: Appearance,
     /// What stands where.
-    pub window: Window,
+    pub window: WindowState,
     /// What is read and written.
-    pub files: FileDesk,
+    pub files: FileState,
     /// What is known of the GPU.
     pub gpu: GpuState,
     /// What is measured of the moment.
@@ -97,8 +97,8 @@ impl State {
             runs: Runs::default(),
             time: Time::default(),
             appearance: Appearance::default(),
-            window: Window::default(),
-            files: FileDesk::default(),
+            window: WindowState::default(),
+            files: FileState::default(),
             gpu: GpuState::default(),
             analysis: Analysis::default(),
             links: Links::default(),

@@ -210,20 +210,19 @@ impl Search<'_> {
         Ok(found)
     }
 
+    /// Counts the pairs of a cell's samples with each other and with the samples ahead of them.
     fn cell(&self, [column, row]: [usize; 2], found: &mut Found) {
         let own = self.neighbors.grid.run(row, &(column..column + 1));
         let partners = |run: &[Entry], once: bool| {
             if once && self.is_one_bin([own, run]) {
                 found.counts[0] += own.len() as u64 * run.len() as u64;
             } else if !std::ptr::eq(own, run) {
-                self.crowd(own, found, |a, found| self.pairs(a, run, once, found));
+                self.each(own, found, |k, found| self.pairs(&own[k], run, once, found));
             } else if self.is_one_bin([own, own]) {
                 found.counts[0] += own.len() as u64 * (own.len() as u64 - 1) / 2;
             } else {
-                let behind = |(k, a)| (a, &own[k + 1..]);
-                let each: Vec<(&Entry, &[Entry])> = own.iter().enumerate().map(behind).collect();
-                self.crowd(&each, found, |(a, behind), found| {
-                    self.pairs(a, behind, true, found);
+                self.each(own, found, |k, found| {
+                    self.pairs(&own[k], &own[k + 1..], true, found);
                 });
             }
         };
@@ -231,18 +230,19 @@ impl Search<'_> {
             .partners([column, row], self.distance, partners);
     }
 
-    /// Looks at each of `own`: on all threads where they are so many that a cluster fills the cell.
-    fn crowd<T: Sync>(&self, own: &[T], found: &mut Found, look: impl Fn(&T, &mut Found) + Sync) {
+    /// Calls `look` with the index of each sample of a cell: on all threads where a cluster fills it.
+    fn each(&self, own: &[Entry], found: &mut Found, look: impl Fn(usize, &mut Found) + Sync) {
         if own.len() <= CROWD {
-            for one in own {
-                look(one, found);
+            for k in 0..own.len() {
+                look(k, found);
             }
             return;
         }
-        let chunks = own.par_chunks(CROWD).map(|chunk| {
+        let starts = (0..own.len()).into_par_iter().step_by(CROWD);
+        let chunks = starts.map(|start| {
             let mut part = self.empty();
-            for one in chunk {
-                look(one, &mut part);
+            for k in start..own.len().min(start + CROWD) {
+                look(k, &mut part);
             }
             part
         });

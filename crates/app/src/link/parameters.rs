@@ -176,7 +176,6 @@ fn fit(p: &mut Parameters, run: &str, said: &mut Said) {
     }
 }
 
-/// Returns the least and the largest radius that a domain may have, and how many samples the radius may make of it.
 /// Returns what a link to a run with these parameters would not bring back, as it would ask for more than a link may.
 #[must_use]
 pub fn excess(p: &Parameters) -> Vec<String> {
@@ -198,6 +197,7 @@ pub fn excess(p: &Parameters) -> Vec<String> {
     excess
 }
 
+/// Returns the least and the largest radius that a domain may have.
 fn radii(p: &Parameters) -> [f64; 2] {
     let shortest = match p.boundary {
         Boundary::Periodic => MIN_SIDE_RADII_PERIODIC,
@@ -354,6 +354,16 @@ mod tests {
             let pairs: Vec<_> = pairs.iter().map(|(k, v)| (*k, v.as_str())).collect();
             let (again, said) = of(&pairs);
             assert_eq!((again, said), (p, Said::default()));
+        }
+    }
+
+    #[test]
+    fn a_key_that_says_nothing_changes_nothing_and_is_named() {
+        for key in KEYS.into_iter().chain([VARIANT]) {
+            let (p, said) = of(&[(key, "?")]);
+            assert_eq!(p, Parameters::default(), "{key}");
+            let asked = format!("asked for {} ?;", told(key));
+            assert!(said.text().contains(&asked), "{key}: {}", said.text());
         }
     }
 

@@ -9,11 +9,11 @@ mod engine;
 mod events;
 mod export;
 mod files;
+mod finder;
 mod inspector;
 mod layers;
 mod legend;
 mod notice;
-mod palette;
 mod parameters;
 mod pseudocode;
 mod sheet;
@@ -205,7 +205,7 @@ pub fn show_floating(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     export::show(ui, state, commands);
     files::show(ui, state, commands);
     notice::show(ui, state, commands);
-    palette::show(ui, state, commands);
+    finder::show(ui, state, commands);
 }
 
 /// Each panel scrolls by itself, whatever stood in its place before.

@@ -31,7 +31,7 @@ pub struct Time {
 
 /// What is read and written.
 #[derive(Default)]
-pub struct FileDesk {
+pub struct FileState {
     /// The export sheet, when open.
     pub export: Option<ExportForm>,
     /// The sheet of saved sessions and pattern files, when open.

@@ -255,3 +255,40 @@ impl State {
         (!names.is_empty()).then(|| format!("Not in the run shown: {}.", names.join(", ")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    fn type_in(state: &mut State, field: Field, text: &str) {
+        let command = crate::command::FormCommand::Type(field, text.to_owned());
+        state.apply(Command::Form(command));
+    }
+
+    #[test]
+    fn what_was_undone_is_gone_after_a_change() {
+        let mut state = State::new(Arc::new(|| {}));
+        type_in(&mut state, Field::Seed, "5");
+        state.apply(Command::Undo);
+        assert!(state.can_redo());
+        type_in(&mut state, Field::Leaf, "40");
+        assert!(state.can_undo() && !state.can_redo());
+    }
+
+    #[test]
+    fn only_so_many_steps_are_remembered() {
+        let mut state = State::new(Arc::new(|| {}));
+        for step in 0..MOST_STEPS + 10 {
+            let field = [Field::Seed, Field::Leaf][step % 2];
+            type_in(&mut state, field, &(step + 6).to_string());
+        }
+        let mut undone = 0;
+        while state.can_undo() {
+            state.apply(Command::Undo);
+            undone += 1;
+        }
+        assert_eq!(undone, MOST_STEPS);
+    }
+}

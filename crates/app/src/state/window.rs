@@ -9,7 +9,7 @@ use crate::layout::{Layout, Panel};
 
 /// What stands where.
 #[derive(Default)]
-pub struct Window {
+pub struct WindowState {
     /// Where the panels stand.
     pub layout: Layout,
     /// What a window shows that is too small for them.
@@ -24,7 +24,7 @@ pub struct Window {
     pub full_screen: FullScreen,
 }
 
-impl Window {
+impl WindowState {
     pub(super) fn apply(&mut self, command: WindowCommand) {
         match command {
             WindowCommand::ToggleFullScreen => self.full_screen = FullScreen::Asked,
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_compact_window_shows_one_panel_and_leaves_the_tiles() {
-        let mut window = Window::default();
+        let mut window = WindowState::default();
         let tiles = window.layout.clone();
         window.apply(WindowCommand::Drawer(DrawerCommand::Arrange(
             Arrangement::Portrait,
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn the_list_of_actions_opens_empty() {
-        let mut window = Window::default();
+        let mut window = WindowState::default();
         window.apply(WindowCommand::FinderText("run".to_owned()));
         window.apply(WindowCommand::FinderChoice(2));
         let found = Finder {

@@ -6,8 +6,10 @@ use std::fmt::Display;
 
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
-use tilescope_app::App;
-use tilescope_debugger::Kind;
+use std::sync::Arc;
+
+use tilescope_app::{App, Session};
+use tilescope_debugger::{Debugger, Kind};
 
 /// So many frames may pass until the window rests: work in the background asks for one whenever it gets on, however
 /// fast frames are, so that this is no bound on time; one that never rests is found all the same.
@@ -78,6 +80,18 @@ pub fn author(node: &Node<'_>) -> Option<String> {
 pub fn focused<S>(harness: &Harness<'_, S>) -> Option<String> {
     let mut nodes = harness.query_all_by(|node| node.is_focused() && !node.is_root());
     author(&nodes.next()?)
+}
+
+/// Returns the session that is shown.
+pub fn session(harness: &Harness<'_, App>) -> Arc<Session> {
+    let session = harness.state().state.runs.first.session.clone();
+    session.expect("a session")
+}
+
+/// Returns the debugger of the session that is shown.
+pub fn debugger<'a>(harness: &'a Harness<'_, App>) -> &'a Debugger {
+    let debugger = harness.state().state.runs.first.debugger.as_ref();
+    debugger.expect("events")
 }
 
 /// Returns how many events have happened.

@@ -14,7 +14,7 @@ use tilescope_app::{App, Command};
 use tilescope_core::Boundary;
 
 use crate::support::sessions::{apply, folder, go, notice, path_text};
-use crate::support::{find, focused, is_disabled, node, opened_at, settle, text};
+use crate::support::{find, focused, is_disabled, node, opened_at, session, settle, text};
 
 /// A small session, and its analysis with room for all of it.
 pub(crate) fn analysing() -> Harness<'static, App> {
@@ -197,7 +197,7 @@ fn sets_of_another_domain_are_refused_in_a_sentence_that_names_both() {
 fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     let mut harness = analysing();
     let folder = folder("hostile-sets");
-    let before = harness.state().state.runs.first.session.clone().unwrap();
+    let before = session(&harness);
     let lines = |line: &str, count: usize| format!("x,y\n{}", line.repeat(count)).into_bytes();
     for (name, bytes) in [
         ("empty.csv", Vec::new()),
@@ -221,7 +221,7 @@ fn files_made_to_do_harm_are_refused_and_the_session_stays() {
     apply(&mut harness, Command::DismissNotice);
     go(&mut harness, Purpose::Against, &folder);
     assert!(notice(&harness).1, "a folder is no file");
-    let after = harness.state().state.runs.first.session.clone().unwrap();
+    let after = session(&harness);
     assert!(std::sync::Arc::ptr_eq(&before, &after));
     // Twice the same place is a conflict, and is measured like all others.
     let twice = folder.join("twice.csv");

@@ -17,7 +17,7 @@ const BLOCKS_STAGE: usize = 1;
 const TILE_STAGE: usize = 2;
 const FIRST_ITERATION: usize = 4;
 
-use crate::support::{MOST_FRAMES, find, node, opened, settle};
+use crate::support::{MOST_FRAMES, debugger, find, node, opened, session, settle};
 
 /// Returns the window on its default session, its samples drawn by instancing or as meshes.
 fn window(instanced: bool) -> Harness<'static, App> {
@@ -238,14 +238,7 @@ fn tree_at(harness: &mut Harness<'_, App>, ends: [[f64; 2]; 2]) -> f64 {
 #[test]
 fn the_tree_shows_the_splits_that_were_made() {
     let mut harness = window(false);
-    let session = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .expect("a session");
+    let session = session(&harness);
     let splits = session.run().blocks.splits.clone();
     let line = |k: usize| {
         let split = &splits[k];
@@ -257,14 +250,7 @@ fn the_tree_shows_the_splits_that_were_made() {
         ends.map(|end| end.map(|units| f64::from(units) / f64::from(R)))
     };
     let after = |harness: &Harness<'_, App>, wanted: u32| {
-        let recording = harness
-            .state()
-            .state
-            .runs
-            .first
-            .debugger
-            .as_ref()
-            .expect("events");
+        let recording = debugger(harness);
         let mut events = recording.recording().tape().from(0);
         let found = events.find(|(_, event)| {
             matches!(event.moment(), Some(Moment::Split { index, .. }) if index == wanted)
@@ -337,14 +323,7 @@ fn said_of(harness: &mut Harness<'_, App>, place: [f64; 2]) -> Option<String> {
 #[test]
 fn what_is_under_the_pointer_is_named() {
     let mut harness = opened();
-    let session = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .expect("a session");
+    let session = session(&harness);
     let run = session.run();
     apply(
         &mut harness,

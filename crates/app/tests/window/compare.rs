@@ -13,7 +13,7 @@ use tilescope_app::{App, Command, State};
 use tilescope_core::{Boundary, SampleError, Stage};
 use tilescope_debugger::{Direction, Divergence, Step};
 
-use crate::support::{is_disabled, node, opened, settle, text};
+use crate::support::{is_disabled, node, opened, session, settle, text};
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
     harness.state_mut().state.apply(command);
@@ -111,7 +111,7 @@ fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
         panic!("the searches must part at an event");
     };
     assert_eq!(a, b);
-    let stage = harness.state().state.runs.first.session.as_ref().unwrap();
+    let stage = session(&harness);
     assert!(stage.stages[stage.stage_at(a)] >= Stage::Iterate(1));
     // Up to there the cursors are the same, one by one.
     apply(&mut harness, Command::Time(TimeCommand::Jump(a - 5)));

@@ -16,7 +16,9 @@ use tilescope_app::{App, Command};
 use tilescope_core::Stage;
 use tilescope_debugger::{Kind, Listings};
 
-use crate::support::{cursor, find, is_disabled, last_kind, next_kind, node, opened, settle, text};
+use crate::support::{
+    cursor, debugger, find, is_disabled, last_kind, next_kind, node, opened, session, settle, text,
+};
 
 fn apply(harness: &mut Harness<'_, App>, command: Command) {
     harness.state_mut().state.apply(command);
@@ -48,15 +50,11 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::F5);
     assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
-    let debugger = harness
-        .state()
-        .state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .expect("events");
-    let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
+    let distance: f64 = debugger(&harness)
+        .evaluate("distance")
+        .unwrap()
+        .parse()
+        .unwrap();
     assert!(distance < 0.2);
     let first = cursor(&harness);
     press(&mut harness, Modifiers::NONE, Key::F5);
@@ -66,15 +64,7 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     // An unreadable condition says so beside it.
     let broken = DebugCommand::Condition(0, "distance <".to_owned());
     apply(&mut harness, Command::Debug(broken));
-    let breakpoints = harness
-        .state()
-        .state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .unwrap()
-        .breakpoints();
+    let breakpoints = debugger(&harness).breakpoints();
     let error = breakpoints[0].error().expect("an error").to_string();
     assert_eq!(text(&harness, "eliminate.5.refusal"), error);
 }
@@ -151,8 +141,8 @@ fn the_arrows_follow_the_clock() {
     assert_eq!(cursor(&harness), whole);
     apply(&mut harness, Command::Time(TimeCommand::Clock(Clock::Line)));
     press(&mut harness, Modifiers::NONE, Key::ArrowLeft);
-    let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
-    let lines = [whole, cursor(&harness)].map(|at| debugger.recording().event(at).unwrap().line());
+    let recording = debugger(&harness).recording();
+    let lines = [whole, cursor(&harness)].map(|at| recording.event(at).unwrap().line());
     assert_ne!(lines[0], lines[1]);
 }
 
@@ -195,7 +185,7 @@ fn the_event_browser_finds_selects_and_says_what_is_wrong() {
         Command::Debug(DebugCommand::Query(String::new())),
     );
     apply(&mut harness, Command::Time(TimeCommand::Jump(1)));
-    let session = harness.state().state.runs.first.session.clone().unwrap();
+    let session = session(&harness);
     let place = session
         .stages
         .iter()
@@ -216,8 +206,8 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     press(&mut harness, Modifiers::NONE, Key::E);
     let at = cursor(&harness);
     let sample = {
-        let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
-        debugger.recording().event(at - 1).unwrap().samples()[0]
+        let recording = debugger(&harness).recording();
+        recording.event(at - 1).unwrap().samples()[0]
     };
     apply(
         &mut harness,
@@ -267,8 +257,7 @@ fn bookmarks_and_watches_stay_with_their_moments() {
     node(&harness, "bookmark-1").click();
     harness.run();
     assert_eq!(cursor(&harness), at);
-    let debugger = harness.state().state.runs.first.debugger.as_ref().unwrap();
-    assert_eq!(debugger.bookmarks[0].note, "the last one");
+    assert_eq!(debugger(&harness).bookmarks[0].note, "the last one");
     apply(
         &mut harness,
         Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
@@ -277,16 +266,7 @@ fn bookmarks_and_watches_stay_with_their_moments() {
         &mut harness,
         Command::Debug(DebugCommand::Watch("inserted + 1".to_owned())),
     );
-    let value = harness
-        .state()
-        .state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .unwrap()
-        .evaluate("inserted + 1")
-        .unwrap();
+    let value = debugger(&harness).evaluate("inserted + 1").unwrap();
     let shown = text(&harness, "watch-1.value");
     assert!(shown.ends_with(&value), "{shown}");
     apply(

@@ -11,7 +11,9 @@ use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_debugger::Kind;
 
-use crate::support::{author, cursor, focused, last_kind, next_kind, node, opened, settle, text};
+use crate::support::{
+    author, cursor, debugger, focused, last_kind, next_kind, node, opened, session, settle, text,
+};
 
 const NONE: Modifiers = Modifiers::NONE;
 
@@ -58,14 +60,7 @@ fn a_session_needs_no_mouse() {
     harness.event(Event::Text("0.02".to_owned()));
     harness.run();
     press(&mut harness, Modifiers::COMMAND, Key::Enter);
-    let session = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .expect("a session");
+    let session = session(&harness);
     assert!((session.run().parameters.radius - 0.02).abs() < 1e-12);
     press(&mut harness, NONE, Key::Escape);
 
@@ -83,15 +78,11 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::Escape);
     act(&mut harness, "go-time-first-stage");
     press(&mut harness, NONE, Key::F5);
-    let debugger = harness
-        .state()
-        .state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .expect("events");
-    let distance: f64 = debugger.evaluate("distance").unwrap().parse().unwrap();
+    let distance: f64 = debugger(&harness)
+        .evaluate("distance")
+        .unwrap()
+        .parse()
+        .unwrap();
     assert!(distance < 0.3);
     assert!(!harness.state().state.runs.first.hits.events().is_empty());
 
@@ -101,15 +92,7 @@ fn a_session_needs_no_mouse() {
     assert_eq!(cursor(&harness), stopped + 1);
     let status = node(&harness, "status").accesskit_node();
     assert_eq!(status.live(), egui::accesskit::Live::Polite);
-    let state = &harness.state().state;
-    let recording = state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .expect("events")
-        .recording();
-    let sentence = tilescope_debugger::sentence(recording, stopped);
+    let sentence = tilescope_debugger::sentence(debugger(&harness).recording(), stopped);
     assert_eq!(text(&harness, "status"), sentence);
     press(&mut harness, NONE, Key::W);
     assert!(cursor(&harness) <= stopped + 1);
@@ -118,15 +101,7 @@ fn a_session_needs_no_mouse() {
     press(&mut harness, NONE, Key::F5);
     assert_eq!(cursor(&harness), stopped);
     press(&mut harness, NONE, Key::B);
-    let debugger = harness
-        .state()
-        .state
-        .runs
-        .first
-        .debugger
-        .as_ref()
-        .expect("events");
-    assert_eq!(debugger.bookmarks[0].event, stopped);
+    assert_eq!(debugger(&harness).bookmarks[0].event, stopped);
 
     // The view moves, and what is in its middle is selected.
     act(&mut harness, "view-view-zoom");
@@ -403,21 +378,11 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
     assert!(harness.state().state.runs.first.sampling.is_none());
 }
 
-fn press_of(key: Key, modifiers: Modifiers) -> Event {
-    Event::Key {
-        key,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers,
-    }
-}
-
 #[test]
 fn escape_in_the_frame_of_ctrl_k_closes_the_list() {
     let mut harness = opened();
-    let open = press_of(Key::K, Modifiers::COMMAND);
-    let close = press_of(Key::Escape, NONE);
+    let open = key(Key::K, Modifiers::COMMAND);
+    let close = key(Key::Escape, NONE);
     let frame = |harness: &mut Harness<'_, App>, events: &[&Event]| {
         let events = events.iter().map(|event| (*event).clone());
         harness.input_mut().events.extend(events);
@@ -437,7 +402,7 @@ fn alt_and_enter_ask_for_the_full_screen_and_give_it_back() {
     let mut asked = |fullscreen: bool| {
         let viewport = harness.input_mut().viewports.entry(ViewportId::ROOT);
         viewport.or_default().fullscreen = Some(fullscreen);
-        let press = press_of(Key::Enter, Modifiers::ALT);
+        let press = key(Key::Enter, Modifiers::ALT);
         harness.input_mut().events.push(press);
         harness.step();
         let viewports = harness.output().viewport_output.values();

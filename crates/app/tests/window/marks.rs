@@ -8,7 +8,7 @@ use tilescope_app::theme::DARK;
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
 
-use crate::support::{opened_at, settle};
+use crate::support::{opened_at, session, settle};
 
 /// Returns how many pixels of the canvas are nearer to one of `colors` than to `other` and the ground.
 fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) -> usize {
@@ -37,14 +37,7 @@ fn pixels(harness: &mut Harness<'_, App>, colors: &[Color32], other: Color32) ->
 #[test]
 fn detectors_of_a_whole_domain_on_a_phone_leave_conflicts_and_gaps_to_be_seen() {
     let mut harness = opened_at([390.0, 844.0]);
-    let stages = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .expect("a session");
+    let stages = session(&harness);
     let place = stages
         .stages
         .iter()

@@ -25,7 +25,7 @@ use tilescope_gpu::layout::Name;
 use crate::analysis_panel::noise;
 use crate::sessions::pattern;
 use crate::support::sessions::{apply, folder, go, path_text};
-use crate::support::{find, node, opened_at, settle};
+use crate::support::{find, node, opened_at, session, settle};
 
 /// A window, and what it said otherwise than it should.
 struct Told {
@@ -138,15 +138,7 @@ fn the_window_and_its_export_sheet() {
     ]);
     told.after([Command::Appearance(AppearanceCommand::Look(Look::Light))]);
     told.says(&[("toggle-theme", "Dark theme")]);
-    let session = told
-        .harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .unwrap();
+    let session = session(&told.harness);
     let first = |stage: &Stage| *stage == Stage::Iterate(1);
     let place = session.stages.iter().position(first).unwrap();
     told.after([Command::Time(TimeCommand::ShowStage(place))]);

@@ -14,7 +14,7 @@ use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 
 use crate::support::sessions::{apply, busy, folder, go, notice, path_text};
-use crate::support::{is_disabled, node, opened, settle, text};
+use crate::support::{is_disabled, node, opened, session, settle, text};
 
 #[test]
 fn a_session_is_opened_where_it_was_left() {
@@ -123,14 +123,7 @@ fn asks(harness: &Harness<'_, App>) -> bool {
 /// Writes a pattern of one's own: the result of a small run, with its certificate.
 pub(crate) fn pattern(harness: &mut Harness<'_, App>, folder: &Path) -> PathBuf {
     let path = folder.join("own.csv");
-    let session = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .expect("a session");
+    let session = session(harness);
     let run = session.run();
     let region = tilescope_analysis::Region {
         width: 1.0,
@@ -160,7 +153,7 @@ fn a_pattern_of_ones_own_is_used_saved_and_missed_when_it_is_gone() {
         Command::Form(FormCommand::Type(Field::Seed, "3".to_owned())),
     );
     apply(&mut harness, Command::Run);
-    let session = harness.state().state.runs.first.session.clone().unwrap();
+    let session = session(&harness);
     let held = session.own.as_ref().expect("a pattern of one's own");
     assert_eq!(held.file.path, path_text(&own));
     assert_eq!(

@@ -11,7 +11,7 @@ use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
 
-use crate::support::{find, is_disabled, node, opened, settle, text};
+use crate::support::{find, is_disabled, node, opened, session, settle, text};
 
 fn shown_stage(harness: &Harness<'_, App>) -> Stage {
     harness.state().state.current_stage().expect("a session")
@@ -70,30 +70,14 @@ fn enter_in_a_field_runs() {
     harness.key_press(egui::Key::Enter);
     harness.step();
     settle(&mut harness);
-    let session = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .clone()
-        .expect("a session");
+    let session = session(&harness);
     assert_ne!(session.run().parameters.seed, 1);
 }
 
 #[test]
 fn a_run_can_be_cancelled() {
     let mut harness = opened();
-    let count = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .as_ref()
-        .expect("a session")
-        .summary
-        .count;
+    let count = session(&harness).summary.count;
     harness
         .state_mut()
         .state
@@ -113,16 +97,7 @@ fn a_run_can_be_cancelled() {
     node(&harness, "dismiss").click();
     harness.run();
     assert!(find(&harness, "notice").is_none());
-    let after = harness
-        .state()
-        .state
-        .runs
-        .first
-        .session
-        .as_ref()
-        .expect("a session")
-        .summary
-        .count;
+    let after = session(&harness).summary.count;
     assert_eq!(after, count);
 }
 

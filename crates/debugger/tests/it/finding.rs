@@ -1,7 +1,7 @@
 //! Indices, the tree of events and counts give what plain scans of the tape give.
 
 use proptest::prelude::*;
-use tilescope_core::{Moment, Parameters, Stage, Variant, Verdict};
+use tilescope_core::{Boundary, Insertion, Moment, Parameters, Point, R, Stage, Variant, Verdict};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Debugger, Density, Direction, Kind, LineId, Listings, Outline, OutlineRows,
     Recording, Stop, Target, density, moves, phases, why,
@@ -219,4 +219,37 @@ fn the_tree_of_a_recording_reaches_every_event_once() {
             assert_eq!(row.level, outline.parents(event).count());
         }
     }
+}
+
+/// Darts have no sites: the second one is near an earlier one, by the distances of all.
+#[test]
+fn a_second_dart_is_within_two_radii_of_an_earlier_one() {
+    let parameters = Parameters {
+        radius: 0.02,
+        boundary: Boundary::Bounded,
+        insertion: Insertion::Uniform,
+        ..Parameters::default()
+    };
+    let recording = record(&parameters, DEFAULT_BUDGET);
+    let mut before: Vec<Point> = Vec::new();
+    let (mut second, mut far) = (0, 0);
+    for index in 0..recording.len() {
+        let event = recording.event(index).unwrap();
+        let Some(Moment::Insert { sample, .. }) = event.moment() else {
+            continue;
+        };
+        let place = recording.point(sample).unwrap();
+        let is_near = |other: &Point| {
+            let offset = [place.x - other.x, place.y - other.y].map(i64::from);
+            offset[0] * offset[0] + offset[1] * offset[1] <= 4 * i64::from(R) * i64::from(R)
+        };
+        let expected = before.iter().any(is_near);
+        let target = Target::SecondInsertion;
+        let found = moves::matches_target(&recording, index, event, target);
+        assert_eq!(found, expected, "event {index}");
+        second += usize::from(expected);
+        far += usize::from(!expected);
+        before.push(place);
+    }
+    assert!(second > 0 && far > 0, "{second} {far}");
 }
