@@ -7,6 +7,7 @@ use egui_kittest::Harness;
 use egui_tiles::Tree;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
 };
@@ -65,7 +66,7 @@ fn main() {
         vec![Command::Time(TimeCommand::LastStage), sheet, path],
     );
     shoot("analysis-file", vec![go]);
-    let near = || Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
     let distances = brush(Axis::Distance, 1.0, 1.05);
     shoot("analysis-distances", vec![near(), distances]);
     shoot("analysis-ring", vec![brush(Axis::Frequency, 0.8, 1.0)]);
@@ -73,7 +74,7 @@ fn main() {
         "analysis-ring-dark",
         vec![
             Command::Appearance(AppearanceCommand::Look(Look::Dark)),
-            Command::View(ViewCommand::Fit),
+            Command::View(Which::First, ViewCommand::Fit),
         ],
     );
     shoot(

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, FormCommand, GpuCommand, ViewCommand, WindowCommand,
 };
@@ -21,7 +22,7 @@ fn main() {
         .with_size([1600.0, 1000.0])
         .with_max_steps(64)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
-    let near = || Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
     apply(&mut harness, vec![]);
     apply(
         &mut harness,
@@ -70,7 +71,7 @@ fn main() {
     apply(
         &mut harness,
         vec![
-            Command::View(ViewCommand::Fit),
+            Command::View(Which::First, ViewCommand::Fit),
             Command::Appearance(AppearanceCommand::ToggleTheme),
         ],
     );

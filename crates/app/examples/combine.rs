@@ -4,6 +4,7 @@ use std::path::Path;
 
 use egui_kittest::Harness;
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, WindowCommand};
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
@@ -31,7 +32,7 @@ fn main() {
         image.save(&path).expect("a writable folder");
         println!("{}", path.display());
     };
-    let near = || Command::View(ViewCommand::FlyTo([50.0, 50.0], 30.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([50.0, 50.0], 30.0));
     shoot(
         "nine",
         vec![
@@ -53,7 +54,7 @@ fn main() {
         "nine-pieces",
         vec![
             Command::Time(TimeCommand::FirstStage),
-            Command::View(ViewCommand::Fit),
+            Command::View(Which::First, ViewCommand::Fit),
         ],
     );
     shoot(
@@ -77,7 +78,10 @@ fn main() {
             Command::Appearance(AppearanceCommand::Look(Look::Projector)),
         ],
     );
-    shoot("projector-fit", vec![Command::View(ViewCommand::Fit)]);
+    shoot(
+        "projector-fit",
+        vec![Command::View(Which::First, ViewCommand::Fit)],
+    );
     shoot(
         "bare",
         vec![

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
 };
@@ -46,13 +47,19 @@ fn main() {
     shoot("seeds", vec![start(Rival::NextSeed)]);
     shoot(
         "seeds-near",
-        vec![Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0))],
+        vec![Command::View(
+            Which::First,
+            ViewCommand::FlyTo([37.0, 45.0], 24.0),
+        )],
     );
     shoot(
         "order-fitted",
-        vec![start(Rival::Order), Command::View(ViewCommand::Fit)],
+        vec![
+            start(Rival::Order),
+            Command::View(Which::First, ViewCommand::Fit),
+        ],
     );
-    let near = Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0));
+    let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 24.0));
     shoot("order-near", vec![near.clone()]);
     shoot(
         "light",

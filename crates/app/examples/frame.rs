@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
 };
@@ -71,8 +72,10 @@ const fn rest(_: &mut App, _: u32) {}
 
 fn pan(app: &mut App, number: u32) {
     let step = if number.is_multiple_of(2) { 3.0 } else { -3.0 };
-    app.state
-        .apply(Command::View(ViewCommand::Pan(vec2(step, 0.0))));
+    app.state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pan(vec2(step, 0.0)),
+    ));
 }
 
 /// One event back, one forward.
@@ -102,14 +105,14 @@ fn measure_all(bench: &mut Bench, session: &Session, layers: &str) {
     let end = session.recording().map_or(0, |recording| recording.len());
     for (moment, cursor) in [("middle", middle), ("end", end)] {
         for (view, camera) in [
-            ("fitted", Command::View(ViewCommand::Fit)),
+            ("fitted", Command::View(Which::First, ViewCommand::Fit)),
             (
                 "60 r",
-                Command::View(ViewCommand::FlyTo([40.0, 40.0], 60.0)),
+                Command::View(Which::First, ViewCommand::FlyTo([40.0, 40.0], 60.0)),
             ),
             (
                 "12 r",
-                Command::View(ViewCommand::FlyTo([40.0, 40.0], 12.0)),
+                Command::View(Which::First, ViewCommand::FlyTo([40.0, 40.0], 12.0)),
             ),
         ] {
             bench.apply(Command::Time(TimeCommand::Jump(cursor)));
@@ -175,7 +178,7 @@ fn main() {
         "", "at rest", "panning", "stepping"
     );
     measure_all(&mut bench, &session, "usual layers");
-    bench.apply(Command::View(ViewCommand::Fit));
+    bench.apply(Command::View(Which::First, ViewCommand::Fit));
     measure(&mut bench, "end, fitted");
     let start = Instant::now();
     bench.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));

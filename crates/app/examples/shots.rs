@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand,
     WindowCommand,
@@ -38,7 +39,7 @@ fn main() {
         }
         save(&mut harness, &folder, name);
     };
-    let near = || Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
     shoot("finish", vec![]);
     shoot("tile", vec![Command::Time(TimeCommand::ShowStage(2))]);
     shoot("tile-zoom", vec![near()]);
@@ -62,15 +63,16 @@ fn main() {
     );
     shoot(
         "largest-hole",
-        vec![Command::View(ViewCommand::FlyToWitness(
-            Witness::LargestHole,
-        ))],
+        vec![Command::View(
+            Which::First,
+            ViewCommand::FlyToWitness(Witness::LargestHole),
+        )],
     );
     shoot(
         "pattern",
         vec![
             Command::Time(TimeCommand::ShowStage(0)),
-            Command::View(ViewCommand::Fit),
+            Command::View(Which::First, ViewCommand::Fit),
         ],
     );
     shoot(
@@ -111,7 +113,7 @@ fn main() {
 
 /// Too short a search, a large run and parameters that cannot be run.
 fn other_parameters(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
-    let near = Command::View(ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
     let gaps = vec![
         Command::Form(FormCommand::Choose(Choice::Search(Search::TwoRadii))),
         Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
@@ -122,7 +124,10 @@ fn other_parameters(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot("two-radii", gaps);
     shoot(
         "two-radii-witness",
-        vec![Command::View(ViewCommand::FlyToWitness(Witness::Verdict))],
+        vec![Command::View(
+            Which::First,
+            ViewCommand::FlyToWitness(Witness::Verdict),
+        )],
     );
     let large = vec![
         Command::Form(FormCommand::Choose(Choice::Search(Search::Complete))),
@@ -158,19 +163,25 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "age",
         vec![
             by_age,
-            Command::View(ViewCommand::Fit),
+            Command::View(Which::First, ViewCommand::Fit),
             Command::Window(WindowCommand::OpenPanel(Panel::Legend)),
         ],
     );
     shoot(
         "age-zoom",
-        vec![Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0))],
+        vec![Command::View(
+            Which::First,
+            ViewCommand::FlyTo([37.0, 45.0], 24.0),
+        )],
     );
     shoot(
         "age-zoom-light",
         vec![Command::Appearance(AppearanceCommand::Look(Look::Light))],
     );
-    shoot("age-light", vec![Command::View(ViewCommand::Fit)]);
+    shoot(
+        "age-light",
+        vec![Command::View(Which::First, ViewCommand::Fit)],
+    );
     shoot(
         "age-projector",
         vec![Command::Appearance(AppearanceCommand::Look(
@@ -199,7 +210,10 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot("tree-finish", vec![Command::Time(TimeCommand::LastStage)]);
     shoot(
         "tree-zoom",
-        vec![Command::View(ViewCommand::FlyTo([37.0, 45.0], 24.0))],
+        vec![Command::View(
+            Which::First,
+            ViewCommand::FlyTo([37.0, 45.0], 24.0),
+        )],
     );
     shoot(
         "tree-default",
@@ -209,7 +223,7 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "tree-blocks",
         vec![
             Command::Time(TimeCommand::ShowStage(1)),
-            Command::View(ViewCommand::Fit),
+            Command::View(Which::First, ViewCommand::Fit),
         ],
     );
     let back = vec![
@@ -243,7 +257,7 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
         for command in [
             Command::Appearance(AppearanceCommand::Look(look)),
             Command::Time(TimeCommand::ShowStage(stage)),
-            Command::View(ViewCommand::FlyTo(place, radii)),
+            Command::View(Which::First, ViewCommand::FlyTo(place, radii)),
         ] {
             state.apply(command);
         }
@@ -303,10 +317,10 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "moment-gap",
         vec![
             run_to(Target::Gap),
-            debug(DebugCommand::Pick(Selection::Sample(900))),
+            Command::View(Which::First, ViewCommand::Pick(Selection::Sample(900))),
             Command::Window(WindowCommand::OpenPanel(Panel::Inspector)),
             debug(DebugCommand::Query("insert iteration>1".to_owned())),
-            Command::View(ViewCommand::GoToCurrent),
+            Command::View(Which::First, ViewCommand::GoToCurrent),
         ],
     );
     shoot(
@@ -330,7 +344,7 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
             run_to(Target::SecondInsertion),
             debug(DebugCommand::Bookmark),
             Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
-            Command::View(ViewCommand::GoToCurrent),
+            Command::View(Which::First, ViewCommand::GoToCurrent),
         ],
     );
     shoot(

@@ -5,7 +5,8 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{AppearanceCommand, DebugCommand, WindowCommand};
+use tilescope_app::command::{AppearanceCommand, WindowCommand};
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
@@ -51,7 +52,10 @@ fn opened(size: [f32; 2], pixels_per_point: f32) -> Harness<'static, App> {
     harness.state_mut().state.settle();
     let state = &mut harness.state_mut().state;
     state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
-    state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(40))));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Sample(40)),
+    ));
     harness
 }
 

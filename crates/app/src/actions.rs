@@ -13,6 +13,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
+use crate::command::Which;
 use crate::command::{
     AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, WindowCommand,
 };
@@ -182,7 +183,7 @@ impl List {
         let projector = (state.appearance.look == Look::Projector)
             .then_some(Command::Appearance(AppearanceCommand::ToggleProjector));
         let ways = [
-            Command::Debug(DebugCommand::Pick(Selection::Nothing)),
+            Command::View(Which::First, ViewCommand::Pick(Selection::Nothing)),
             Command::Analysis(AnalysisCommand::Brush(None)),
             Command::Window(WindowCommand::Drawer(DrawerCommand::Show(None))),
         ];
@@ -225,7 +226,7 @@ fn edit(list: &mut List, state: &State) {
     );
     let nothing = (state.runs.first.selected.is_none() && state.runs.first.place.is_none())
         .then_some("Nothing is selected.");
-    let deselect = Command::Debug(DebugCommand::Pick(Selection::Nothing));
+    let deselect = Command::View(Which::First, ViewCommand::Pick(Selection::Nothing));
     add("Deselect", None, deselect, nothing);
     add(
         "All actions\u{2026}",
@@ -269,12 +270,12 @@ fn view(list: &mut List, state: &State) {
     add(
         "Show the whole domain".to_owned(),
         Some((NONE, Key::F)),
-        Command::View(ViewCommand::Fit),
+        Command::View(Which::First, ViewCommand::Fit),
     );
     add(
         "Go to where the last event happened".to_owned(),
         Some((NONE, Key::Period)),
-        Command::View(ViewCommand::GoToCurrent),
+        Command::View(Which::First, ViewCommand::GoToCurrent),
     );
     for look in [Look::Dark, Look::Light] {
         add(
@@ -346,20 +347,20 @@ fn camera(list: &mut List, state: &State) {
             Menu::View,
             name,
             keys,
-            Command::View(ViewCommand::Pan(delta)),
+            Command::View(Which::First, ViewCommand::Pan(delta)),
             no_session,
         );
     }
     let middle = state.runs.first.viewport.center();
     for (name, key, factor) in [("Zoom in", Key::Plus, 1.25), ("Zoom out", Key::Minus, 0.8)] {
-        let command = Command::View(ViewCommand::Zoom(middle, factor));
+        let command = Command::View(Which::First, ViewCommand::Zoom(middle, factor));
         list.add(Menu::View, name, Some((NONE, key)), command, no_session);
     }
     list.add(
         Menu::Edit,
         "Select what is in the middle of the view",
         Some((NONE, Key::M)),
-        Command::View(ViewCommand::SelectMiddle),
+        Command::View(Which::First, ViewCommand::SelectMiddle),
         no_session,
     );
 }
@@ -371,7 +372,8 @@ pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
         return [Some(NO_SESSION); 2];
     };
     let (at, last) = state
-        .pass_tick()
+        .time
+        .pass_tick(&state.runs.first)
         .or_else(|| state.cursor())
         .unwrap_or((state.runs.first.stage, session.stages.len() - 1));
     [

@@ -340,7 +340,10 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LAYOUT_KEY, &self.state.window.layout);
-        let look = (self.state.appearance.look, self.state.motion_chosen());
+        let look = (
+            self.state.appearance.look,
+            self.state.appearance.motion_chosen(),
+        );
         eframe::set_value(storage, LOOK_KEY, &look);
     }
 

@@ -86,8 +86,6 @@ pub enum DebugCommand {
     ToggleEvent(usize),
     /// Types what the event browser looks for.
     Query(String),
-    /// Selects something, and looks up its history.
-    Pick(Selection),
 }
 
 /// A change of what the next run is made from.
@@ -135,8 +133,6 @@ pub enum WindowCommand {
     ToggleFullScreen,
     /// Brings a panel into view.
     OpenPanel(Panel),
-    /// Brings what is known of the selection into view. It comes with the selection, so that undoing does not concern it.
-    Inspect,
     /// Does something with the one panel of a compact window.
     Drawer(DrawerCommand),
     /// Puts all panels where they were at first.
@@ -176,6 +172,19 @@ pub enum ViewCommand {
     GoToCurrent,
     /// Selects a sample and flies to it.
     GoToSample(u32),
+    /// Selects something, and looks up its history.
+    Pick(Selection),
+    /// Brings what is known of the selection into view.
+    Inspect,
+}
+
+/// One of the runs that are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// The run that the panels show; run A where there are two.
+    First,
+    /// The run beside it, run B.
+    Second,
 }
 
 /// What is done with links.
@@ -198,14 +207,14 @@ pub enum Command {
     Run,
     /// Glues the sets of a layout to one.
     Combine(CombineCommand),
-    /// Stops the sampling.
-    Cancel,
+    /// Stops the sampling of a run.
+    Cancel(Which),
     /// Moves in time.
     Time(TimeCommand),
     /// Does something with the debugger.
     Debug(DebugCommand),
     /// Changes the view of a run.
-    View(ViewCommand),
+    View(Which, ViewCommand),
     /// Changes how moments are drawn.
     Appearance(AppearanceCommand),
     /// Changes what stands where.
@@ -216,8 +225,6 @@ pub enum Command {
     Passes(PassCommand),
     /// Does something with the comparison of two runs.
     Compare(CompareCommand),
-    /// Carries out a command of the canvas on the second of two compared runs.
-    OnSecond(Box<Command>),
     /// Does something with what is measured.
     Analysis(AnalysisCommand),
     /// Does something with saved sessions and pattern files.
@@ -234,6 +241,22 @@ pub enum Command {
     DismissNotice,
 }
 
+impl ViewCommand {
+    /// Returns whether the command moves the camera.
+    #[must_use]
+    pub const fn moves_camera(&self) -> bool {
+        matches!(
+            self,
+            Self::Pan(_)
+                | Self::Zoom(..)
+                | Self::Fit
+                | Self::FlyTo(..)
+                | Self::FlyToBlock(_)
+                | Self::GoToSample(_)
+        )
+    }
+}
+
 impl Command {
     /// Returns whether a key may do this where the window is part of another page: nothing that opens what is not shown
     /// there.
@@ -246,13 +269,15 @@ impl Command {
             Self::File(_)
                 | Self::Export(_)
                 | Self::Combine(_)
-                | Self::Window(W::ToggleFinder | W::OpenPanel(_) | W::Inspect | W::ResetLayout)
+                | Self::Window(W::ToggleFinder | W::OpenPanel(_) | W::ResetLayout)
                 | Self::OpenPasses
                 | Self::Run
                 | Self::Undo
                 | Self::Redo
                 | Self::Compare(_)
-                | Self::OnSecond(_)
+                | Self::View(_, ViewCommand::Inspect)
+                | Self::View(Which::Second, _)
+                | Self::Cancel(Which::Second)
                 | Self::Appearance(A::Look(_) | A::ToggleProjector)
         )
     }

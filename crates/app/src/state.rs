@@ -4,18 +4,21 @@
 use tilescope_core::Stage;
 
 use crate::analysis::Analysis;
-use crate::command::{Command, GpuCommand, LinkCommand, WindowCommand};
+use crate::command::{Command, GpuCommand, LinkCommand, ViewCommand, Which};
 use crate::device::{Device, Engine};
 use crate::jobs::{Job, Wake};
+use crate::layout::Panel;
+use crate::moment::Shown;
+use crate::subject::Subject;
 use crate::verification::Verdict;
 pub use appearance::Appearance;
-pub use debug::{EventQuery, Found, MOST_FOUND};
+use effects::{Context, Effect};
 pub use form::Form;
-pub use hits::{Hits, MOST_HITS};
 pub use page::PageStart;
 use parts::JobContext;
-pub use parts::{FileState, GpuState, Links, Messages, Runs, Time};
-pub use run_view::RunView;
+pub use parts::{FileState, GpuState, Links, Messages, Runs};
+pub use run_view::{EventQuery, Found, Hits, MOST_FOUND, MOST_HITS, RunView};
+pub use time::Time;
 pub use window::WindowState;
 
 /// What the verifier has said so far.
@@ -116,22 +119,36 @@ impl State {
     /// Returns the stage shown.
     #[must_use]
     pub fn current_stage(&self) -> Option<Stage> {
-        self.runs
-            .first
-            .session
-            .as_ref()?
-            .stages
-            .get(self.runs.first.stage)
-            .copied()
+        self.runs.first.current_stage()
     }
 
     /// Returns the verdict, once there is one.
     #[must_use]
     pub fn verdict(&self) -> Option<&Verdict> {
-        match &self.runs.first.verification {
-            Verification::Done(verdict) => Some(verdict),
-            _ => None,
-        }
+        self.runs.first.verdict()
+    }
+
+    /// Returns the moment that is shown.
+    #[must_use]
+    pub fn shown(&self) -> Option<Shown<'_>> {
+        self.runs.first.shown()
+    }
+
+    /// Returns the cursor, and how many events there are; `None` for a session without events.
+    #[must_use]
+    pub fn cursor(&self) -> Option<(usize, usize)> {
+        self.runs.first.cursor()
+    }
+
+    /// Returns what the canvas shows.
+    #[must_use]
+    pub fn subject(&self) -> Option<Subject<'_>> {
+        let first = &self.runs.first;
+        Some(Subject {
+            causes: self.causes(),
+            buffers: self.buffers_on_canvas(),
+            ..first.subject(&self.appearance, self.contrast(false))?
+        })
     }
 
     /// Returns why the draft cannot be run now, or `None` if it can.
@@ -171,62 +188,143 @@ impl State {
             Command::Gpu(GpuCommand::NameAdapter(name)) => self.name_adapter(name),
             Command::Run => self.run(),
             Command::Combine(command) => self.combine(command),
-            Command::Cancel => {
-                if let Some(job) = &self.runs.first.sampling {
-                    job.cancel();
-                }
+            Command::Cancel(which) => {
+                self.on(which, |run, _| {
+                    if let Some(job) = &run.sampling {
+                        job.cancel();
+                    }
+                });
             }
             Command::DismissNotice => self.messages.notice = None,
             Command::Appearance(command) => {
-                if self.appearance.apply(command) {
-                    self.end_flight();
-                }
+                self.appearance.apply(command);
+                self.end_flights();
             }
-            Command::Window(WindowCommand::Inspect) => self.inspect(),
             Command::Window(command) => self.window.apply(command),
             Command::Undo | Command::Redo => {}
             Command::OpenPasses => self.open_passes(),
             Command::Passes(command) => self.apply_to_passes(command),
             Command::File(command) => self.apply_to_files(command),
             Command::Compare(command) => self.apply_to_comparison(command),
-            Command::OnSecond(command) => self.carry_out_on_second(*command),
             Command::Analysis(command) => self.apply_to_analysis(command),
             Command::Debug(command) => {
-                let before = self.runs.first.stage;
-                self.apply_to_debugger(command);
-                self.follow_cursor();
-                self.moved(before);
+                self.on(Which::First, |run, context| {
+                    run.apply_to_debugger(command, context);
+                });
             }
-            Command::Time(command) => self.apply_to_time(command),
-            Command::View(command) => self.apply_to_view(command),
+            Command::Time(command) => {
+                self.in_time(|time, run, context| time.apply(command, run, context));
+            }
+            Command::View(Which::First, command) => self.apply_to_view(command),
+            Command::View(Which::Second, command) => self.apply_to_second_view(command),
             Command::Export(command) => self.apply_to_export(command),
             Command::Link(LinkCommand::Copy) => self.copy_link(),
             Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
         }
     }
 
+    /// Takes up what the user chose of motion earlier.
+    pub fn choose_motion(&mut self, chosen: Option<bool>) {
+        self.appearance.choose_motion(chosen);
+        self.end_flights();
+    }
+
+    /// Takes up what the system prefers, which counts until the user chooses.
+    pub fn prefer_reduced_motion(&mut self, reduced: bool) {
+        self.appearance.prefer_reduced_motion(reduced);
+        self.end_flights();
+    }
+
+    /// Where motion is reduced the flights at work end where they lead.
+    fn end_flights(&mut self) {
+        if self.appearance.reduced_motion {
+            for which in [Which::First, Which::Second] {
+                self.on(which, |run, _| run.end_flight());
+            }
+        }
+    }
+
+    fn apply_to_view(&mut self, command: ViewCommand) {
+        self.on(Which::First, |run, context| {
+            run.apply_to_view(command, context);
+        });
+    }
+
+    /// Has a run do something, if it is there, and does what it asks of the other parts.
+    fn on<T>(
+        &mut self,
+        which: Which,
+        act: impl FnOnce(&mut RunView, &mut Context<'_>) -> T,
+    ) -> Option<T> {
+        let mut context = Context::new(&self.jobs.wake, &self.appearance);
+        let outcome = act(self.runs.get_mut(which)?, &mut context);
+        let effects = context.effects;
+        self.carry_out_effects(which, effects);
+        Some(outcome)
+    }
+
+    /// Has time do something with the run that it moves, and does what they ask of the other parts.
+    fn in_time<T>(
+        &mut self,
+        act: impl FnOnce(&mut Time, &mut RunView, &mut Context<'_>) -> T,
+    ) -> T {
+        let mut context = Context::new(&self.jobs.wake, &self.appearance);
+        let outcome = act(&mut self.time, &mut self.runs.first, &mut context);
+        let effects = context.effects;
+        self.carry_out_effects(Which::First, effects);
+        outcome
+    }
+
+    fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {
+        for effect in effects {
+            match effect {
+                Effect::Tell(Notice { text, is_error }) => self.tell_of(which, text, is_error),
+                Effect::Inspect => self.inspect(which),
+                Effect::Download(file) => self.files.downloads.push(file),
+            }
+        }
+    }
+
+    /// Brings what is known of the selection into view, if there is a selection and the window has panels.
+    fn inspect(&mut self, which: Which) {
+        let run = self.runs.get(which);
+        let is_selected = run.is_some_and(|run| run.selected.is_some() || run.place.is_some());
+        if is_selected && self.window.embedding.is_none() {
+            self.window.open_panel(Panel::Inspector);
+        }
+    }
+
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
         self.messages.notice = Some(Notice { text, is_error });
+    }
+
+    /// Tells something that concerns one of the runs.
+    pub(super) fn tell_of(&mut self, which: Which, text: String, is_error: bool) {
+        self.tell(
+            match which {
+                Which::First => text,
+                Which::Second => format!("Run B: {text}"),
+            },
+            is_error,
+        );
     }
 }
 
 mod analysis;
 mod announce;
 mod appearance;
-mod camera;
 mod combine;
 mod compare;
-pub(crate) mod debug;
+mod effects;
 mod engine;
 pub(crate) mod export;
 mod files;
 mod form;
-pub(crate) mod hits;
 mod link;
 mod page;
 mod parts;
 mod remote;
-mod run_view;
+pub(crate) mod run_view;
 #[cfg(test)]
 mod tests;
 mod time;

@@ -451,7 +451,7 @@ pub fn primary_button(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::{Command, TimeCommand, ViewCommand, WindowCommand};
+    use crate::command::{Command, TimeCommand, ViewCommand, Which, WindowCommand};
     use crate::layout::Panel;
     use tilescope_core::Stage;
 
@@ -464,8 +464,8 @@ mod tests {
         assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
         assert_eq!(Kebab("A").to_string(), "a");
         // Signs are told apart.
-        let left = Command::View(ViewCommand::Pan(vec2(-80.0, 0.0)));
-        assert_eq!(Kebab(&left).to_string(), "view-pan-minus-80-0-0-0");
+        let left = Command::View(Which::First, ViewCommand::Pan(vec2(-80.0, 0.0)));
+        assert_eq!(Kebab(&left).to_string(), "view-first-pan-minus-80-0-0-0");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::{Action, List, Menu};
 use crate::command::Command;
+use crate::command::Which;
 use crate::compare::{CompareCommand, Rival};
 use crate::state::State;
 
@@ -60,7 +61,7 @@ pub(super) fn compare(list: &mut List, state: &State) {
     );
     let at_work = second.is_some_and(|(side, _)| side.sampling.is_some());
     let idle = (!at_work).then(|| "B is not being sampled.".to_owned());
-    let cancel = Command::OnSecond(Box::new(Command::Cancel));
+    let cancel = Command::Cancel(Which::Second);
     add("Cancel B".to_owned(), None, cancel, idle);
     add(
         "Close B".to_owned(),

@@ -4,6 +4,7 @@ use egui::Key;
 
 use super::{COMMAND, List, Menu, SHIFT};
 use crate::combination::CombineCommand;
+use crate::command::Which;
 use crate::command::{Command, LinkCommand};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{FileCommand, Purpose};
@@ -28,7 +29,13 @@ pub(super) fn add(list: &mut List, state: &State) {
         .sampling
         .is_none()
         .then_some("Nothing is being sampled.");
-    add(list, "Cancel the run", None, Command::Cancel, idle);
+    add(
+        list,
+        "Cancel the run",
+        None,
+        Command::Cancel(Which::First),
+        idle,
+    );
     sessions(list, state);
     for (name, keys, kind) in [
         (

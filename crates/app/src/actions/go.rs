@@ -51,7 +51,7 @@ pub(super) fn add(list: &mut List, state: &State) {
     }
     for clock in Clock::ALL {
         let command = Command::Time(TimeCommand::Clock(clock));
-        let refusal = state.clock_refusal(clock);
+        let refusal = state.runs.first.clock_refusal(clock);
         list.add(
             Menu::Go,
             format!("Clock: {}", clock.name()),

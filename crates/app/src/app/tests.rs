@@ -6,6 +6,7 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
 
 use super::*;
 use crate::clock::Clock;
+use crate::command::Which;
 use crate::command::{AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, WindowCommand};
 use crate::embedding::Embedding;
 use crate::sentence::happened;
@@ -324,7 +325,7 @@ fn sentences_are_whole() {
 fn the_default_session_has_its_gaps_where_it_fits() {
     for size in [[1280.0, 720.0], [1024.0, 768.0], [1440.0, 900.0]] {
         let mut window = Window::opened(size);
-        window.apply(Command::View(ViewCommand::Fit));
+        window.apply(Command::View(Which::First, ViewCommand::Fit));
         while window.app.state.advance(0.1) {}
         let scale = window.app.state.runs.first.camera.scale;
         assert!(scale >= crate::canvas::MIN_DISK_SCALE, "{size:?}: {scale}");

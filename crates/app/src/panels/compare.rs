@@ -4,6 +4,7 @@ use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
 
 use crate::command::Command;
+use crate::command::Which;
 use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
 use crate::state::{RunView, State};
 use crate::theme::Palette;
@@ -71,7 +72,7 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
         if side.sampling.is_some() {
             let cancel = ui.button("Cancel B");
             if cancel.known_as("compare.cancel").clicked() {
-                commands.push(Command::OnSecond(Box::new(Command::Cancel)));
+                commands.push(Command::Cancel(Which::Second));
             }
         }
     });

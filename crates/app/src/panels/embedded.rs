@@ -6,6 +6,7 @@ use egui::{Color32, Rect, Ui, Vec2, vec2};
 use super::compact::part;
 use super::notice;
 use super::timeline::{PLAYER_MARGIN, Player};
+use crate::command::Which;
 use crate::command::{Command, ViewCommand};
 use crate::embedding::Embedding;
 use crate::panes::Canvas;
@@ -41,7 +42,7 @@ pub fn show(
             canvas.show(ui, state, commands);
         },
     );
-    if state.runs.first.session.is_some() && !state.is_fitted() {
+    if state.runs.first.session.is_some() && !state.runs.first.is_fitted() {
         whole_domain(ui, above, palette, commands);
     }
     if let Some(player) = player {
@@ -76,7 +77,7 @@ fn whole_domain(ui: &mut Ui, canvas: Rect, palette: &Palette, commands: &mut Vec
         let fill = egui::Shape::rect_filled(response.rect, 7.0, color);
         ui.painter().set(ground, fill);
         if response.clicked() {
-            commands.push(Command::View(ViewCommand::Fit));
+            commands.push(Command::View(Which::First, ViewCommand::Fit));
         }
     });
 }

@@ -7,6 +7,7 @@ use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
 
 use super::divide;
+use crate::command::Which;
 use crate::command::{Command, TimeCommand, ViewCommand};
 use crate::moment::Shown;
 use crate::state::State;
@@ -252,7 +253,7 @@ fn links(ui: &mut Ui, ids: &[u32], commands: &mut Vec<Command>) {
     for &id in ids.iter().rev() {
         let link = ui.link(RichText::new(grouped(id as usize)).monospace());
         if link.on_hover_text("Select it and fly there").clicked() {
-            commands.push(Command::View(ViewCommand::GoToSample(id)));
+            commands.push(Command::View(Which::First, ViewCommand::GoToSample(id)));
         }
     }
 }

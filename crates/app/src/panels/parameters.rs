@@ -4,6 +4,7 @@ use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
 
 use super::engine;
+use crate::command::Which;
 use crate::command::{Command, FormCommand};
 use crate::draft::{Choice, Field, Refusal};
 use crate::files::FileCommand;
@@ -432,7 +433,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             Some(_) => {
                 let cancel = ui.link(RichText::new("Cancel").small());
                 if cancel.known_as("cancel").clicked() {
-                    commands.push(Command::Cancel);
+                    commands.push(Command::Cancel(Which::First));
                 }
             }
             None => {

@@ -399,7 +399,7 @@ fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
         .selected_text(playback.clock.name());
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
-            let refusal = state.clock_refusal(clock);
+            let refusal = state.runs.first.clock_refusal(clock);
             let button = Button::selectable(playback.clock == clock, clock.name());
             let response = ui.add_enabled(refusal.is_none(), button);
             response.known_as(format_args!("clock.{}", Kebab(clock)));

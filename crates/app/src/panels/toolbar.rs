@@ -4,6 +4,7 @@ use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, U
 
 use super::verification;
 use crate::actions::{Action, Menu, actions};
+use crate::command::Which;
 use crate::command::{AppearanceCommand, Command, ViewCommand};
 use crate::export::{ExportCommand, Kind};
 use crate::state::State;
@@ -52,7 +53,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             theme_button(ui, state, commands);
             let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
             if fit.known_as("fit").clicked() {
-                commands.push(Command::View(ViewCommand::Fit));
+                commands.push(Command::View(Which::First, ViewCommand::Fit));
             }
             let export = ui.add_enabled(
                 state.runs.first.session.is_some(),
@@ -94,7 +95,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let fit = icon_button(ui, Icon::Fit, "Show the whole domain (F)", None, palette);
             if fit.known_as("fit").clicked() {
-                commands.push(Command::View(ViewCommand::Fit));
+                commands.push(Command::View(Which::First, ViewCommand::Fit));
             }
             verification::chip(ui, state, commands);
         });

@@ -5,6 +5,7 @@ use egui::{
 };
 
 use super::divide;
+use crate::command::Which;
 use crate::command::{Command, ViewCommand};
 use crate::state::{State, Verification};
 use crate::theme::{Palette, semibold};
@@ -38,7 +39,10 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let tip = explanation(state);
     let response = response.on_hover_text(tip);
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
-        commands.push(Command::View(ViewCommand::FlyToWitness(Witness::Verdict)));
+        commands.push(Command::View(
+            Which::First,
+            ViewCommand::FlyToWitness(Witness::Verdict),
+        ));
     }
 }
 
@@ -50,7 +54,7 @@ fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) 
         Verification::Done(verdict) => {
             let report = &verdict.report;
             let text = match (report.conflict_free(), report.maximal()) {
-                (true, true) if state.is_at_end() => "verified".to_owned(),
+                (true, true) if state.runs.first.is_at_end() => "verified".to_owned(),
                 // What is on the canvas is not the result yet.
                 (true, true) => "result verified".to_owned(),
                 (true, false) => "not maximal".to_owned(),
@@ -144,7 +148,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             button.known_as(Kebab(witness));
             let button = button.on_disabled_hover_text("The verifier has not named one.");
             if button.on_hover_text("Fly there").clicked() {
-                commands.push(Command::View(ViewCommand::FlyToWitness(witness)));
+                commands.push(Command::View(
+                    Which::First,
+                    ViewCommand::FlyToWitness(witness),
+                ));
             }
         }
     });

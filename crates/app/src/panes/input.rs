@@ -10,7 +10,7 @@ use tilescope_core::Standing;
 
 use crate::canvas::hint::{self, Hint};
 use crate::canvas::touch::{Hand, Touch};
-use crate::command::{Command, DebugCommand, ViewCommand, WindowCommand};
+use crate::command::ViewCommand;
 use crate::selection::Selection;
 use crate::state::State;
 use crate::subject::Subject;
@@ -28,7 +28,7 @@ pub fn handle(
     response: &Response,
     subject: &Subject<'_>,
     state: &State,
-    commands: &mut Vec<Command>,
+    commands: &mut Vec<ViewCommand>,
 ) -> Option<Pos2> {
     let touch = Touch::follow(ui, response);
     if touch.hand == Hand::Cancelled {
@@ -46,7 +46,7 @@ pub fn handle(
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
     if flies && let Some(pos) = response.interact_pointer_pos() {
         let place = subject.camera.domain_from_screen(response.rect, pos);
-        commands.push(Command::View(ViewCommand::FlyToBlock(place)));
+        commands.push(ViewCommand::FlyToBlock(place));
     }
     inspect_later(ui, response, is_picked, flies, state, commands);
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
@@ -60,7 +60,7 @@ fn inspect_later(
     is_picked: bool,
     flies: bool,
     state: &State,
-    commands: &mut Vec<Command>,
+    commands: &mut Vec<ViewCommand>,
 ) {
     let id = Id::unique("picked at").with(response.id);
     let now = ui.input(|input| input.time);
@@ -86,7 +86,7 @@ fn inspect_later(
     }
     ui.data_mut(|data| data.remove::<f64>(id));
     if !flies {
-        commands.push(Command::Window(WindowCommand::Inspect));
+        commands.push(ViewCommand::Inspect);
     }
 }
 
@@ -96,7 +96,7 @@ fn move_view(
     response: &Response,
     touch: &Touch,
     is_embedded: bool,
-    commands: &mut Vec<Command>,
+    commands: &mut Vec<ViewCommand>,
 ) {
     let is_dragged =
         response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
@@ -111,7 +111,7 @@ fn move_view(
         None => Vec2::ZERO,
     };
     if moved != Vec2::ZERO {
-        commands.push(Command::View(ViewCommand::Pan(moved)));
+        commands.push(ViewCommand::Pan(moved));
     }
     let (at, factor) = if let Some(pinch) = touch.pinch {
         (pinch.middle, f64::from(pinch.factor))
@@ -132,7 +132,7 @@ fn move_view(
         return;
     };
     if (factor - 1.0).abs() > 1e-6 {
-        commands.push(Command::View(ViewCommand::Zoom(at, factor)));
+        commands.push(ViewCommand::Zoom(at, factor));
     }
 }
 
@@ -151,7 +151,7 @@ fn pick(
     response: &Response,
     subject: &Subject<'_>,
     touch: &Touch,
-    commands: &mut Vec<Command>,
+    commands: &mut Vec<ViewCommand>,
 ) -> bool {
     let reach = match touch.hand {
         Hand::Mouse => PICK_POINTS,
@@ -161,7 +161,7 @@ fn pick(
     let pointer = response.hover_pos().filter(|_| touch.hand == Hand::Mouse);
     let hovered = pointer.and_then(|pos| nearest(response, subject, pos, reach));
     if hovered != subject.hovered {
-        commands.push(Command::View(ViewCommand::Hover(hovered)));
+        commands.push(ViewCommand::Hover(hovered));
     }
     if touch.hand == Hand::Gesture {
         return false;
@@ -176,7 +176,7 @@ fn pick(
         sample.unwrap_or_else(|| place(response, subject, pos))
     });
     let selection = selection.unwrap_or(Selection::Nothing);
-    commands.push(Command::Debug(DebugCommand::Pick(selection)));
+    commands.push(ViewCommand::Pick(selection));
     true
 }
 
@@ -219,7 +219,7 @@ pub fn has_focus(ctx: &Context) -> bool {
 }
 
 /// Whoever came to the canvas by Tab moves it by arrows and selects its middle by Enter; plus and minus zoom everywhere.
-fn keys(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
+fn keys(ui: &Ui, response: &Response, commands: &mut Vec<ViewCommand>) {
     if !response.has_focus() {
         return;
     }
@@ -239,10 +239,10 @@ fn keys(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
     ui.input_mut(|input| {
         for (key, delta) in moves {
             let count = input.count_and_consume_key(egui::Modifiers::NONE, key);
-            commands.extend((0..count).map(|_| Command::View(ViewCommand::Pan(delta))));
+            commands.extend((0..count).map(|_| ViewCommand::Pan(delta)));
         }
         if input.consume_key(egui::Modifiers::NONE, Key::Enter) {
-            commands.push(Command::View(ViewCommand::SelectMiddle));
+            commands.push(ViewCommand::SelectMiddle);
         }
     });
 }

@@ -10,6 +10,7 @@ use egui::{Rect, Sense, Ui, vec2};
 use crate::canvas::pane::Pane;
 use crate::canvas::sprites::Sprites;
 use crate::canvas::{buffers, hint, hover, overlay};
+use crate::command::Which;
 use crate::command::{Command, ViewCommand};
 use crate::state::State;
 use crate::subject::Subject;
@@ -44,10 +45,9 @@ impl Canvas {
         let subject = state.subject();
         let Some((second, comparison)) = &state.runs.second else {
             let side = Side {
+                which: Which::First,
                 rect,
                 name: "Canvas of samples",
-                viewport: state.runs.first.viewport,
-                waiting: state.runs.first.sampling.is_some(),
                 subject,
             };
             side.show(ui, state, &mut self.first, &mut self.marks, commands)
@@ -59,9 +59,8 @@ impl Canvas {
         let [left, right] = titles::halves(rect);
         let left = Side {
             rect: titles::heading(ui, left, state, &titles::first_title(state)),
+            which: Which::First,
             name: "Canvas of run A",
-            viewport: state.runs.first.viewport,
-            waiting: state.runs.first.sampling.is_some(),
             subject,
         };
         left.show(ui, state, &mut self.first, &mut self.marks, commands)
@@ -72,19 +71,13 @@ impl Canvas {
         let subject = state.second_subject();
         let right = Side {
             rect: titles::heading(ui, right, state, &titles::second_title(state, second)),
+            which: Which::Second,
             name: "Canvas of run B",
-            viewport: second.viewport,
-            waiting: second.sampling.is_some(),
             subject,
         };
-        let mut own = Vec::new();
         right
-            .show(ui, state, &mut self.second, &mut self.marks, &mut own)
+            .show(ui, state, &mut self.second, &mut self.marks, commands)
             .known_as("canvas-b");
-        commands.extend(
-            own.into_iter()
-                .map(|command| Command::OnSecond(Box::new(command))),
-        );
         titles::echo(
             ui,
             [left.rect, right.rect],
@@ -97,12 +90,9 @@ impl Canvas {
 
 /// One of the pictures, and where it goes.
 struct Side<'a> {
+    which: Which,
     rect: Rect,
     name: &'a str,
-    /// Where it was in the frame before.
-    viewport: Rect,
-    /// Whether a run is at work for it.
-    waiting: bool,
     subject: Option<Subject<'a>>,
 }
 
@@ -118,17 +108,22 @@ impl Side<'_> {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
-        if rect != self.viewport {
-            commands.push(Command::View(ViewCommand::Viewport(rect)));
+        let run = state.runs.get(self.which);
+        if run.is_some_and(|run| run.viewport != rect) {
+            commands.push(Command::View(self.which, ViewCommand::Viewport(rect)));
         }
         let palette = Palette::of(state.appearance.look);
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, palette.outside);
         let Some(subject) = &self.subject else {
-            overlay::waiting(&painter, rect, self.waiting, palette);
+            let waits = run.is_some_and(|run| run.sampling.is_some());
+            overlay::waiting(&painter, rect, waits, palette);
             return response;
         };
-        let pointer = input::handle(ui, &response, subject, state, commands);
+        let mut moves = Vec::new();
+        let pointer = input::handle(ui, &response, subject, state, &mut moves);
+        let moves = moves.into_iter();
+        commands.extend(moves.map(|command| Command::View(self.which, command)));
         let note = pane.paint(ui, rect, subject, palette);
         let note = buffers::show(ui, rect, subject, palette, marks, note);
         overlay::scale_bar(&painter, rect, subject, palette);

@@ -17,7 +17,7 @@ pub struct Appearance {
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
     /// What the user chose of that; the system's wish counts otherwise.
-    pub(super) motion_chosen: Option<bool>,
+    motion_chosen: Option<bool>,
 }
 
 impl Default for Appearance {
@@ -34,8 +34,7 @@ impl Default for Appearance {
 }
 
 impl Appearance {
-    /// Returns whether the camera may no longer fly, so that a flight at work must end.
-    pub(super) fn apply(&mut self, command: AppearanceCommand) -> bool {
+    pub(super) fn apply(&mut self, command: AppearanceCommand) {
         match command {
             AppearanceCommand::ToggleLayer(layer) => self.layers.toggle(layer),
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
@@ -48,10 +47,25 @@ impl Appearance {
             AppearanceCommand::ToggleReducedMotion => {
                 self.reduced_motion = !self.reduced_motion;
                 self.motion_chosen = Some(self.reduced_motion);
-                return self.reduced_motion;
             }
         }
-        false
+    }
+
+    /// Returns what the user chose of motion, if anything.
+    #[must_use]
+    pub const fn motion_chosen(&self) -> Option<bool> {
+        self.motion_chosen
+    }
+
+    /// Takes up what the user chose earlier.
+    pub(super) fn choose_motion(&mut self, chosen: Option<bool>) {
+        self.motion_chosen = chosen.or(self.motion_chosen);
+        self.reduced_motion = chosen.unwrap_or(self.reduced_motion);
+    }
+
+    /// Takes up what the system prefers, which counts until the user chooses.
+    pub(super) fn prefer_reduced_motion(&mut self, reduced: bool) {
+        self.reduced_motion = self.motion_chosen.unwrap_or(reduced);
     }
 
     /// Chooses a look. The projector mode is left for the one before it.
@@ -83,10 +97,13 @@ mod tests {
     }
 
     #[test]
-    fn a_flight_ends_where_motion_is_no_longer_wanted() {
+    fn what_the_user_chose_counts_more_than_what_the_system_prefers() {
         let mut appearance = Appearance::default();
-        assert!(appearance.apply(AppearanceCommand::ToggleReducedMotion));
-        assert!(!appearance.apply(AppearanceCommand::ToggleReducedMotion));
-        assert_eq!(appearance.motion_chosen, Some(false));
+        appearance.prefer_reduced_motion(true);
+        assert!(appearance.reduced_motion && appearance.motion_chosen().is_none());
+        appearance.apply(AppearanceCommand::ToggleReducedMotion);
+        appearance.prefer_reduced_motion(true);
+        assert!(!appearance.reduced_motion);
+        assert_eq!(appearance.motion_chosen(), Some(false));
     }
 }

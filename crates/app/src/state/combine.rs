@@ -6,6 +6,7 @@ use super::State;
 use super::undo::Part;
 use crate::combination::{CombineCommand, NINE};
 use crate::combining::Combining;
+use crate::command::Which;
 use crate::errand;
 use crate::layers::Layer;
 use crate::session::Session;
@@ -41,8 +42,8 @@ impl State {
     }
 
     /// Shows a new combination, its seams among the layers.
-    pub(super) fn show_combination(&mut self, session: Session) {
-        self.show(session);
+    pub(super) fn show_combination(&mut self, which: Which, session: Session) {
+        self.show_in(which, session);
         if !self.appearance.layers.has(Layer::Seams) {
             self.appearance.layers.toggle(Layer::Seams);
         }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
 
-use super::{Notice, RunView, State};
-use crate::command::{Command, ViewCommand};
+use super::{RunView, State};
+use crate::command::{ViewCommand, Which};
 use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
@@ -116,7 +116,7 @@ impl State {
     pub(super) fn compare_with(&mut self, recipe: Recipe, engine: Engine) {
         let (side, _) = self.runs.second.get_or_insert_default();
         side.asked = recipe.own.is_none().then_some(recipe.parameters);
-        self.with_second(|state| state.start_sampling(recipe, engine));
+        self.start_sampling(Which::Second, recipe, engine);
     }
 
     /// Makes the run at hand the second one, too, at the same moment.
@@ -141,7 +141,7 @@ impl State {
         (side.fitted, side.before_pattern) =
             (self.runs.first.fitted, self.runs.first.before_pattern);
         side.session = Some(session);
-        self.with_second(Self::verify);
+        self.on(Which::Second, |run, context| run.verify(context));
     }
 
     /// The form shows the parameters of the run at hand.
@@ -149,11 +149,11 @@ impl State {
         if let Some((mut side, comparison)) = self.runs.second.take() {
             let viewports = (self.runs.first.viewport, side.viewport);
             // What stops, is watched and marked is the user's, whichever run it is applied to.
-            let stops = self.take_stops();
+            let stops = self.runs.first.take_stops();
             std::mem::swap(&mut self.runs.first, &mut side);
             (self.runs.first.viewport, side.viewport) = viewports;
             self.time.playback.range = None;
-            self.put_stops(stops);
+            self.on(Which::First, |run, context| run.put_stops(stops, context));
             self.runs.second = Some((side, comparison));
         }
         let runs = self
@@ -169,33 +169,13 @@ impl State {
         }
     }
 
-    /// Has the second run stand in for the one at hand while `act` does something.
-    pub(super) fn with_second<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> Option<T> {
-        let (mut side, comparison) = self.runs.second.take()?;
-        let playback = self.time.playback.clone();
-        let notice = self.messages.notice.take();
-        // A link is for the run at hand.
-        let arriving = self.links.arriving.take();
-        std::mem::swap(&mut self.runs.first, &mut side);
-        let result = act(self);
-        std::mem::swap(&mut self.runs.first, &mut side);
-        self.messages.notice = match self.messages.notice.take() {
-            Some(own) => Some(Notice {
-                text: format!("Run B: {}", own.text),
-                ..own
-            }),
-            None => notice,
-        };
-        (self.time.playback, self.links.arriving) = (playback, arriving);
-        self.runs.second = Some((side, comparison));
-        Some(result)
-    }
-
     /// What is done to the view or the moment of the second run is done to the first, too, where the two are linked.
-    pub(super) fn carry_out_on_second(&mut self, command: Command) {
-        let moves = moves_camera(&command);
+    pub(super) fn apply_to_second_view(&mut self, command: ViewCommand) {
         let before = self.second_at();
-        self.with_second(|state| state.carry_out(command));
+        let moves = command.moves_camera();
+        self.on(Which::Second, |run, context| {
+            run.apply_to_view(command, context);
+        });
         let after = self.second_at();
         let Some((side, comparison)) = &mut self.runs.second else {
             return;
@@ -223,7 +203,7 @@ impl State {
         let common = common(first, second, comparison.divergence(first, second));
         let common = common.map(|[a, b]| [b, a]);
         let to = corresponding(second, at, first, common);
-        self.go_to(to);
+        self.runs.first.go_to(to);
     }
 
     /// Has the second run follow the first where the two are linked.
@@ -247,25 +227,20 @@ impl State {
         let common = common(first, second, comparison.divergence(first, second));
         let to = corresponding(first, at, second, common);
         if self.second_at() != Some(to) {
-            self.with_second(|state| state.go_to(to));
+            self.on(Which::Second, |run, _| run.go_to(to));
         }
-    }
-
-    fn go_to(&mut self, at: At) {
-        match at.cursor {
-            Some(cursor) if self.runs.first.debugger.is_some() => self.jump(cursor),
-            _ => self.set_stage(at.stage),
-        }
-        self.forget_unseen();
     }
 
     /// Goes on with the second run by `dt_secs`; returns whether something moves there.
     pub(super) fn advance_second(&mut self, dt_secs: f32) -> bool {
-        let flies = self.with_second(|state| {
-            state.poll_run();
-            state.fly_on(dt_secs);
-            state.want_geometry();
-            state.runs.first.flight.is_some()
+        self.poll_run(Which::Second);
+        let with_geometry = self.appearance.layers.wants_geometry();
+        let flies = self.on(Which::Second, |run, context| {
+            run.fly_on(dt_secs);
+            if with_geometry {
+                run.want_geometry(context);
+            }
+            run.flight.is_some()
         });
         self.follow_first();
         self.compare();
@@ -290,7 +265,7 @@ impl State {
     /// Waits for all work on the second run.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn settle_second(&mut self) {
-        self.with_second(Self::settle_run);
+        self.settle_run(Which::Second);
         self.compare();
         if let Some((_, comparison)) = &mut self.runs.second {
             comparison.settle();
@@ -315,15 +290,15 @@ impl State {
             Some(&Divergence::Ends { event, .. }) => [event, event],
             Some(&Divergence::Stage { stage, .. }) => {
                 let place = first.stages.iter().position(|&other| other == stage);
-                self.show_stage(place.unwrap_or(usize::MAX));
+                self.runs.first.show_stage(place.unwrap_or(usize::MAX));
                 return;
             }
             _ => return,
         };
         // The event itself shows where: the moment behind it.
-        self.jump(cursors[0] + 1);
+        self.runs.first.jump(cursors[0] + 1);
         self.apply_to_view(ViewCommand::GoToCurrent);
-        self.with_second(|state| state.jump(cursors[1] + 1));
+        self.on(Which::Second, |run, _| run.jump(cursors[1] + 1));
     }
 
     /// Returns what only one of two compared runs has, seen from the second one or the first.
@@ -354,18 +329,4 @@ impl State {
         let (side, _) = self.runs.second.as_ref()?;
         side.subject(&self.appearance, self.contrast(true))
     }
-}
-
-const fn moves_camera(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::View(
-            ViewCommand::Pan(_)
-                | ViewCommand::Zoom(..)
-                | ViewCommand::Fit
-                | ViewCommand::FlyTo(..)
-                | ViewCommand::FlyToBlock(_)
-                | ViewCommand::GoToSample(_)
-        )
-    )
 }

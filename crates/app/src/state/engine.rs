@@ -5,12 +5,10 @@ use std::sync::Arc;
 use tilescope_core::{Parameters, Variant};
 use tilescope_gpu::{Choice, Gpu, GpuError};
 
-use super::State;
+use super::{State, Which};
 use crate::clock::Clock;
-use crate::command::{Command, WindowCommand};
 use crate::device::{Device, Engine, Tried, open_and_test};
 use crate::errand;
-use crate::incoming::NamedBytes;
 use crate::jobs::Job;
 use crate::layout::Panel;
 use crate::limits::MOST_PASSES_ON_A_PAGE;
@@ -81,7 +79,7 @@ impl State {
     }
 
     /// Starts a run of `recipe` by `engine`.
-    pub(super) fn start_sampling(&mut self, recipe: Recipe, engine: Engine) {
+    pub(super) fn start_sampling(&mut self, which: Which, recipe: Recipe, engine: Engine) {
         self.jobs.generation += 1;
         let generation = self.jobs.generation;
         let job = match self.device_for_run(&recipe.parameters, engine) {
@@ -90,7 +88,7 @@ impl State {
             }),
             None => errand::start(&self.jobs.wake, Sampling { recipe, generation }),
         };
-        self.runs.first.sampling = Some(job);
+        self.on(which, |run, _| run.sampling = Some(job));
     }
 
     /// Returns whether a device that is ready samples where `engine` is chosen.
@@ -146,22 +144,22 @@ impl State {
     }
 
     /// Shows a session and says if the CPU had to stand in for the GPU.
-    pub(super) fn show_made(&mut self, mut session: Session) {
+    pub(super) fn show_made(&mut self, which: Which, mut session: Session) {
         let failure = session.failure.take();
         let is_run = session.combination.is_none();
         let differs = is_run && session.has_stages() && session.recording().is_none();
         let engine = session.engine.clone();
         if is_run {
-            self.show(session);
+            self.show_in(which, session);
         } else {
-            self.show_combination(session);
+            self.show_combination(which, session);
         }
         if differs {
             let text = format!(
                 "The run of {engine} differs from the CPU's run with the same parameters. It is shown as it is, without events. \
                  The passes of the GPU show where the two part."
             );
-            self.tell(text, true);
+            self.tell_of(which, text, true);
         }
         if let Some(Failure { name, error }) = failure {
             self.gpu.device.failed(&error);
@@ -173,7 +171,7 @@ impl State {
             let text = format!(
                 "{name} failed. {why} The CPU engine made this session instead; the points are the same."
             );
-            self.tell(text, true);
+            self.tell_of(which, text, true);
         }
     }
 
@@ -239,88 +237,36 @@ impl State {
         }
     }
 
-    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
-    /// is chosen or one behind which that stage is the last whole one.
-    pub(super) fn lead_passes(&mut self) {
-        let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.runs.first.passes)
-        else {
-            return;
-        };
-        let is_there = passes.position().is_some_and(|(other, _)| other == stage);
-        if !is_there && passes.whole_stage() != Some(stage) {
-            passes.select_stage(stage);
-        }
-    }
-
     /// Returns what the canvas shows of the GPU's buffers: something only while the panel of passes can be seen, time
     /// runs by passes, or the timeline stands where it stood when the passes were dealt with last.
     #[must_use]
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.runs.first.passes.as_ref()?;
         let is_seen = self.window.shows(Panel::Passes) && self.appearance.look != Look::Projector;
-        let is_then = passes.moment() == Some(self.moment());
+        let is_then = passes.moment() == Some(self.runs.first.moment());
         let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;
         passes.on_canvas().filter(|_| is_meant)
     }
 
-    fn moment(&self) -> (usize, Option<usize>) {
-        (
-            self.runs.first.stage,
-            self.cursor().map(|(cursor, _)| cursor),
-        )
+    pub(super) fn apply_to_passes(&mut self, command: PassCommand) {
+        let shows_canvas = command == PassCommand::ShowCanvas;
+        self.on(Which::First, |run, context| {
+            run.apply_to_passes(command, context);
+        });
+        if shows_canvas && self.runs.first.passes.is_some() {
+            self.show_buffers();
+        }
     }
 
     /// Brings the canvas into view; time runs by passes from now on. A selected row of theirs is flown to.
     fn show_buffers(&mut self) {
         self.time.playback.choose(Clock::Pass);
-        self.apply(Command::Window(WindowCommand::OpenPanel(Panel::Canvas)));
-        let place = self
-            .runs
-            .first
-            .passes
-            .as_ref()
-            .and_then(Passes::picked_place);
-        if let Some(place) = place {
-            self.fly_to(place, 12.0);
-        }
-    }
-
-    /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
-    /// the chosen pass.
-    pub(super) fn apply_to_passes(&mut self, command: PassCommand) {
-        let Some(passes) = &mut self.runs.first.passes else {
-            return;
-        };
-        let shows_canvas = command == PassCommand::ShowCanvas;
-        let before = passes.selected();
-        passes.apply(command);
-        if let Some((name, bytes)) = passes.take_download() {
-            self.files.downloads.push(NamedBytes { name, bytes });
-        }
-        if before != passes.selected()
-            && let Some(stage) = passes.whole_stage()
-        {
-            // The last iteration is no stage of a session without events.
-            let stages = self
-                .runs
-                .first
-                .session
-                .iter()
-                .flat_map(|session| &session.stages);
-            let place = stages
-                .take_while(|&&other| other <= stage)
-                .count()
-                .checked_sub(1);
+        self.window.open_panel(Panel::Canvas);
+        self.on(Which::First, |run, context| {
+            let place = run.passes.as_ref().and_then(Passes::picked_place);
             if let Some(place) = place {
-                self.show_stage(place);
+                run.fly_to(place, 12.0, context);
             }
-        }
-        let moment = self.moment();
-        if let Some(passes) = &mut self.runs.first.passes {
-            passes.note_moment(moment);
-        }
-        if shows_canvas {
-            self.show_buffers();
-        }
+        });
     }
 }

@@ -4,7 +4,7 @@ use tilescope_debugger::{Bookmark, Stops};
 
 use super::State;
 use super::undo::Part;
-use crate::command::DebugCommand;
+use crate::command::Which;
 use crate::draft::Draft;
 use crate::link::{self, Content, Link, Moment, Said, slug};
 use crate::recipe::Recipe;
@@ -180,9 +180,11 @@ impl State {
             return;
         }
         self.tell_of_link(&said);
-        match content.combination.clone() {
-            Some(layout) => self.start_combining(layout),
-            None => self.start_sampling(Recipe::from(content.parameters), self.form.engine),
+        if let Some(layout) = content.combination.clone() {
+            self.start_combining(layout);
+        } else {
+            let recipe = Recipe::from(content.parameters);
+            self.start_sampling(Which::First, recipe, self.form.engine);
         }
         self.links.arriving = Some(Box::new(Arriving { content, said }));
     }
@@ -230,7 +232,9 @@ impl State {
     fn take_up_link(&mut self, content: &Content, said: &mut Said) {
         self.time.playback.stop();
         self.time.playback.range = None;
-        self.apply_to_debugger(DebugCommand::Pick(Selection::Nothing));
+        self.on(Which::First, |run, context| {
+            run.pick(Selection::Nothing, context);
+        });
         self.runs.first.sight = None;
         self.take_moment(&content.moment, said);
         self.take_linked_stops(content, said);
@@ -263,9 +267,9 @@ impl State {
         };
         let missed = match (moment, len, place) {
             (Moment::Event(cursor), Some(len), _) if *cursor <= len => {
-                return self.jump(*cursor);
+                return self.runs.first.jump(*cursor);
             }
-            (Moment::Stage(_), _, Some(place)) => return self.show_stage(place),
+            (Moment::Stage(_), _, Some(place)) => return self.runs.first.show_stage(place),
             (Moment::End, ..) => None,
             (Moment::Event(cursor), Some(len), _) => Some(format!(
                 "The link asked for event {cursor} of a run of {}",
@@ -281,7 +285,7 @@ impl State {
         if let Some(missed) = missed {
             said.say(format!("{missed}; the end is shown instead."));
         }
-        self.show_stage(usize::MAX);
+        self.runs.first.show_stage(usize::MAX);
     }
 
     /// Returns the place of a stage in the session's list by its name in links.

@@ -1,9 +1,7 @@
 //! The parts of the state. Each is one subject; no part knows of another.
 
-use tilescope_debugger::Direction;
-
 use super::{Notice, RunView, announce, export, link};
-use crate::clock::Playback;
+use crate::command::Which;
 use crate::compare::Comparison;
 use crate::device::Device;
 use crate::export::ExportForm;
@@ -20,13 +18,22 @@ pub struct Runs {
     pub second: Option<(RunView, Comparison)>,
 }
 
-/// How time runs.
-#[derive(Default)]
-pub struct Time {
-    /// The clock, and whether it runs.
-    pub playback: Playback,
-    /// The way in which a breakpoint is being looked for.
-    pub(super) continuing: Option<Direction>,
+impl Runs {
+    /// Returns one of the runs, if it is there.
+    #[must_use]
+    pub fn get(&self, which: Which) -> Option<&RunView> {
+        match which {
+            Which::First => Some(&self.first),
+            Which::Second => self.second.as_ref().map(|(run, _)| run),
+        }
+    }
+
+    pub(super) fn get_mut(&mut self, which: Which) -> Option<&mut RunView> {
+        match which {
+            Which::First => Some(&mut self.first),
+            Which::Second => self.second.as_mut().map(|(run, _)| run),
+        }
+    }
 }
 
 /// What is read and written.

@@ -5,10 +5,10 @@ use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
 
 use super::State;
-use super::time::none_there;
+use super::run_view::none_there;
 use crate::camera::Camera;
 use crate::clock::Clock;
-use crate::command::{Command, TimeCommand};
+use crate::command::{Command, TimeCommand, Which};
 use crate::draft::Draft;
 use crate::layers::Layer;
 use crate::link::{choice_name, layer_name, slug};
@@ -69,7 +69,7 @@ impl State {
             self.form.own_pattern,
         ) = (None, None, None);
         self.form.draft = Draft::from_parameters(parameters);
-        self.start_sampling(Recipe::from(parameters), self.form.engine);
+        self.start_sampling(Which::First, Recipe::from(parameters), self.form.engine);
     }
 
     /// Returns the session that is moved in: none while another one is being made, which would take its place.
@@ -84,7 +84,7 @@ impl State {
 
     fn step_by(&mut self, forwards: bool, unit: Clock) -> Result<(), RequestError> {
         self.need_session()?;
-        if let Some(why) = self.clock_refusal(unit) {
+        if let Some(why) = self.runs.first.clock_refusal(unit) {
             return Err(RequestError::Refused(why.to_owned()));
         }
         let clock = std::mem::replace(&mut self.time.playback.clock, unit);
@@ -149,13 +149,14 @@ impl State {
 
     fn look_as_wanted(&mut self, wanted: &Wanted) {
         if wanted.whole || wanted.camera.is_some() {
-            self.take_camera(wanted.camera, self.runs.first.camera);
+            let camera = self.runs.first.camera;
+            self.runs.first.take_camera(wanted.camera, camera);
         }
         self.appearance.layers = wanted.layers.unwrap_or(self.appearance.layers);
         self.appearance.colouring = wanted.colouring.unwrap_or(self.appearance.colouring);
         self.appearance
             .choose_look(wanted.look.unwrap_or(self.appearance.look));
-        self.follow_pattern();
+        self.runs.first.follow_pattern();
         self.follow_first();
     }
 

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use egui::Rect;
-use tilescope_core::Parameters;
+use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 
-use super::{Appearance, EventQuery, Found, Hits, Verification};
+use super::{Appearance, Verification};
 use crate::camera::{Camera, Flight};
 use crate::compare::link::At;
 use crate::geometry::Geometry;
@@ -15,7 +15,23 @@ use crate::moment::Shown;
 use crate::passes::Passes;
 use crate::session::{MakeError, Session};
 use crate::subject::{Contrast, Subject};
-use crate::verification::Sight;
+use crate::verification::{Sight, Verdict};
+
+mod camera;
+mod debug;
+mod hits;
+mod passes;
+mod time;
+mod work;
+
+pub(crate) use debug::Looking;
+pub use debug::{EventQuery, Found, MOST_FOUND};
+pub(crate) use hits::Counting;
+pub use hits::{Hits, MOST_HITS};
+pub(super) use time::{next_line, none_there};
+
+/// How the making of a session ends.
+pub(super) type Made = Result<Result<Session, MakeError>, String>;
 
 /// A run and how it is looked at.
 pub struct RunView {
@@ -111,6 +127,21 @@ impl RunView {
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
         })
+    }
+
+    /// Returns the stage shown.
+    #[must_use]
+    pub fn current_stage(&self) -> Option<Stage> {
+        self.session.as_ref()?.stages.get(self.stage).copied()
+    }
+
+    /// Returns the verdict, once there is one.
+    #[must_use]
+    pub fn verdict(&self) -> Option<&Verdict> {
+        match &self.verification {
+            Verification::Done(verdict) => Some(verdict),
+            _ => None,
+        }
     }
 
     /// Returns what its canvas shows, without what is known only of the run that the panels show.

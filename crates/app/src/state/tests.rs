@@ -7,6 +7,7 @@ use std::sync::Arc;
 use egui::Rect;
 
 use super::*;
+use crate::command::Which;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand};
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, Kind};
@@ -17,10 +18,13 @@ use tilescope_core::Search;
 
 fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
-    state.apply(Command::View(ViewCommand::Viewport(Rect::from_min_size(
-        egui::pos2(0.0, 0.0),
-        egui::vec2(800.0, 800.0),
-    ))));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Viewport(Rect::from_min_size(
+            egui::pos2(0.0, 0.0),
+            egui::vec2(800.0, 800.0),
+        )),
+    ));
     state.settle();
     state
 }
@@ -90,7 +94,7 @@ fn a_cancelled_run_leaves_the_session_and_says_so() {
         state.runs.first.session.as_ref().unwrap().generation,
         before
     );
-    state.apply(Command::Cancel);
+    state.apply(Command::Cancel(Which::First));
     state.settle();
     assert_eq!(
         state.runs.first.session.as_ref().unwrap().generation,
@@ -121,7 +125,10 @@ fn a_failing_verdict_leads_to_its_witness() {
     state.settle();
     let report = &state.verdict().unwrap().report;
     assert!(report.conflict_free() && !report.maximal());
-    state.apply(Command::View(ViewCommand::FlyToWitness(Witness::Verdict)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyToWitness(Witness::Verdict),
+    ));
     let Some(Sight::Circle(center, radius)) = state.runs.first.sight else {
         panic!("a gap is the witness");
     };
@@ -134,11 +141,15 @@ fn a_failing_verdict_leads_to_its_witness() {
 #[test]
 fn a_valid_set_shows_its_extremes() {
     let mut state = settled();
-    state.apply(Command::View(ViewCommand::FlyToWitness(Witness::Verdict)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyToWitness(Witness::Verdict),
+    ));
     assert!(matches!(state.runs.first.sight, Some(Sight::Pair(_, d)) if (1.0..1.01).contains(&d)));
-    state.apply(Command::View(ViewCommand::FlyToWitness(
-        Witness::LargestHole,
-    )));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyToWitness(Witness::LargestHole),
+    ));
     assert!(
         matches!(state.runs.first.sight, Some(Sight::Circle(_, r)) if (0.9..=1.0001).contains(&r))
     );
@@ -177,9 +188,9 @@ fn samples_that_are_not_there_yet_are_not_pointed_at() {
     let id = state.runs.first.session.as_ref().unwrap().run().iterations[0]
         .inserted
         .start;
-    state.apply(Command::View(ViewCommand::GoToSample(id)));
+    state.apply(Command::View(Which::First, ViewCommand::GoToSample(id)));
     assert_eq!(state.runs.first.selected, Some(id));
-    state.apply(Command::View(ViewCommand::Hover(Some(id))));
+    state.apply(Command::View(Which::First, ViewCommand::Hover(Some(id))));
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     assert_eq!(
         (state.runs.first.selected, state.runs.first.hovered),
@@ -205,7 +216,10 @@ fn layers_and_theme_toggle() {
 #[test]
 fn the_pattern_is_fitted_and_the_camera_returns() {
     let mut state = settled();
-    state.apply(Command::View(ViewCommand::FlyTo([3.0, 90.0], 5.0)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([3.0, 90.0], 5.0),
+    ));
     while state.advance(0.1) {}
     let camera = state.runs.first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
@@ -352,7 +366,7 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
             reason: "the driver was reset".to_owned(),
         },
     });
-    state.show_made(session);
+    state.show_made(Which::First, session);
     state.settle();
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));
@@ -368,7 +382,7 @@ fn a_run_of_a_gpu_that_differs_is_shown_without_events_and_told_of() {
     run.samples.points[7].x += 1;
     let mut session = Session::from_run(run, 9);
     session.engine = "GPU (some card)".to_owned();
-    state.show_made(session);
+    state.show_made(Which::First, session);
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("GPU (some card) differs from the CPU"));
     assert!(state.runs.first.debugger.is_none() && state.cursor().is_none());
@@ -393,18 +407,21 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
     let middle = state.runs.first.viewport.center();
     for stage in [state.runs.first.stage, 0] {
         state.apply(Command::Time(TimeCommand::ShowStage(stage)));
-        state.apply(Command::View(ViewCommand::Fit));
+        state.apply(Command::View(Which::First, ViewCommand::Fit));
         while state.advance(0.5) {}
         let fitted = state.runs.first.camera.scale;
         let is_seen =
             |state: &State| (0.2..0.3).contains(&(state.runs.first.camera.scale / fitted));
         for _ in 0..40 {
-            state.apply(Command::View(ViewCommand::Zoom(middle, 0.5)));
+            state.apply(Command::View(Which::First, ViewCommand::Zoom(middle, 0.5)));
         }
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
-        state.apply(Command::View(ViewCommand::Zoom(middle, 1e12)));
+        state.apply(Command::View(Which::First, ViewCommand::Zoom(middle, 1e12)));
         assert!(state.runs.first.camera.scale <= crate::camera::MAX_SCALE);
-        state.apply(Command::View(ViewCommand::FlyTo([10.0, 10.0], 1e9)));
+        state.apply(Command::View(
+            Which::First,
+            ViewCommand::FlyTo([10.0, 10.0], 1e9),
+        ));
         while state.advance(0.5) {}
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // Of a link, a session or a page that embeds it.
@@ -414,7 +431,7 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         assert!(view.camera.is_some());
         state.look_as(&view);
         // A view's camera is of the domain: the pattern is fitted.
-        let is_fitted = state.runs.first.camera == state.fitting();
+        let is_fitted = state.runs.first.camera == state.runs.first.fitting();
         let is_pattern = state.current_stage() == Some(Stage::Pattern);
         assert_eq!(is_fitted, is_pattern);
         assert!(
@@ -423,13 +440,15 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
             state.runs.first.camera.scale
         );
         // A window that has become larger.
-        state.apply(Command::View(ViewCommand::Viewport(
-            state.runs.first.viewport.expand(400.0),
-        )));
+        state.apply(Command::View(
+            Which::First,
+            ViewCommand::Viewport(state.runs.first.viewport.expand(400.0)),
+        ));
         assert!(state.runs.first.camera.scale > 0.4 * fitted);
-        state.apply(Command::View(ViewCommand::Viewport(
-            state.runs.first.viewport.expand(-400.0),
-        )));
+        state.apply(Command::View(
+            Which::First,
+            ViewCommand::Viewport(state.runs.first.viewport.expand(-400.0)),
+        ));
     }
 }
 

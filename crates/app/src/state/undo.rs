@@ -4,7 +4,7 @@
 use tilescope_core::combine::file::Layout as Combination;
 
 use super::State;
-use crate::command::{Command, FormCommand, WindowCommand};
+use crate::command::{Command, FormCommand, Which, WindowCommand};
 use crate::draft::{Draft, Field};
 use crate::files::FileCommand;
 use crate::layers::{Colouring, Layers};
@@ -227,7 +227,7 @@ impl State {
             return;
         }
         match made {
-            Some(Made::Run(recipe)) => self.start_sampling(recipe, self.form.engine),
+            Some(Made::Run(recipe)) => self.start_sampling(Which::First, recipe, self.form.engine),
             Some(Made::Combination(layout)) => self.start_combining(layout),
             None => {}
         }

@@ -1,8 +1,7 @@
 //! How the session at hand is looked at, as one value, and taking such a value up.
 
 use super::State;
-use crate::camera::Camera;
-use crate::command::DebugCommand;
+use crate::command::Which;
 use crate::recipe::Recipe;
 use crate::selection::Selection;
 use crate::view::View;
@@ -65,7 +64,9 @@ impl State {
         let mut dropped = Vec::new();
         if let Some(camera) = view.camera {
             let fitted = view.fitted == Some(true);
-            self.take_camera((!fitted).then_some(camera), camera);
+            self.runs
+                .first
+                .take_camera((!fitted).then_some(camera), camera);
         }
         self.appearance.layers = view.layers.unwrap_or(self.appearance.layers);
         self.appearance.colouring = view.colouring.unwrap_or(self.appearance.colouring);
@@ -75,7 +76,7 @@ impl State {
             self.window.layout.clone_from(layout);
         }
         if let Some(clock) = view.clock {
-            if self.clock_refusal(clock).is_none() {
+            if self.runs.first.clock_refusal(clock).is_none() {
                 self.time.playback.choose(clock);
             } else {
                 dropped.push("clock");
@@ -89,40 +90,14 @@ impl State {
             }
         }
         if let Some(selection) = view.selection {
-            if self.can_select(selection) {
-                self.apply_to_debugger(DebugCommand::Pick(selection));
+            if self.runs.first.can_select(selection) {
+                self.on(Which::First, |run, context| run.pick(selection, context));
             } else {
                 dropped.push("selection");
             }
         }
         self.take_second(view);
         dropped
-    }
-
-    /// Shows the domain by a camera, or all of it; where there is no canvas yet, by `otherwise`.
-    pub(super) fn take_camera(&mut self, camera: Option<Camera>, otherwise: Camera) {
-        self.runs.first.fitted = camera.is_none();
-        self.runs.first.camera = camera.unwrap_or(otherwise);
-        (self.runs.first.flight, self.runs.first.before_pattern) = (None, None);
-        if self.runs.first.fitted && self.runs.first.viewport.is_positive() {
-            self.runs.first.camera = self.fitting();
-        }
-        self.runs.first.camera = self.within_scales(self.runs.first.camera);
-        self.follow_pattern();
-    }
-
-    /// Returns whether the session at hand has what is to be selected.
-    #[must_use]
-    pub fn can_select(&self, selection: Selection) -> bool {
-        let Some(session) = &self.runs.first.session else {
-            return false;
-        };
-        let size = session.size_radii();
-        match selection {
-            Selection::Nothing => true,
-            Selection::Sample(id) => (id as usize) < session.run().samples.len(),
-            Selection::Place(place) => (0..2).all(|k| (0.0..size[k]).contains(&place[k])),
-        }
     }
 
     fn take_second(&mut self, view: &View) {

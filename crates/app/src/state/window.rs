@@ -29,7 +29,6 @@ impl WindowState {
         match command {
             WindowCommand::ToggleFullScreen => self.full_screen = FullScreen::Asked,
             WindowCommand::OpenPanel(panel) => self.open_panel(panel),
-            WindowCommand::Inspect => self.open_panel(Panel::Inspector),
             WindowCommand::Drawer(DrawerCommand::Arrange(arrangement)) => {
                 self.drawer.arrangement = arrangement;
             }

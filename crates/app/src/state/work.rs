@@ -1,17 +1,13 @@
 //! Work in the background: starting it, taking its results, waiting for it. Results are shown here and
 //! nowhere else.
 
-use std::sync::Arc;
-
+use super::run_view::Made;
 use super::undo::Part;
-use super::{State, Verification};
+use super::{State, Which};
 use crate::device::Device;
-use crate::errand::{self, Lent};
-use crate::jobs::Job;
+use crate::layout::Panel;
 use crate::recipe::Recipe;
-use crate::selection::Selection;
 use crate::session::{MakeError, Session};
-use crate::verification::{Judging, Verdict};
 use crate::words::sentence;
 
 impl State {
@@ -31,7 +27,7 @@ impl State {
         if is_new || self.shows_combination() {
             self.remember_run(Part::Run);
         }
-        self.start_sampling(recipe, self.form.engine);
+        self.start_sampling(Which::First, recipe, self.form.engine);
     }
 
     /// Returns what the parameters panel asks for.
@@ -47,43 +43,25 @@ impl State {
     /// something is moving, so that another frame is due.
     pub fn advance(&mut self, dt_secs: f32) -> bool {
         self.poll();
-        self.fly_on(dt_secs);
-        let plays = self.time.playback.is_playing() && self.play(dt_secs);
-        if self.time.continuing.is_some() {
-            let before = self.runs.first.stage;
-            self.continue_on();
-            self.moved(before);
-        }
-        self.reveal();
-        self.want_hits();
-        self.want_geometry();
+        self.on(Which::First, |run, _| run.fly_on(dt_secs));
+        let runs = self.in_time(|time, run, context| time.advance(dt_secs, run, context));
+        let shows_events = self.window.shows(Panel::Events);
+        let with_geometry = self.appearance.layers.wants_geometry();
+        self.on(Which::First, |run, context| {
+            if shows_events {
+                run.reveal();
+            }
+            run.want_hits(context);
+            if with_geometry {
+                run.want_geometry(context);
+            }
+        });
         self.want_analysis();
         self.count_frames();
         let flies = self.advance_second(dt_secs);
         self.follow_passes();
         self.announce();
-        self.runs.first.flight.is_some() || plays || flies || self.time.continuing.is_some()
-    }
-
-    pub(super) fn fly_on(&mut self, dt_secs: f32) {
-        if let Some(flight) = &mut self.runs.first.flight {
-            let (camera, arrived) = flight.advance(dt_secs);
-            self.runs.first.camera = camera;
-            if arrived {
-                self.runs.first.flight = None;
-            }
-        }
-    }
-
-    pub(super) fn want_geometry(&mut self) {
-        let mut geometry = std::mem::take(&mut self.runs.first.geometry);
-        if let Some(shown) = self
-            .shown()
-            .filter(|_| self.appearance.layers.wants_geometry())
-        {
-            geometry.want(&shown, &self.jobs.wake);
-        }
-        self.runs.first.geometry = geometry;
+        self.runs.first.flight.is_some() || runs || flies
     }
 
     fn poll(&mut self) {
@@ -92,116 +70,69 @@ impl State {
         {
             self.finish_test(outcome);
         }
-        self.poll_run();
+        self.poll_run(Which::First);
         self.poll_export();
         self.poll_files();
     }
 
-    /// Takes what concerns the run at hand.
-    pub(super) fn poll_run(&mut self) {
-        if let Some(outcome) = self.runs.first.sampling.as_ref().and_then(Job::poll) {
-            self.finish_sampling(outcome);
+    /// Takes what concerns a run.
+    pub(super) fn poll_run(&mut self, which: Which) {
+        if let Some(outcome) = self.on(which, |run, _| run.made()).flatten() {
+            self.finish_sampling(which, outcome);
         }
-        if let Verification::Pending(job) = &self.runs.first.verification
-            && let Some(outcome) = job.poll()
-        {
-            self.finish_verification(outcome);
-        }
-        self.runs.first.history_found.poll();
-        if let Some(passes) = &mut self.runs.first.passes {
-            passes.poll();
-        }
-        self.runs.first.query.found.poll();
+        self.on(which, |run, _| run.poll());
     }
 
-    pub(super) fn finish_sampling(&mut self, outcome: Result<Result<Session, MakeError>, String>) {
-        self.runs.first.sampling = None;
+    fn finish_sampling(&mut self, which: Which, outcome: Made) {
         match outcome {
             Ok(Ok(session)) => {
-                self.show_made(session);
-                return self.arrive();
+                self.show_made(which, session);
+                if which == Which::First {
+                    self.arrive();
+                }
+                return;
             }
-            Ok(Err(error)) => self.not_made(&error),
-            Err(failure) => self.tell(sentence(&failure), true),
+            Ok(Err(error)) => self.not_made(which, &error),
+            Err(failure) => self.tell_of(which, sentence(&failure), true),
         }
-        self.links.arriving = None;
+        if which == Which::First {
+            self.links.arriving = None;
+        }
     }
 
-    fn not_made(&mut self, error: &MakeError) {
+    fn not_made(&mut self, which: Which, error: &MakeError) {
         match error.cancelled() {
             Some(stage) => {
-                let kept = if self.runs.first.session.is_some() {
+                let there = self
+                    .runs
+                    .get(which)
+                    .is_some_and(|run| run.session.is_some());
+                let kept = if there {
                     " The session before it is still here."
                 } else {
                     ""
                 };
-                self.tell(format!("Cancelled during stage \"{stage}\".{kept}"), false);
+                self.tell_of(
+                    which,
+                    format!("Cancelled during stage \"{stage}\".{kept}"),
+                    false,
+                );
             }
-            None => self.tell(sentence(&error.to_string()), true),
+            None => self.tell_of(which, sentence(&error.to_string()), true),
         }
     }
 
     /// Shows a session at its last stage and has it verified.
     pub fn show(&mut self, session: Session) {
-        self.time.continuing = None;
-        let same_domain = self.runs.first.session.as_ref().is_some_and(|old| {
-            old.run().domain.width() == session.run().domain.width()
-                && old.run().domain.height() == session.run().domain.height()
-        });
-        let same_run = self.runs.first.session.as_ref().is_some_and(|old| {
-            let are_runs = old.combination.is_none() && session.combination.is_none();
-            are_runs && old.recipe() == session.recipe()
-        });
-        let selection = match (self.runs.first.selected, self.runs.first.place) {
-            (Some(id), _) if same_run => Selection::Sample(id),
-            (_, Some(place)) if same_domain => Selection::Place(place),
-            _ => Selection::Nothing,
-        };
-        let range = self.time.playback.range.take().filter(|_| same_run);
-        self.runs.first.stage = session.stages.len() - 1;
-        (
-            self.runs.first.hovered,
-            self.runs.first.selected,
-            self.runs.first.sight,
-        ) = (None, None, None);
-        self.runs.first.place = None;
-        self.time.playback.stop();
-        let session = Arc::new(session);
-        self.runs.first.session = Some(Arc::clone(&session));
-        self.debug(&session);
-        if let Some(debugger) = &mut self.runs.first.debugger {
-            debugger.jump(usize::MAX);
-        }
-        self.time.playback.range = range;
-        self.pick(selection);
-        // What is saved next is another session.
-        self.runs.first.session_path = None;
-        self.verify();
-        let from_pattern = self.runs.first.before_pattern.take().is_some();
-        if !same_domain || from_pattern {
-            self.runs.first.fitted = true;
-            self.runs.first.flight = None;
-            if self.runs.first.viewport.is_positive() {
-                self.runs.first.camera = self.fitting();
-            }
-        }
+        self.show_in(Which::First, session);
     }
 
-    /// Has the session at hand verified.
-    pub(super) fn verify(&mut self) {
-        let Some(session) = self.runs.first.session.clone() else {
-            return;
-        };
-        let judging = Judging(Lent(session));
-        self.runs.first.verification =
-            Verification::Pending(errand::start(&self.jobs.wake, judging));
-    }
-
-    pub(super) fn finish_verification(&mut self, outcome: Result<Result<Verdict, String>, String>) {
-        self.runs.first.verification = match outcome {
-            Ok(Ok(verdict)) => Verification::Done(Box::new(verdict)),
-            Ok(Err(failure)) | Err(failure) => Verification::Failed(sentence(&failure)),
-        };
+    pub(super) fn show_in(&mut self, which: Which, session: Session) {
+        if which == Which::First {
+            let same_run = self.runs.first.is_same_run(&session);
+            self.time.rest(same_run);
+        }
+        self.on(which, |run, context| run.show(session, context));
     }
 
     /// Waits for all work in the background and takes its results. For tests and scripts: a window
@@ -210,40 +141,31 @@ impl State {
     pub fn settle(&mut self) {
         self.settle_device();
         self.settle_files();
-        self.settle_run();
+        self.settle_run(Which::First);
         while self.time.continuing.is_some() {
-            self.continue_on();
+            self.in_time(super::Time::continue_on);
         }
         self.settle_second();
         self.settle_analysis();
         self.follow_passes();
-        self.want_hits();
-        self.runs.first.hits.settle();
+        self.on(Which::First, |run, context| {
+            run.want_hits(context);
+            run.hits.settle();
+        });
         if let Some(job) = self.files.exporting.take() {
             let outcome = job.wait();
             self.finish_export(outcome);
         }
     }
 
-    /// Waits for what concerns the run at hand.
+    /// Waits for what concerns a run.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn settle_run(&mut self) {
-        if let Some(job) = self.runs.first.sampling.take() {
+    pub(super) fn settle_run(&mut self, which: Which) {
+        if let Some(job) = self.on(which, |run, _| run.sampling.take()).flatten() {
             let outcome = job.wait();
-            self.finish_sampling(outcome);
+            self.finish_sampling(which, outcome);
         }
-        if let Verification::Pending(job) = &self.runs.first.verification {
-            let outcome = job.wait();
-            self.finish_verification(outcome);
-        }
-        self.want_geometry();
-        self.runs.first.geometry.settle();
-        self.want_geometry();
-        self.runs.first.geometry.settle();
-        self.runs.first.history_found.settle();
-        if let Some(passes) = &mut self.runs.first.passes {
-            passes.settle();
-        }
-        self.runs.first.query.found.settle();
+        let with_geometry = self.appearance.layers.wants_geometry();
+        self.on(which, |run, context| run.settle(with_geometry, context));
     }
 }

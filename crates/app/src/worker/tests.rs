@@ -12,6 +12,7 @@ use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush};
 use crate::combination::CombineCommand;
 use crate::command::{AppearanceCommand, Command, DebugCommand, WindowCommand};
+use crate::command::{ViewCommand, Which};
 use crate::compare::{CompareCommand, Rival};
 use crate::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
 use crate::export::{ExportCommand, Kind};
@@ -96,7 +97,10 @@ fn visit() -> Vec<String> {
     state.apply(Command::Debug(DebugCommand::Query(
         "insert iteration>1".to_owned(),
     )));
-    state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(412))));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Sample(412)),
+    ));
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.advance(0.0);
     state.settle();
@@ -226,7 +230,10 @@ fn a_memory_that_has_forgotten_is_told_again() {
     let mut state = made(&first);
     let second = Elsewhere::new();
     carry_with(Some(second.clone()));
-    state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(5))));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Sample(5)),
+    ));
     state.settle();
     carry_with(None);
     assert_eq!(*second.log.borrow(), [("look", true)]);

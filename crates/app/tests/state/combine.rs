@@ -8,6 +8,7 @@ use std::sync::Arc;
 use serde_json::json;
 use tilescope_analysis::{Boundary as Judged, Region};
 use tilescope_app::combination::{CombineCommand, NINE};
+use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{Kind, picture};
@@ -125,7 +126,7 @@ fn drawn(state: &State, name: &str) -> usize {
 #[test]
 fn pictures_show_the_seams_while_their_layer_is_on() {
     let mut state = nine();
-    state.apply(Command::View(ViewCommand::Fit));
+    state.apply(Command::View(Which::First, ViewCommand::Fit));
     // Six on the border of the periodic domain are seen on both sides of it.
     assert_eq!(drawn(&state, "seams"), 18 + 6);
     assert!(drawn(&state, "band") >= 36);

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use tilescope_app::combination::{CombineCommand, NINE};
 use tilescope_app::command::TimeCommand;
+use tilescope_app::command::Which;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::{Command, State};
 
@@ -164,7 +165,10 @@ fn a_combination_is_cancelled_while_it_is_made() {
     let before = state.runs.first.session.as_ref().unwrap().generation;
     let sheet = FileCommand::Dropped(vec![path.to_string_lossy().into_owned()]);
     for (start, cancel) in [
-        (Command::Combine(CombineCommand::Nine), Command::Cancel),
+        (
+            Command::Combine(CombineCommand::Nine),
+            Command::Cancel(Which::First),
+        ),
         (Command::File(sheet), Command::File(FileCommand::Cancel)),
     ] {
         state.messages.notice = None;

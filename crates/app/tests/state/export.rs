@@ -8,6 +8,7 @@ use std::path::Path;
 use egui::{Color32, Rect, pos2, vec2};
 use serde_json::Value;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
 use tilescope_app::export::{Entry, ExportCommand, Kind, View};
 use tilescope_app::layers::Layer;
@@ -100,7 +101,7 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     // Another place, another moment and another theme are other pictures.
     let path = folder.path().join("other.png");
     for command in [
-        Command::View(ViewCommand::Pan(vec2(40.0, 0.0))),
+        Command::View(Which::First, ViewCommand::Pan(vec2(40.0, 0.0))),
         Command::Time(TimeCommand::ShowStage(2)),
         Command::Appearance(AppearanceCommand::ToggleTheme),
         Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Conflicts)),
@@ -417,8 +418,8 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
     let path = folder.path().join("canvas.png");
     let mut state = opened();
     let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 900.0));
-    state.apply(Command::View(ViewCommand::Viewport(canvas)));
-    state.apply(Command::View(ViewCommand::Fit));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
+    state.apply(Command::View(Which::First, ViewCommand::Fit));
     for layer in [
         Layer::Gaps,
         Layer::Eliminated,
@@ -506,13 +507,16 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
         fs::read_to_string(&path).unwrap()
     };
     // Everything is in view, so that every block has its number.
-    state.apply(Command::View(ViewCommand::FlyTo([25.0, 25.0], 52.0)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([25.0, 25.0], 52.0),
+    ));
     while state.advance(0.5) {}
-    state.apply(Command::View(ViewCommand::Viewport(Rect::from_min_size(
-        pos2(0.0, 0.0),
-        vec2(900.0, 900.0),
-    ))));
-    state.apply(Command::View(ViewCommand::Fit));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Viewport(Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 900.0))),
+    ));
+    state.apply(Command::View(Which::First, ViewCommand::Fit));
     let svg = shoot(&mut state);
     let numbers = group(&svg, "block numbers").unwrap();
     let texts = numbers.matches("<text").count();

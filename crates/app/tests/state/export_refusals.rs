@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
 use tilescope_app::Command;
+use tilescope_app::command::Which;
 use tilescope_app::command::{TimeCommand, ViewCommand};
 use tilescope_app::export::{Entry, ExportCommand, Kind, MOST_FRAMES};
 use tilescope_formats::certificate_path;
@@ -183,7 +184,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     );
     // A canvas that is too large for the scale.
     let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(5_000.0, 4_000.0));
-    state.apply(Command::View(ViewCommand::Viewport(canvas)));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     state.apply(Command::Time(TimeCommand::LastStage));
     let eight = [(Entry::Scale, "8")];
     fill_in(&mut state, Kind::Picture, &path("a.png"), &eight);

@@ -5,7 +5,8 @@ use tilescope_app::actions::actions;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
 use tilescope_app::arrangement::{Arrangement, DrawerCommand};
-use tilescope_app::command::{AppearanceCommand, DebugCommand, WindowCommand};
+use tilescope_app::command::{AppearanceCommand, WindowCommand};
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::Kind;
 use tilescope_app::files::Purpose;
@@ -70,7 +71,10 @@ fn escape_leaves_one_thing_after_another() {
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
     let brush = Brush::between(Axis::Distance, 1.0, 1.05);
     state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
-    state.apply(Command::Debug(DebugCommand::Pick(Selection::Sample(3))));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Sample(3)),
+    ));
     let entered = |state: &State| {
         [
             state.runs.first.selected.is_some(),

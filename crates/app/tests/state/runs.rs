@@ -2,7 +2,8 @@
 
 use tilescope_app::combination::CombineCommand;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, WindowCommand,
+    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
 };
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
@@ -153,7 +154,10 @@ fn bookmarks_go_with_the_user_when_two_runs_change_places() {
 fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
     let mut state = opened();
     debug(&mut state, DebugCommand::Query("kind:insert".to_owned()));
-    debug(&mut state, DebugCommand::Pick(Selection::Sample(40)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Sample(40)),
+    ));
     apply(&mut state, Command::Time(TimeCommand::Loop(Some(100..400))));
     apply(&mut state, Command::Run);
     assert_eq!(state.runs.first.selected, Some(40));
@@ -166,7 +170,10 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
         (state.runs.first.selected, state.time.playback.range.clone()),
         (None, None)
     );
-    debug(&mut state, DebugCommand::Pick(Selection::Place(place)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Place(place)),
+    ));
     run_with(&mut state, Field::Seed, "8");
     assert_eq!(state.runs.first.place, Some(place));
     run_with(&mut state, Field::Radius, "0.05");

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
+use tilescope_app::command::Which;
 use tilescope_app::command::{FormCommand, ViewCommand};
 use tilescope_app::draft::Field;
 use tilescope_app::export::{Entry, ExportCommand, Kind};
@@ -13,14 +14,17 @@ use tilescope_app::{Command, State};
 pub fn settled(wake: Wake) -> State {
     let mut state = State::new(wake);
     let canvas = Rect::from_min_size(pos2(200.0, 40.0), vec2(500.0, 400.0));
-    state.apply(Command::View(ViewCommand::Viewport(canvas)));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     for (field, text) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
         state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
     }
     state.settle();
     state.apply(Command::Run);
     state.settle();
-    state.apply(Command::View(ViewCommand::FlyTo([25.0, 20.0], 30.0)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([25.0, 20.0], 30.0),
+    ));
     while state.advance(0.5) {}
     state.settle();
     state

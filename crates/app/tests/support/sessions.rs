@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand,
 };
@@ -69,10 +70,11 @@ pub fn busy() -> Harness<'static, App> {
         DebugCommand::ToggleBreakpoint(line),
         DebugCommand::Condition(0, "distance < 0.4".to_owned()),
         DebugCommand::Watch("distance".to_owned()),
-        DebugCommand::Pick(Selection::Sample(40)),
     ] {
         apply(&mut harness, Command::Debug(command));
     }
+    let pick = ViewCommand::Pick(Selection::Sample(40));
+    apply(&mut harness, Command::View(Which::First, pick));
     apply(&mut harness, Command::Time(TimeCommand::Jump(3_000)));
     apply(&mut harness, Command::Debug(DebugCommand::Bookmark));
     let note = DebugCommand::Note(0, "here".to_owned());
@@ -85,7 +87,7 @@ pub fn busy() -> Harness<'static, App> {
     );
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo([20.0, 21.0], 9.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0], 9.0)),
     );
     harness.state_mut().state.advance(5.0);
     harness.run();

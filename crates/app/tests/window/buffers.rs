@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, WindowCommand,
 };
@@ -284,7 +285,7 @@ fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
     assert!(!text(&harness, "on-canvas").contains(&left_out));
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo([60.0, 60.0], 260.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([60.0, 60.0], 260.0)),
     );
     for _ in 0..200 {
         harness.step();

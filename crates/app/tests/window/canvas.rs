@@ -3,6 +3,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
+use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, WindowCommand};
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
@@ -81,9 +82,9 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 
 fn cameras() -> [Command; 3] {
     [
-        Command::View(ViewCommand::Fit),
-        Command::View(ViewCommand::FlyTo([37.0, 45.0], 40.0)),
-        Command::View(ViewCommand::FlyTo([1.5, 60.0], 9.0)),
+        Command::View(Which::First, ViewCommand::Fit),
+        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 40.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([1.5, 60.0], 9.0)),
     ]
 }
 
@@ -124,7 +125,7 @@ fn instancing_and_meshes_show_the_same() {
 #[test]
 fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
     let (mut on_gpu, mut as_meshes) = (window(true), window(false));
-    let view = Command::View(ViewCommand::FlyTo([37.0, 45.0], 14.0));
+    let view = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 14.0));
     let mut shots = Vec::new();
     for harness in [&mut on_gpu, &mut as_meshes] {
         apply(
@@ -173,7 +174,7 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     for harness in [&mut stepping, &mut leaping] {
         apply(
             harness,
-            Command::View(ViewCommand::FlyTo([37.0, 45.0], 60.0)),
+            Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 60.0)),
         );
     }
     let session = stepping
@@ -278,7 +279,7 @@ fn ages_colour_the_samples() {
     let mut harness = window(true);
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo([37.0, 45.0], 30.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 30.0)),
     );
     let by_block = shoot(&mut harness);
     apply(
@@ -341,7 +342,7 @@ fn what_is_under_the_pointer_is_named() {
     };
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo(session.place(lost), 6.0)),
+        Command::View(Which::First, ViewCommand::FlyTo(session.place(lost), 6.0)),
     );
     let said = said_of(&mut harness, session.place(lost)).expect("a sample");
     let number = |id: u32| grouped(id as usize);
@@ -361,7 +362,10 @@ fn what_is_under_the_pointer_is_named() {
     apply(&mut harness, Command::Time(TimeCommand::LastStage));
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo(session.place(inserted), 6.0)),
+        Command::View(
+            Which::First,
+            ViewCommand::FlyTo(session.place(inserted), 6.0),
+        ),
     );
     let said = said_of(&mut harness, session.place(inserted)).expect("a sample");
     let expected = format!("Sample {} inserted in iteration 1: valid", number(inserted));
@@ -382,13 +386,16 @@ fn what_is_under_the_pointer_is_named() {
     );
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo(session.place(inserted), 6.0)),
+        Command::View(
+            Which::First,
+            ViewCommand::FlyTo(session.place(inserted), 6.0),
+        ),
     );
     let brief = said_of(&mut harness, session.place(inserted)).expect("a block");
     assert!(block.starts_with(&brief) && !brief.contains("split"));
     apply(
         &mut harness,
-        Command::View(ViewCommand::FlyTo([-90.0, -90.0], 6.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([-90.0, -90.0], 6.0)),
     );
     assert_eq!(said_of(&mut harness, [-90.0, -90.0]), None);
 }

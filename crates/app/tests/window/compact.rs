@@ -4,7 +4,8 @@ use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::{Arrangement, DrawerCommand};
-use tilescope_app::command::{AppearanceCommand, DebugCommand, ViewCommand, WindowCommand};
+use tilescope_app::command::Which;
+use tilescope_app::command::{AppearanceCommand, ViewCommand, WindowCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::layout::Panel;
 use tilescope_app::selection::Selection;
@@ -267,7 +268,7 @@ fn a_selected_sample_and_two_runs_fit() {
     let mut harness = opened_at(PHONE);
     let state = &mut harness.state_mut().state;
     for command in [
-        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(Rival::Order)),
         Command::Window(WindowCommand::Drawer(DrawerCommand::Show(Some(
             Panel::Inspector,
@@ -289,7 +290,10 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
     let state = &mut harness.state_mut().state;
     state.prefer_reduced_motion(true);
     assert_eq!(
-        (state.appearance.reduced_motion, state.motion_chosen()),
+        (
+            state.appearance.reduced_motion,
+            state.appearance.motion_chosen()
+        ),
         (true, None)
     );
     // It is not remembered as a choice, and may change while the window is open.
@@ -297,7 +301,7 @@ fn the_systems_wish_for_less_motion_counts_until_the_user_chooses() {
     state.prefer_reduced_motion(false);
     assert!(!state.appearance.reduced_motion);
     state.apply(Command::Appearance(AppearanceCommand::ToggleReducedMotion));
-    assert_eq!(state.motion_chosen(), Some(true));
+    assert_eq!(state.appearance.motion_chosen(), Some(true));
     state.prefer_reduced_motion(false);
     assert!(state.appearance.reduced_motion);
     state.choose_motion(Some(false));
@@ -315,7 +319,7 @@ fn reduced_motion_stops_what_moves_by_itself() {
             style.scroll_animation != egui::style::ScrollAnimation::none(),
         ]
     };
-    let fly = Command::View(ViewCommand::FlyTo([30.0, 30.0], 10.0));
+    let fly = Command::View(Which::First, ViewCommand::FlyTo([30.0, 30.0], 10.0));
     harness.state_mut().state.apply(fly.clone());
     assert!(harness.state().state.runs.first.flight.is_some());
     harness
@@ -329,7 +333,7 @@ fn reduced_motion_stops_what_moves_by_itself() {
     harness
         .state_mut()
         .state
-        .apply(Command::View(ViewCommand::Fit));
+        .apply(Command::View(Which::First, ViewCommand::Fit));
     harness.state_mut().state.apply(fly);
     assert!(harness.state().state.runs.first.flight.is_none());
     harness.run();

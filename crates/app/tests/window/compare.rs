@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::Which;
 use tilescope_app::command::{FormCommand, TimeCommand, ViewCommand, WindowCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
@@ -162,15 +163,14 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
     };
     apply(
         &mut harness,
-        Command::View(ViewCommand::Pan(vec2(40.0, 10.0))),
+        Command::View(Which::First, ViewCommand::Pan(vec2(40.0, 10.0))),
     );
     let [a, b] = cameras(&harness);
     assert_eq!(a, b);
-    let on_b = |command| Command::OnSecond(Box::new(command));
     let at = second(&harness.state().state).viewport.center();
     apply(
         &mut harness,
-        on_b(Command::View(ViewCommand::Zoom(at, 3.0))),
+        Command::View(Which::Second, ViewCommand::Zoom(at, 3.0)),
     );
     let [zoomed, b] = cameras(&harness);
     assert_eq!(zoomed, b);
@@ -182,7 +182,7 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
     );
     apply(
         &mut harness,
-        on_b(Command::View(ViewCommand::Pan(vec2(5.0, 0.0)))),
+        Command::View(Which::Second, ViewCommand::Pan(vec2(5.0, 0.0))),
     );
     let [a, b] = cameras(&harness);
     assert_eq!(a, zoomed);
@@ -421,10 +421,16 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
         };
         harness.output().shapes.iter().any(said)
     };
-    assert!(drawn(Rival::NextSeed, Command::View(ViewCommand::Fit)));
+    assert!(drawn(
+        Rival::NextSeed,
+        Command::View(Which::First, ViewCommand::Fit)
+    ));
     assert!(!drawn(
         Rival::NextSeed,
-        Command::View(ViewCommand::FlyTo([37.0, 45.0], 9.0))
+        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 9.0))
     ));
-    assert!(!drawn(Rival::Search, Command::View(ViewCommand::Fit)));
+    assert!(!drawn(
+        Rival::Search,
+        Command::View(Which::First, ViewCommand::Fit)
+    ));
 }

@@ -7,6 +7,7 @@ use tilescope_app::clock::Clock;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
 };
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
@@ -211,7 +212,7 @@ fn a_sample_tells_its_history_and_why_leads_to_the_cause() {
     };
     apply(
         &mut harness,
-        Command::Debug(DebugCommand::Pick(Selection::Sample(sample))),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(sample))),
     );
     apply(
         &mut harness,

@@ -6,6 +6,7 @@ use egui::{Event, Key, Modifiers, Pos2, Rect, TouchDeviceId, TouchId, TouchPhase
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::hint::{self, Hint};
+use tilescope_app::command::Which;
 use tilescope_app::command::{TimeCommand, ViewCommand};
 use tilescope_app::embedding::Embedding;
 use tilescope_app::focus::{self, End};
@@ -176,7 +177,10 @@ fn a_button_leads_back_to_the_whole_domain() {
         assert!(find(&harness, "fit").is_none());
         let before = harness.state().state.runs.first.camera;
         let state = &mut harness.state_mut().state;
-        state.apply(Command::View(ViewCommand::Pan(vec2(900.0, 0.0))));
+        state.apply(Command::View(
+            Which::First,
+            ViewCommand::Pan(vec2(900.0, 0.0)),
+        ));
         harness.run();
         node(&harness, "fit").click();
         settle(&mut harness);
@@ -219,10 +223,10 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
         .state_mut()
         .state
         .apply(Command::Time(TimeCommand::StepBack));
-    player
-        .state_mut()
-        .state
-        .apply(Command::View(ViewCommand::Pan(vec2(9.0, 0.0))));
+    player.state_mut().state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pan(vec2(9.0, 0.0)),
+    ));
     player.run();
     let forwards = tab_through(&mut player, false);
     assert_eq!(forwards[0], "canvas");

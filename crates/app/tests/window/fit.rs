@@ -8,6 +8,7 @@ use tilescope_app::arrangement::DrawerCommand;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, WindowCommand,
 };
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::Field;
@@ -54,7 +55,7 @@ fn busy(size: [f32; 2]) -> Harness<'static, App> {
         Command::Debug(DebugCommand::Condition(0, "distance < 0.5".to_owned())),
         Command::Debug(DebugCommand::Watch("distance".to_owned())),
         Command::Debug(DebugCommand::Bookmark),
-        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(Rival::Order)),
     ] {
         state.apply(command);

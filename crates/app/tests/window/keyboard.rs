@@ -104,7 +104,7 @@ fn a_session_needs_no_mouse() {
     assert_eq!(debugger(&harness).bookmarks[0].event, stopped);
 
     // The view moves, and what is in its middle is selected.
-    act(&mut harness, "view-view-zoom");
+    act(&mut harness, "view-view-first-zoom");
     let before = harness.state().state.runs.first.camera;
     press(&mut harness, Modifiers::SHIFT, Key::ArrowRight);
     let after = harness.state().state.runs.first.camera;

@@ -8,6 +8,7 @@ use egui::accesskit::{Action, NodeId, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::command::{DebugCommand, TimeCommand, WindowCommand};
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::export::{ExportCommand, Kind};
@@ -68,7 +69,7 @@ fn crowded() -> Harness<'static, App> {
         Command::Debug(DebugCommand::Watch("block".to_owned())),
         Command::Time(TimeCommand::Jump(3_100)),
         Command::Debug(DebugCommand::Bookmark),
-        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(Rival::Order)),
     ] {
         apply(&mut harness, command);

@@ -5,6 +5,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::clock::Clock;
+use tilescope_app::command::ViewCommand;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, WindowCommand,
 };
@@ -252,7 +254,7 @@ fn parameters_engines_and_verdicts() {
     // It is cancelled before it is there.
     told.typed(&[(Field::Radius, "0.0005")]);
     told.harness.state_mut().state.apply(Command::Run);
-    told.after([Command::Cancel]);
+    told.after([Command::Cancel(Which::First)]);
     told.says(&[(
         "notice",
         "Cancelled during stage *. The session before it is still here.",
@@ -335,8 +337,8 @@ fn two_runs_and_the_debugger() {
         "inspector.hint",
         "Click a sample, or any place, to read what happened there.",
     )]);
-    let pick = DebugCommand::Pick(Selection::Sample(40));
-    told.after([Command::Debug(pick)]);
+    let pick = ViewCommand::Pick(Selection::Sample(40));
+    told.after([Command::View(Which::First, pick)]);
     told.says(&[("history", "History: * events")]);
     told.after([Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks))]);
     told.says(&[("no-bookmarks", "B remembers the moment.")]);

@@ -7,6 +7,7 @@ use tilescope_app::arrangement::DrawerCommand;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
 };
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::embedding::Embedding;
@@ -49,7 +50,7 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
         Command::Debug(DebugCommand::Watch("nonsense(".to_owned())),
         Command::Debug(DebugCommand::Bookmark),
         Command::Debug(DebugCommand::Note(0, "the first one dies".to_owned())),
-        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Compare(CompareCommand::Start(Rival::Order)),
     ] {
         state.apply(command);

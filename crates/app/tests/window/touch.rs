@@ -3,12 +3,13 @@
 use crate::support;
 use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
 use egui_kittest::Harness;
+use tilescope_app::App;
 use tilescope_app::camera::Camera;
 use tilescope_app::canvas::touch::release_cancelled;
+use tilescope_app::command::Which;
 use tilescope_app::command::{Command, ViewCommand, WindowCommand};
 use tilescope_app::layout::Panel;
 use tilescope_app::selection::Selection;
-use tilescope_app::{App, command::DebugCommand};
 
 /// So long takes a frame, in seconds.
 const FRAME: f32 = 1.0 / 60.0;
@@ -23,7 +24,10 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     // Near enough to tell samples apart.
     let state = &mut harness.state_mut().state;
     state.appearance.reduced_motion = true;
-    state.apply(Command::View(ViewCommand::FlyTo([60.0, 60.0], 12.0)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([60.0, 60.0], 12.0),
+    ));
     support::settle(&mut harness);
     harness
 }
@@ -298,7 +302,7 @@ fn a_tap_shows_what_is_known_and_keeps_it_in_view() {
     harness
         .state_mut()
         .state
-        .apply(Command::View(ViewCommand::Fit));
+        .apply(Command::View(Which::First, ViewCommand::Fit));
     support::settle(&mut harness);
     let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);
@@ -380,12 +384,15 @@ fn a_touch_that_is_taken_back_does_nothing_and_lets_go() {
 #[test]
 fn what_was_selected_can_be_let_go_by_a_tap_outside() {
     let mut harness = opened(SIZES[0]);
-    let pick = DebugCommand::Pick(Selection::Sample(40));
-    harness.state_mut().state.apply(Command::Debug(pick));
+    let pick = ViewCommand::Pick(Selection::Sample(40));
     harness
         .state_mut()
         .state
-        .apply(Command::View(ViewCommand::Fit));
+        .apply(Command::View(Which::First, pick));
+    harness
+        .state_mut()
+        .state
+        .apply(Command::View(Which::First, ViewCommand::Fit));
     support::settle(&mut harness);
     let corner = harness.state().state.runs.first.viewport.center_top() + vec2(0.0, 12.0);
     tap(&mut harness, corner);

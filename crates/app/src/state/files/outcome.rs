@@ -5,6 +5,7 @@ use std::sync::Arc;
 use tilescope_debugger::Debugger;
 
 use crate::analysis::held::Held;
+use crate::command::Which;
 use crate::draft::Draft;
 use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
 use crate::recipe::OwnPattern;
@@ -190,7 +191,7 @@ impl State {
         (self.runs.first.selected, self.runs.first.place) = (None, None);
         self.show(opened.session);
         self.runs.first.debugger = Some(debugger);
-        self.follow_cursor();
+        self.runs.first.follow_cursor();
         let (view, mut dropped) = View::from_json(&opened.saved.view);
         dropped.extend(self.look_as(&view));
         self.forget_changes();
@@ -206,13 +207,13 @@ impl State {
         ) = (None, None, None);
         self.remember_run(Part::Run);
         (self.runs.first.selected, self.runs.first.place) = (None, None);
-        self.show_combination(combined.session);
+        self.show_combination(Which::First, combined.session);
         let Some(saved) = combined.saved else {
             return;
         };
         if let Some(session) = &self.runs.first.session {
             let last = session.stages.len() - 1;
-            self.set_stage(saved.stage.min(last));
+            self.runs.first.set_stage(saved.stage.min(last));
         }
         let (view, mut dropped) = View::from_json(&saved.view);
         dropped.extend(self.look_as(&view));

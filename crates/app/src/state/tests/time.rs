@@ -3,11 +3,13 @@
 use super::{settled, type_in};
 use crate::State;
 use crate::clock::Clock;
+use crate::command::Which;
 use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewCommand};
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
 use crate::panels::told;
 use crate::sentence::happened;
+use crate::state::RunView;
 use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
 use tilescope_debugger::{Direction, Target, moves};
 
@@ -19,8 +21,8 @@ fn time(state: &mut State, command: TimeCommand) {
 }
 
 /// Returns whether the camera shows all of what is shown.
-fn fits(state: &State) -> bool {
-    state.runs.first.camera == state.fitting()
+fn fits(run: &RunView) -> bool {
+    run.camera == run.fitting()
 }
 
 #[test]
@@ -30,25 +32,28 @@ fn play_fits_the_domain_behind_the_pattern() {
         time(&mut state, TimeCommand::Clock(clock));
         state.apply(Command::Time(TimeCommand::TogglePlay));
         assert_eq!(state.current_stage(), Some(Stage::Pattern));
-        assert!(fits(&state));
+        assert!(fits(&state.runs.first));
         state.advance(clock.tick_secs());
         assert_eq!(state.current_stage(), Some(Stage::Blocks), "{clock:?}");
-        assert!(fits(&state), "{clock:?}");
+        assert!(fits(&state.runs.first), "{clock:?}");
     }
 }
 
 #[test]
 fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
     let mut state = settled();
-    state.apply(Command::View(ViewCommand::FlyTo([3.0, 90.0], 5.0)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([3.0, 90.0], 5.0),
+    ));
     while state.advance(0.1) {}
     state.apply(Command::Time(TimeCommand::FirstStage));
-    state.apply(Command::View(ViewCommand::Fit));
+    state.apply(Command::View(Which::First, ViewCommand::Fit));
     // The flight is under way when the pattern goes.
     state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
     assert_eq!(state.current_stage(), Some(Stage::Blocks));
-    assert!(fits(&state) && state.runs.first.flight.is_none());
+    assert!(fits(&state.runs.first) && state.runs.first.flight.is_none());
 }
 
 #[test]
@@ -58,7 +63,7 @@ fn a_loop_over_the_pattern_fits_both() {
     time(&mut state, TimeCommand::Loop(Some(0..3)));
     state.apply(Command::Time(TimeCommand::TogglePlay));
     for _ in 0..7 {
-        assert!(fits(&state), "{:?}", state.cursor());
+        assert!(fits(&state.runs.first), "{:?}", state.cursor());
         state.advance(Clock::Event.tick_secs());
     }
 }
@@ -79,7 +84,7 @@ fn a_breakpoint_that_takes_several_frames_leaves_the_pattern() {
         state.advance(0.01);
     }
     assert_eq!(state.cursor().unwrap().0, 10_599);
-    assert!(fits(&state));
+    assert!(fits(&state.runs.first));
 }
 
 #[test]
@@ -93,16 +98,15 @@ fn the_second_run_fits_too() {
     state.settle();
     state.apply(Command::Compare(CompareCommand::LinkCameras(false)));
     let viewport = egui::Rect::from_min_size(egui::pos2(0.0, 0.0), egui::vec2(300.0, 500.0));
-    let on_second = |command| Command::OnSecond(Box::new(command));
-    state.apply(on_second(Command::View(ViewCommand::Viewport(viewport))));
+    state.apply(Command::View(
+        Which::Second,
+        ViewCommand::Viewport(viewport),
+    ));
     state.apply(Command::Time(TimeCommand::TogglePlay));
     state.advance(Clock::Stage.tick_secs());
-    let fitted = state.with_second(|second| {
-        assert_eq!(second.current_stage(), Some(Stage::Blocks));
-        fits(second)
-    });
-    assert_eq!(fitted, Some(true));
-    assert!(fits(&state));
+    let second = state.runs.get(Which::Second).unwrap();
+    assert_eq!(second.current_stage(), Some(Stage::Blocks));
+    assert!(fits(second) && fits(&state.runs.first));
 }
 
 /// Returns sessions of some hundred samples, of every kind that has events.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tilescope_app::camera::Camera;
 use tilescope_app::clock::{Clock, SPEEDS};
 use tilescope_app::combination::CombineCommand;
+use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand,
     WindowCommand,
@@ -59,7 +60,7 @@ fn a_busy_session_is_there_again() {
             "distance < 0.4; #&=%".to_owned(),
         )),
         Command::Debug(DebugCommand::Watch("distance".to_owned())),
-        Command::Debug(DebugCommand::Pick(Selection::Sample(40))),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
         Command::Time(TimeCommand::Jump(300)),
         Command::Debug(DebugCommand::Bookmark),
         Command::Debug(DebugCommand::Note(0, "here: \u{e9}; there".to_owned())),
@@ -72,7 +73,7 @@ fn a_busy_session_is_there_again() {
         Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
         Command::Appearance(AppearanceCommand::Look(Look::Light)),
         Command::Window(WindowCommand::OpenPanel(Panel::Events)),
-        Command::View(ViewCommand::FlyTo([20.0, 21.0], 9.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0], 9.0)),
         Command::Compare(CompareCommand::Start(Rival::Order)),
     ] {
         state.apply(command);
@@ -153,22 +154,26 @@ fn view_command(draws: &mut Draws) -> Command {
         )),
         4 => Command::Appearance(AppearanceCommand::Look(*draws.of(&Look::ALL))),
         5 => Command::Window(WindowCommand::OpenPanel(*draws.of(&Panel::ALL))),
-        6 => Command::View(ViewCommand::FlyTo(
-            [30.0 * draws.part(), 30.0 * draws.part()],
-            1.0 + 20.0 * draws.part(),
-        )),
-        7 => Command::View(ViewCommand::Zoom(
-            egui::pos2(100.0, 200.0),
-            0.2 + 3.0 * draws.part(),
-        )),
-        8 => Command::View(ViewCommand::Fit),
-        9 => Command::Debug(DebugCommand::Pick(Selection::Sample(
-            draws.below(900) as u32
-        ))),
-        10 => Command::Debug(DebugCommand::Pick(Selection::Place([
-            20.0 * draws.part(),
-            20.0 * draws.part(),
-        ]))),
+        6 => Command::View(
+            Which::First,
+            ViewCommand::FlyTo(
+                [30.0 * draws.part(), 30.0 * draws.part()],
+                1.0 + 20.0 * draws.part(),
+            ),
+        ),
+        7 => Command::View(
+            Which::First,
+            ViewCommand::Zoom(egui::pos2(100.0, 200.0), 0.2 + 3.0 * draws.part()),
+        ),
+        8 => Command::View(Which::First, ViewCommand::Fit),
+        9 => Command::View(
+            Which::First,
+            ViewCommand::Pick(Selection::Sample(draws.below(900) as u32)),
+        ),
+        10 => Command::View(
+            Which::First,
+            ViewCommand::Pick(Selection::Place([20.0 * draws.part(), 20.0 * draws.part()])),
+        ),
         11 => Command::Time(TimeCommand::Clock(*draws.of(&Clock::ALL))),
         12 => Command::Time(TimeCommand::Speed(*draws.of(&SPEEDS))),
         13 => Command::Time(TimeCommand::LoopStart),
@@ -265,7 +270,7 @@ fn a_run_that_the_user_starts_counts_instead() {
 fn a_cancelled_run_of_a_link_leaves_the_session_at_hand() {
     let mut state = state();
     state.open_link("v=1&radius=0.0007&at=77");
-    state.apply(Command::Cancel);
+    state.apply(Command::Cancel(Which::First));
     settle(&mut state);
     assert_eq!(state.link().fragment, "v=1");
     assert!(said(&state).contains("Cancelled"), "{}", said(&state));
@@ -390,7 +395,10 @@ fn undo_brings_back_what_a_link_replaced() {
 fn a_camera_on_the_pattern_ends_with_it() {
     let mut state = state();
     state.runs.first.camera = Camera::default();
-    state.apply(Command::View(ViewCommand::FlyTo([10.0, 10.0], 9.0)));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([10.0, 10.0], 9.0),
+    ));
     settle(&mut state);
     state.apply(Command::Time(TimeCommand::FirstStage));
     let link = state.link();

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
 use tilescope_app::command::ViewCommand;
+use tilescope_app::command::Which;
 use tilescope_app::{Command, State};
 
 /// A state with a canvas of its own and its default session.
 pub fn state() -> State {
     let mut state = State::new(Arc::new(|| {}));
     let viewport = Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0));
-    state.apply(Command::View(ViewCommand::Viewport(viewport)));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(viewport)));
     state.settle();
     state
 }

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
 
-use super::{Found, State};
+use super::{Found, RunView};
 use crate::errand::{self, Errand, Lent};
 use crate::jobs::Monitor;
+use crate::state::effects::Context;
 
 /// Most places that are marked.
 pub const MOST_HITS: usize = 20_000;
@@ -51,45 +52,38 @@ impl Hits {
     }
 
     #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn settle(&mut self) {
+    pub(in crate::state) fn settle(&mut self) {
         self.found.settle();
     }
 }
 
-impl State {
+impl RunView {
     /// Has the places found out if the breakpoints have changed.
-    pub(super) fn want_hits(&mut self) {
-        self.runs.first.hits.found.poll();
-        let (Some(session), Some(debugger)) = (&self.runs.first.session, &self.runs.first.debugger)
-        else {
-            self.runs.first.hits = Hits::default();
+    pub(in crate::state) fn want_hits(&mut self, context: &Context<'_>) {
+        self.hits.found.poll();
+        let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
+            self.hits = Hits::default();
             return;
         };
         let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
         let stops = enabled.map(|b| (b.line, b.condition.as_str()));
-        let same = self
-            .runs
-            .first
-            .hits
-            .key
-            .as_ref()
-            .is_some_and(|(generation, known)| {
-                let known = known
-                    .iter()
-                    .map(|(line, condition)| (*line, condition.as_str()));
-                *generation == session.generation && known.eq(stops.clone())
-            });
+        let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
+            let known = known
+                .iter()
+                .map(|(line, condition)| (*line, condition.as_str()));
+            *generation == session.generation && known.eq(stops.clone())
+        });
         if same {
             return;
         }
         let stops: Vec<(LineId, String)> =
             stops.map(|(line, text)| (line, text.to_owned())).collect();
-        self.runs.first.hits.key = Some((session.generation, stops.clone()));
-        self.runs.first.hits.found = if stops.is_empty() {
+        self.hits.key = Some((session.generation, stops.clone()));
+        self.hits.found = if stops.is_empty() {
             Found::Nothing
         } else {
             let session = Lent(Arc::clone(session));
-            Found::Pending(errand::start(&self.jobs.wake, Counting { session, stops }))
+            Found::Pending(errand::start(context.wake, Counting { session, stops }))
         };
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tilescope_core::{Point, R};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Stops, why};
 
-use super::State;
+use super::RunView;
 use crate::command::DebugCommand;
 use crate::selection::Selection;
 use serde::{Deserialize, Serialize};
@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::errand::{self, Errand, Lent};
 use crate::jobs::{Job, Monitor};
 use crate::session::Session;
+use crate::state::effects::Context;
 
 /// Most events that a query or a history shows.
 pub const MOST_FOUND: usize = 100_000;
@@ -42,7 +43,7 @@ impl Found {
     }
 
     /// Takes the events when they are there.
-    pub(super) fn poll(&mut self) {
+    pub(in crate::state) fn poll(&mut self) {
         if let Self::Pending(job) = self
             && let Some(outcome) = job.poll()
         {
@@ -60,7 +61,7 @@ impl Found {
     }
 
     #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn settle(&mut self) {
+    pub(in crate::state) fn settle(&mut self) {
         if let Self::Pending(job) = self {
             *self = job.wait().map_or_else(Self::Failed, Self::Events);
         }
@@ -78,141 +79,140 @@ pub struct EventQuery {
     pub found: Found,
 }
 
-impl State {
-    pub(super) fn apply_to_debugger(&mut self, command: DebugCommand) {
+impl RunView {
+    pub(in crate::state) fn apply_to_debugger(
+        &mut self,
+        command: DebugCommand,
+        context: &Context<'_>,
+    ) {
+        let before = self.stage;
         match command {
-            DebugCommand::Query(text) => self.look_for(text),
-            DebugCommand::Pick(selection) => self.pick(selection),
+            DebugCommand::Query(text) => self.look_for(text, context),
             DebugCommand::SelectEvent(event) => self.select_event(event),
             DebugCommand::ToggleEvent(event) => {
-                let outline = self
-                    .runs
-                    .first
-                    .session
-                    .as_ref()
-                    .and_then(|s| s.outline.as_ref());
-                if let (Some(outline), Some(rows)) = (outline, &mut self.runs.first.rows) {
+                let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+                if let (Some(outline), Some(rows)) = (outline, &mut self.rows) {
                     rows.toggle(outline, event);
                 }
             }
             command => {
-                if let Some(debugger) = &mut self.runs.first.debugger {
+                if let Some(debugger) = &mut self.debugger {
                     change(debugger, command);
                 }
             }
         }
+        self.follow_cursor();
+        self.moved(before);
     }
 
     /// Returns what the user has set, wherever it is kept.
-    pub(super) fn take_stops(&mut self) -> Stops {
-        match &mut self.runs.first.debugger {
+    pub(in crate::state) fn take_stops(&mut self) -> Stops {
+        match &mut self.debugger {
             Some(debugger) => debugger.take_stops(),
-            None => std::mem::take(&mut self.runs.first.stops),
+            None => std::mem::take(&mut self.stops),
         }
     }
 
     /// Sets what the user had set; it is kept for a later run where this one has no events.
-    pub(super) fn put_stops(&mut self, stops: Stops) {
-        match &mut self.runs.first.debugger {
+    pub(in crate::state) fn put_stops(&mut self, stops: Stops, context: &mut Context<'_>) {
+        match &mut self.debugger {
             Some(debugger) => {
                 if let Err(error) = debugger.put_stops(stops) {
-                    self.tell(crate::words::sentence(&error.to_string()), true);
+                    context.tell(crate::words::sentence(&error.to_string()), true);
                 }
             }
-            None => self.runs.first.stops = stops,
+            None => self.stops = stops,
         }
     }
 
     /// Takes up the debugger of a new session; breakpoints, watches and bookmarks stay.
-    pub(super) fn debug(&mut self, session: &Session) {
+    pub(in crate::state) fn debug(&mut self, session: &Session, context: &mut Context<'_>) {
         let stops = self.take_stops();
         let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
-        self.runs.first.debugger = session.recording().map(debugger);
-        self.put_stops(stops);
-        self.runs.first.rows = session.outline.as_ref().map(OutlineRows::new);
-        (self.runs.first.revealed, self.runs.first.passes) = (usize::MAX, None);
-        self.runs.first.history_found = Found::Nothing;
-        self.time.playback.range = None;
-        let text = std::mem::take(&mut self.runs.first.query.text);
-        self.look_for(text);
+        self.debugger = session.recording().map(debugger);
+        self.put_stops(stops, context);
+        self.rows = session.outline.as_ref().map(OutlineRows::new);
+        (self.revealed, self.passes) = (usize::MAX, None);
+        self.history_found = Found::Nothing;
+        let text = std::mem::take(&mut self.query.text);
+        self.look_for(text, context);
     }
 
     /// Goes behind an event and everything that it holds; the tree stays as it is.
     fn select_event(&mut self, event: usize) {
-        let outline = self
-            .runs
-            .first
-            .session
-            .as_ref()
-            .and_then(|s| s.outline.as_ref());
+        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
         if let Some(outline) = outline {
             let end = outline.end(event);
             self.jump(end);
-            self.runs.first.revealed = end;
+            self.revealed = end;
         }
     }
 
-    /// Opens the tree of events down to the last one, if the cursor was moved elsewhere than in the tree.
-    pub(super) fn reveal(&mut self) {
-        let Some((cursor, _)) = self
-            .cursor()
-            .filter(|(cursor, _)| *cursor != self.runs.first.revealed)
-        else {
+    /// Opens the tree of events down to the last one, if the cursor was moved elsewhere than in the tree. For a window that
+    /// shows the tree.
+    pub(in crate::state) fn reveal(&mut self) {
+        let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
             return;
         };
-        if !self.window.shows(crate::layout::Panel::Events) {
-            return;
-        }
-        self.runs.first.revealed = cursor;
-        let outline = self
-            .runs
-            .first
-            .session
-            .as_ref()
-            .and_then(|s| s.outline.as_ref());
+        self.revealed = cursor;
+        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
         if let (Some(outline), Some(rows), Some(last)) =
-            (outline, &mut self.runs.first.rows, cursor.checked_sub(1))
+            (outline, &mut self.rows, cursor.checked_sub(1))
         {
             rows.expand_to(outline, last);
         }
     }
 
-    fn look(&self, aim: Aim) -> Found {
-        match &self.runs.first.session {
-            Some(session) if self.runs.first.debugger.is_some() => {
+    fn look(&self, aim: Aim, context: &Context<'_>) -> Found {
+        match &self.session {
+            Some(session) if self.debugger.is_some() => {
                 let session = Lent(Arc::clone(session));
-                Found::Pending(errand::start(&self.jobs.wake, Looking { session, aim }))
+                Found::Pending(errand::start(context.wake, Looking { session, aim }))
             }
             _ => Found::Nothing,
         }
     }
 
-    fn look_for(&mut self, text: String) {
+    fn look_for(&mut self, text: String, context: &Context<'_>) {
         let parsed = Query::parse(&text);
-        self.runs.first.query.error = parsed.as_ref().err().map(ToString::to_string);
-        self.runs.first.query.found = match parsed {
-            Ok(query) if query != Query::default() => self.look(Aim::Query(text.clone())),
+        self.query.error = parsed.as_ref().err().map(ToString::to_string);
+        self.query.found = match parsed {
+            Ok(query) if query != Query::default() => self.look(Aim::Query(text.clone()), context),
             _ => Found::Nothing,
         };
-        self.runs.first.query.text = text;
+        self.query.text = text;
+    }
+
+    /// Returns whether the session at hand has what is to be selected.
+    #[must_use]
+    pub fn can_select(&self, selection: Selection) -> bool {
+        let Some(session) = &self.session else {
+            return false;
+        };
+        let size = session.size_radii();
+        match selection {
+            Selection::Nothing => true,
+            Selection::Sample(id) => (id as usize) < session.run().samples.len(),
+            Selection::Place(place) => (0..2).all(|k| (0.0..size[k]).contains(&place[k])),
+        }
     }
 
     /// Selects a sample, a place or nothing, and has its history looked up.
-    pub(super) fn pick(&mut self, selection: Selection) {
+    pub(in crate::state) fn pick(&mut self, selection: Selection, context: &Context<'_>) {
         if !self.can_select(selection) {
             return;
         }
-        (self.runs.first.selected, self.runs.first.place) = match selection {
+        (self.selected, self.place) = match selection {
             Selection::Nothing => (None, None),
             Selection::Sample(id) => (Some(id), None),
             Selection::Place(place) => (None, Some(place)),
         };
-        self.runs.first.history_found = match selection {
+        self.history_found = match selection {
             Selection::Nothing => Found::Nothing,
-            Selection::Sample(id) => self.look(Aim::Sample(id)),
+            Selection::Sample(id) => self.look(Aim::Sample(id), context),
             Selection::Place(place) => {
                 let units = place.map(|x| (x * f64::from(R)).round() as i32);
-                self.look(Aim::Place(Point::new(units[0], units[1])))
+                self.look(Aim::Place(Point::new(units[0], units[1])), context)
             }
         };
     }
@@ -291,10 +291,7 @@ fn change(debugger: &mut Debugger, command: DebugCommand) {
                 debugger.jump(cause + 1);
             }
         }
-        DebugCommand::Query(_)
-        | DebugCommand::Pick(_)
-        | DebugCommand::SelectEvent(_)
-        | DebugCommand::ToggleEvent(_) => {}
+        DebugCommand::Query(_) | DebugCommand::SelectEvent(_) | DebugCommand::ToggleEvent(_) => {}
     }
 }
 

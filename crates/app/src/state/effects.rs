@@ -1,0 +1,44 @@
+//! What a part of the state may use of the others while it carries out a command, and what it asks of them.
+
+use super::{Appearance, Notice};
+use crate::incoming::NamedBytes;
+use crate::jobs::Wake;
+
+/// What a part asks of the others. The state does it once the command is carried out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Effect {
+    /// The user should read this.
+    Tell(Notice),
+    /// The panel of what is selected should be in view.
+    Inspect,
+    /// A file is to be downloaded.
+    Download(NamedBytes),
+}
+
+/// What a part may use of the others.
+pub(super) struct Context<'a> {
+    /// Starts work in the background.
+    pub(super) wake: &'a Wake,
+    /// Whether the camera jumps instead of flying.
+    pub(super) reduced_motion: bool,
+    /// What the part asks for.
+    pub(super) effects: Vec<Effect>,
+}
+
+impl<'a> Context<'a> {
+    pub(super) const fn new(wake: &'a Wake, appearance: &Appearance) -> Self {
+        Self {
+            wake,
+            reduced_motion: appearance.reduced_motion,
+            effects: Vec::new(),
+        }
+    }
+
+    pub(super) fn tell(&mut self, text: String, is_error: bool) {
+        self.effects.push(Effect::Tell(Notice { text, is_error }));
+    }
+
+    pub(super) fn ask(&mut self, effect: Effect) {
+        self.effects.push(effect);
+    }
+}

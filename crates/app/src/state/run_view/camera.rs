@@ -1,0 +1,283 @@
+//! Moving the camera of a run, and pointing at what it shows.
+
+use egui::Rect;
+use tilescope_core::Stage;
+
+use super::RunView;
+use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
+use crate::command::ViewCommand;
+use crate::selection::Selection;
+use crate::state::effects::{Context, Effect};
+use crate::units::radii;
+use crate::verification::{Sight, Witness};
+
+/// So far within the view, in screen points, is a selection kept.
+const IN_VIEW: f32 = 32.0;
+
+impl RunView {
+    pub(in crate::state) fn apply_to_view(
+        &mut self,
+        command: ViewCommand,
+        context: &mut Context<'_>,
+    ) {
+        match command {
+            ViewCommand::Viewport(rect) => self.follow_viewport(rect),
+            ViewCommand::Pan(delta) => {
+                (self.flight, self.fitted) = (None, false);
+                self.camera.pan(delta);
+            }
+            ViewCommand::Zoom(pos, factor) => {
+                (self.flight, self.fitted) = (None, false);
+                let scales = self.scales();
+                self.camera.zoom_about(self.viewport, pos, factor, scales);
+            }
+            ViewCommand::SelectMiddle => {
+                self.select_middle(context);
+                context.ask(Effect::Inspect);
+            }
+            ViewCommand::Fit => {
+                self.sight = None;
+                self.fitted = true;
+                // Whoever asks for all of the pattern asks for all of the domain, too.
+                if let Some((_, fitted)) = &mut self.before_pattern {
+                    *fitted = true;
+                }
+                self.fly(self.fitting(), context);
+            }
+            ViewCommand::FlyTo(center, radii) => self.fly_to(center, radii, context),
+            ViewCommand::GoToCurrent => self.go_to_current(context),
+            ViewCommand::FlyToBlock(place) => self.fly_to_block(place, context),
+            ViewCommand::FlyToWitness(witness) => self.fly_to_witness(witness, context),
+            ViewCommand::GoToSample(id) => {
+                self.pick(Selection::Sample(id), context);
+                if let Some(session) = &self.session {
+                    let center = session.place(id);
+                    self.fly_to(center, 12.0, context);
+                }
+            }
+            ViewCommand::Hover(id) => self.hovered = id,
+            ViewCommand::Pick(selection) => {
+                self.pick(selection, context);
+                self.forget_unseen();
+            }
+            ViewCommand::Inspect => context.ask(Effect::Inspect),
+        }
+    }
+
+    /// Fits what is fitted into the new viewport; otherwise a selection that was in view stays in view, as when a panel
+    /// opens over the part of the canvas where it was picked.
+    fn follow_viewport(&mut self, viewport: Rect) {
+        let before = std::mem::replace(&mut self.viewport, viewport);
+        if self.fitted && self.session.is_some() {
+            self.camera = self.fitting();
+            self.flight = None;
+        }
+        self.camera = self.within_scales(self.camera);
+        if self.fitted {
+            return;
+        }
+        let sample = self.selected.zip(self.session.as_ref());
+        let place = sample.map(|(id, session)| session.place(id)).or(self.place);
+        let Some(place) = place.filter(|_| self.before_pattern.is_none()) else {
+            return;
+        };
+        if before.contains(self.camera.screen_from_domain(before, place)) {
+            let now = self.camera.screen_from_domain(viewport, place);
+            let room = viewport.shrink(IN_VIEW.min(0.5 * viewport.size().min_elem()));
+            self.camera.pan(room.clamp(now) - now);
+        }
+    }
+
+    /// Selects the sample nearest to the middle of the view, within a radius of it, or else the place.
+    fn select_middle(&mut self, context: &Context<'_>) {
+        let Some(shown) = self.shown() else {
+            return;
+        };
+        let middle = self.camera.center;
+        let mut best: Option<(f64, u32)> = None;
+        shown.session.index.visit(middle, middle, 1.0, |seen| {
+            let distance = (seen.place[0] - middle[0]).hypot(seen.place[1] - middle[1]);
+            let there = shown.standing(seen.id) != tilescope_core::Standing::Absent;
+            if there && best.is_none_or(|(least, _)| distance < least) {
+                best = Some((distance, seen.id));
+            }
+        });
+        let nearest = best.map_or(Selection::Place(middle), |(_, id)| Selection::Sample(id));
+        self.pick(nearest, context);
+    }
+
+    /// Returns the size of what is shown, in r: of the domain, or of the pattern, which has its own.
+    fn shown_size(&self) -> Option<[f64; 2]> {
+        let session = self.session.as_ref()?;
+        Some(match self.current_stage() {
+            // Its user unit is one radius.
+            Some(Stage::Pattern) => session.run().pattern.domain().size(),
+            _ => session.size_radii(),
+        })
+    }
+
+    /// Returns whether the whole domain is shown, and stays so when the window changes.
+    #[must_use]
+    pub const fn is_fitted(&self) -> bool {
+        self.fitted
+    }
+
+    pub(in crate::state) fn fitting(&self) -> Camera {
+        let size = self.shown_size().unwrap_or([1.0; 2]);
+        Camera::fitting(size, self.viewport)
+    }
+
+    /// Returns the scales at which what is shown may be looked at; without a session or a canvas all there are.
+    fn scales(&self) -> [f64; 2] {
+        match self.shown_size() {
+            Some(size) if self.viewport.is_positive() => Camera::scales(size, self.viewport),
+            _ => [MIN_SCALE, MAX_SCALE],
+        }
+    }
+
+    /// Returns a camera brought to the nearest scale at which what is shown may be looked at.
+    pub(in crate::state) fn within_scales(&self, camera: Camera) -> Camera {
+        camera.within(self.scales())
+    }
+
+    /// Shows the stage at `place` of the session's list; whatever changes the stage does it here, so that the camera
+    /// follows.
+    pub(in crate::state) fn set_stage(&mut self, place: usize) {
+        self.stage = place;
+        self.follow_pattern();
+    }
+
+    /// Fits the pattern when it comes into view, and returns to where the camera was afterwards.
+    pub(in crate::state) fn follow_pattern(&mut self) {
+        let on_pattern = self.current_stage() == Some(Stage::Pattern);
+        match (on_pattern, self.before_pattern) {
+            (true, None) => {
+                self.before_pattern = Some((self.camera, self.fitted));
+                (self.flight, self.fitted) = (None, true);
+                self.camera = self.fitting();
+            }
+            (false, Some((camera, fitted))) => {
+                (self.before_pattern, self.flight) = (None, None);
+                self.fitted = fitted;
+                self.camera = if fitted {
+                    self.fitting()
+                } else {
+                    self.within_scales(camera)
+                };
+            }
+            _ => {}
+        }
+    }
+
+    pub(in crate::state) fn fly_to(&mut self, center: [f64; 2], radii: f64, context: &Context<'_>) {
+        self.fitted = false;
+        let room = f64::from(self.viewport.size().min_elem().max(1.0));
+        let to = Camera {
+            center,
+            scale: room / radii,
+        };
+        self.fly(to, context);
+    }
+
+    fn go_to_current(&mut self, context: &Context<'_>) {
+        let shown = self.shown();
+        let place = shown.and_then(|shown| {
+            let event = shown.last_event()?;
+            shown.debugger?.recording().place(event)
+        });
+        if let Some(point) = place {
+            self.fly_to([radii(point.x), radii(point.y)], 12.0, context);
+        }
+    }
+
+    /// Flies to the gap that holds a place, else to its block.
+    fn fly_to_block(&mut self, place: [f64; 2], context: &Context<'_>) {
+        let gap = self.shown().and_then(|shown| {
+            let tessellation = self.geometry.of(&shown)?;
+            let gap = tessellation.gap_at(place)?;
+            Some(tessellation.gaps[gap].deepest.0)
+        });
+        if let Some(deepest) = gap {
+            self.pick(Selection::Place(place), context);
+            self.fly_to(deepest, 5.0, context);
+            return;
+        }
+        let Some(session) = &self.session else {
+            return;
+        };
+        let leaves = &session.run().blocks.leaves;
+        let holds = |low: i32, high: i32, at: f64| radii(low) <= at && at < radii(high);
+        let block = leaves.iter().find(|block| {
+            let rect = &block.rect;
+            holds(rect.min.x, rect.max.x, place[0]) && holds(rect.min.y, rect.max.y, place[1])
+        });
+        if let Some(rect) = block.map(|block| block.rect) {
+            self.pick(Selection::Place(place), context);
+            let center = [(rect.min.x, rect.max.x), (rect.min.y, rect.max.y)]
+                .map(|(low, high)| f64::midpoint(radii(low), radii(high)));
+            let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
+            self.fly_to(center, 1.1 * size, context);
+        }
+    }
+
+    pub(in crate::state) fn fly_to_witness(&mut self, witness: Witness, context: &Context<'_>) {
+        let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
+            return;
+        };
+        let Some(sight) = verdict.sight(witness, session) else {
+            return;
+        };
+        let center = match sight {
+            Sight::Circle(center, _) => center,
+            Sight::Pair([a, b], _) => {
+                let from = session.place(a);
+                let to = session.image_near(b, from);
+                [0, 1].map(|k| f64::midpoint(from[k], to[k]))
+            }
+        };
+        // The verdict is about the result.
+        let last = session.stages.len() - 1;
+        self.show_stage(last);
+        self.sight = Some(sight);
+        self.fly_to(center, 9.0, context);
+    }
+
+    pub(in crate::state) fn end_flight(&mut self) {
+        if let Some(flight) = self.flight.take() {
+            self.camera = flight.destination();
+        }
+    }
+
+    /// Shows the domain by a camera, or all of it; where there is no canvas yet, by `otherwise`.
+    pub(in crate::state) fn take_camera(&mut self, camera: Option<Camera>, otherwise: Camera) {
+        self.fitted = camera.is_none();
+        self.camera = camera.unwrap_or(otherwise);
+        (self.flight, self.before_pattern) = (None, None);
+        if self.fitted && self.viewport.is_positive() {
+            self.camera = self.fitting();
+        }
+        self.camera = self.within_scales(self.camera);
+        self.follow_pattern();
+    }
+
+    /// Flies on by `dt_secs`.
+    pub(in crate::state) fn fly_on(&mut self, dt_secs: f32) {
+        if let Some(flight) = &mut self.flight {
+            let (camera, arrived) = flight.advance(dt_secs);
+            self.camera = camera;
+            if arrived {
+                self.flight = None;
+            }
+        }
+    }
+
+    /// Flies, or jumps where motion is reduced.
+    fn fly(&mut self, to: Camera, context: &Context<'_>) {
+        let to = self.within_scales(to);
+        if context.reduced_motion {
+            (self.camera, self.flight) = (to, None);
+        } else {
+            self.flight = Some(Flight::new(self.camera, to));
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The passes of a run on the GPU, and how they and the timeline follow each other.
+
+use super::RunView;
+use crate::incoming::NamedBytes;
+use crate::passes::PassCommand;
+use crate::state::effects::{Context, Effect};
+
+impl RunView {
+    /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
+    /// is chosen or one behind which that stage is the last whole one.
+    pub(in crate::state) fn lead_passes(&mut self) {
+        let (Some(stage), Some(passes)) = (self.current_stage(), &mut self.passes) else {
+            return;
+        };
+        let is_there = passes.position().is_some_and(|(other, _)| other == stage);
+        if !is_there && passes.whole_stage() != Some(stage) {
+            passes.select_stage(stage);
+        }
+    }
+
+    /// Returns the stage and the cursor shown.
+    pub(in crate::state) fn moment(&self) -> (usize, Option<usize>) {
+        (self.stage, self.cursor().map(|(cursor, _)| cursor))
+    }
+
+    /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
+    /// the chosen pass.
+    pub(in crate::state) fn apply_to_passes(
+        &mut self,
+        command: PassCommand,
+        context: &mut Context<'_>,
+    ) {
+        let Some(passes) = &mut self.passes else {
+            return;
+        };
+        let before = passes.selected();
+        passes.apply(command);
+        if let Some((name, bytes)) = passes.take_download() {
+            context.ask(Effect::Download(NamedBytes { name, bytes }));
+        }
+        if before != passes.selected()
+            && let Some(stage) = passes.whole_stage()
+        {
+            // The last iteration is no stage of a session without events.
+            let stages = self.session.iter().flat_map(|session| &session.stages);
+            let place = stages
+                .take_while(|&&other| other <= stage)
+                .count()
+                .checked_sub(1);
+            if let Some(place) = place {
+                self.show_stage(place);
+            }
+        }
+        let moment = self.moment();
+        if let Some(passes) = &mut self.passes {
+            passes.note_moment(moment);
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Moving a run in time. Where events were kept the cursor of the debugger is the only time there is, and the stage
+//! follows from it.
+
+use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
+
+use super::RunView;
+use crate::clock::Clock;
+use crate::compare::link::At;
+use crate::state::effects::Context;
+
+impl RunView {
+    /// Returns the cursor, and how many events there are; `None` for a session without events.
+    #[must_use]
+    pub fn cursor(&self) -> Option<(usize, usize)> {
+        let debugger = self.debugger.as_ref()?;
+        Some((debugger.state().cursor(), debugger.recording().len()))
+    }
+
+    /// Returns whether the result is what is shown.
+    #[must_use]
+    pub fn is_at_end(&self) -> bool {
+        match (self.cursor(), &self.session) {
+            (Some((cursor, len)), _) => cursor == len,
+            (None, Some(session)) => self.stage + 1 >= session.stages.len(),
+            (None, None) => true,
+        }
+    }
+
+    /// Returns why a clock cannot be chosen, or `None` if it can.
+    #[must_use]
+    pub fn clock_refusal(&self, clock: Clock) -> Option<&'static str> {
+        match clock {
+            Clock::Pass => self.passes.is_none().then_some(
+                "The passes of the GPU have not been run: the panel of GPU passes runs them.",
+            ),
+            Clock::Stage => None,
+            Clock::Event | Clock::Line => self
+                .debugger
+                .is_none()
+                .then_some("This session has no events."),
+        }
+    }
+
+    /// Shows the end of the stage at `place` of the list.
+    pub(in crate::state) fn show_stage(&mut self, place: usize) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        let place = place.min(session.stages.len() - 1);
+        match session.stage_end(place) {
+            Some(cursor) => self.jump(cursor),
+            None => self.set_stage(place),
+        }
+    }
+
+    /// Moves to a cursor.
+    pub(in crate::state) fn jump(&mut self, cursor: usize) {
+        let (Some(debugger), Some(session)) = (&mut self.debugger, &self.session) else {
+            return;
+        };
+        debugger.jump(cursor);
+        let place = session.stage_at(debugger.state().cursor());
+        self.set_stage(place);
+    }
+
+    /// Has the stage follow the cursor, which the debugger has moved.
+    pub(in crate::state) fn follow_cursor(&mut self) {
+        if let (Some(session), Some((cursor, _))) = (&self.session, self.cursor()) {
+            let place = session.stage_at(cursor);
+            self.set_stage(place);
+        }
+    }
+
+    pub(in crate::state) fn step(&mut self, step: Step, direction: Direction) {
+        if let Some(debugger) = &mut self.debugger {
+            debugger.step(step, direction);
+            self.follow_cursor();
+        }
+    }
+
+    pub(in crate::state) fn step_stage(&mut self, direction: Direction) {
+        let Some((session, cursor)) = self.session.as_ref().zip(self.cursor().map(|(at, _)| at))
+        else {
+            return;
+        };
+        let whole = session.stage_end(self.stage) == Some(cursor);
+        match direction {
+            Direction::Forwards => self.show_stage(self.stage + usize::from(whole)),
+            Direction::Backwards => self.show_stage(self.stage.saturating_sub(1)),
+        }
+    }
+
+    /// Runs until the event that `target` means has happened, or until a line is the next one.
+    pub(in crate::state) fn run_to(
+        &mut self,
+        target: Target,
+        direction: Direction,
+        context: &mut Context<'_>,
+    ) {
+        let Some(debugger) = &mut self.debugger else {
+            return;
+        };
+        let stop = debugger.run_to(target, direction);
+        self.follow_cursor();
+        if stop == Stop::End {
+            let text = none_there(target, direction);
+            context.tell(crate::words::sentence(&text), false);
+        }
+    }
+
+    /// Goes where another run stands.
+    pub(in crate::state) fn go_to(&mut self, at: At) {
+        match at.cursor {
+            Some(cursor) if self.debugger.is_some() => self.jump(cursor),
+            _ => self.set_stage(at.stage),
+        }
+        self.forget_unseen();
+    }
+
+    /// Does what follows from a move in time, which began at the stage `before`.
+    pub(in crate::state) fn moved(&mut self, before: usize) {
+        self.forget_unseen();
+        if before != self.stage {
+            self.lead_passes();
+        }
+    }
+
+    /// A sample that does not exist yet is not pointed at. What is selected stays: its history lies ahead.
+    pub(in crate::state) fn forget_unseen(&mut self) {
+        let Some(shown) = self.shown() else {
+            return;
+        };
+        let absent = tilescope_core::Standing::Absent;
+        let hovered = self.hovered.filter(|&id| shown.standing(id) != absent);
+        let finished = shown.stage == tilescope_core::Stage::Finish;
+        self.hovered = hovered;
+        if !finished {
+            self.sight = None;
+        }
+    }
+}
+
+/// Returns where the next (or last) line of pseudocode begins that is not the one at the cursor.
+pub(in crate::state) fn next_line(debugger: &Debugger, direction: Direction) -> usize {
+    let cursor = debugger.state().cursor();
+    let line = debugger.event().map(Event::line);
+    let other = |_: usize, event: &Event| Some(event.line()) != line;
+    let end = match direction {
+        Direction::Forwards => debugger.recording().len(),
+        Direction::Backwards => 0,
+    };
+    moves::find(debugger.recording(), cursor, direction, other).unwrap_or(end)
+}
+
+/// Says that a run found nothing to stop at.
+pub(in crate::state) fn none_there(target: Target, direction: Direction) -> String {
+    let way = match direction {
+        Direction::Forwards => "after",
+        Direction::Backwards => "before",
+    };
+    format!("there is no {} {way} this moment", name_of(target))
+}
+
+/// Returns what is looked for, as a noun.
+fn name_of(target: Target) -> String {
+    match target {
+        Target::Line(_) => "execution of this line".to_owned(),
+        Target::Kind(kind) => format!("event of kind \"{}\"", kind.name()),
+        Target::Conflict => "conflict".to_owned(),
+        Target::Elimination => "elimination".to_owned(),
+        Target::Gap => "gap found".to_owned(),
+        Target::Insertion => "insertion".to_owned(),
+        Target::SecondInsertion => "second insertion in one gap".to_owned(),
+        Target::Violation => "violated invariant".to_owned(),
+        Target::Sample(id) => format!("event of sample {}", crate::words::grouped(id as usize)),
+    }
+}

@@ -1,0 +1,123 @@
+//! What a run has made in the background, and taking up a session.
+
+use std::sync::Arc;
+
+use super::{Made, RunView};
+use crate::errand::{self, Lent};
+use crate::jobs::Job;
+use crate::selection::Selection;
+use crate::session::Session;
+use crate::state::Verification;
+use crate::state::effects::Context;
+use crate::verification::{Judging, Verdict};
+use crate::words::sentence;
+
+impl RunView {
+    /// Shows a session at its last stage and has it verified. Breakpoints, watches and bookmarks stay.
+    pub(in crate::state) fn show(&mut self, session: Session, context: &mut Context<'_>) {
+        let same_domain = self.session.as_ref().is_some_and(|old| {
+            old.run().domain.width() == session.run().domain.width()
+                && old.run().domain.height() == session.run().domain.height()
+        });
+        let selection = match (self.selected, self.place) {
+            (Some(id), _) if self.is_same_run(&session) => Selection::Sample(id),
+            (_, Some(place)) if same_domain => Selection::Place(place),
+            _ => Selection::Nothing,
+        };
+        self.stage = session.stages.len() - 1;
+        (self.hovered, self.selected, self.sight) = (None, None, None);
+        self.place = None;
+        let session = Arc::new(session);
+        self.session = Some(Arc::clone(&session));
+        self.debug(&session, context);
+        if let Some(debugger) = &mut self.debugger {
+            debugger.jump(usize::MAX);
+        }
+        self.pick(selection, context);
+        // What is saved next is another session.
+        self.session_path = None;
+        self.verify(context);
+        let from_pattern = self.before_pattern.take().is_some();
+        if !same_domain || from_pattern {
+            self.fitted = true;
+            self.flight = None;
+            if self.viewport.is_positive() {
+                self.camera = self.fitting();
+            }
+        }
+    }
+
+    /// Returns whether a session is of the same run as the one shown.
+    pub(in crate::state) fn is_same_run(&self, session: &Session) -> bool {
+        self.session.as_ref().is_some_and(|old| {
+            let are_runs = old.combination.is_none() && session.combination.is_none();
+            are_runs && old.recipe() == session.recipe()
+        })
+    }
+
+    /// Has the session verified.
+    pub(in crate::state) fn verify(&mut self, context: &Context<'_>) {
+        if let Some(session) = self.session.clone() {
+            let judging = Judging(Lent(session));
+            self.verification = Verification::Pending(errand::start(context.wake, judging));
+        }
+    }
+
+    fn finish_verification(&mut self, outcome: Result<Result<Verdict, String>, String>) {
+        self.verification = match outcome {
+            Ok(Ok(verdict)) => Verification::Done(Box::new(verdict)),
+            Ok(Err(failure)) | Err(failure) => Verification::Failed(sentence(&failure)),
+        };
+    }
+
+    /// Has the moment triangulated, if it is not.
+    pub(in crate::state) fn want_geometry(&mut self, context: &Context<'_>) {
+        let mut geometry = std::mem::take(&mut self.geometry);
+        if let Some(shown) = self.shown() {
+            geometry.want(&shown, context.wake);
+        }
+        self.geometry = geometry;
+    }
+
+    /// Takes what is finished of the work on the session.
+    pub(in crate::state) fn poll(&mut self) {
+        if let Verification::Pending(job) = &self.verification
+            && let Some(outcome) = job.poll()
+        {
+            self.finish_verification(outcome);
+        }
+        self.history_found.poll();
+        if let Some(passes) = &mut self.passes {
+            passes.poll();
+        }
+        self.query.found.poll();
+    }
+
+    /// Waits for the work on the session. `with_geometry` if the moment is to be triangulated.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::state) fn settle(&mut self, with_geometry: bool, context: &Context<'_>) {
+        if let Verification::Pending(job) = &self.verification {
+            let outcome = job.wait();
+            self.finish_verification(outcome);
+        }
+        // The first round ends what was begun for another moment.
+        for _ in 0..2 {
+            if with_geometry {
+                self.want_geometry(context);
+            }
+            self.geometry.settle();
+        }
+        self.history_found.settle();
+        if let Some(passes) = &mut self.passes {
+            passes.settle();
+        }
+        self.query.found.settle();
+    }
+
+    /// Takes the session that was being made, or why there is none, once the work has ended.
+    pub(in crate::state) fn made(&mut self) -> Option<Made> {
+        let outcome = self.sampling.as_ref().and_then(Job::poll)?;
+        self.sampling = None;
+        Some(outcome)
+    }
+}
