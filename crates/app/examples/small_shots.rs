@@ -60,7 +60,7 @@ fn opened(size: [f32; 2], pixels_per_point: f32) -> Harness<'static, App> {
 }
 
 fn panels(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
-    for panel in Panel::ALL {
+    for panel in Panel::all() {
         let command = DrawerCommand::Show(Some(panel));
         harness
             .state_mut()

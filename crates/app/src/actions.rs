@@ -294,7 +294,7 @@ fn view(list: &mut List, state: &State) {
         None,
         Command::Appearance(AppearanceCommand::ToggleReducedMotion),
     );
-    for panel in Panel::ALL {
+    for panel in Panel::all() {
         add(
             format!("Panel: {}", panel.name()),
             None,

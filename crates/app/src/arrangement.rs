@@ -14,7 +14,8 @@ pub const ROOM_BESIDE: f32 = 560.0;
 pub const ROOM_FOR_PROJECTOR: Vec2 = vec2(700.0, 420.0);
 
 /// How the window is arranged.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Arrangement {
     /// As the layout of the tiles says, or as a projector needs it.
     #[default]
@@ -61,7 +62,8 @@ pub struct Drawer {
 }
 
 /// What is done to a compact window.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum DrawerCommand {
     /// The window has another size.
     Arrange(Arrangement),

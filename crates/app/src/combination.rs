@@ -19,7 +19,8 @@ pub const NINE: &str = include_str!("../../../assets/layouts/nine.json");
 pub const MOST_COMBINED: usize = tilescope_debugger::MAX_SAMPLES;
 
 /// An action that makes a combination.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CombineCommand {
     /// That of figure 12.
     Nine,

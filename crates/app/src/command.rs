@@ -21,7 +21,8 @@ use crate::theme::Look;
 use crate::verification::Witness;
 
 /// A move in time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum TimeCommand {
     /// Shows the state after the stage of this place in the session's list.
     ShowStage(usize),
@@ -56,10 +57,11 @@ pub enum TimeCommand {
 }
 
 /// An action of the debugger.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum DebugCommand {
     /// Sets a breakpoint on a line, or removes the one that is there.
-    ToggleBreakpoint(LineId),
+    ToggleBreakpoint(#[serde(with = "tilescope_debugger::by_id")] LineId),
     /// Types the condition of a breakpoint.
     Condition(usize, String),
     /// Has a breakpoint stop a run, or not.
@@ -89,7 +91,8 @@ pub enum DebugCommand {
 }
 
 /// A change of what the next run is made from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FormCommand {
     /// Types a parameter.
     Type(Field, String),
@@ -100,7 +103,8 @@ pub enum FormCommand {
 }
 
 /// A choice of who samples.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum GpuCommand {
     /// Chooses the engine. The first choice of the GPU opens and tests it.
     Engine(Engine),
@@ -110,7 +114,8 @@ pub enum GpuCommand {
 }
 
 /// A change of how moments are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AppearanceCommand {
     /// Shows or hides a layer.
     ToggleLayer(Layer),
@@ -127,7 +132,8 @@ pub enum AppearanceCommand {
 }
 
 /// A change of what stands where.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum WindowCommand {
     /// Shows the window on the full screen, or no longer.
     ToggleFullScreen,
@@ -148,7 +154,8 @@ pub enum WindowCommand {
 }
 
 /// A change of the view of a run, or of what is pointed at.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ViewCommand {
     /// Tells where the canvas is in the window.
     Viewport(Rect),
@@ -179,7 +186,8 @@ pub enum ViewCommand {
 }
 
 /// One of the runs that are looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Which {
     /// The run that the panels show; run A where there are two.
     First,
@@ -188,7 +196,8 @@ pub enum Which {
 }
 
 /// What is done with links.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LinkCommand {
     /// Puts a link to what is shown on the clipboard.
     Copy,
@@ -197,7 +206,8 @@ pub enum LinkCommand {
 }
 
 /// One action of the user.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Command {
     /// Changes what the next run is made from.
     Form(FormCommand),

@@ -9,7 +9,8 @@ use crate::jobs::Job;
 use crate::words::sentence;
 
 /// Who makes sessions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Engine {
     /// Whoever is best at hand: the CPU.
     #[default]

@@ -9,7 +9,8 @@ use crate::limits::{MOST_ON_A_PAGE, MOST_STAGED};
 use crate::words::{grouped, sentence};
 
 /// A parameter that is typed as a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Field {
     /// Width of the domain, user units.
     Width,
@@ -28,7 +29,8 @@ pub enum Field {
 }
 
 /// A parameter that is chosen from a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Choice {
     /// How the domain ends.
     Boundary(Boundary),

@@ -100,7 +100,8 @@ pub struct FileForm {
 }
 
 /// An action of the sheet.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FileCommand {
     /// Opens the sheet.
     Sheet(Purpose),

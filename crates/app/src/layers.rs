@@ -1,7 +1,8 @@
 //! What the canvas can show, layer by layer, and which layers are on.
 
 /// A layer of the canvas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Layer {
     /// The clip rectangle: the enlarged block that receives a clip of the pattern.
     Pattern,

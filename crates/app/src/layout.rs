@@ -7,77 +7,109 @@ use egui::{Vec2, vec2};
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
-/// A panel of the window.
+/// A panel of the window. What it shows is in the registry of `panels`; all else is a row of [`ROWS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Panel {
     /// The parameters of the next run.
     Parameters,
+    /// The layers and the picture.
+    Canvas,
+    /// What happened, and the clocks.
+    Timeline,
+    /// The selected sample or place and its history.
+    Inspector,
+    /// The listings, with breakpoints.
+    Pseudocode,
     /// What each stage left behind.
     Statistics,
+    /// The verdict.
+    Verification,
     /// The events around the moment, and those that a query finds.
     Events,
     /// Events to come back to.
     Bookmarks,
-    /// The layers and the picture.
-    Canvas,
-    /// The listings, with breakpoints.
-    Pseudocode,
-    /// The selected sample or place and its history.
-    Inspector,
     /// Watched expressions, and the conditions of breakpoints.
     Watches,
-    /// The verdict.
-    Verification,
-    /// What symbols mean.
-    Legend,
-    /// The passes of the GPU.
-    Passes,
-    /// The second run beside the first.
-    Compare,
     /// What is measured of the moment.
     Analysis,
-    /// What happened, and the clocks.
-    Timeline,
+    /// The second run beside the first.
+    Compare,
+    /// The passes of the GPU.
+    Passes,
+    /// What symbols mean.
+    Legend,
 }
 
+/// Where a panel stands at first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Slot {
+    Left,
+    Middle,
+    /// The upper half of the right side.
+    Upper,
+    /// The lower half of the right side.
+    Lower,
+    Bottom,
+}
+
+/// What there is to know of a panel but for what it shows.
+struct Row {
+    panel: Panel,
+    name: &'static str,
+    /// Stands for it in links: the same in every version.
+    letter: char,
+    /// Where it stands at first, and its place among the tabs there.
+    slot: (Slot, u8),
+}
+
+const fn row(panel: Panel, name: &'static str, letter: char, slot: (Slot, u8)) -> Row {
+    Row {
+        panel,
+        name,
+        letter,
+        slot,
+    }
+}
+
+/// Every panel, in the sequence of the enum: what is needed most comes first.
+const ROWS: [Row; 14] = [
+    row(Panel::Parameters, "Parameters", 'p', (Slot::Left, 0)),
+    row(Panel::Canvas, "Canvas", 'c', (Slot::Middle, 0)),
+    row(Panel::Timeline, "Timeline", 't', (Slot::Bottom, 0)),
+    row(Panel::Inspector, "Inspector", 'i', (Slot::Lower, 1)),
+    row(Panel::Pseudocode, "Pseudocode", 'l', (Slot::Upper, 0)),
+    row(Panel::Statistics, "Statistics", 's', (Slot::Upper, 1)),
+    row(Panel::Verification, "Verification", 'v', (Slot::Lower, 0)),
+    row(Panel::Events, "Events", 'e', (Slot::Left, 1)),
+    row(Panel::Bookmarks, "Bookmarks", 'b', (Slot::Left, 2)),
+    row(Panel::Watches, "Watches", 'w', (Slot::Lower, 2)),
+    row(Panel::Analysis, "Analysis", 'a', (Slot::Left, 3)),
+    row(Panel::Compare, "Compare", 'x', (Slot::Upper, 2)),
+    row(Panel::Passes, "GPU passes", 'g', (Slot::Middle, 1)),
+    row(Panel::Legend, "Legend", 'k', (Slot::Lower, 3)),
+];
+
 impl Panel {
-    /// Every panel.
-    pub const ALL: [Self; 14] = [
-        Self::Parameters,
-        Self::Statistics,
-        Self::Events,
-        Self::Bookmarks,
-        Self::Canvas,
-        Self::Pseudocode,
-        Self::Inspector,
-        Self::Watches,
-        Self::Verification,
-        Self::Legend,
-        Self::Passes,
-        Self::Compare,
-        Self::Analysis,
-        Self::Timeline,
-    ];
+    /// Returns every panel; what is needed most comes first.
+    #[must_use]
+    pub fn all() -> impl DoubleEndedIterator<Item = Self> {
+        ROWS.iter().map(|row| row.panel)
+    }
+
+    const fn row(self) -> &'static Row {
+        &ROWS[self as usize]
+    }
 
     /// Returns its name.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Parameters => "Parameters",
-            Self::Statistics => "Statistics",
-            Self::Events => "Events",
-            Self::Bookmarks => "Bookmarks",
-            Self::Canvas => "Canvas",
-            Self::Pseudocode => "Pseudocode",
-            Self::Inspector => "Inspector",
-            Self::Watches => "Watches",
-            Self::Verification => "Verification",
-            Self::Legend => "Legend",
-            Self::Passes => "GPU passes",
-            Self::Compare => "Compare",
-            Self::Analysis => "Analysis",
-            Self::Timeline => "Timeline",
-        }
+        self.row().name
+    }
+
+    /// Returns the letter that stands for it in links: the same in every version.
+    #[must_use]
+    pub const fn letter(self) -> char {
+        self.row().letter
     }
 }
 
@@ -93,27 +125,17 @@ pub struct Layout(pub Tree<Panel>);
 impl Default for Layout {
     fn default() -> Self {
         let mut tiles = Tiles::default();
-        let mut tabs = |panels: &[Panel]| {
-            let panes = panels
+        let mut tabs = |slot| {
+            let mut rows: Vec<&Row> = ROWS.iter().filter(|row| row.slot.0 == slot).collect();
+            rows.sort_by_key(|row| row.slot.1);
+            let panes = rows
                 .iter()
-                .map(|&panel| tiles.insert_pane(panel))
+                .map(|row| tiles.insert_pane(row.panel))
                 .collect();
             tiles.insert_tab_tile(panes)
         };
-        let left = tabs(&[
-            Panel::Parameters,
-            Panel::Events,
-            Panel::Bookmarks,
-            Panel::Analysis,
-        ]);
-        let canvas = tabs(&[Panel::Canvas, Panel::Passes]);
-        let upper = tabs(&[Panel::Pseudocode, Panel::Statistics, Panel::Compare]);
-        let lower = tabs(&[
-            Panel::Verification,
-            Panel::Inspector,
-            Panel::Watches,
-            Panel::Legend,
-        ]);
+        let [left, canvas, upper, lower] =
+            [Slot::Left, Slot::Middle, Slot::Upper, Slot::Lower].map(&mut tabs);
         let timeline = tiles.insert_pane(Panel::Timeline);
         let right = linear(
             &mut tiles,
@@ -180,7 +202,7 @@ impl Layout {
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.reached()
-            .is_some_and(|panels| panels.len() == Panel::ALL.len())
+            .is_some_and(|panels| panels.len() == ROWS.len())
     }
 
     /// Returns the layout with every panel in it, the missing ones as tabs, if it is sound: a remembered layout may come
@@ -188,9 +210,7 @@ impl Layout {
     #[must_use]
     pub fn completed(mut self) -> Option<Self> {
         let there = self.reached()?;
-        let missing = Panel::ALL
-            .into_iter()
-            .filter(|panel| !there.contains(panel));
+        let missing = Panel::all().filter(|panel| !there.contains(panel));
         for panel in missing {
             let tabs = self.tabs_of(NEIGHBOUR)?;
             let pane = self.0.tiles.insert_pane(panel);
@@ -386,10 +406,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_panel_has_one_row_one_letter_and_a_place_of_its_own() {
+        for (place, row) in ROWS.iter().enumerate() {
+            assert_eq!(row.panel as usize, place, "{}", row.name);
+        }
+        let letters: HashSet<char> = ROWS.iter().map(|row| row.letter).collect();
+        assert_eq!(letters.len(), ROWS.len());
+        let mut places: Vec<_> = ROWS
+            .iter()
+            .map(|row| (row.slot.0 as u8, row.slot.1))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!(places.len(), ROWS.len());
+    }
+
+    #[test]
     fn every_panel_can_be_brought_into_view() {
         let mut layout = Layout::default();
         assert!(layout.is_whole());
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             layout.open(panel);
             assert!(layout.shows(panel), "{panel:?}");
         }
@@ -454,7 +490,7 @@ mod tests {
         assert!(!old.is_whole());
         let mut new = old.completed().unwrap();
         assert!(new.is_whole() && new.shows(Panel::Events));
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             new.open(panel);
             assert!(new.shows(panel), "{panel:?}");
         }

@@ -44,6 +44,8 @@ mod presses;
 pub mod recipe;
 pub mod remote;
 pub mod sampling;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod script;
 pub mod selection;
 pub mod sentence;
 pub mod session;

@@ -1,7 +1,8 @@
 //! What a user has selected: a sample or a place.
 
 /// What is selected.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Selection {
     /// Nothing.
     Nothing,

@@ -10,7 +10,8 @@ use crate::jobs::Monitor;
 use crate::session::Session;
 
 /// A place that decides a verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Witness {
     /// Of the overall verdict: the worst conflict, else the worst gap, else the tightest pair.
     Verdict,

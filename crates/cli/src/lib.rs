@@ -25,6 +25,7 @@ mod progress;
 mod reproduce;
 mod sample;
 mod sample_arguments;
+mod script;
 mod soak;
 mod stream;
 mod verify;
@@ -86,6 +87,8 @@ pub enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// Serve the page that runs the same program in a browser
     Web(web::WebArguments),
+    /// Carry out commands of the window from a file, without a window, and print the state
+    Script(script::ScriptArguments),
     /// Print a shell's completion script
     Completions(completions::CompletionsArguments),
 }
@@ -103,6 +106,7 @@ Examples:
   tilescope bench --samples 1000000 --leaf 20 40 80
   tilescope reproduce all --quick --out reproduction   the paper's experiments, with a report
   tilescope gpu                                        which adapters there are, tested
+  tilescope script steps.json                          the window's commands, without a window
   tilescope web --open                                 the same program in a browser
 
 Exit codes: 0 fine, 1 the verdict is negative, 2 bad arguments or input, 130 interrupted.";
@@ -131,9 +135,9 @@ fn plain(word: OsString) -> OsString {
     number.map_or(word, |number| number.to_string().into())
 }
 
-/// Runs a command and returns the process's exit code; errors go to standard error.
+/// Runs a command and returns the process's exit code; errors go to standard error. `carry_out` runs scripts of the window.
 #[must_use]
-pub fn run(command: &Command) -> ExitCode {
+pub fn run(command: &Command, carry_out: script::CarryOut) -> ExitCode {
     let outcome = match command {
         Command::Sample(arguments) => sample::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
@@ -147,6 +151,7 @@ pub fn run(command: &Command) -> ExitCode {
         Command::Gpu(arguments) => gpu::run(arguments),
         Command::Reproduce(arguments) => reproduce::run(arguments),
         Command::Web(arguments) => web::run(arguments),
+        Command::Script(arguments) => script::run(arguments, carry_out),
         Command::Completions(arguments) => completions::run(arguments, &mut Arguments::command()),
     };
     exit_code(outcome)

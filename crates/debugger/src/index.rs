@@ -7,7 +7,8 @@ use crate::event::{Event, NONE};
 use crate::tape::Tape;
 
 /// Which way time runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Direction {
     /// Towards the end.
     Forwards,

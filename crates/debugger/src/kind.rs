@@ -4,9 +4,9 @@
 macro_rules! kinds {
     ($($kind:ident $name:literal $depth:literal $doc:literal,)*) => {
         /// What an event is about. Depths: 0 phase or iteration, 1 block, 2 sample, 3 search, 4 test.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
         #[repr(u8)]
-        pub enum Kind { $(#[doc = $doc] $kind,)* }
+        pub enum Kind { $(#[doc = $doc] #[serde(rename = $name)] $kind,)* }
 
         impl Kind {
             /// All kinds.

@@ -36,7 +36,7 @@ pub use expression::{Evaluator, Expression, ExpressionError, LENGTHS, NAMES, NAM
 pub use kind::Kind;
 pub use life::{Life, Status};
 pub use lines::Lines;
-pub use listing::{Line, LineId, Listing, ListingError, Listings};
+pub use listing::{Line, LineId, Listing, ListingError, Listings, by_id};
 pub use moves::{Direction, Step, Target};
 pub use outline::{Outline, OutlineRows, Row};
 pub use query::{Query, QueryError};

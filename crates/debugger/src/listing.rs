@@ -12,6 +12,30 @@ use tilescope_core::{Boundary, Parameters, Search};
 )]
 pub struct LineId(pub u8);
 
+/// Reads and writes a [`LineId`] as the id of its line among the shipped listings, which is stable: for
+/// `#[serde(with = "...")]`.
+pub mod by_id {
+    use serde::de::Error as _;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{LineId, Listings};
+
+    /// Writes the id of a line, such as `eliminate.3`.
+    pub fn serialize<S: Serializer>(line: &LineId, to: S) -> Result<S::Ok, S::Error> {
+        match Listings::shipped().line(*line) {
+            Some(line) => to.serialize_str(&line.id),
+            None => Err(serde::ser::Error::custom("no such line of pseudocode")),
+        }
+    }
+
+    /// Reads the id of a line; unknown ones are refused by name.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<LineId, D::Error> {
+        let id = String::deserialize(from)?;
+        let unknown = || D::Error::custom(format!("there is no line \"{id}\" of pseudocode"));
+        Listings::shipped().find(&id).ok_or_else(unknown)
+    }
+}
+
 /// A line of pseudocode.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {

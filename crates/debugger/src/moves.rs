@@ -13,7 +13,8 @@ use crate::recording::Recording;
 pub use crate::index::Direction;
 
 /// How far a step goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Step {
     /// To the next event.
     Into,
@@ -24,10 +25,11 @@ pub enum Step {
 }
 
 /// What a run looks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Target {
     /// A line of pseudocode.
-    Line(LineId),
+    Line(#[serde(with = "crate::listing::by_id")] LineId),
     /// An event of a kind.
     Kind(Kind),
     /// Two samples found to be in conflict.

@@ -28,7 +28,8 @@ pub use reference::Reference;
 pub const MOST_KEPT: usize = 48;
 
 /// An action of the analysis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AnalysisCommand {
     /// Stops measuring this moment.
     Stop,

@@ -15,7 +15,8 @@ use crate::session::Session;
 use difference::Differences;
 
 /// An action of the comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum CompareCommand {
     /// Samples a second run.
     Start(Rival),
@@ -36,7 +37,8 @@ pub enum CompareCommand {
 }
 
 /// What the second run is to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Rival {
     /// The same with the next seed.
     NextSeed,

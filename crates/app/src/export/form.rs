@@ -21,7 +21,8 @@ pub const MIN_DELAY_MS: u32 = 20;
 pub const MAX_DELAY_MS: u32 = 60_000;
 
 /// A number that is typed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Entry {
     /// Pixels for a point of the window.
     Scale,

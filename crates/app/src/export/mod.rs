@@ -24,7 +24,10 @@ pub use refusal::Refusal;
 pub use still::Still;
 
 /// What can be written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// The samples of the result.
     #[default]
@@ -111,7 +114,8 @@ pub fn extension(path: &Path) -> Option<String> {
 }
 
 /// An action of the export sheet.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ExportCommand {
     /// Opens the sheet.
     Open(Kind),

@@ -1,21 +1,25 @@
 //! Bookmarks: moments to come back to, each with a note, and the breakpoints with their conditions.
 
-use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
-use tilescope_debugger::{Bookmark, Debugger, Direction, Listings, Marked};
+use egui::{KeyboardShortcut, RichText, Role, TextEdit, Ui, WidgetInfo};
+use tilescope_debugger::{Bookmark, Debugger, Listings, Marked};
 
-use super::no_events;
-use crate::actions::keys_of;
+use super::common::no_events;
+use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Icon, Known, heading, icon_button};
 use crate::words::grouped;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(debugger) = &state.runs.first.debugger else {
-        no_events(ui, state);
+pub fn show(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    run_on: Option<KeyboardShortcut>,
+    commands: &mut Vec<Command>,
+) {
+    let palette = context.palette;
+    let Some(debugger) = &context.run.debugger else {
+        no_events(ui, context);
         return;
     };
     heading(ui, "Bookmarks");
@@ -55,8 +59,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.add_space(10.0);
     heading(ui, "Breakpoints");
     if debugger.breakpoints().is_empty() {
-        let on = Command::Time(TimeCommand::Continue(Direction::Forwards));
-        let keys = keys_of(state, &on).map(|keys| ui.ctx().format_shortcut(&keys));
+        let keys = run_on.map(|keys| ui.ctx().format_shortcut(&keys));
         let keys = keys.unwrap_or_default();
         let text =
             format!("A click beside a line of pseudocode sets one; {keys} runs to the next.");
@@ -64,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .known_as("no-breakpoints");
     }
     breakpoints(ui, debugger, palette, commands);
-    if let Some(said) = state.runs.first.hits.said() {
+    if let Some(said) = context.run.hits.said() {
         ui.label(RichText::new(said).color(palette.muted))
             .known_as("hits");
     }

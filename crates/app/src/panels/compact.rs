@@ -293,24 +293,6 @@ const fn tab_name(panel: Panel) -> &'static str {
     }
 }
 
-/// The panels in the sequence of their tabs: what is needed most comes first.
-const TAB_ORDER: [Panel; 14] = [
-    Panel::Parameters,
-    Panel::Canvas,
-    Panel::Timeline,
-    Panel::Inspector,
-    Panel::Pseudocode,
-    Panel::Statistics,
-    Panel::Verification,
-    Panel::Events,
-    Panel::Bookmarks,
-    Panel::Watches,
-    Panel::Analysis,
-    Panel::Compare,
-    Panel::Passes,
-    Panel::Legend,
-];
-
 fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     ui.horizontal_centered(|ui| {
@@ -329,7 +311,7 @@ fn tabs(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
             .show(ui, |ui| {
                 ui.horizontal(|ui| {
-                    for panel in TAB_ORDER {
+                    for panel in Panel::all() {
                         tab(ui, panel, open, palette, commands);
                     }
                 });
@@ -397,18 +379,5 @@ fn tab(
         commands.push(Command::Window(WindowCommand::Drawer(DrawerCommand::Show(
             panel,
         ))));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_panel_has_one_tab() {
-        for panel in Panel::ALL {
-            let tabs = TAB_ORDER.iter().filter(|tab| **tab == panel);
-            assert_eq!(tabs.count(), 1, "{panel:?}");
-        }
     }
 }

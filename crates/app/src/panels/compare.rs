@@ -6,18 +6,32 @@ use tilescope_debugger::{Divergence, Recording};
 use crate::command::Command;
 use crate::command::Which;
 use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
-use crate::state::{RunView, State};
+use crate::state::RunView;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, heading, primary_button, row};
 use crate::words::{counted, grouped, stage_name};
 
+/// What the panel is shown from.
+pub struct CompareContext<'a> {
+    /// The colours.
+    pub palette: &'static Palette,
+    /// Run A.
+    pub first: &'a RunView,
+    /// Run B, if there is one, and what is known of the two together.
+    pub second: Option<&'a (RunView, Comparison)>,
+    /// What run A can be compared with, and why it cannot now.
+    pub rivals: Vec<(Rival, Option<String>)>,
+    /// Why one cannot go to where the two part, if so.
+    pub parting: Option<&'static str>,
+}
+
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     let mut own = Vec::new();
-    if let Some((side, comparison)) = &state.runs.second {
+    if let Some((side, comparison)) = context.second {
         second(ui, side, palette, commands);
-        if let (Some(a), Some(b)) = (&state.runs.first.session, &side.session) {
+        if let (Some(a), Some(b)) = (&context.first.session, &side.session) {
             heading(ui, "What differs in the parameters");
             let differing = contrast_of(a, b);
             let remark = match &differing {
@@ -41,8 +55,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 ),
                 palette,
             );
-            parting(ui, state, side, comparison, &mut own);
-            now(ui, state, side, comparison, &mut own);
+            parting(ui, context, side, comparison, &mut own);
+            now(ui, context, side, comparison, &mut own);
         }
         links(ui, comparison, &mut own);
         ui.add_space(8.0);
@@ -50,7 +64,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let text = "A second run beside this one: same view, same moment, what differs, and the first event at which the two part.";
         ui.label(RichText::new(text).color(palette.muted));
     }
-    rivals(ui, state, &mut own);
+    rivals(ui, context, &mut own);
     commands.extend(own.into_iter().map(Command::Compare));
 }
 
@@ -86,19 +100,18 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
     }
 }
 
-fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
+fn rivals(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareCommand>) {
     heading(ui, "Compare this run with");
-    for rival in Rival::ALL {
-        let refusal = state.rival_refusal(rival);
+    for (rival, refusal) in &context.rivals {
         let button = ui.add_enabled(refusal.is_none(), Button::new(rival.name()).frame(true));
-        button.known_as(format_args!("compare.{}", Kebab(rival)));
-        let button = button.on_disabled_hover_text(refusal.unwrap_or_default());
+        button.known_as(format_args!("compare.{}", Kebab(*rival)));
+        let button = button.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
         if button.clicked() {
-            own.push(CompareCommand::Start(rival));
+            own.push(CompareCommand::Start(*rival));
         }
     }
     let kept = ui.add_enabled(
-        state.runs.first.session.is_some(),
+        context.first.session.is_some(),
         Button::new("the run after this one"),
     );
     kept.known_as("compare.keep");
@@ -112,14 +125,14 @@ fn rivals(ui: &mut Ui, state: &State, own: &mut Vec<CompareCommand>) {
 
 fn parting(
     ui: &mut Ui,
-    state: &State,
+    context: &CompareContext<'_>,
     side: &RunView,
     comparison: &Comparison,
     own: &mut Vec<CompareCommand>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = context.palette;
     heading(ui, "Where they part");
-    let (Some(a), Some(b)) = (&state.runs.first.session, &side.session) else {
+    let (Some(a), Some(b)) = (&context.first.session, &side.session) else {
         return;
     };
     let Some(divergence) = comparison.divergence(a, b) else {
@@ -139,7 +152,7 @@ fn parting(
         let text = "Tests were left out of a tape: only what was kept is compared.";
         ui.label(RichText::new(text).color(palette.muted));
     }
-    let refusal = state.parting_refusal();
+    let refusal = context.parting;
     let go = primary_button(ui, "Go there in both", refusal, palette);
     if go.known_as("compare.go").clicked() {
         own.push(CompareCommand::GoToDivergence);
@@ -191,14 +204,14 @@ fn said(divergence: &Divergence) -> Vec<String> {
 
 fn now(
     ui: &mut Ui,
-    state: &State,
+    context: &CompareContext<'_>,
     side: &RunView,
     comparison: &Comparison,
     own: &mut Vec<CompareCommand>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = context.palette;
     heading(ui, "Samples at this moment");
-    let (Some(a), Some(b)) = (state.shown(), side.shown()) else {
+    let (Some(a), Some(b)) = (context.first.shown(), side.shown()) else {
         return;
     };
     let number = |count: Option<usize>| count.map_or_else(|| "\u{2013}".to_owned(), grouped);

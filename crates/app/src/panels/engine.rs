@@ -2,60 +2,58 @@
 
 use egui::{Button, ComboBox, RichText, Ui};
 
-use super::parameters::{field_width, labelled};
+use super::parameters::{FormContext, field_width, labelled};
 use crate::command::{Command, GpuCommand};
 use crate::device::Engine;
-use crate::state::State;
-use crate::theme::Palette;
 use crate::widgets::{Kebab, Known};
 
 const EXPLANATION: &str =
     "Who samples. All engines give the same points; choosing the GPU tests it first.";
 
 /// Shows the chooser and, where there is more to say of the engine than its name, a line.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     labelled(ui, "Engine", palette, |ui, label| {
         let combo = ComboBox::from_id_salt("Engine")
-            .selected_text(text(state, state.form.engine))
+            .selected_text(text(context, context.form.engine))
             .width(field_width(ui))
             .truncate()
             .show_ui(ui, |ui| {
                 for engine in [Engine::Auto, Engine::Cpu, Engine::Gpu] {
-                    entry(ui, state, engine, commands);
+                    entry(ui, context, engine, commands);
                 }
             });
         let response = combo.response.labelled_by(label);
         response.known_as("engine");
         response.on_hover_text(EXPLANATION);
     });
-    if let Some((line, all)) = state.engine_said() {
-        let line = RichText::new(line).small().color(palette.muted);
+    if let Some((line, all)) = &context.engine {
+        let line = RichText::new(*line).small().color(palette.muted);
         let label = ui.label(line);
         label.known_as("engine-said");
         label.on_hover_text(all);
     }
 }
 
-fn entry(ui: &mut Ui, state: &State, engine: Engine, commands: &mut Vec<Command>) {
+fn entry(ui: &mut Ui, context: &FormContext<'_>, engine: Engine, commands: &mut Vec<Command>) {
     let refusal = match engine {
-        Engine::Gpu => state.gpu.device.refusal(),
+        Engine::Gpu => context.gpu.device.refusal(),
         Engine::Auto | Engine::Cpu => None,
     };
-    let button = Button::selectable(state.form.engine == engine, text(state, engine));
+    let button = Button::selectable(context.form.engine == engine, text(context, engine));
     let mut response = ui.add_enabled(refusal.is_none(), button);
     response.known_as(format_args!("engine.{}", Kebab(engine)));
     if let Some(why) = refusal {
         response = response.on_disabled_hover_text(why);
     }
-    if response.clicked() && state.form.engine != engine {
+    if response.clicked() && context.form.engine != engine {
         commands.push(Command::Gpu(GpuCommand::Engine(engine)));
     }
 }
 
-fn text(state: &State, engine: Engine) -> &'static str {
+fn text(context: &FormContext<'_>, engine: Engine) -> &'static str {
     match engine {
-        Engine::Auto if state.device_takes(Engine::Auto) => "auto (GPU)",
+        Engine::Auto if context.auto_is_gpu => "auto (GPU)",
         Engine::Auto => "auto (CPU)",
         Engine::Cpu => "CPU",
         Engine::Gpu => "GPU",

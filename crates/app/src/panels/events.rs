@@ -7,10 +7,11 @@ use egui::{
 };
 use tilescope_debugger::{Debugger, OutlineRows};
 
-use super::no_events;
+use super::common::no_events;
+use super::context::PanelContext;
 use crate::command::{Command, DebugCommand};
 use crate::focus;
-use crate::state::{Found, MOST_FOUND, State};
+use crate::state::{Found, MOST_FOUND};
 use crate::theme::{Palette, is_for_fingers, row_height};
 use crate::widgets::Known;
 use crate::words::{counted, event_number, grouped};
@@ -19,13 +20,13 @@ use crate::words::{counted, event_number, grouped};
 const ROW: f32 = 20.0;
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(debugger) = &state.runs.first.debugger else {
-        no_events(ui, state);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let Some(debugger) = &context.run.debugger else {
+        no_events(ui, context);
         return;
     };
-    let mut text = state.runs.first.query.text.clone();
+    let mut text = context.run.query.text.clone();
     let field = TextEdit::singleline(&mut text)
         .align(egui::Align2::LEFT_CENTER)
         .hint_text("insert iteration>1 block=7")
@@ -36,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if response.changed() {
         commands.push(Command::Debug(DebugCommand::Query(text)));
     }
-    let (note, color) = match (&state.runs.first.query.error, &state.runs.first.query.found) {
+    let (note, color) = match (&context.run.query.error, &context.run.query.found) {
         (Some(error), _) => (error.clone(), palette.conflict),
         (None, Found::Nothing) => (
             format!("{} events", grouped(debugger.recording().len())),
@@ -53,11 +54,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.label(RichText::new(note).color(color))
         .known_as("found-events");
     ui.add_space(2.0);
-    let found = match &state.runs.first.query.found {
+    let found = match &context.run.query.found {
         Found::Events(events) => Some(events.as_slice()),
         _ => None,
     };
-    list(ui, state, debugger, found, commands);
+    list(ui, context, debugger, found, commands);
 }
 
 /// A row to be shown: an event, how far it is indented, and whether it can be expanded, or is.
@@ -70,13 +71,13 @@ struct Line {
 /// Shows the tree of events, or those that were found.
 fn list(
     ui: &mut Ui,
-    state: &State,
+    context: &PanelContext<'_>,
     debugger: &Debugger,
     found: Option<&[usize]>,
     commands: &mut Vec<Command>,
 ) {
     let last = debugger.state().cursor().checked_sub(1);
-    let rows = state.runs.first.rows.as_ref();
+    let rows = context.run.rows.as_ref();
     let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
     let line = |row: usize| match found {
         Some(events) => Some(Line {
@@ -94,7 +95,7 @@ fn list(
         (Some(events), Some(last)) => events
             .partition_point(|&event| event <= last)
             .checked_sub(1),
-        (None, Some(last)) => visible_row(state, last),
+        (None, Some(last)) => visible_row(context, last),
         (_, None) => None,
     };
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -107,7 +108,7 @@ fn list(
         let top = ui.max_rect().top() - rows.start as f32 * height;
         for row in rows {
             if let Some(line) = line(row) {
-                show_row(ui, state, debugger, &line, here == Some(row), commands);
+                show_row(ui, context, debugger, &line, here == Some(row), commands);
             }
         }
         focus::follow(ui);
@@ -127,22 +128,22 @@ fn list(
 }
 
 /// Returns the row of an event, or of the nearest one around it that can be seen.
-fn visible_row(state: &State, event: usize) -> Option<usize> {
-    let rows = state.runs.first.rows.as_ref()?;
-    let outline = state.runs.first.session.as_ref()?.outline.as_ref()?;
+fn visible_row(context: &PanelContext<'_>, event: usize) -> Option<usize> {
+    let rows = context.run.rows.as_ref()?;
+    let outline = context.run.session.as_ref()?.outline.as_ref()?;
     let mut around = std::iter::once(event).chain(outline.parents(event));
     around.find_map(|event| rows.row_of(event))
 }
 
 fn show_row(
     ui: &mut Ui,
-    state: &State,
+    context: &PanelContext<'_>,
     debugger: &Debugger,
     line: &Line,
     current: bool,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = context.palette;
     let index = line.event;
     let (rect, response) = ui.allocate_exact_size(
         vec2(ui.available_width() - 10.0, row_height(ui.ctx(), ROW)),

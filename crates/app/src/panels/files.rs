@@ -2,7 +2,7 @@
 
 use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
 
-use super::read_out;
+use super::common::read_out;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all, width};
 use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};

@@ -6,11 +6,11 @@ use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
 
-use super::divide;
+use super::common::divide;
+use super::context::PanelContext;
 use crate::command::Which;
 use crate::command::{Command, TimeCommand, ViewCommand};
 use crate::moment::Shown;
-use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Known, heading, row};
 use crate::words::{counted, event_number, grouped};
@@ -19,9 +19,9 @@ use crate::words::{counted, event_number, grouped};
 const MOST_ROWS: usize = 200;
 
 /// Shows the inspector.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let (id, name) = match (state.runs.first.hovered, state.runs.first.selected) {
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let (id, name) = match (context.run.hovered, context.run.selected) {
         (Some(id), _) => (Some(id), "Sample under the pointer"),
         (None, Some(id)) => (Some(id), "Selected sample"),
         (None, None) => (None, "Selection"),
@@ -30,11 +30,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().interact_size.y = 18.0;
-        match (id, state.runs.first.place, state.shown()) {
+        match (id, context.run.place, context.run.shown()) {
             (Some(id), _, Some(shown)) => sample(ui, &shown, id, palette, commands),
             (None, Some(at), Some(shown)) => {
                 place(ui, &shown, at, palette);
-                gap(ui, state, &shown, at);
+                gap(ui, context, &shown, at);
             }
             _ => {
                 let text = "Click a sample, or any place, to read what happened there.";
@@ -43,23 +43,23 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-    if state.runs.first.selected.is_some() || state.runs.first.place.is_some() {
+    if context.run.selected.is_some() || context.run.place.is_some() {
         divide(ui, palette);
-        history(ui, state, commands);
+        history(ui, context, commands);
     }
 }
 
 /// Shows every event that touched what is selected.
-fn history(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(debugger) = &state.runs.first.debugger else {
-        super::no_events(ui, state);
+fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let Some(debugger) = &context.run.debugger else {
+        super::common::no_events(ui, context);
         return;
     };
-    if let Some(why) = state.runs.first.history_found.failure() {
+    if let Some(why) = context.run.history_found.failure() {
         ui.label(RichText::new(why).color(palette.conflict));
     }
-    let events = state.runs.first.history_found.events();
+    let events = context.run.history_found.events();
     heading(
         ui,
         &format!("History: {}", counted(events.len(), "event", "events")),
@@ -156,9 +156,9 @@ fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
 }
 
 /// Shows the gap that holds a place.
-fn gap(ui: &mut Ui, state: &State, shown: &Shown<'_>, at: [f64; 2]) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(tessellation) = state.runs.first.geometry.of(shown) else {
+fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &Shown<'_>, at: [f64; 2]) {
+    let palette = context.palette;
+    let Some(tessellation) = context.run.geometry.of(shown) else {
         return;
     };
     if let Some(gap) = tessellation.gap_at(at).map(|gap| &tessellation.gaps[gap]) {

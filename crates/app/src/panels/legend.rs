@@ -2,26 +2,31 @@
 
 use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
 
+use super::context::PanelContext;
 use crate::analysis::brush::Cause;
+use crate::analysis::brush::Found;
 use crate::canvas::age::{Ages, LAST_TILED};
 use crate::command::{AppearanceCommand, Command};
 use crate::layers::{Colouring, Layer};
-use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, heading, symbol};
 
 /// Shows the legend.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    causes: Option<&Found>,
+    commands: &mut Vec<Command>,
+) {
+    let palette = context.palette;
     heading(ui, "Legend");
-    colouring(ui, state, commands);
-    if let (Colouring::Age, Some(session)) = (state.appearance.colouring, &state.runs.first.session)
-    {
+    colouring(ui, context, commands);
+    if let (Colouring::Age, Some(session)) = (context.appearance.colouring, &context.run.session) {
         ages(ui, Ages::of(session), palette);
     }
     ui.add_space(2.0);
     ui.spacing_mut().item_spacing.y = 1.0;
-    let combination = state.shows_combination();
+    let combination = context.run.shows_combination();
     for (layer, meaning) in [
         (Layer::Samples, "sample"),
         (Layer::Disks, "disk of radius r"),
@@ -48,10 +53,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }
-    if state.runs.second.is_some() {
+    if context.is_compared {
         marks(ui, palette);
     }
-    if let Some(found) = state.causes() {
+    if let Some(found) = causes {
         brushed(ui, &found.cause, palette);
     }
 }
@@ -99,9 +104,9 @@ fn marks(ui: &mut Ui, palette: &Palette) {
     }
 }
 
-fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let combination = state.shows_combination();
+fn colouring(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let combination = context.run.shows_combination();
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new("Colour").color(palette.muted));
         for (colouring, name, explanation) in [
@@ -121,7 +126,7 @@ fn colouring(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 "When a sample came: tiled early to late, then inserted iteration by iteration.",
             ),
         ] {
-            let button = Button::selectable(state.appearance.colouring == colouring, name);
+            let button = Button::selectable(context.appearance.colouring == colouring, name);
             let button = ui.add(button);
             button.known_as(format_args!("colour.{}", Kebab(colouring)));
             if button.on_hover_text(explanation).clicked() {

@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                             ui.set_max_width(width - 80.0);
                             let text = RichText::new(&notice.text);
                             let response = ui.add(egui::Label::new(text).wrap());
-                            super::read_out(ui, &response);
+                            super::common::read_out(ui, &response);
                             response.known_as("notice");
                         });
                         let dismiss = icon_button(ui, Icon::Close, "Dismiss", None, palette);

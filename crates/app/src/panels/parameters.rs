@@ -8,8 +8,10 @@ use crate::command::Which;
 use crate::command::{Command, FormCommand};
 use crate::draft::{Choice, Field, Refusal};
 use crate::files::FileCommand;
+use crate::jobs::Job;
 use crate::layout::Panel;
-use crate::state::State;
+use crate::session::{MakeError, Session};
+use crate::state::{Form, GpuState};
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Known, heading, primary_button};
 use crate::words::{grouped, sentence};
@@ -33,6 +35,26 @@ const BESIDE_RUN: f32 = 60.0;
 /// In a lower panel, in screen points, the button is scrolled with the fields.
 const ROOM_FOR_RUN: f32 = 100.0;
 
+/// What the panel is shown from.
+pub struct FormContext<'a> {
+    /// The colours.
+    pub palette: &'static Palette,
+    /// The parameters, and who samples.
+    pub form: &'a Form,
+    /// What is known of the GPU.
+    pub gpu: &'a GpuState,
+    /// The run at work.
+    pub sampling: Option<&'a Job<Result<Session, MakeError>>>,
+    /// Why the parameters cannot be run now, if so.
+    pub refusal: Option<String>,
+    /// Which of the parameters are not those of the run shown, if any.
+    pub remark: Option<String>,
+    /// What there is to say of the engine that samples next: a line, and all of it.
+    pub engine: Option<(&'static str, String)>,
+    /// Whether the GPU samples where nothing is chosen.
+    pub auto_is_gpu: bool,
+}
+
 /// How wide a field is where there is room from `ui`'s cursor to the panel's right edge.
 pub(super) fn field_width(ui: &Ui) -> f32 {
     let [least, most] = FIELD_WIDTHS;
@@ -40,44 +62,52 @@ pub(super) fn field_width(ui: &Ui) -> f32 {
 }
 
 /// Shows the panel: the fields are scrolled, the button is not where there is room for both.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     if room.height() < ROOM_FOR_RUN {
-        super::scrolled(ui, Panel::Parameters, |ui| {
-            form(ui, state, commands);
-            run_or_cancel(ui, state, commands);
+        super::common::scrolled(ui, Panel::Parameters, |ui| {
+            form(ui, context, commands);
+            run_or_cancel(ui, context, commands);
         });
         return;
     }
-    let remark = state.run_remark().map_or(0.0, |_| REMARK);
+    let remark = context.remark.as_ref().map_or(0.0, |_| REMARK);
     let height = run_height(ui) + remark + 2.0 * AROUND_RUN;
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
     ui.scope_builder(UiBuilder::new().max_rect(above), |ui| {
-        super::scrolled(ui, Panel::Parameters, |ui| form(ui, state, commands));
+        super::common::scrolled(ui, Panel::Parameters, |ui| form(ui, context, commands));
     });
-    let line = Palette::of(state.appearance.look).line;
+    let line = context.palette.line;
     ui.painter().hline(room.x_range(), below.top(), (1.0, line));
     let below = below.shrink2(vec2(0.0, AROUND_RUN));
     let below = below.with_max_x(below.right() - BESIDE_FIELDS);
     ui.scope_builder(UiBuilder::new().max_rect(below), |ui| {
-        run_or_cancel(ui, state, commands);
+        run_or_cancel(ui, context, commands);
     });
 }
 
-fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let refusals = state.form.draft.refusals();
+fn form(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let refusals = context.form.draft.refusals();
     heading(ui, "Domain");
     pair(
         ui,
-        state,
+        context,
         "Size",
         [(Field::Width, "Width"), (Field::Height, "Height")],
         &refusals,
         commands,
     );
-    number(ui, state, Field::Radius, "Radius", "", &refusals, commands);
-    let p = &state.form.draft.parameters;
+    number(
+        ui,
+        context,
+        Field::Radius,
+        "Radius",
+        "",
+        &refusals,
+        commands,
+    );
+    let p = &context.form.draft.parameters;
     let boundaries = [
         (Boundary::Periodic, "periodic"),
         (Boundary::Bounded, "bounded"),
@@ -93,16 +123,16 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Boundary(chosen))));
     }
-    expected(ui, state, palette);
+    expected(ui, context, palette);
 
     heading(ui, "Tiling");
-    number(ui, state, Field::Seed, "Seed", "", &refusals, commands);
-    number(ui, state, Field::Leaf, "Leaf", "r", &refusals, commands);
+    number(ui, context, Field::Seed, "Seed", "", &refusals, commands);
+    number(ui, context, Field::Leaf, "Leaf", "r", &refusals, commands);
     let fields = [
         (Field::PatternSide, "Pattern side"),
         (Field::PatternSeed, "Pattern seed"),
     ];
-    pair(ui, state, "Pattern, seed", fields, &refusals, commands);
+    pair(ui, context, "Pattern, seed", fields, &refusals, commands);
     let why = "A periodic pattern allows any offset; a bounded one is the paper's.";
     let chosen = choice(
         ui,
@@ -117,7 +147,7 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             chosen,
         ))));
     }
-    own_pattern(ui, state, commands);
+    own_pattern(ui, context, commands);
     let turns = [(false, "as it is"), (true, "turned, mirrored")];
     let why = "Whether each block clips from one of the pattern's 8 rotations and mirror images.";
     if let Some(chosen) = choice(
@@ -130,18 +160,18 @@ fn form(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ) {
         commands.push(Command::Form(FormCommand::Choose(Choice::Dihedral(chosen))));
     }
-    algorithm(ui, state, commands);
-    engine::show(ui, state, commands);
+    algorithm(ui, context, commands);
+    engine::show(ui, context, commands);
     for (k, refusal) in refusals.iter().filter(|r| r.field.is_none()).enumerate() {
         trouble(ui, &refusal.reason, palette).known_as(format_args!("refusal-{k}"));
     }
 }
 
 /// Says that the pattern comes from a file, if it does.
-fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(own) = &state.form.own_pattern else {
-        repeats(ui, state, palette);
+fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let Some(own) = &context.form.own_pattern else {
+        repeats(ui, context, palette);
         return;
     };
     let text = format!(
@@ -158,8 +188,8 @@ fn own_pattern(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Says that the pattern repeats itself within blocks, if it does.
-fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
-    if let Some(side) = state.form.draft.side_without_repeats() {
+fn repeats(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
+    if let Some(side) = context.form.draft.side_without_repeats() {
         let text =
             format!("It repeats itself within the largest blocks; a side of {side} r holds them.");
         ui.label(RichText::new(text).color(palette.muted))
@@ -167,9 +197,9 @@ fn repeats(ui: &mut Ui, state: &State, palette: &Palette) {
     }
 }
 
-fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let p = &state.form.draft.parameters;
+fn algorithm(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let p = &context.form.draft.parameters;
     heading(ui, "Elimination and insertion");
     let orders = [
         (Order::OwnBlockFirst, "own block first"),
@@ -223,8 +253,8 @@ fn algorithm(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn expected(ui: &mut Ui, state: &State, palette: &Palette) {
-    let text = match state.form.draft.expected_samples() {
+fn expected(ui: &mut Ui, context: &FormContext<'_>, palette: &Palette) {
+    let text = match context.form.draft.expected_samples() {
         Some(samples) => {
             // Two significant digits: it is an estimate.
             let step = 10_f64.powf((samples.log10().floor() - 1.0).max(0.0));
@@ -258,18 +288,18 @@ pub(super) fn labelled(
 
 fn number(
     ui: &mut Ui,
-    state: &State,
+    context: &FormContext<'_>,
     field: Field,
     name: &str,
     unit: &str,
     refusals: &[Refusal],
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = context.palette;
     let refusal = refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         let width = field_width(ui);
-        edit(ui, state, field, name, width, refusal.is_some(), commands);
+        edit(ui, context, field, name, width, refusal.is_some(), commands);
         if !unit.is_empty() {
             ui.label(RichText::new(unit).color(palette.muted));
         }
@@ -282,13 +312,13 @@ fn number(
 /// Two fields on a line.
 fn pair(
     ui: &mut Ui,
-    state: &State,
+    context: &FormContext<'_>,
     name: &str,
     fields: [(Field, &str); 2],
     refusals: &[Refusal],
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = context.palette;
     let refusal = |field| refusals.iter().find(|r| r.field == Some(field));
     labelled(ui, name, palette, |ui, _| {
         ui.spacing_mut().item_spacing.x = 6.0;
@@ -296,7 +326,7 @@ fn pair(
         for (field, name) in fields {
             edit(
                 ui,
-                state,
+                context,
                 field,
                 name,
                 width,
@@ -314,15 +344,15 @@ fn pair(
 
 fn edit(
     ui: &mut Ui,
-    state: &State,
+    context: &FormContext<'_>,
     field: Field,
     name: &str,
     width: f32,
     is_wrong: bool,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
-    let mut text = state.form.draft.text(field).to_owned();
+    let palette = context.palette;
+    let mut text = context.form.draft.text(field).to_owned();
     let edit = TextEdit::singleline(&mut text)
         .align(egui::Align2::LEFT_CENTER)
         .id_salt(name)
@@ -336,7 +366,7 @@ fn edit(
         commands.push(Command::Form(FormCommand::Type(field, text)));
     }
     let entered = response.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-    if entered && state.run_refusal().is_none() && state.runs.first.sampling.is_none() {
+    if entered && context.refusal.as_deref().is_none() && context.sampling.is_none() {
         commands.push(Command::Run);
     }
 }
@@ -396,13 +426,13 @@ fn run_height(ui: &Ui) -> f32 {
 
 /// The button and the progress take the same room, so that nothing jumps; Cancel is beside them, so that a double click on
 /// Run does not hit it.
-fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+fn run_or_cancel(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     let height = run_height(ui);
-    if let Some(remark) = state.run_remark() {
+    if let Some(remark) = context.remark.as_ref() {
         ui.spacing_mut().item_spacing.y = 2.0;
         let size = vec2(ui.available_width(), REMARK - 2.0);
-        let text = RichText::new(&remark).small().color(palette.accent);
+        let text = RichText::new(remark).small().color(palette.accent);
         let label = ui.add_sized(size, egui::Label::new(text).truncate());
         label.known_as("run-remark");
         label.on_hover_text(remark);
@@ -410,7 +440,7 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let room = vec2(ui.available_width() - BESIDE_RUN, height);
         ui.allocate_ui(room, |ui| {
-            if let Some(job) = &state.runs.first.sampling {
+            if let Some(job) = context.sampling {
                 let activity = sentence(&job.activity());
                 let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
                 let bar = ProgressBar::new(job.fraction())
@@ -420,13 +450,13 @@ fn run_or_cancel(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 ui.add(bar);
                 return;
             }
-            let refusal = state.run_refusal();
-            let run = primary_button(ui, "Run", refusal.as_deref(), palette);
+            let refusal = context.refusal.as_deref();
+            let run = primary_button(ui, "Run", refusal, palette);
             if run.known_as("run").clicked() {
                 commands.push(Command::Run);
             }
         });
-        match &state.runs.first.sampling {
+        match context.sampling {
             Some(job) if job.is_cancelled() => {
                 ui.label(RichText::new("Stopping").small().color(palette.muted));
             }

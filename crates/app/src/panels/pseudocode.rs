@@ -8,10 +8,10 @@ use egui::{
 use tilescope_core::{Insertion, Variant};
 use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, Listings, Target};
 
-use super::no_events;
+use super::common::no_events;
+use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::focus;
-use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
 use crate::widgets::Known;
 
@@ -20,8 +20,8 @@ const GUTTER: f32 = 22.0;
 const TAG: f32 = 28.0;
 
 /// Returns the listings that a session runs.
-fn listings_of(state: &State) -> Vec<&'static Listing> {
-    let Some(session) = &state.runs.first.session else {
+fn listings_of(context: &PanelContext<'_>) -> Vec<&'static Listing> {
+    let Some(session) = &context.run.session else {
         return Vec::new();
     };
     let parameters = &session.run().parameters;
@@ -52,8 +52,8 @@ pub(crate) struct Now {
 
 impl Now {
     /// Returns the lines of the moment that is shown.
-    pub fn of(state: &State, debugger: &Debugger) -> Self {
-        let last = state.shown().and_then(|shown| shown.last_event());
+    pub fn of(context: &PanelContext<'_>, debugger: &Debugger) -> Self {
+        let last = context.run.shown().and_then(|shown| shown.last_event());
         Self {
             done: last.map(Event::line),
             next: debugger.event().map(Event::line),
@@ -72,12 +72,12 @@ impl Now {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(debugger) = &state.runs.first.debugger else {
-        no_events(ui, state);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let Some(debugger) = &context.run.debugger else {
+        no_events(ui, context);
         return;
     };
-    let now = Now::of(state, debugger);
+    let now = Now::of(context, debugger);
     let seen = ui.scope_id().with("seen");
     let before = ui.data(|data| data.get_temp::<Now>(seen));
     let moved = before != Some(now);
@@ -86,14 +86,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         .auto_shrink([false, false])
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
-            for listing in listings_of(state) {
+            for listing in listings_of(context) {
                 ui.add_space(6.0);
                 ui.label(RichText::new(&listing.title).font(FontId::new(12.5, semibold())));
                 ui.add_space(2.0);
                 for number in listing.lines.clone() {
                     let id = LineId(number);
                     if let Some(line) = Listings::shipped().line(id) {
-                        show_line(ui, state, debugger, (id, line), (now, moved), commands);
+                        show_line(ui, context, debugger, (id, line), (now, moved), commands);
                     }
                 }
             }
@@ -103,13 +103,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn show_line(
     ui: &mut Ui,
-    state: &State,
+    context: &PanelContext<'_>,
     debugger: &Debugger,
     (id, line): (LineId, &Line),
     (now, moved): (Now, bool),
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
+    let palette = context.palette;
     let (current, tag) = (now.done == Some(id), now.tag(id));
     let wide = if is_for_fingers(ui.ctx()) {
         FINGER - 4.0
@@ -123,9 +123,8 @@ fn show_line(
     } else {
         palette.text.gamma_multiply(0.82)
     };
-    let words = state
-        .runs
-        .first
+    let words = context
+        .run
         .session
         .as_ref()
         .map_or_else(String::new, |session| line.text(&session.run().parameters));
@@ -263,23 +262,21 @@ fn explanation(line: &Line) -> String {
 pub const NEXT_LINE: f32 = 22.0;
 
 /// Shows the line that is about to run in a single row.
-pub fn next_line(ui: &mut Ui, state: &State) {
-    let palette = Palette::of(state.appearance.look);
+pub fn next_line(ui: &mut Ui, context: &PanelContext<'_>) {
+    let palette = context.palette;
     let lines = Listings::shipped();
-    let line = state
-        .runs
-        .first
+    let line = context
+        .run
         .debugger
         .as_ref()
         .and_then(|d| lines.line(d.event()?.line()));
-    let otherwise = if state.shows_combination() {
+    let otherwise = if context.run.shows_combination() {
         ("combine", "Maximal sets become one along their seams.")
     } else {
         ("end", "The run is over.")
     };
-    let parameters = state
-        .runs
-        .first
+    let parameters = context
+        .run
         .session
         .as_ref()
         .map(|session| session.run().parameters);

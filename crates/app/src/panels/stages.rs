@@ -3,21 +3,21 @@
 use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 
+use super::context::PanelContext;
 use crate::combination::Combination;
 use crate::command::{Command, TimeCommand};
 use crate::limits::MOST_STAGED;
 use crate::sentence::name_in;
 use crate::session::Session;
-use crate::state::State;
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Kebab, Known, heading, row as pair};
 use crate::words::{grouped, share};
 
 /// Shows the table.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     heading(ui, "Stages");
-    let Some(session) = &state.runs.first.session else {
+    let Some(session) = &context.run.session else {
         return;
     };
     ui.spacing_mut().item_spacing.y = 1.0;
@@ -33,13 +33,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             },
         ];
         let texts = texts.each_ref().map(String::as_str);
-        if row(
-            ui,
-            texts,
-            place == state.runs.first.stage,
-            palette,
-            Some(stage),
-        ) {
+        if row(ui, texts, place == context.run.stage, palette, Some(stage)) {
             commands.push(Command::Time(TimeCommand::ShowStage(place)));
         }
     }

@@ -126,7 +126,7 @@ fn sentence(ui: &mut Ui, state: &State, size: f32, room: Vec2, lines: usize) {
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
         let response = ui.add(egui::Label::new(galley));
-        super::read_out(ui, &response);
+        super::common::read_out(ui, &response);
         response.known_as("status");
     });
 }

@@ -7,6 +7,7 @@ use crate::actions::{Action, Menu, actions};
 use crate::command::Which;
 use crate::command::{AppearanceCommand, Command, ViewCommand};
 use crate::export::{ExportCommand, Kind};
+use crate::panels::context::PanelContext;
 use crate::state::State;
 use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
@@ -65,7 +66,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
                 commands.push(Command::Export(ExportCommand::Open(Kind::Result)));
             }
             ui.add_space(6.0);
-            verification::chip(ui, state, commands);
+            verification::chip(ui, &PanelContext::of(state), commands);
         });
     });
 }
@@ -97,7 +98,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             if fit.known_as("fit").clicked() {
                 commands.push(Command::View(Which::First, ViewCommand::Fit));
             }
-            verification::chip(ui, state, commands);
+            verification::chip(ui, &PanelContext::of(state), commands);
         });
     });
 }

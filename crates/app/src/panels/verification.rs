@@ -4,19 +4,20 @@ use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
 
-use super::divide;
+use super::common::divide;
+use super::context::PanelContext;
 use crate::command::Which;
 use crate::command::{Command, ViewCommand};
-use crate::state::{State, Verification};
+use crate::state::Verification;
 use crate::theme::{Palette, semibold};
 use crate::verification::{Verdict, Witness};
 use crate::widgets::{Kebab, Known, heading, row, verdict_mark};
 use crate::words::{conflicts_in, counted, grouped};
 
 /// Shows the chip; a click follows the verdict to its witness.
-pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let (text, well, color) = summary(state, palette);
+pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let (text, well, color) = summary(context, palette);
     let font = FontId::new(13.0, semibold());
     let galley = ui.painter().layout_no_wrap(text.clone(), font, color);
     // Wide enough for the longest verdict: nothing moves when it arrives.
@@ -36,7 +37,7 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     let at = egui::pos2(start + 18.0, rect.center().y - galley.size().y / 2.0);
     painter.galley(at, galley, color);
-    let tip = explanation(state);
+    let tip = explanation(context);
     let response = response.on_hover_text(tip);
     if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
         commands.push(Command::View(
@@ -46,15 +47,15 @@ pub fn chip(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) {
-    match &state.runs.first.verification {
+fn summary(context: &PanelContext<'_>, palette: &Palette) -> (String, Option<bool>, Color32) {
+    match &context.run.verification {
         Verification::Nothing => ("nothing to verify".to_owned(), None, palette.muted),
         Verification::Pending(_) => ("verifying\u{2026}".to_owned(), None, palette.muted),
         Verification::Failed(_) => ("no verdict".to_owned(), Some(false), palette.conflict),
         Verification::Done(verdict) => {
             let report = &verdict.report;
             let text = match (report.conflict_free(), report.maximal()) {
-                (true, true) if state.runs.first.is_at_end() => "verified".to_owned(),
+                (true, true) if context.run.is_at_end() => "verified".to_owned(),
                 // What is on the canvas is not the result yet.
                 (true, true) => "result verified".to_owned(),
                 (true, false) => "not maximal".to_owned(),
@@ -72,8 +73,8 @@ fn summary(state: &State, palette: &Palette) -> (String, Option<bool>, Color32) 
     }
 }
 
-fn explanation(state: &State) -> String {
-    match &state.runs.first.verification {
+fn explanation(context: &PanelContext<'_>) -> String {
+    match &context.run.verification {
         Verification::Nothing => "The verifier judges each session when it is ready.".to_owned(),
         Verification::Pending(job) => {
             format!("The verifier is at work: {:.0}%.", job.fraction() * 100.0)
@@ -88,12 +89,12 @@ fn explanation(state: &State) -> String {
 }
 
 /// Shows the verifier's numbers. The rows are there before the numbers are.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     heading(ui, "Verification");
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.spacing_mut().interact_size.y = 21.0;
-    let verdict = state.verdict();
+    let verdict = context.run.verdict();
     let report = verdict.map(|v| &v.report);
     let free = report.map(|r| (r.conflict_free(), conflicts_in(r)));
     property(ui, "Conflict-free", free.as_ref(), palette);
@@ -155,7 +156,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-    if let Verification::Failed(reason) = &state.runs.first.verification {
+    if let Verification::Failed(reason) = &context.run.verification {
         ui.label(RichText::new(reason).color(palette.conflict));
     }
     divide(ui, palette);

@@ -3,17 +3,16 @@
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};
 
-use super::no_events;
+use super::common::no_events;
+use super::context::PanelContext;
 use crate::command::{Command, DebugCommand};
-use crate::state::State;
-use crate::theme::Palette;
 use crate::widgets::{Icon, Known, heading, icon_button, row};
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(debugger) = &state.runs.first.debugger else {
-        no_events(ui, state);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let Some(debugger) = &context.run.debugger else {
+        no_events(ui, context);
         return;
     };
     heading(ui, "Watches");

@@ -16,7 +16,7 @@ use crate::jobs::Monitor;
 use crate::words::sentence;
 
 /// A word that is set on the device behind a pass: what if it were another?
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Fault {
     /// The pass, by its place in the run.
     pub after: usize,

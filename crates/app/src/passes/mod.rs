@@ -31,7 +31,8 @@ pub use table::Side;
 use device::{Arrival, Subject, Survey, Walker};
 
 /// What the panel asks for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PassCommand {
     /// Go to a pass, by its place in the run.
     Select(usize),

@@ -8,7 +8,8 @@ use tilescope_gpu::layout::{Access, Name};
 pub const MOST_NUMBERS: u64 = 500_000;
 
 /// Which side of a pass a table shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Side {
     /// What lay there before.
     Before,

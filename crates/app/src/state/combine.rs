@@ -52,10 +52,6 @@ impl State {
     /// Returns whether the session at hand is a combination.
     #[must_use]
     pub fn shows_combination(&self) -> bool {
-        self.runs
-            .first
-            .session
-            .as_ref()
-            .is_some_and(|session| session.combination.is_some())
+        self.runs.first.shows_combination()
     }
 }

@@ -129,6 +129,13 @@ impl RunView {
         })
     }
 
+    /// Returns whether the session is a combination.
+    #[must_use]
+    pub fn shows_combination(&self) -> bool {
+        let session = self.session.as_ref();
+        session.is_some_and(|session| session.combination.is_some())
+    }
+
     /// Returns the stage shown.
     #[must_use]
     pub fn current_stage(&self) -> Option<Stage> {

@@ -18,3 +18,4 @@ mod link;
 mod modes;
 mod page_keys;
 mod runs;
+mod script;

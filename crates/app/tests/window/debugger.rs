@@ -369,7 +369,7 @@ fn every_panel_is_drawn_in_every_look() {
             Command::Appearance(AppearanceCommand::Look(look)),
         );
         let mut pictures = std::collections::BTreeSet::new();
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             apply(
                 &mut harness,
                 Command::Window(WindowCommand::OpenPanel(panel)),

@@ -142,7 +142,7 @@ fn within(harness: &Harness<'_, App>, id: &str) {
 fn no_panel_is_cut_off_on_a_small_screen() {
     for size in SCREENS {
         let mut harness = busy(size);
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             harness
                 .state_mut()
                 .state
@@ -230,7 +230,7 @@ fn run_is_seen_at_every_size() {
 fn low_windows_reach_everything() {
     for size in LOW {
         let mut harness = busy(size);
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             // The tabs of panels are scrolled.
             let show = DrawerCommand::Show(Some(panel));
             harness

@@ -203,7 +203,7 @@ fn controls(harness: &Harness<'_, App>) -> Vec<Told> {
 fn tab_reaches_every_control_of_every_panel() {
     for size in [[1440.0, 900.0], [390.0, 844.0]] {
         let mut harness = support::opened_at(size);
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             harness
                 .state_mut()
                 .state

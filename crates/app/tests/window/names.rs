@@ -83,7 +83,7 @@ fn whatever_can_have_the_focus_has_a_name_of_its_own() {
     for size in [[1440.0, 900.0], [390.0, 844.0]] {
         harness.set_size(size.into());
         harness.run();
-        for panel in Panel::ALL {
+        for panel in Panel::all() {
             apply(
                 &mut harness,
                 Command::Window(WindowCommand::OpenPanel(panel)),

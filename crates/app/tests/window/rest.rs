@@ -28,7 +28,7 @@ fn assert_rests(harness: &mut Harness<'_, App>, what: &str) {
 #[test]
 fn every_panel_comes_to_rest() {
     let mut harness = opened();
-    for panel in Panel::ALL {
+    for panel in Panel::all() {
         harness
             .state_mut()
             .state

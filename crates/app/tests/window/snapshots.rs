@@ -73,7 +73,7 @@ fn every_panel(look: Look) -> SnapshotResults {
         .state
         .apply(Command::Appearance(AppearanceCommand::Look(look)));
     let mut results = SnapshotResults::new();
-    for panel in Panel::ALL {
+    for panel in Panel::all() {
         alone(&mut harness, panel);
         let theme = look.name().to_lowercase().replace(' ', "-");
         let name = format!("{theme}/{}", panel.name().to_lowercase().replace(' ', "-"));

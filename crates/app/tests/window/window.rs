@@ -272,7 +272,7 @@ fn hidden_part(harness: &Harness<'_, App>, panel: Panel) -> f32 {
 fn the_tab_of_an_opened_panel_comes_into_view() {
     for size in [[1440.0, 900.0], [960.0, 600.0]] {
         let mut harness = crate::support::opened_at(size);
-        for panel in Panel::ALL.into_iter().chain(Panel::ALL.into_iter().rev()) {
+        for panel in Panel::all().chain(Panel::all().rev()) {
             // It stands alone, without a tab.
             if panel == Panel::Timeline {
                 continue;

@@ -231,7 +231,7 @@ fn what_is_no_layout_is_refused() {
     assert!(said(&vec![b'['; 100_000]).contains("this is no layout of pieces"));
     assert!(describe(&glue(folder.path()).err().unwrap()).contains("this is no file"));
     let command = crate::Command::Combine(arguments(&["missing.json"]));
-    let code = crate::run(&command);
+    let code = crate::run(&command, |_, _, _| Ok(None));
     assert_eq!(code, std::process::ExitCode::from(crate::EXIT_BAD_INPUT));
     let missing = run(&arguments(&["missing.json"])).unwrap_err();
     assert!(describe(&missing).contains("missing.json"));

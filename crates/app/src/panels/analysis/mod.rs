@@ -14,17 +14,31 @@ use tilescope_analysis::measures::Spectrum;
 use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
 use crate::analysis::held::Held;
 use crate::analysis::measured::Measured;
-use crate::analysis::{AnalysisCommand, name_of};
+use crate::analysis::{Analysis, AnalysisCommand, name_of};
 use crate::command::Command;
 use crate::files::{FileCommand, Purpose};
 use crate::moment::Shown;
-use crate::state::State;
+use crate::state::RunView;
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Kebab, Known, heading};
 use plot::{Dragged, Line};
 
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 620.0;
+
+/// What the panel is shown from.
+pub struct AnalysisContext<'a> {
+    /// The colours.
+    pub palette: &'static Palette,
+    /// The run.
+    pub run: &'a RunView,
+    /// What is measured of it.
+    pub analysis: &'a Analysis,
+    /// The file that the run is held against, or why it is not.
+    pub held: Option<Result<&'a Arc<Held>, String>>,
+    /// What came of the brush.
+    pub said: String,
+}
 
 /// What is shown: sets and how they are told apart.
 struct Sets<'a> {
@@ -42,18 +56,18 @@ struct Sets<'a> {
 }
 
 impl<'a> Sets<'a> {
-    fn of(state: &'a State, shown: &Shown<'a>) -> Self {
-        let now = state.analysis.of(shown).map(|known| &*known.measured);
+    fn of(context: &AnalysisContext<'a>, shown: &Shown<'a>) -> Self {
+        let now = context.analysis.of(shown).map(|known| &*known.measured);
         let whole = now.is_some_and(|now| now.missing().is_none());
-        let before = state.analysis.last(shown).map(|known| &*known.measured);
+        let before = context.analysis.last(shown).map(|known| &*known.measured);
         Self {
             now,
-            before: before.filter(|_| !whole && state.analysis.failure(shown).is_none()),
-            reference: state.analysis.reference.measured(),
-            held: state.held().and_then(Result::ok),
+            before: before.filter(|_| !whole && context.analysis.failure(shown).is_none()),
+            reference: context.analysis.reference.measured(),
+            held: context.held.clone().and_then(Result::ok),
             unit: shown.session.run().domain.radius(),
             generation: shown.session.generation,
-            palette: Palette::of(state.appearance.look),
+            palette: context.palette,
         }
     }
 
@@ -69,29 +83,29 @@ impl<'a> Sets<'a> {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let Some(shown) = state.shown() else {
+pub fn show(ui: &mut Ui, context: &AnalysisContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let Some(shown) = context.run.shown() else {
         let text = "There is no session yet.";
         ui.label(RichText::new(text).color(palette.muted));
         return;
     };
     let mut own = Vec::new();
-    let sets = Sets::of(state, &shown);
-    status(ui, state, &shown, &sets, &mut own);
-    let brush = state.analysis.brush;
+    let sets = Sets::of(context, &shown);
+    status(ui, context, &shown, &sets, &mut own);
+    let brush = context.analysis.brush;
     if ui.available_width() >= TWO_COLUMNS {
         ui.columns_const(|[left, right]| {
             charts::picture(left, &sets, brush, &mut own);
-            rest(left, state, &sets, commands, &mut own);
-            legend(right, state, &sets);
+            rest(left, context, &sets, commands, &mut own);
+            legend(right, context, &sets);
             charts::curves(right, &sets, brush, &mut own);
         });
     } else {
         charts::picture(ui, &sets, brush, &mut own);
-        legend(ui, state, &sets);
+        legend(ui, context, &sets);
         charts::curves(ui, &sets, brush, &mut own);
-        rest(ui, state, &sets, commands, &mut own);
+        rest(ui, context, &sets, commands, &mut own);
     }
     ui.add_space(8.0);
     commands.extend(own.into_iter().map(Command::Analysis));
@@ -100,33 +114,33 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// Numbers, and what can be done.
 fn rest(
     ui: &mut Ui,
-    state: &State,
+    context: &AnalysisContext<'_>,
     sets: &Sets<'_>,
     commands: &mut Vec<Command>,
     own: &mut Vec<AnalysisCommand>,
 ) {
     ui.add_space(6.0);
     heading(ui, "Brush");
-    brushed(ui, state, own);
+    brushed(ui, context, own);
     heading(ui, "Numbers");
     numbers::show(ui, sets);
-    file(ui, state, commands, own);
+    file(ui, context, commands, own);
 }
 
 /// Says what moment is measured and how far that is. The lines have their room whatever they say.
 fn status(
     ui: &mut Ui,
-    state: &State,
+    context: &AnalysisContext<'_>,
     shown: &Shown<'_>,
     sets: &Sets<'_>,
     own: &mut Vec<AnalysisCommand>,
 ) {
-    let (palette, analysis) = (Palette::of(state.appearance.look), &state.analysis);
+    let (palette, analysis) = (context.palette, &context.analysis);
     ui.label(RichText::new("This moment").font(FontId::new(13.5, semibold())));
     // A line of its own: beside the heading narrow panels have no room for it.
     ui.horizontal(|ui| {
         ui.set_height(26.0);
-        progress(ui, state, shown, own);
+        progress(ui, context, shown, own);
     });
     let name = capital(&name_of(shown));
     let (text, color) = if let Some(why) = analysis.failure(shown) {
@@ -158,8 +172,13 @@ fn capital(text: &str) -> String {
 }
 
 /// Shows what is being measured, and the way out or back in.
-fn progress(ui: &mut Ui, state: &State, shown: &Shown<'_>, own: &mut Vec<AnalysisCommand>) {
-    let (palette, analysis) = (Palette::of(state.appearance.look), &state.analysis);
+fn progress(
+    ui: &mut Ui,
+    context: &AnalysisContext<'_>,
+    shown: &Shown<'_>,
+    own: &mut Vec<AnalysisCommand>,
+) {
+    let (palette, analysis) = (context.palette, &context.analysis);
     if let Some((part, fraction)) = analysis.progress() {
         let cancel = ui.button("Cancel");
         cancel.known_as("analysis.cancel");
@@ -195,15 +214,15 @@ fn lines(ui: &mut Ui, text: RichText) -> egui::Response {
 }
 
 /// Says what the lines are.
-fn legend(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
+fn legend(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     ui.add_space(4.0);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        entries(ui, state, sets);
+        entries(ui, context, sets);
     });
 }
 
-fn entries(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
+fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     let palette = sets.palette;
     let band = sets
         .spectrum()
@@ -214,13 +233,13 @@ fn entries(ui: &mut Ui, state: &State, sets: &Sets<'_>) {
         "this moment"
     };
     entry(ui, Line::Solid, palette.accent, this).known_as("analysis.moment");
-    let reference = &state.analysis.reference;
+    let reference = &context.analysis.reference;
     let name = match reference {
         crate::analysis::Reference::Failed(why) => format!("reference: {why}"),
         _ => format!("reference: {}", reference.name()),
     };
     entry(ui, Line::Dotted, palette.text, &name).known_as("analysis.reference");
-    match state.held() {
+    match context.held.clone() {
         Some(Ok(held)) => {
             let guessed = if held.guessed {
                 " (unit square assumed)"
@@ -256,14 +275,19 @@ fn entry(ui: &mut Ui, line: Line, color: Color32, text: &str) -> egui::Response 
 }
 
 /// What to hold the moment against.
-fn file(ui: &mut Ui, state: &State, commands: &mut Vec<Command>, own: &mut Vec<AnalysisCommand>) {
+fn file(
+    ui: &mut Ui,
+    context: &AnalysisContext<'_>,
+    commands: &mut Vec<Command>,
+    own: &mut Vec<AnalysisCommand>,
+) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         let open = ui.button("Hold against a file\u{2026}");
         if open.known_as("analysis.hold").clicked() {
             commands.push(Command::File(FileCommand::Sheet(Purpose::Against)));
         }
-        let there = state.analysis.held.is_some();
+        let there = context.analysis.held.is_some();
         let clear = ui.add_enabled(there, Button::new("Clear"));
         clear.known_as("analysis.clear");
         let clear = clear.on_hover_text("Forgets the file.");
@@ -275,8 +299,8 @@ fn file(ui: &mut Ui, state: &State, commands: &mut Vec<Command>, own: &mut Vec<A
 }
 
 /// The brush in numbers: the keyboard reaches it here.
-fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
-    let (palette, brush) = (Palette::of(state.appearance.look), state.analysis.brush);
+fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCommand>) {
+    let (palette, brush) = (context.palette, context.analysis.brush);
     for (axis, name, sign, start) in [
         (Axis::Frequency, "Frequencies", "\u{3bd}", FIRST_PEAK),
         (Axis::Distance, "Distances", " r", [1.0, 1.05]),
@@ -314,7 +338,7 @@ fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
     }
     ui.horizontal(|ui| {
         ui.set_height(24.0);
-        if let Some(fraction) = state.analysis.marks.progress() {
+        if let Some(fraction) = context.analysis.marks.progress() {
             let bar = ProgressBar::new(fraction).desired_height(6.0);
             ui.add(bar.desired_width(56.0).fill(palette.accent));
             let cancel = ui.button("Cancel the search");
@@ -324,9 +348,9 @@ fn brushed(ui: &mut Ui, state: &State, own: &mut Vec<AnalysisCommand>) {
             }
         }
     });
-    let said = RichText::new(state.brush_said()).size(12.0);
+    let said = RichText::new(&*context.said).size(12.0);
     let response = lines(ui, said.color(palette.muted));
-    super::read_out(ui, &response);
+    super::common::read_out(ui, &response);
     response.known_as("brush.status");
 }
 

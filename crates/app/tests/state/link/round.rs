@@ -153,7 +153,9 @@ fn view_command(draws: &mut Draws) -> Command {
             *draws.of(&[Colouring::Block, Colouring::Provenance]),
         )),
         4 => Command::Appearance(AppearanceCommand::Look(*draws.of(&Look::ALL))),
-        5 => Command::Window(WindowCommand::OpenPanel(*draws.of(&Panel::ALL))),
+        5 => Command::Window(WindowCommand::OpenPanel(
+            *draws.of(&Panel::all().collect::<Vec<_>>()),
+        )),
         6 => Command::View(
             Which::First,
             ViewCommand::FlyTo(

@@ -1,0 +1,56 @@
+//! What several panels have.
+
+use egui::{ScrollArea, Ui};
+
+use super::context::PanelContext;
+use crate::focus;
+use crate::layout::Panel;
+use crate::theme::Palette;
+use crate::widgets::Known;
+
+/// Each panel scrolls by itself, whatever stood in its place before.
+pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {
+    ScrollArea::vertical()
+        .id_salt(panel.name())
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            ui.set_max_width(ui.available_width() - 12.0);
+            add(ui);
+            focus::follow(ui);
+        });
+}
+
+/// A thin line between two sections.
+pub fn divide(ui: &mut Ui, palette: &Palette) {
+    ui.add_space(10.0);
+    let (rect, _) =
+        ui.allocate_exact_size(egui::vec2(ui.available_width(), 1.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 0.0, palette.line);
+    ui.add_space(6.0);
+}
+
+/// Says that there are no events, and why.
+pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
+    let text = match &context.run.session {
+        None => "There is no session yet.".to_owned(),
+        Some(session) if session.combination.is_some() => {
+            "A combination has stages but no events: its sets were there before.".to_owned()
+        }
+        Some(session) if session.has_stages() => {
+            "The GPU's run differs from the CPU's, so that it has no events.".to_owned()
+        }
+        Some(_) => format!(
+            "A run of more than {} samples keeps its result alone: there are no events to step through.",
+            crate::words::grouped(crate::limits::MOST_STAGED as usize)
+        ),
+    };
+    ui.label(egui::RichText::new(text).color(context.palette.muted))
+        .known_as("no-events");
+}
+
+/// Has screen readers read out what a label says whenever that changes.
+pub fn read_out(ui: &Ui, response: &egui::Response) {
+    ui.ctx().accesskit_node_builder(response.id, |node| {
+        node.set_live(egui::accesskit::Live::Polite);
+    });
+}

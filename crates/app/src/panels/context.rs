@@ -1,0 +1,29 @@
+//! What panels are shown from.
+
+use crate::state::{Appearance, RunView, State};
+use crate::theme::Palette;
+
+/// What most panels are shown from: a run, and how it is drawn. A panel that needs more is given just that.
+pub struct PanelContext<'a> {
+    /// The colours.
+    pub palette: &'static Palette,
+    /// How moments are drawn.
+    pub appearance: &'a Appearance,
+    /// The run.
+    pub run: &'a RunView,
+    /// Whether another run is shown beside it.
+    pub is_compared: bool,
+}
+
+impl<'a> PanelContext<'a> {
+    /// Returns what panels of the first run are shown from.
+    #[must_use]
+    pub fn of(state: &'a State) -> Self {
+        Self {
+            palette: Palette::of(state.appearance.look),
+            appearance: &state.appearance,
+            run: &state.runs.first,
+            is_compared: state.runs.second.is_some(),
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Every panel: the room around it, and what of the state it is shown from. No panel but the canvas and the timeline sees the
+//! whole state.
+
+use egui::{Frame, Margin, ScrollArea, Ui, Vec2, vec2};
+
+use super::analysis::AnalysisContext;
+use super::common::scrolled;
+use super::compare::CompareContext;
+use super::context::PanelContext;
+use super::parameters::FormContext;
+use super::{
+    analysis, bookmarks, compare, events, inspector, layers, legend, parameters, pseudocode,
+    stages, timeline, verification, watches,
+};
+use crate::actions::keys_of;
+use crate::command::{Command, TimeCommand};
+use crate::compare::Rival;
+use crate::device::Engine;
+use crate::layout::Panel;
+use crate::panes::Canvas;
+use crate::state::State;
+use crate::theme::Palette;
+use crate::widgets::Known;
+use tilescope_debugger::Direction;
+
+/// How a panel fills its tile.
+enum Room {
+    /// All of it is scrolled.
+    Scrolled,
+    /// It lays itself out.
+    Whole,
+}
+
+/// Shows a panel in its room.
+type Show = fn(&mut Ui, &State, &mut Vec<Command>);
+
+/// Returns how a panel is shown. The canvas is not: it keeps what it has drawn.
+fn row(panel: Panel) -> (Room, Show) {
+    match panel {
+        Panel::Statistics => (Room::Scrolled, |ui, state, commands| {
+            stages::show(ui, &PanelContext::of(state), commands);
+        }),
+        Panel::Bookmarks => (Room::Scrolled, |ui, state, commands| {
+            let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
+            let keys = keys_of(state, &run_on);
+            bookmarks::show(ui, &PanelContext::of(state), keys, commands);
+        }),
+        Panel::Inspector => (Room::Scrolled, |ui, state, commands| {
+            inspector::show(ui, &PanelContext::of(state), commands);
+        }),
+        Panel::Watches => (Room::Scrolled, |ui, state, commands| {
+            watches::show(ui, &PanelContext::of(state), commands);
+        }),
+        Panel::Verification => (Room::Scrolled, |ui, state, commands| {
+            verification::show(ui, &PanelContext::of(state), commands);
+        }),
+        Panel::Legend => (Room::Scrolled, |ui, state, commands| {
+            legend::show(ui, &PanelContext::of(state), state.causes(), commands);
+        }),
+        Panel::Compare => (Room::Scrolled, |ui, state, commands| {
+            compare::show(ui, &CompareContext::of(state), commands);
+        }),
+        Panel::Analysis => (Room::Scrolled, |ui, state, commands| {
+            analysis::show(ui, &AnalysisContext::of(state), commands);
+        }),
+        Panel::Pseudocode => (Room::Whole, |ui, state, commands| {
+            pseudocode::show(ui, &PanelContext::of(state), commands);
+        }),
+        Panel::Events => (Room::Whole, |ui, state, commands| {
+            events::show(ui, &PanelContext::of(state), commands);
+        }),
+        Panel::Parameters => (Room::Whole, |ui, state, commands| {
+            parameters::show(ui, &FormContext::of(state), commands);
+        }),
+        Panel::Passes => (Room::Whole, |ui, state, commands| {
+            let refusal = state.passes_refusal();
+            passes(ui, &PanelContext::of(state), refusal.as_deref(), commands);
+        }),
+        Panel::Canvas => (Room::Whole, |ui, state, commands| {
+            layers::show(ui, state, commands);
+        }),
+        Panel::Timeline => (Room::Whole, timeline::show),
+    }
+}
+
+impl<'a> AnalysisContext<'a> {
+    /// Returns what the analysis of the first run is shown from.
+    pub fn of(state: &'a State) -> Self {
+        Self {
+            palette: Palette::of(state.appearance.look),
+            run: &state.runs.first,
+            analysis: &state.analysis,
+            held: state.held(),
+            said: state.brush_said(),
+        }
+    }
+}
+
+impl<'a> CompareContext<'a> {
+    fn of(state: &'a State) -> Self {
+        let rivals = Rival::ALL.map(|rival| (rival, state.rival_refusal(rival)));
+        Self {
+            palette: Palette::of(state.appearance.look),
+            first: &state.runs.first,
+            second: state.runs.second.as_ref(),
+            rivals: rivals.into(),
+            parting: state.parting_refusal(),
+        }
+    }
+}
+
+impl<'a> FormContext<'a> {
+    fn of(state: &'a State) -> Self {
+        Self {
+            palette: Palette::of(state.appearance.look),
+            form: &state.form,
+            gpu: &state.gpu,
+            sampling: state.runs.first.sampling.as_ref(),
+            refusal: state.run_refusal(),
+            remark: state.run_remark(),
+            engine: state.engine_said(),
+            auto_is_gpu: state.device_takes(Engine::Auto),
+        }
+    }
+}
+
+/// Shows a panel in the place of its tile.
+pub fn show_panel(
+    ui: &mut Ui,
+    panel: Panel,
+    state: &State,
+    canvas: &mut Canvas,
+    commands: &mut Vec<Command>,
+) {
+    let frame = Frame::new().fill(Palette::of(state.appearance.look).panel);
+    let side = frame.inner_margin(Margin {
+        left: 12,
+        right: 4,
+        top: 8,
+        bottom: 8,
+    });
+    let (room, show) = row(panel);
+    match (panel, room) {
+        (Panel::Canvas, _) => {
+            let chips = frame.inner_margin(Margin::symmetric(12, 8));
+            egui::Panel::top("layers")
+                .frame(chips)
+                .show(ui, |ui| show(ui, state, commands));
+            canvas.show(ui, state, commands);
+        }
+        (Panel::Timeline, _) => {
+            filled(ui, frame.inner_margin(TIMELINE_MARGIN), |ui| {
+                show(ui, state, commands);
+            });
+        }
+        (_, Room::Whole) => filled(ui, side, |ui| show(ui, state, commands)),
+        (_, Room::Scrolled) => filled(ui, side, |ui| {
+            scrolled(ui, panel, |ui| show(ui, state, commands));
+        }),
+    }
+}
+
+/// Returns the room that a panel needs at least, in screen points: in less its rows would be cut off. The height of the
+/// timeline is that of its sentence.
+#[must_use]
+pub fn least_size(panel: Panel, timeline: f32) -> Vec2 {
+    match panel {
+        Panel::Canvas => vec2(320.0, 160.0),
+        Panel::Timeline => vec2(320.0, timeline),
+        Panel::Parameters => vec2(parameters::LEAST_WIDTH + BESIDE_PANEL, LEAST_PANEL.y),
+        // It is moved in less.
+        Panel::Passes => Vec2::ZERO,
+        _ => LEAST_PANEL,
+    }
+}
+
+/// What most panels need, and the names of those that share a tile at first.
+const LEAST_PANEL: Vec2 = vec2(272.0, 96.0);
+/// A panel's margins, and the room of its scroll bar.
+const BESIDE_PANEL: f32 = 28.0;
+
+/// Around the timeline.
+const TIMELINE_MARGIN: Margin = Margin::symmetric(16, 8);
+
+/// Returns how high the tile of the timeline is at least, `width` wide.
+pub fn timeline_height(ctx: &egui::Context, state: &State, width: f32) -> f32 {
+    let margin = TIMELINE_MARGIN.sum();
+    timeline::height(ctx, state, width - margin.x) + margin.y
+}
+
+fn filled(ui: &mut Ui, frame: Frame, add: impl FnOnce(&mut Ui)) {
+    frame.show(ui, |ui| {
+        ui.set_min_size(ui.available_size());
+        add(ui);
+    });
+}
+
+/// The list and the table of passes need so much room, in screen points.
+const ROOM_FOR_PASSES: egui::Vec2 = egui::vec2(620.0, 400.0);
+
+/// Shows the passes of the GPU, or how to come to see them.
+fn passes(
+    ui: &mut Ui,
+    context: &PanelContext<'_>,
+    refusal: Option<&str>,
+    commands: &mut Vec<Command>,
+) {
+    let palette = context.palette;
+    if let Some(passes) = &context.run.passes {
+        let mut own = Vec::new();
+        // A list beside a table: there is no narrower form of it, but it can be moved.
+        let size = ui.available_size().max(ROOM_FOR_PASSES);
+        ScrollArea::both()
+            .id_salt(Panel::Passes.name())
+            .show(ui, |ui| {
+                ui.allocate_ui(size, |ui| {
+                    crate::passes::panel::show(ui, passes, palette, &mut own);
+                });
+            });
+        commands.extend(own.into_iter().map(Command::Passes));
+        return;
+    }
+    let text = "Every compute pass of this session's run on the GPU, with its buffers before and after, compared with the CPU.";
+    ui.label(egui::RichText::new(text).color(palette.muted));
+    let button = ui.add_enabled(refusal.is_none(), egui::Button::new("Run the passes"));
+    button.known_as("passes.run");
+    let button = button.on_disabled_hover_text(refusal.unwrap_or_default());
+    if button.clicked() {
+        commands.push(Command::OpenPasses);
+    }
+    if let Some(refusal) = refusal {
+        ui.label(egui::RichText::new(refusal).color(palette.muted));
+    }
+}

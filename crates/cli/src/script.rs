@@ -1,0 +1,61 @@
+//! `tilescope script`: the window's commands from a file, without a window. Whoever has the window carries them out.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+
+use crate::{EXIT_FINE, output, verdict_code};
+
+/// Carries out the text of a script; prints the state after each command or after the last one, and returns the verdict.
+pub type CarryOut = fn(&str, bool, &mut dyn FnMut(&str) -> Result<()>) -> Result<Option<bool>>;
+
+/// Arguments of `tilescope script`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct ScriptArguments {
+    /// A JSON list of commands; - reads standard input
+    file: PathBuf,
+    /// Print the state after every command, one JSON object a line
+    #[arg(long)]
+    each: bool,
+}
+
+/// Larger scripts are not read.
+const MAX_BYTES: u64 = 16 << 20;
+
+const EXAMPLES: &str = r#"A script begins with the default session. It holds the commands that buttons and keys of the window issue;
+the work that one starts is waited for. Cameras jump instead of flying, and time does not run by itself.
+
+  [{"form": {"type": ["seed", "7"]}}, "run",
+   {"debug": {"toggle-breakpoint": "eliminate.5"}}, {"time": {"continue": "forwards"}},
+   {"export": {"open": "picture"}}, {"export": {"path": "moment.svg"}}, {"export": "write"}]
+
+Examples:
+  tilescope script steps.json
+  echo '[{"time": "first-stage"}]' | tilescope script - --each"#;
+
+pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
+    let named = || arguments.file.display().to_string();
+    let text = read(&arguments.file).with_context(named)?;
+    let verdict = carry_out(&text, arguments.each, &mut output::emit).with_context(named)?;
+    Ok(verdict.map_or(EXIT_FINE, verdict_code))
+}
+
+fn read(file: &Path) -> Result<String> {
+    let mut bytes = Vec::new();
+    if file.as_os_str() == "-" {
+        std::io::stdin()
+            .take(MAX_BYTES + 1)
+            .read_to_end(&mut bytes)?;
+    } else {
+        let open = std::fs::File::open(file)?;
+        open.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    }
+    ensure!(
+        bytes.len() as u64 <= MAX_BYTES,
+        "the script is larger than {MAX_BYTES} bytes, the most that is read"
+    );
+    String::from_utf8(bytes).context("a script is text in UTF-8")
+}
