@@ -37,7 +37,10 @@ Examples:
   echo '[{"time": "first-stage"}]' | tilescope script - --each"#;
 
 pub fn run(arguments: &ScriptArguments, carry_out: CarryOut) -> Result<u8> {
-    let named = || arguments.file.display().to_string();
+    let named = || match arguments.file.as_os_str() {
+        dash if dash == "-" => "standard input".to_owned(),
+        _ => arguments.file.display().to_string(),
+    };
     let text = read(&arguments.file).with_context(named)?;
     let verdict = carry_out(&text, arguments.each, &mut output::emit).with_context(named)?;
     Ok(verdict.map_or(EXIT_FINE, verdict_code))

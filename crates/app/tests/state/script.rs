@@ -2,14 +2,13 @@
 
 use std::convert::Infallible;
 
+use tilescope_app::Command;
 use tilescope_app::actions::actions;
 use tilescope_app::script::{ScriptError, carry_out, read, run};
-use tilescope_app::{Command, State};
 
 #[test]
 fn every_action_is_a_command_of_scripts() {
-    let mut state = State::new(std::sync::Arc::new(|| {}));
-    state.settle();
+    let Ok(state) = carry_out(Vec::new(), |_| Ok::<_, Infallible>(()));
     let all: Vec<Command> = actions(&state).into_iter().map(|a| a.command).collect();
     assert!(all.len() > 100, "{}", all.len());
     let text = serde_json::to_string(&all).unwrap();
@@ -37,10 +36,8 @@ fn a_session_is_carried_out_by_text_alone() {
     });
     let Ok(state) = state;
     let first = &state.runs.first;
-    assert_eq!(
-        first.session.as_ref().unwrap().run().parameters.radius,
-        0.03
-    );
+    let samples = first.session.as_ref().unwrap().summary.count;
+    assert!((700..1_000).contains(&samples), "{samples}");
     assert!(cursors[4] < cursors[5], "{cursors:?}");
     assert_eq!(first.selected, Some(3));
     assert!(state.runs.second.as_ref().unwrap().0.session.is_some());

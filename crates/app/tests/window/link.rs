@@ -60,5 +60,5 @@ fn a_window_copies_its_link() {
         .open_link("v=1&layout=VT_cg-5000t5000-&look=light");
     settle(&mut harness);
     let link = harness.state().state.link().fragment;
-    assert!(link.starts_with("v=1&look=light&layout=VT_cgpse"), "{link}");
+    assert!(link.starts_with("v=1&look=light&layout=VT_cgpil"), "{link}");
 }

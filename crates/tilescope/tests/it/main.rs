@@ -11,5 +11,6 @@ mod pattern_cache;
 #[cfg(unix)]
 mod places;
 mod reproduce;
+mod script;
 mod support;
 mod web;
