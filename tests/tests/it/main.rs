@@ -10,4 +10,3 @@ mod numbers;
 mod patterns;
 mod properties;
 mod support;
-mod wasm;

@@ -12,8 +12,7 @@ fn a_script_is_carried_out_and_the_state_is_printed() {
     let script = r#"[{"form": {"type": ["radius", "0.05"]}}, {"form": {"type": ["leaf", "10"]}}, "run",
         {"export": {"open": "samples"}}, {"export": {"path": "set.csv"}}, {"export": "write"}]"#;
     std::fs::write(folder.path().join("steps.json"), script).unwrap();
-    let output = tilescope()
-        .current_dir(&folder)
+    let output = tilescope(&folder)
         .args(["script", "steps.json", "--each"])
         .assert()
         .success();
@@ -26,8 +25,7 @@ fn a_script_is_carried_out_and_the_state_is_printed() {
     assert_eq!(states[5]["parameters"]["radius"], 0.05);
     assert_eq!(states[5]["verified"], true);
     // What a script writes is verified like everything else.
-    tilescope()
-        .current_dir(&folder)
+    tilescope(&folder)
         .args(["verify", "set.csv"])
         .assert()
         .success();
@@ -35,8 +33,9 @@ fn a_script_is_carried_out_and_the_state_is_printed() {
 
 #[test]
 fn what_is_no_script_is_refused_before_anything_is_done() {
+    let folder = tempdir().unwrap();
     let refused = |text: &str| {
-        tilescope()
+        tilescope(&folder)
             .args(["script", "-"])
             .write_stdin(text)
             .assert()
@@ -47,7 +46,7 @@ fn what_is_no_script_is_refused_before_anything_is_done() {
         "error: standard input: command 2: unknown variant `runn`",
     ));
     refused("run").stderr(contains("a script is a JSON list of commands"));
-    tilescope()
+    tilescope(&folder)
         .args(["script", "missing.json"])
         .assert()
         .code(2)

@@ -1,7 +1,6 @@
 //! What the tests share.
 
 pub mod inexact;
-pub mod module;
 pub mod pinned;
 pub mod random;
 

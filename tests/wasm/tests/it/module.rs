@@ -1,20 +1,20 @@
-//! Packages of this folder as WebAssembly.
+//! The package of this folder as WebAssembly.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Builds the package `tilescope-tests-NAME` in the folder `name` and returns the module. Its target folder is
-/// its own: whoever runs this test may hold the other one's lock.
-pub fn build(name: &str, flags: &str) -> Vec<u8> {
+/// Builds the package with compiler flags and returns the module. Its target folder is its own: whoever runs this test
+/// may hold the other one's lock.
+pub fn build(flags: &str) -> Vec<u8> {
     let target_dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("wasm");
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args(["build", "--release", "--locked", "--target", TARGET])
         .arg("--manifest-path")
-        .arg(manifest.join("Cargo.toml"))
+        .arg(manifest)
         .env("CARGO_TARGET_DIR", &target_dir)
         .env("CARGO_ENCODED_RUSTFLAGS", flags)
         .env("CARGO_TERM_COLOR", "never")
@@ -25,6 +25,6 @@ pub fn build(name: &str, flags: &str) -> Vec<u8> {
         output.status.success(),
         "the build for {TARGET} failed; if the target is missing, run: rustup target add {TARGET}\n{log}"
     );
-    let module = format!("{TARGET}/release/tilescope_tests_{name}.wasm");
+    let module = format!("{TARGET}/release/tilescope_tests_wasm.wasm");
     std::fs::read(target_dir.join(module)).expect("the module")
 }

@@ -1,11 +1,17 @@
 //! The engines as WebAssembly give the points that they give here, bit for bit: built for wasm32 with and
 //! without its vector instructions, and run in an interpreter.
 
+mod module;
+// The tests of the engines use all of it.
+#[allow(dead_code)]
+#[path = "../../../tests/it/support/mod.rs"]
+mod support;
+
 use std::sync::LazyLock;
 
-use crate::support::module::build;
-use crate::support::pinned::{PINNED, cases};
-use crate::support::{difference, digest, run, shown};
+use module::build;
+use support::pinned::{PINNED, cases};
+use support::{difference, digest, run, shown};
 use tilescope_core::{
     Boundary, Insertion, Order, Parameters, PatternSpec, Point, Unobserved, Variant,
     reference_sample,
@@ -17,8 +23,8 @@ use wasmi::{Engine, Instance, Memory, Module, Store, WasmParams, WasmResults};
 /// Both builds: the name of their instruction set, and the module. Built once for all tests.
 static BUILDS: LazyLock<[(&str, Vec<u8>); 2]> = LazyLock::new(|| {
     [
-        ("scalar", build("wasm", "")),
-        ("simd128", build("wasm", "-Ctarget-feature=+simd128")),
+        ("scalar", build("")),
+        ("simd128", build("-Ctarget-feature=+simd128")),
     ]
 });
 
