@@ -14,7 +14,8 @@ use tilescope_app::command::{
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command, Session};
+use tilescope_app::{App, Command};
+use tilescope_session::Session;
 
 /// Frames per figure.
 const FRAMES: u32 = 60;

@@ -27,7 +27,7 @@ fn main() {
         radius: 0.01,
         ..Parameters::default()
     };
-    let wake: tilescope_app::jobs::Wake = Arc::new(|| {});
+    let wake: tilescope_session::jobs::Wake = Arc::new(|| {});
     let passes = Passes::new(&Arc::new(gpu), &parameters, &wake).expect("a small run");
     let shown = Shown {
         passes,

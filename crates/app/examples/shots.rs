@@ -13,12 +13,12 @@ use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
-use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
-use tilescope_app::verification::Witness;
 use tilescope_app::{App, Command, State};
 use tilescope_core::Search;
 use tilescope_debugger::{Direction, Target};
+use tilescope_session::selection::Selection;
+use tilescope_session::verification::Witness;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

@@ -11,10 +11,10 @@ use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
-use tilescope_app::selection::Selection;
 use tilescope_app::state::Notice;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
+use tilescope_session::selection::Selection;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

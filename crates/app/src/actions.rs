@@ -20,13 +20,13 @@ use crate::command::{
 use crate::finder::Finder;
 use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;
-use crate::limits::MOST_STAGED;
-use crate::selection::Selection;
 use crate::state::State;
 use crate::theme::Look;
 use crate::widgets::Kebab;
-use crate::words::grouped;
 pub use keys::{keys_of, press_keys, takes_key};
+use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::grouped;
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -38,7 +38,7 @@ pub struct App {
     screener: fn() -> bool,
     /// Files that were dropped on the page, while they are read.
     #[cfg(target_arch = "wasm32")]
-    dropped: Option<crate::jobs::Job<crate::files::web::Found>>,
+    dropped: Option<tilescope_session::jobs::Job<crate::files::web::Found>>,
 }
 
 impl App {
@@ -158,10 +158,13 @@ impl App {
         let dropped = ui.input(|input| input.raw.dropped_files.clone());
         if !dropped.is_empty() {
             let waker = ui.ctx().clone();
-            let wake: crate::jobs::Wake = Arc::new(move || waker.request_repaint());
+            let wake: tilescope_session::jobs::Wake = Arc::new(move || waker.request_repaint());
             self.dropped = Some(crate::files::web::take(&dropped, &wake));
         }
-        let read = self.dropped.as_ref().and_then(crate::jobs::Job::poll);
+        let read = self
+            .dropped
+            .as_ref()
+            .and_then(tilescope_session::jobs::Job::poll);
         if let Some(outcome) = read {
             self.dropped = None;
             let found = outcome.unwrap_or_else(|why| crate::files::web::Found {

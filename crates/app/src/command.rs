@@ -7,7 +7,6 @@ use tilescope_debugger::{Direction, LineId, Step, Target};
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
 use crate::clock::Clock;
-use crate::combination::CombineCommand;
 use crate::compare::CompareCommand;
 use crate::device::Engine;
 use crate::draft::{Choice, Field};
@@ -16,9 +15,10 @@ use crate::files::FileCommand;
 use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;
 use crate::passes::PassCommand;
-use crate::selection::Selection;
 use crate::theme::Look;
-use crate::verification::Witness;
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::selection::Selection;
+use tilescope_session::verification::Witness;
 
 /// A move in time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tilescope_gpu::{Choice, Gpu, GpuError, SelfTest, self_test};
 
-use crate::jobs::Job;
-use crate::words::sentence;
+use tilescope_session::jobs::Job;
+use tilescope_session::words::sentence;
 
 /// Who makes sessions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -5,7 +5,7 @@ use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
 
-use crate::incoming::NamedBytes;
+use tilescope_session::incoming::NamedBytes;
 
 /// How long the browser has to take the bytes, in ms; afterwards they are given up.
 const KEPT_MS: i32 = 60_000;

@@ -5,8 +5,8 @@ use tilescope_core::{
     Boundary, Insertion, MAXIMAL_DENSITY, Order, ParameterError, Parameters, Search, Variant,
 };
 
-use crate::limits::{MOST_ON_A_PAGE, MOST_STAGED};
-use crate::words::{grouped, sentence};
+use tilescope_session::limits::{MOST_ON_A_PAGE, MOST_STAGED};
+use tilescope_session::words::{grouped, sentence};
 
 /// A parameter that is typed as a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]

@@ -10,7 +10,6 @@ mod disk;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
 
-pub use crate::incoming::{Incoming, MOST_FILES, NamedBytes, gather, refusals};
 pub use archive::{PackError, packed, unpacked};
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::{browse, certificate_of};
@@ -18,10 +17,11 @@ pub use read::{Combined, Done, Opened, Outcome, ReadTask, Source, read};
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
 pub use save::{SaveTask, render, with_json};
+pub use tilescope_session::incoming::{Incoming, MOST_FILES, NamedBytes, gather, refusals};
 
 use std::sync::Arc;
 
-use crate::jobs::Job;
+use tilescope_session::jobs::Job;
 
 /// What a file is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]

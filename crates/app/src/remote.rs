@@ -15,7 +15,7 @@ use crate::link::{
 };
 use crate::theme::Look;
 use crate::view::{FARTHEST, sound_camera};
-use crate::words::grouped;
+use tilescope_session::words::grouped;
 
 /// The longest request, in bytes.
 pub const MOST_BYTES: usize = 65_536;

@@ -3,12 +3,12 @@
 
 use crate::analysis::brush::Found;
 use crate::camera::Camera;
-use crate::geometry::Geometry;
 use crate::layers::{Colouring, Layers};
-use crate::moment::Shown;
 use crate::passes::OnCanvas;
-use crate::session::Session;
-use crate::verification::Sight;
+use tilescope_session::geometry::Geometry;
+use tilescope_session::moment::Shown;
+use tilescope_session::session::Session;
+use tilescope_session::verification::Sight;
 
 /// A moment, and how it is seen.
 #[derive(Clone, Copy)]

@@ -10,8 +10,8 @@ use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
 use crate::layers::{Colouring, Layer, Layers};
 use crate::layout::Layout;
-use crate::selection::Selection;
 use crate::theme::Look;
+use tilescope_session::selection::Selection;
 
 /// Farther from the origin than this, in r, there is no domain.
 pub(crate) const FARTHEST: f64 = 200_000.0;

@@ -1,7 +1,7 @@
 //! All kinds of errands by name, for a worker that is sent one.
 
-use crate::errand::{Errand, Refused, carry_out};
-use crate::jobs::Monitor;
+use tilescope_session::errand::{Errand, Refused, carry_out};
+use tilescope_session::jobs::Monitor;
 
 macro_rules! errands {
     ($($errand:ty,)*) => {
@@ -24,12 +24,12 @@ macro_rules! errands {
 }
 
 errands! {
-    crate::sampling::Patterning,
-    crate::sampling::Sampling,
-    crate::sampling::Twin,
-    crate::combining::Combining,
-    crate::verification::Judging,
-    crate::geometry::Triangulating,
+    tilescope_session::sampling::Patterning,
+    tilescope_session::sampling::Sampling,
+    tilescope_session::sampling::Twin,
+    tilescope_session::combining::Combining,
+    tilescope_session::verification::Judging,
+    tilescope_session::geometry::Triangulating,
     crate::state::run_view::Counting,
     crate::state::run_view::Looking,
     crate::analysis::Beginning,

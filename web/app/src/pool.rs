@@ -7,8 +7,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use js_sys::{Array, Object, Reflect, Uint8Array};
-use tilescope_app::errand::{Answer, Carrier, End, Parcel, session_bytes};
-use tilescope_app::jobs::Monitor;
+use tilescope_session::errand::{Answer, Carrier, End, Parcel, session_bytes};
+use tilescope_session::jobs::Monitor;
 use wasm_bindgen::prelude::Closure;
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Event, MessageEvent, Worker, WorkerOptions, WorkerType};

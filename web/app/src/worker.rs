@@ -3,8 +3,8 @@
 use std::cell::{Cell, RefCell};
 
 use js_sys::{Array, Date, Function, Uint8Array};
-use tilescope_app::errand::{self, Refused};
-use tilescope_app::jobs::Monitor;
+use tilescope_session::errand::{self, Refused};
+use tilescope_session::jobs::Monitor;
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
 /// Progress is told at most once in so many milliseconds.

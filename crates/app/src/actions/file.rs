@@ -3,12 +3,12 @@
 use egui::Key;
 
 use super::{COMMAND, List, Menu, SHIFT};
-use crate::combination::CombineCommand;
 use crate::command::Which;
 use crate::command::{Command, LinkCommand};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{FileCommand, Purpose};
 use crate::state::State;
+use tilescope_session::combination::CombineCommand;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

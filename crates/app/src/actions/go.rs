@@ -138,7 +138,10 @@ fn targets(state: &State) -> Vec<(String, Option<Key>, Target)> {
     .map(|(name, key, target)| (name.to_owned(), Some(key), target))
     .collect();
     if let Some(id) = state.runs.first.selected {
-        let name = format!("event of sample {}", crate::words::grouped(id as usize));
+        let name = format!(
+            "event of sample {}",
+            tilescope_session::words::grouped(id as usize)
+        );
         targets.push((name, Some(Key::H), Target::Sample(id)));
     }
     if let Some(event) = state.runs.first.debugger.as_ref().and_then(|d| d.event()) {

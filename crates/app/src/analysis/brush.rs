@@ -6,12 +6,12 @@ use std::sync::Arc;
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
 
 use super::measured::{Control, Samples, refusal};
-use crate::errand::{self, Errand};
-use crate::geometry::{Key, key_of};
-use crate::jobs::{Job, Monitor, Wake};
-use crate::moment::{Shown, Still};
-use crate::session::Session;
-use crate::words::{counted, grouped};
+use tilescope_session::errand::{self, Errand};
+use tilescope_session::geometry::{Key, key_of};
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::moment::{Shown, Still};
+use tilescope_session::session::Session;
+use tilescope_session::words::{counted, grouped};
 
 /// Pairs that are kept to be drawn.
 pub const MOST_PAIRS: usize = 500_000;
@@ -209,7 +209,7 @@ impl Marks {
             }
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((of, why)),
-            Err(panic) => self.failed = Some((of, crate::words::sentence(&panic))),
+            Err(panic) => self.failed = Some((of, tilescope_session::words::sentence(&panic))),
         }
     }
 

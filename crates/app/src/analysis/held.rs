@@ -7,8 +7,8 @@ use tilescope_analysis::{Boundary, Region};
 use tilescope_formats::ReadSet;
 
 use super::measured::{self, Measured, Samples};
-use crate::jobs::Monitor;
-use crate::words::last_part;
+use tilescope_session::jobs::Monitor;
+use tilescope_session::words::last_part;
 
 /// A set from a file, and what is measured of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -134,7 +134,8 @@ impl Measured {
                 let options = VerifyOptions::default();
                 let report = match verify(points, region, set.radius, &options, control) {
                     Err(VerifyError::Cancelled) => return Err(MeasureError::Cancelled),
-                    other => other.map_err(|error| crate::words::sentence(&error.to_string())),
+                    other => other
+                        .map_err(|error| tilescope_session::words::sentence(&error.to_string())),
                 };
                 self.report = Some(report.map(Arc::new));
             }
@@ -215,8 +216,8 @@ pub fn refusal(error: &MeasureError) -> Option<String> {
         MeasureError::Cancelled => None,
         MeasureError::TooFew { count, limit } => Some(format!(
             "{}; at least {limit} are needed to be measured.",
-            crate::words::counted(*count, "sample stands", "samples stand")
+            tilescope_session::words::counted(*count, "sample stands", "samples stand")
         )),
-        error => Some(crate::words::sentence(&error.to_string())),
+        error => Some(tilescope_session::words::sentence(&error.to_string())),
     }
 }

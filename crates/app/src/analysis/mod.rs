@@ -11,18 +11,18 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use tilescope_core::Stage;
 
-use crate::errand::{self, Errand};
-use crate::geometry::{Key, key_of, region_of};
-use crate::jobs::{Job, Monitor, Wake};
-use crate::moment::{Shown, Still};
-use crate::sentence::name_in;
-use crate::session::Session;
-use crate::units::radii;
-use crate::words::grouped;
 use brush::{Brush, Marks};
 use held::Held;
 use measured::{Measured, Part, Samples, refusal};
 pub use reference::Reference;
+use tilescope_session::errand::{self, Errand};
+use tilescope_session::geometry::{Key, key_of, region_of};
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::moment::{Shown, Still};
+use tilescope_session::sentence::name_in;
+use tilescope_session::session::Session;
+use tilescope_session::units::radii;
+use tilescope_session::words::grouped;
 
 /// Moments whose measures are kept, so that going back to them takes no time.
 pub const MOST_KEPT: usize = 48;
@@ -240,7 +240,7 @@ impl Analysis {
             }
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((key, why)),
-            Err(panic) => self.failed = Some((key, crate::words::sentence(&panic))),
+            Err(panic) => self.failed = Some((key, tilescope_session::words::sentence(&panic))),
         }
     }
 

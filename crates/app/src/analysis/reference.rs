@@ -6,9 +6,9 @@ use tilescope_analysis::{Boundary, Region};
 use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
 
 use super::measured::{Measured, Samples, refusal};
-use crate::errand::{self, Errand};
-use crate::jobs::{Job, Monitor, Wake};
-use crate::units::radii;
+use tilescope_session::errand::{self, Errand};
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::units::radii;
 
 /// The set: a pattern, but no run clips from one as large by default.
 pub const SPEC: PatternSpec = PatternSpec {
@@ -45,7 +45,10 @@ impl Reference {
     #[must_use]
     pub fn name(&self) -> String {
         let count = self.measured().map_or_else(String::new, |measured| {
-            format!(", {} samples", crate::words::grouped(measured.samples))
+            format!(
+                ", {} samples",
+                tilescope_session::words::grouped(measured.samples)
+            )
         });
         format!("dart throwing, {} r periodic{count}", SPEC.side)
     }

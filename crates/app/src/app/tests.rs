@@ -9,8 +9,8 @@ use crate::clock::Clock;
 use crate::command::Which;
 use crate::command::{AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, WindowCommand};
 use crate::embedding::Embedding;
-use crate::sentence::happened;
 use tilescope_debugger::{Kind, Target};
+use tilescope_session::sentence::happened;
 
 /// A window that is shown nowhere.
 struct Window {

@@ -3,7 +3,7 @@
 
 use tilescope_core::Origin;
 
-use crate::session::Session;
+use tilescope_session::session::Session;
 
 /// Where the last tiled sample is on the ramp.
 pub const LAST_TILED: f32 = 0.62;

@@ -10,7 +10,7 @@ use super::sprites::Sprites;
 use super::strokes::Strokes;
 use crate::analysis::brush::{Cause, Found};
 use crate::theme::Palette;
-use crate::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped};
 
 /// Edges that are drawn at most: those nearest to the middle of the view.
 pub const MOST_EDGES: usize = 20_000;

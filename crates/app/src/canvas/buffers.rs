@@ -13,8 +13,8 @@ use crate::passes::OnCanvas;
 use crate::passes::placed::Rows;
 use crate::subject::Subject;
 use crate::theme::Palette;
-use crate::units::radii;
 use crate::widgets::Known;
+use tilescope_session::units::radii;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;
@@ -63,8 +63,8 @@ pub fn show(
         }
     }
     let note = note.or_else(|| {
-        let most = crate::words::grouped(MOST_MARKS);
-        let more = crate::words::grouped(left_out);
+        let most = tilescope_session::words::grouped(MOST_MARKS);
+        let more = tilescope_session::words::grouped(left_out);
         (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
     });
     let corner = vec2(0.0, if note.is_some() { NOTE } else { 0.0 }) + INSET;

@@ -9,8 +9,8 @@ use super::MIN_DISK_SCALE;
 use super::tree::Made;
 use crate::subject::Subject;
 use crate::theme::Palette;
-use crate::units::radii;
-use crate::words::grouped;
+use tilescope_session::units::radii;
+use tilescope_session::words::grouped;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
 const WIDEST: f32 = 380.0;

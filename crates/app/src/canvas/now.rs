@@ -7,7 +7,7 @@ use tilescope_core::{Moment, Verdict};
 use tilescope_debugger::Examined;
 
 use super::paint::{Scene, tag};
-use crate::units::radii;
+use tilescope_session::units::radii;
 
 /// Draws it, unless the moment is the end of a stage: then the stage itself is what there is to see.
 pub fn paint(scene: &Scene<'_>) {

@@ -7,11 +7,11 @@ use super::sprites::{Sprite, Sprites};
 use super::strokes::Stamps;
 use super::tree::Made;
 use crate::layers::Layer;
-use crate::moment::Shown;
-use crate::session::Session;
 use crate::subject::Subject;
 use crate::theme::Palette;
-use crate::units::radii;
+use tilescope_session::moment::Shown;
+use tilescope_session::session::Session;
+use tilescope_session::units::radii;
 
 /// What is drawn in one frame.
 pub struct Scene<'a> {

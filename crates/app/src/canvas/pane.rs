@@ -15,9 +15,9 @@ use super::stack::{Stack, note};
 use super::strokes::Kept;
 use super::{MIN_DISK_SCALE, UNIT, symbols};
 use crate::layers::Layer;
-use crate::moment::Shown;
 use crate::subject::Subject;
 use crate::theme::Palette;
+use tilescope_session::moment::Shown;
 
 /// A picture between two frames.
 #[derive(Default)]

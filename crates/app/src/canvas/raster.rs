@@ -4,7 +4,7 @@
 use egui::{Color32, ColorImage, Rect};
 
 use crate::camera::Camera;
-use crate::session::Session;
+use tilescope_session::session::Session;
 
 /// A grid of pixels over the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -50,7 +50,7 @@ pub fn lines(scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
     vec![strokes.into_shape()]
 }
 
-fn shown<'a>(scene: &Scene<'a>) -> Option<&'a crate::combination::Combination> {
+fn shown<'a>(scene: &Scene<'a>) -> Option<&'a tilescope_session::combination::Combination> {
     let combination = scene.session.combination.as_ref();
     combination.filter(|_| scene.has(Layer::Seams))
 }

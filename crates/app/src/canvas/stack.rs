@@ -220,7 +220,7 @@ pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String>
         ));
     }
     if crowded && leaves_out(scene) {
-        let most = crate::words::grouped(MAX_SYMBOLS);
+        let most = tilescope_session::words::grouped(MAX_SYMBOLS);
         return Some(format!(
             "More than {most} samples in view: conflicts, detectors, candidates and triangles are left out. Zoom in."
         ));

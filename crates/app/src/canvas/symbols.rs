@@ -12,8 +12,8 @@ use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites};
 use super::strokes::{Stamps, Strokes};
 use crate::layers::Layer;
-use crate::moment::Shown;
-use crate::units::radii;
+use tilescope_session::moment::Shown;
+use tilescope_session::units::radii;
 
 /// Disks larger than this are drawn as circles, not as pictures, in screen points.
 const MAX_DISK_SPRITE: f32 = 160.0;

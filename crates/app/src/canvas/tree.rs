@@ -9,8 +9,8 @@ use tilescope_debugger::Event;
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use crate::moment::Shown;
-use crate::units::radii;
+use tilescope_session::moment::Shown;
+use tilescope_session::units::radii;
 
 /// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
 pub const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];

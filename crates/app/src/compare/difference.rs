@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use tilescope_core::Point;
 
-use crate::errand::{self, Errand};
-use crate::jobs::{Job, Monitor, Wake};
-use crate::moment::{Shown, Still};
-use crate::session::Session;
+use tilescope_session::errand::{self, Errand};
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::moment::{Shown, Still};
+use tilescope_session::session::Session;
 
 /// Sets of more samples are compared in the background: it would take longer than a frame.
 const MOST_AT_ONCE: usize = 50_000;

@@ -4,7 +4,7 @@
 use tilescope_core::Stage;
 use tilescope_debugger::Divergence;
 
-use crate::session::Session;
+use tilescope_session::session::Session;
 
 /// A moment of a session: the place of its stage, and its cursor where there are events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

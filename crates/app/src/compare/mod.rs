@@ -9,10 +9,10 @@ use std::sync::Arc;
 use tilescope_core::{Insertion, Order, Parameters, Search, Variant};
 use tilescope_debugger::{Divergence, first_divergence, first_divergence_of_runs};
 
-use crate::errand::{self, Errand, Lent};
-use crate::jobs::{Job, Monitor, Wake};
-use crate::session::Session;
 use difference::Differences;
+use tilescope_session::errand::{self, Errand, Lent};
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::session::Session;
 
 /// An action of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::Kind;
 use super::form::ExportForm;
-use crate::jobs::{Job, Wake};
+use tilescope_session::jobs::{Job, Wake};
 
 /// Opens the system's dialog; the job ends with the chosen file, or `None`.
 #[must_use]

@@ -16,13 +16,13 @@ use crate::canvas::blocks::{MIN_LABELLED, TINTS};
 use crate::canvas::instanced::Symbol;
 use crate::canvas::looks::{Looks, Swatches};
 use crate::canvas::tree::{self, Made};
-use crate::geometry::{Geometry, MOST_SAMPLES, region_of};
 use crate::layers::Layer;
-use crate::moment::Shown;
-use crate::session::Session;
 use crate::subject::Subject;
 use crate::theme::Palette;
-use crate::units::radii;
+use tilescope_session::geometry::{Geometry, MOST_SAMPLES, region_of};
+use tilescope_session::moment::Shown;
+use tilescope_session::session::Session;
+use tilescope_session::units::radii;
 
 /// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
 const LARGEST_CIRCLE: f64 = 10_000.0;

@@ -6,7 +6,7 @@ use tilescope_debugger::Event;
 
 use super::refusal::Refusal;
 use crate::clock::Clock;
-use crate::session::Session;
+use tilescope_session::session::Session;
 
 /// The most frames of an animation.
 pub const MOST_FRAMES: usize = 600;
@@ -117,9 +117,9 @@ fn ticks<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::Job;
     use std::sync::Arc;
     use tilescope_core::Parameters;
+    use tilescope_session::jobs::Job;
 
     fn session() -> Session {
         let parameters = Parameters {
@@ -127,7 +127,7 @@ mod tests {
             leaf: 8.0,
             ..Parameters::default()
         };
-        let wake: crate::jobs::Wake = Arc::new(|| {});
+        let wake: tilescope_session::jobs::Wake = Arc::new(|| {});
         let job = Job::start(&wake, move |monitor| {
             Session::sample(&parameters.into(), 1, monitor)
         });

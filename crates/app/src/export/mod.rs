@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
-use crate::errand::Lent;
 pub use form::{Entry, ExportForm};
 pub use frames::MOST_FRAMES;
 pub use picture::View;
 pub use refusal::Refusal;
 pub use still::Still;
+use tilescope_session::errand::Lent;
 
 /// What can be written.
 #[derive(

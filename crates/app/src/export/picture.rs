@@ -16,13 +16,13 @@ use super::drawing::{Drawing, color};
 use super::refusal::Refusal;
 use super::still::{Still, provenance};
 use crate::camera::Camera;
-use crate::geometry::Geometry;
 use crate::layers::{Colouring, Layer, Layers};
-use crate::moment::Shown;
-use crate::sentence::stage_sentence;
-use crate::session::Session;
 use crate::theme;
-use crate::words::{counted, grouped};
+use tilescope_session::geometry::Geometry;
+use tilescope_session::moment::Shown;
+use tilescope_session::sentence::stage_sentence;
+use tilescope_session::session::Session;
+use tilescope_session::words::{counted, grouped};
 
 /// The most samples that a picture draws.
 pub const MOST_DRAWN: usize = 1_000_000;

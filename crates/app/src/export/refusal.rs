@@ -3,7 +3,7 @@
 use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
 use super::frames::MOST_FRAMES;
 use super::picture::MOST_DRAWN;
-use crate::words::grouped;
+use tilescope_session::words::grouped;
 
 /// Why nothing can be exported.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -15,7 +15,7 @@ pub enum Refusal {
     /// Animations need events.
     #[error(
         "This session was made without events, so that there is no time to animate: runs of more than {} samples keep their result alone.",
-        grouped(crate::limits::MOST_STAGED as usize)
+        grouped(tilescope_session::limits::MOST_STAGED as usize)
     )]
     NoEvents,
     /// Animations need events, and a combination has none.

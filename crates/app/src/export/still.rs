@@ -8,7 +8,7 @@ use tilescope_core::{Fate, Origin, Run, Stage, Standing};
 use tilescope_debugger::{Status, digest, pattern_digest};
 use tilescope_formats::{PointSet, Provenance};
 
-use crate::session::Session;
+use tilescope_session::session::Session;
 
 /// A moment of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

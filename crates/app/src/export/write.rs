@@ -21,9 +21,9 @@ use super::picture::{described, frame, scene};
 use super::still::{method, parameter_map, point_set, provenance};
 use super::{Content, Order, extension};
 use crate::clock::Clock;
-use crate::incoming::NamedBytes;
-use crate::jobs::Monitor;
-use crate::verification::region_of;
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::Monitor;
+use tilescope_session::verification::region_of;
 
 /// The longest animation that is made in memory.
 pub const MOST_ANIMATION_BYTES: usize = 512 << 20;
@@ -339,7 +339,7 @@ struct Limited(Vec<u8>);
 impl Write for Limited {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.0.len() + bytes.len() > MOST_ANIMATION_BYTES {
-            let most = crate::words::grouped(MOST_ANIMATION_BYTES);
+            let most = tilescope_session::words::grouped(MOST_ANIMATION_BYTES);
             return Err(io::Error::other(format!(
                 "it is longer than {most} bytes; fewer frames or a smaller scale would do"
             )));

@@ -7,8 +7,8 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use super::{MOST_FILES, NamedBytes};
-use crate::incoming::refusals;
-use crate::words::last_part;
+use tilescope_session::incoming::refusals;
+use tilescope_session::words::last_part;
 
 /// Why files were not packed.
 #[derive(Debug, thiserror::Error)]

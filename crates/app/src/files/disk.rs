@@ -9,10 +9,10 @@ use tilescope_debugger::{MAX_BYTES, PatternFile};
 use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
 
 use super::{FileForm, Incoming, NamedBytes, Purpose, SESSION_NAME};
-use crate::incoming::{Unread, begins_as_object, holds_document, pick, too_long};
-use crate::jobs::{Job, Monitor, Wake};
-use crate::limits::MOST_PATTERN_BYTES;
-use crate::recipe::{OwnPattern, load};
+use tilescope_session::incoming::{Unread, begins_as_object, holds_document, pick, too_long};
+use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::limits::MOST_PATTERN_BYTES;
+use tilescope_session::recipe::{OwnPattern, load};
 
 /// How much is read between two questions whether to stop.
 const CHUNK: u64 = 1 << 20;

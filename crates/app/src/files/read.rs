@@ -14,13 +14,13 @@ use tilescope_formats::CERTIFICATE_SUFFIX;
 
 use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
 use crate::analysis::held::{self, Held};
-use crate::combining::{SavedCombination, make};
-use crate::encoding::as_json;
-use crate::errand::{Errand, Lent};
-use crate::incoming::holds_combination;
-use crate::jobs::Monitor;
-use crate::recipe::{self, OwnPattern, Recipe, load};
-use crate::session::{Reporter, Session};
+use tilescope_session::combining::{SavedCombination, make};
+use tilescope_session::encoding::as_json;
+use tilescope_session::errand::{Errand, Lent};
+use tilescope_session::incoming::holds_combination;
+use tilescope_session::jobs::Monitor;
+use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
+use tilescope_session::session::{Reporter, Session};
 
 /// What is to be read.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]

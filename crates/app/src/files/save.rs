@@ -6,8 +6,8 @@ use std::path::Path;
 use tilescope_debugger::Session as Saved;
 
 use super::NamedBytes;
-use crate::combining::SavedCombination;
-use crate::words::last_part;
+use tilescope_session::combining::SavedCombination;
+use tilescope_session::words::last_part;
 
 /// What is to be saved: a combination goes before a run.
 #[derive(Clone, Debug)]

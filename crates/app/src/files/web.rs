@@ -8,8 +8,8 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::{File, HtmlInputElement};
 
 use super::NamedBytes;
-use crate::incoming::refusals;
-use crate::jobs::{Job, Wake};
+use tilescope_session::incoming::refusals;
+use tilescope_session::jobs::{Job, Wake};
 
 /// What was read, and sentences about what was not.
 #[derive(Default)]

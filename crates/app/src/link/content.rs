@@ -8,9 +8,9 @@ use crate::camera::Camera;
 use crate::clock::Clock;
 use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;
-use crate::selection::Selection;
 use crate::theme::Look;
 use crate::view::View;
+use tilescope_session::selection::Selection;
 
 /// A moment of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use tilescope_core::{
 use super::said::{Said, quoted};
 use super::text::{exact, finite, name, named};
 use super::{MOST_PATTERN_SIDE, MOST_SAMPLES};
-use crate::words::grouped;
+use tilescope_session::words::grouped;
 
 /// The keys, in the sequence in which they are written.
 pub const KEYS: [&str; 13] = [

@@ -17,12 +17,12 @@ use super::{
     tiles,
 };
 use crate::clock::Clock;
-use crate::combination::NINE;
 use crate::layers::{Colouring, Layer, Layers};
-use crate::selection::Selection;
 use crate::theme::Look;
 use crate::view::{is_near, sound_camera, speed};
-use crate::words::grouped;
+use tilescope_session::combination::NINE;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::grouped;
 
 const OTHERS: [&str; 17] = [
     "v",

@@ -9,10 +9,10 @@ use super::text::{base64, escaped, exact, item, name, rounded, slug};
 use super::tiles;
 use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
 use crate::camera::Camera;
-use crate::combination::NINE;
 use crate::layers::{Layer, Layers};
-use crate::selection::Selection;
-use crate::words::counted;
+use tilescope_session::combination::NINE;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::counted;
 
 /// A permalink.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

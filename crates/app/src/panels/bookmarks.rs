@@ -8,7 +8,7 @@ use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
 use crate::theme::Palette;
 use crate::widgets::{Icon, Known, heading, icon_button};
-use crate::words::grouped;
+use tilescope_session::words::grouped;
 
 /// Shows the panel.
 pub fn show(

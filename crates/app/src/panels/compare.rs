@@ -9,7 +9,7 @@ use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference}
 use crate::state::RunView;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, heading, primary_button, row};
-use crate::words::{counted, grouped, stage_name};
+use tilescope_session::words::{counted, grouped, stage_name};
 
 /// What the panel is shown from.
 pub struct CompareContext<'a> {

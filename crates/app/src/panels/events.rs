@@ -14,7 +14,7 @@ use crate::focus;
 use crate::state::{Found, MOST_FOUND};
 use crate::theme::{Palette, is_for_fingers, row_height};
 use crate::widgets::Known;
-use crate::words::{counted, event_number, grouped};
+use tilescope_session::words::{counted, event_number, grouped};
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;

@@ -11,7 +11,7 @@ use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
 use crate::state::State;
 use crate::theme::Palette;
 use crate::widgets::{Kebab, Known, primary_button};
-use crate::words::{grouped, sentence};
+use tilescope_session::words::{grouped, sentence};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;

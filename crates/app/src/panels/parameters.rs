@@ -8,13 +8,13 @@ use crate::command::Which;
 use crate::command::{Command, FormCommand};
 use crate::draft::{Choice, Field, Refusal};
 use crate::files::FileCommand;
-use crate::jobs::Job;
 use crate::layout::Panel;
-use crate::session::{MakeError, Session};
 use crate::state::{Form, GpuState};
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Known, heading, primary_button};
-use crate::words::{grouped, sentence};
+use tilescope_session::jobs::Job;
+use tilescope_session::session::{MakeError, Session};
+use tilescope_session::words::{grouped, sentence};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;

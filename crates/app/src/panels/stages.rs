@@ -4,14 +4,14 @@ use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 
 use super::context::PanelContext;
-use crate::combination::Combination;
 use crate::command::{Command, TimeCommand};
-use crate::limits::MOST_STAGED;
-use crate::sentence::name_in;
-use crate::session::Session;
 use crate::theme::{Palette, row_height};
 use crate::widgets::{Kebab, Known, heading, row as pair};
-use crate::words::{grouped, share};
+use tilescope_session::combination::Combination;
+use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::sentence::name_in;
+use tilescope_session::session::Session;
+use tilescope_session::words::{grouped, share};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

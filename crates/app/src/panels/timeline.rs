@@ -13,11 +13,11 @@ use crate::arrangement::Arrangement;
 use crate::canvas::Made;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
-use crate::sentence::happened;
 use crate::state::State;
 use crate::theme::{FINGER, Palette, is_for_fingers};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
-use crate::words::{counted, grouped};
+use tilescope_session::sentence::happened;
+use tilescope_session::words::{counted, grouped};
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
@@ -440,7 +440,7 @@ fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sentence::stage_sentence;
+    use tilescope_session::sentence::stage_sentence;
 
     #[test]
     fn the_sentences_fit_into_the_smallest_player() {

@@ -11,7 +11,7 @@ use crate::panels::context::PanelContext;
 use crate::state::State;
 use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
-use crate::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped};
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;

@@ -10,12 +10,12 @@ use tilescope_core::Stage;
 use tilescope_debugger::{Marked, Recording};
 
 use crate::command::{Command, TimeCommand};
-use crate::sentence::name_in;
-use crate::session::Session;
 use crate::state::State;
 use crate::theme::{Palette, is_for_fingers};
 use crate::widgets::{Kebab, Known};
-use crate::words::stage_name;
+use tilescope_session::sentence::name_in;
+use tilescope_session::session::Session;
+use tilescope_session::words::stage_name;
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;
@@ -176,7 +176,7 @@ fn show_segment(
     }
     let tip = format!(
         "To the end of stage {name}: {} events",
-        crate::words::grouped(segment.events.len())
+        tilescope_session::words::grouped(segment.events.len())
     );
     if response
         .on_hover_cursor(CursorIcon::PointingHand)

@@ -10,9 +10,9 @@ use crate::command::Which;
 use crate::command::{Command, ViewCommand};
 use crate::state::Verification;
 use crate::theme::{Palette, semibold};
-use crate::verification::{Verdict, Witness};
 use crate::widgets::{Kebab, Known, heading, row, verdict_mark};
-use crate::words::{conflicts_in, counted, grouped};
+use tilescope_session::verification::{Verdict, Witness};
+use tilescope_session::words::{conflicts_in, counted, grouped};
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -11,9 +11,9 @@ use tilescope_core::Standing;
 use crate::canvas::hint::{self, Hint};
 use crate::canvas::touch::{Hand, Touch};
 use crate::command::ViewCommand;
-use crate::selection::Selection;
 use crate::state::State;
 use crate::subject::Subject;
+use tilescope_session::selection::Selection;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;

@@ -4,12 +4,12 @@
 use egui::{Color32, FontId, Rect, Stroke, Ui, vec2};
 
 use crate::compare::{Comparison, contrast_of};
-use crate::sentence::happened;
-use crate::session::Session;
 use crate::state::{RunView, State, Verification};
 use crate::subject::Subject;
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Kebab, Known};
+use tilescope_session::sentence::happened;
+use tilescope_session::session::Session;
 
 /// Between two pictures, in screen points.
 const GUTTER: f32 = 3.0;
@@ -79,7 +79,11 @@ fn title(
                 .map(|(name, value, _)| format!("{name} {value}")),
         );
         if own.combination.is_some() {
-            parts.push(crate::words::counted(own.summary.blocks, "piece", "pieces"));
+            parts.push(tilescope_session::words::counted(
+                own.summary.blocks,
+                "piece",
+                "pieces",
+            ));
         } else if parts.is_empty() {
             parts.push(format!("seed {}", own.run().parameters.seed));
         }
@@ -88,7 +92,7 @@ fn title(
         }
     }
     if let Some(own) = own {
-        parts.push(crate::words::counted(
+        parts.push(tilescope_session::words::counted(
             own.summary.count,
             "sample",
             "samples",

@@ -9,7 +9,7 @@ use super::placed::{Counts, Rows};
 use super::{PassCommand, Passes};
 use crate::theme::Palette;
 use crate::widgets::Known;
-use crate::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped};
 
 /// Shows the choice, and what it brings to the canvas.
 pub(super) fn show(

@@ -12,8 +12,8 @@ use tilescope_gpu::{Gpu, GpuError, Spots, Stepper, Table};
 use super::model::{Badge, PassEntry, Visit};
 use super::placed::Placed;
 use super::table::{BufferTable, MOST_NUMBERS};
-use crate::jobs::Monitor;
-use crate::words::sentence;
+use tilescope_session::jobs::Monitor;
+use tilescope_session::words::sentence;
 
 /// A word that is set on the device behind a pass: what if it were another?
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -10,7 +10,7 @@ use super::model::{Badge, Line, PassEntry, duration_text};
 use super::{PassCommand, Passes};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Known, verdict_mark};
-use crate::words::{counted, stage_name};
+use tilescope_session::words::{counted, stage_name};
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;

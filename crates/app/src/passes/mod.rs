@@ -19,8 +19,8 @@ use std::sync::Arc;
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::Gpu;
 
-use crate::jobs::{Job, Wake};
-use crate::words::sentence;
+use tilescope_session::jobs::{Job, Wake};
+use tilescope_session::words::sentence;
 
 pub use device::Fault;
 pub use model::{Badge, Line, PassEntry, Visit};
@@ -310,7 +310,10 @@ impl Passes {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
         let tilescope_core::Point { x, y } = placed::middle(spot);
-        Some([crate::units::radii(x), crate::units::radii(y)])
+        Some([
+            tilescope_session::units::radii(x),
+            tilescope_session::units::radii(y),
+        ])
     }
 
     /// Notes the moment of the timeline at which the passes were dealt with.

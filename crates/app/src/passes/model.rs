@@ -8,8 +8,8 @@ use tilescope_gpu::twin::Difference;
 
 use super::placed::Placed;
 use super::table::BufferTable;
-use crate::limits::MOST_STAGED;
-use crate::words::{grouped, sentence};
+use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::words::{grouped, sentence};
 
 /// How a pass compares with the CPU.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use super::table::{BufferTable, Side};
 use super::{Badge, Fault, PassCommand, Passes, choice, grid};
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Icon, Kebab, Known, icon_button};
-use crate::words::{counted, grouped, stage_name};
+use tilescope_session::words::{counted, grouped, stage_name};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;
@@ -317,7 +317,10 @@ fn tools(
         }
         ui.add_space(6.0);
         let (text, color) = match shown.error() {
-            Some(error) => (crate::words::sentence(&error.to_string()), palette.conflict),
+            Some(error) => (
+                tilescope_session::words::sentence(&error.to_string()),
+                palette.conflict,
+            ),
             None => (count_text(table, shown.rows().len()), palette.muted),
         };
         let tip = text.clone();

@@ -7,7 +7,7 @@ use tilescope_gpu::{Spot, Spots};
 
 use super::shown::Shown;
 use super::table::{BufferTable, Side};
-use crate::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped};
 
 /// The spots of a buffer's rows before and after a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 
 use super::device::{self, Arrival, Goal, Stop, Survey};
 use super::{Passes, Work, csv, model};
-use crate::jobs::Job;
-use crate::words::{counted, sentence};
+use tilescope_session::jobs::Job;
+use tilescope_session::words::{counted, sentence};
 
 impl Passes {
     pub(super) fn survey(&mut self) {
@@ -153,7 +153,7 @@ impl Passes {
         let Some(text) = self.csv() else {
             return;
         };
-        let name = crate::words::last_part(self.path().trim()).to_owned();
+        let name = tilescope_session::words::last_part(self.path().trim()).to_owned();
         let rows = counted(self.shown.rows().len(), "row", "rows");
         self.export_told = Some(Ok(format!("{rows} downloaded as {name}.")));
         self.download = Some((name, text.into_bytes()));

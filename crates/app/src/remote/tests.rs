@@ -10,7 +10,7 @@ use crate::clock::Clock;
 use crate::layers::Layer;
 use crate::link::{self, COLOURINGS, choice_name, layer_name, slug};
 use crate::theme::Look;
-use crate::words::{grouped, stage_name};
+use tilescope_session::words::{grouped, stage_name};
 
 const README: &str = include_str!("../../../../web/README.md");
 
@@ -142,11 +142,11 @@ fn every_field_of_the_state_is_documented() {
 fn the_limits_of_a_page_are_documented() {
     let count = |most: f64| grouped(most as usize);
     let expected = [
-        count(crate::limits::MOST_STAGED_ON_A_PAGE),
+        count(tilescope_session::limits::MOST_STAGED_ON_A_PAGE),
         count(link::MOST_SAMPLES_ON_A_PAGE),
-        count(crate::limits::MOST_ON_A_PAGE),
+        count(tilescope_session::limits::MOST_ON_A_PAGE),
         format!("{} r", link::MOST_PATTERN_SIDE_ON_A_PAGE),
-        grouped(crate::limits::MOST_PASSES_ON_A_PAGE),
+        grouped(tilescope_session::limits::MOST_PASSES_ON_A_PAGE),
         grouped(link::MOST_BYTES),
         grouped(link::MOST_CHARACTERS),
         link::MOST_STOPS.to_string(),

@@ -7,7 +7,7 @@ use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::Found;
 use crate::analysis::held::Held;
 use crate::layout::Panel;
-use crate::verification::region_of;
+use tilescope_session::verification::region_of;
 
 impl State {
     pub(super) fn apply_to_analysis(&mut self, command: AnalysisCommand) {

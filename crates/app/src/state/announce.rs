@@ -1,7 +1,7 @@
 //! What a screen reader should say: what happened last, the verdict, notices, each when it is new. Nothing is shown here.
 
 use super::{State, Verification};
-use crate::sentence::{happened, name_in};
+use tilescope_session::sentence::{happened, name_in};
 
 /// What was there when something was announced last, and the announcement.
 #[derive(Default)]

@@ -4,13 +4,13 @@ use tilescope_core::combine::file::Layout;
 
 use super::State;
 use super::undo::Part;
-use crate::combination::{CombineCommand, NINE};
-use crate::combining::Combining;
 use crate::command::Which;
-use crate::errand;
 use crate::layers::Layer;
-use crate::session::Session;
-use crate::words::sentence;
+use tilescope_session::combination::{CombineCommand, NINE};
+use tilescope_session::combining::Combining;
+use tilescope_session::errand;
+use tilescope_session::session::Session;
+use tilescope_session::words::sentence;
 
 /// Why something that belongs to a run cannot be done with a combination.
 pub(super) const NO_PARAMETERS: &str =

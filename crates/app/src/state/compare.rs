@@ -11,8 +11,8 @@ use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
-use crate::recipe::Recipe;
 use crate::subject::{Contrast, Subject};
+use tilescope_session::recipe::Recipe;
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
@@ -58,7 +58,7 @@ impl State {
         let first = &session.run().parameters;
         let second = rival.parameters(first, &self.form.draft.parameters);
         let refused = second.validate_sequential().err();
-        refused.map(|error| crate::words::sentence(&error.to_string()))
+        refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
 
     /// Returns why one cannot go to where the two runs part, or `None` if one can.

@@ -1,8 +1,8 @@
 //! What a part of the state may use of the others while it carries out a command, and what it asks of them.
 
 use super::{Appearance, Notice};
-use crate::incoming::NamedBytes;
-use crate::jobs::Wake;
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::Wake;
 
 /// What a part asks of the others. The state does it once the command is carried out.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,16 +8,16 @@ use tilescope_gpu::{Choice, Gpu, GpuError};
 use super::{State, Which};
 use crate::clock::Clock;
 use crate::device::{Device, Engine, Tried, open_and_test};
-use crate::errand;
-use crate::jobs::Job;
 use crate::layout::Panel;
-use crate::limits::MOST_PASSES_ON_A_PAGE;
 use crate::passes::{OnCanvas, PassCommand, Passes};
-use crate::recipe::Recipe;
-use crate::sampling::Sampling;
-use crate::session::{Failure, Session};
 use crate::theme::Look;
-use crate::words::sentence;
+use tilescope_session::errand;
+use tilescope_session::jobs::Job;
+use tilescope_session::limits::MOST_PASSES_ON_A_PAGE;
+use tilescope_session::recipe::Recipe;
+use tilescope_session::sampling::Sampling;
+use tilescope_session::session::{Failure, Session};
+use tilescope_session::words::sentence;
 
 /// Why a GPU that is none does not sample by itself.
 pub(super) const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
@@ -84,7 +84,7 @@ impl State {
         let generation = self.jobs.generation;
         let job = match self.device_for_run(&recipe.parameters, engine) {
             Some(gpu) => Job::start_future(&self.jobs.wake, move |monitor| async move {
-                crate::sampling::on_gpu(gpu, &recipe, generation, &monitor).await
+                tilescope_session::sampling::on_gpu(gpu, &recipe, generation, &monitor).await
             }),
             None => errand::start(&self.jobs.wake, Sampling { recipe, generation }),
         };
@@ -205,7 +205,7 @@ impl State {
         if cfg!(target_arch = "wasm32") && session.summary.count > MOST_PASSES_ON_A_PAGE {
             return Some(format!(
                 "A page shows the passes of runs of up to {} samples; the native program has no such limit.",
-                crate::words::grouped(MOST_PASSES_ON_A_PAGE)
+                tilescope_session::words::grouped(MOST_PASSES_ON_A_PAGE)
             ));
         }
         match &self.gpu.device {

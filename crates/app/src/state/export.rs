@@ -9,7 +9,7 @@ use crate::export::picture::MOST_DRAWN;
 use crate::export::{
     Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, Still, View,
 };
-use crate::words::{counted, grouped};
+use tilescope_session::words::{counted, grouped};
 
 impl State {
     pub(super) fn apply_to_export(&mut self, command: ExportCommand) {
@@ -160,7 +160,7 @@ impl State {
     #[must_use]
     pub fn moment_name(&self) -> String {
         let stage = self.current_stage().map(|stage| stage.to_string());
-        let stage = crate::words::sentence(&stage.unwrap_or_default());
+        let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
         let stage = stage.trim_end_matches('.');
         match self.cursor() {
             Some((at, all)) => format!("{stage}, event {} of {}", grouped(at), grouped(all)),
@@ -257,7 +257,7 @@ impl State {
         };
         Ok(Order {
             path: form.file().to_owned(),
-            session: crate::errand::Lent(Arc::clone(session)),
+            session: tilescope_session::errand::Lent(Arc::clone(session)),
             content,
         })
     }
@@ -268,7 +268,7 @@ impl State {
         self.files
             .exporting
             .as_ref()
-            .map(crate::jobs::Job::fraction)
+            .map(tilescope_session::jobs::Job::fraction)
     }
 }
 

@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::State;
-use crate::combining::SavedCombination;
+use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
     SaveTask, Source,
 };
-use crate::incoming::NamedBytes;
-use crate::jobs::{Job, Monitor};
-use crate::verification::region_of;
-use crate::words::last_part;
-use crate::{errand, files};
+use tilescope_session::combining::SavedCombination;
+use tilescope_session::errand;
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::verification::region_of;
+use tilescope_session::words::last_part;
 
 mod outcome;
 
@@ -107,7 +108,7 @@ impl State {
         }
     }
 
-    fn combination(&self) -> Option<&crate::combination::Combination> {
+    fn combination(&self) -> Option<&tilescope_session::combination::Combination> {
         self.runs.first.session.as_ref()?.combination.as_ref()
     }
 
@@ -158,7 +159,7 @@ impl State {
     fn take_dropped(&mut self, names: &[String], source: Source, refused: &[String]) {
         let Some(first) = names.first() else {
             if let Some(why) = refused.first() {
-                self.tell(crate::words::ended(why), true);
+                self.tell(tilescope_session::words::ended(why), true);
             }
             return;
         };

@@ -3,7 +3,7 @@
 use crate::command::FormCommand;
 use crate::device::Engine;
 use crate::draft::Draft;
-use crate::recipe::OwnPattern;
+use tilescope_session::recipe::OwnPattern;
 
 /// What the next run is made from.
 #[derive(Default)]

@@ -7,9 +7,9 @@ use super::undo::Part;
 use crate::command::Which;
 use crate::draft::Draft;
 use crate::link::{self, Content, Link, Moment, Said, slug};
-use crate::recipe::Recipe;
-use crate::selection::Selection;
-use crate::words::{counted, grouped, stage_name};
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::{counted, grouped, stage_name};
 
 /// A link whose run is being made.
 pub(super) struct Arriving {
@@ -317,7 +317,7 @@ impl State {
             bookmarks,
         };
         if let Err(error) = debugger.put_stops(stops) {
-            said.say(crate::words::sentence(&error.to_string()));
+            said.say(tilescope_session::words::sentence(&error.to_string()));
         }
         if behind > 0 {
             let marks = counted(behind, "bookmark", "bookmarks");

@@ -6,8 +6,8 @@ use crate::compare::Comparison;
 use crate::device::Device;
 use crate::export::ExportForm;
 use crate::files::{Delivery, FileForm, Filing, Purpose};
-use crate::incoming::NamedBytes;
-use crate::jobs::{Job, Wake};
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::{Job, Wake};
 
 /// The runs that are looked at.
 #[derive(Default)]

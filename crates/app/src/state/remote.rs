@@ -12,11 +12,11 @@ use crate::command::{Command, TimeCommand, Which};
 use crate::draft::Draft;
 use crate::layers::Layer;
 use crate::link::{choice_name, layer_name, slug};
-use crate::recipe::Recipe;
 use crate::remote::{self, Request, RequestError, Wanted};
-use crate::sentence::happened;
 use crate::view::View;
-use crate::words::{grouped, stage_name};
+use tilescope_session::recipe::Recipe;
+use tilescope_session::sentence::happened;
+use tilescope_session::words::{grouped, stage_name};
 
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 
@@ -26,7 +26,7 @@ impl State {
     pub fn ask(&mut self, request: &str) -> String {
         let answer = remote::read(request).and_then(|request| self.answer(request));
         let answer = answer.unwrap_or_else(|error| {
-            let text = crate::words::sentence(&error.to_string());
+            let text = tilescope_session::words::sentence(&error.to_string());
             json!({"ok": false, "error": text})
         });
         answer.to_string()
@@ -73,7 +73,7 @@ impl State {
     }
 
     /// Returns the session that is moved in: none while another one is being made, which would take its place.
-    fn need_session(&self) -> Result<&crate::session::Session, RequestError> {
+    fn need_session(&self) -> Result<&tilescope_session::session::Session, RequestError> {
         let why = match self.runs.first.session.as_deref() {
             Some(session) if self.runs.first.sampling.is_none() => return Ok(session),
             Some(_) => "a run is being made; wait until \"ready\" is true in the state",
@@ -206,8 +206,8 @@ impl State {
             "sentence": happened(self.shown().as_ref()),
             "playing": self.time.playback.is_playing(),
             "verified": self.verdict().map(|verdict| verdict.report.valid()),
-            "digest": session.map(crate::session::Session::digest),
-            "positions_digest": session.map(crate::session::Session::positions_digest),
+            "digest": session.map(tilescope_session::session::Session::digest),
+            "positions_digest": session.map(tilescope_session::session::Session::positions_digest),
             "engine": session.map(|session| session.engine.as_str()),
             "gpu": self.gpu.device.word(),
             "chosen": self.chosen(),

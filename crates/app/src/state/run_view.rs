@@ -9,13 +9,13 @@ use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use super::{Appearance, Verification};
 use crate::camera::{Camera, Flight};
 use crate::compare::link::At;
-use crate::geometry::Geometry;
-use crate::jobs::Job;
-use crate::moment::Shown;
 use crate::passes::Passes;
-use crate::session::{MakeError, Session};
 use crate::subject::{Contrast, Subject};
-use crate::verification::{Sight, Verdict};
+use tilescope_session::geometry::Geometry;
+use tilescope_session::jobs::Job;
+use tilescope_session::moment::Shown;
+use tilescope_session::session::{MakeError, Session};
+use tilescope_session::verification::{Sight, Verdict};
 
 mod camera;
 mod debug;

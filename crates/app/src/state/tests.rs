@@ -12,9 +12,9 @@ use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, Vi
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, Kind};
 use crate::layers::Layer;
-use crate::session::Session;
-use crate::verification::{Sight, Witness};
 use tilescope_core::Search;
+use tilescope_session::session::Session;
+use tilescope_session::verification::{Sight, Witness};
 
 fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
@@ -356,11 +356,11 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
 fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     let mut state = settled();
     state.form.engine = Engine::Gpu;
-    let monitor = crate::jobs::Job::start(&state.jobs.wake, |monitor| {
+    let monitor = tilescope_session::jobs::Job::start(&state.jobs.wake, |monitor| {
         Session::sample(&tilescope_core::Parameters::default().into(), 2, monitor)
     });
     let mut session = monitor.wait().unwrap().unwrap();
-    session.failure = Some(crate::session::Failure {
+    session.failure = Some(tilescope_session::session::Failure {
         name: "Some GPU".to_owned(),
         error: tilescope_gpu::GpuError::DeviceLost {
             reason: "the driver was reset".to_owned(),

@@ -117,7 +117,7 @@ impl Time {
                 "The condition of breakpoint {} cannot be computed: {error}",
                 index + 1
             );
-            context.tell(crate::words::sentence(&text), true);
+            context.tell(tilescope_session::words::sentence(&text), true);
         }
     }
 

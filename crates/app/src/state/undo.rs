@@ -9,7 +9,7 @@ use crate::draft::{Draft, Field};
 use crate::files::FileCommand;
 use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;
-use crate::recipe::{OwnPattern, Recipe};
+use tilescope_session::recipe::{OwnPattern, Recipe};
 
 /// Most steps that are remembered.
 const MOST_STEPS: usize = 200;

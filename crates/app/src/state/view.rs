@@ -2,9 +2,9 @@
 
 use super::State;
 use crate::command::Which;
-use crate::recipe::Recipe;
-use crate::selection::Selection;
 use crate::view::View;
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
 
 impl State {
     /// Returns how the session at hand is looked at.

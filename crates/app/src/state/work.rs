@@ -6,9 +6,9 @@ use super::undo::Part;
 use super::{State, Which};
 use crate::device::Device;
 use crate::layout::Panel;
-use crate::recipe::Recipe;
-use crate::session::{MakeError, Session};
-use crate::words::sentence;
+use tilescope_session::recipe::Recipe;
+use tilescope_session::session::{MakeError, Session};
+use tilescope_session::words::sentence;
 
 impl State {
     pub(super) fn run(&mut self) {

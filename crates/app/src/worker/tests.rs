@@ -10,18 +10,18 @@ use tilescope_debugger::{Debugger, Event, LineId, digest};
 use super::*;
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush};
-use crate::combination::CombineCommand;
 use crate::command::{AppearanceCommand, Command, DebugCommand, WindowCommand};
 use crate::command::{ViewCommand, Which};
 use crate::compare::{CompareCommand, Rival};
-use crate::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{Delivery, FileCommand};
 use crate::layers::Layer;
 use crate::layout::Panel;
-use crate::selection::Selection;
-use crate::session::Session;
 use crate::state::{State, Verification};
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
+use tilescope_session::selection::Selection;
+use tilescope_session::session::Session;
 
 type Reply = Result<Vec<u8>, Refused>;
 
@@ -259,14 +259,15 @@ fn names_are_all_different_and_what_is_no_errand_is_refused() {
 fn bytes_that_are_no_session_are_refused_and_a_cancelled_errand_says_so() {
     assert!(learn(&[1, 2, 3]).is_err());
     let monitor = Monitor::reporting(|_, _| {});
-    let sampling = crate::sampling::Sampling {
+    let sampling = tilescope_session::sampling::Sampling {
         recipe: tilescope_core::Parameters::default().into(),
         generation: 1,
     };
     let (input, _) = lent::packed(&sampling).unwrap();
     monitor.cancel();
     let bytes = perform("sample", &input, &monitor).unwrap();
-    let made: Result<Session, crate::session::MakeError> = postcard::from_bytes(&bytes).unwrap();
+    let made: Result<Session, tilescope_session::session::MakeError> =
+        postcard::from_bytes(&bytes).unwrap();
     let Err(error) = made else {
         panic!("nobody waits for it");
     };

@@ -12,8 +12,9 @@ use tilescope_app::analysis::{AnalysisCommand, MOST_KEPT};
 use tilescope_app::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
-use tilescope_app::{Command, Session, State};
+use tilescope_app::{Command, State};
 use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
+use tilescope_session::Session;
 
 use crate::exporting::{opened, settled};
 use crate::gate::Gate;

@@ -117,7 +117,7 @@ fn the_pairs_are_those_of_a_search_through_all_pairs() {
                 assert!(!expected.is_empty(), "conflicts in the middle of the run");
             }
             let said = state.brush_said();
-            let count = tilescope_app::words::grouped(expected.len());
+            let count = tilescope_session::words::grouped(expected.len());
             assert!(said.starts_with(&format!("{count} pair")), "{said}");
         }
     }

@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use serde_json::json;
 use tilescope_analysis::{Boundary as Judged, Region};
-use tilescope_app::combination::{CombineCommand, NINE};
 use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
@@ -20,6 +19,7 @@ use tilescope_core::{Boundary, Domain, Point, Stage, Standing, Unobserved, refer
 use tilescope_formats::{
     ExportContext, Overrides, PointSet, bytes_digest, check, positions_digest,
 };
+use tilescope_session::combination::{CombineCommand, NINE};
 
 use crate::combining::{drop_text, nine};
 use crate::exporting::{opened, told, write};

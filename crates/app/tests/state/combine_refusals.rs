@@ -6,11 +6,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tilescope_app::combination::{CombineCommand, NINE};
 use tilescope_app::command::TimeCommand;
 use tilescope_app::command::Which;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::{Command, State};
+use tilescope_session::combination::{CombineCommand, NINE};
 
 use crate::combining::{drop_file, drop_text, nine, open};
 use crate::exporting::{opened, settled, told};

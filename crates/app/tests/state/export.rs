@@ -13,11 +13,12 @@ use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
 use tilescope_app::export::{Entry, ExportCommand, Kind, View};
 use tilescope_app::layers::Layer;
 use tilescope_app::theme::{DARK, LIGHT, Look};
-use tilescope_app::words::grouped;
-use tilescope_app::{Command, Session, State};
+use tilescope_app::{Command, State};
 use tilescope_core::{Origin, Stage};
 use tilescope_figures::MomentOptions;
 use tilescope_formats::{Certificate, Hint, Overrides, certificate_path, check, read};
+use tilescope_session::Session;
+use tilescope_session::words::grouped;
 
 use crate::exporting::{export, fill_in, opened, told, write};
 

@@ -8,9 +8,9 @@ use tilescope_app::command::{FormCommand, TimeCommand};
 
 use tilescope_app::export::{Entry, ExportCommand, Kind, write};
 use tilescope_app::files::{Delivery, FileCommand, Purpose, packed};
-use tilescope_app::incoming::NamedBytes;
 use tilescope_app::{Command, State};
 use tilescope_formats::{Overrides, certificate_path, check_bytes};
+use tilescope_session::incoming::NamedBytes;
 
 use crate::exporting::{fill_in, opened, told};
 
@@ -133,7 +133,7 @@ fn what_a_file_holds_decides_and_not_its_name() {
         );
     }
     // A layout, a point set and an archive, too.
-    let layout = NamedBytes::new("sets", tilescope_app::combination::NINE.as_bytes());
+    let layout = NamedBytes::new("sets", tilescope_session::combination::NINE.as_bytes());
     let mut other = opened();
     drop_bytes(&mut other, vec![layout]);
     assert!(other.shows_combination(), "{}", told(&other));
@@ -318,8 +318,8 @@ fn a_layout_finds_its_sets_among_the_bytes() {
 /// Makes what the sheet asks for in memory.
 fn rendered(state: &State) -> Vec<NamedBytes> {
     let order = state.export_order().unwrap();
-    let wake: tilescope_app::jobs::Wake = std::sync::Arc::new(|| {});
-    let job = tilescope_app::jobs::Job::start(&wake, move |monitor| {
+    let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
+    let job = tilescope_session::jobs::Job::start(&wake, move |monitor| {
         write::render(&order, monitor).expect("files in memory")
     });
     job.wait().unwrap().files

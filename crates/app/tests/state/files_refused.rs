@@ -1,8 +1,8 @@
 //! Bytes that are broken, too many or made to do harm: each is refused with a sentence, and the session at hand stays.
 
 use tilescope_app::files::{FileCommand, MOST_FILES, gather, packed, refusals, unpacked};
-use tilescope_app::incoming::{Incoming, NamedBytes};
 use tilescope_app::{Command, State};
+use tilescope_session::incoming::{Incoming, NamedBytes};
 
 use crate::exporting::{opened, told};
 

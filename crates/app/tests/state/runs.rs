@@ -1,6 +1,5 @@
 //! What stays, and what comes back, when another run takes the place of the one at hand.
 
-use tilescope_app::combination::CombineCommand;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
@@ -10,10 +9,11 @@ use tilescope_app::draft::{Choice, Field};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
-use tilescope_app::selection::Selection;
 use tilescope_app::{Command, State};
 use tilescope_core::Order;
 use tilescope_debugger::{Listings, Marked};
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::selection::Selection;
 
 use crate::exporting::opened;
 

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use tilescope_app::combination::CombineCommand;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::{Command, State};
+use tilescope_session::combination::CombineCommand;
 
 use crate::exporting::opened;
 

@@ -8,8 +8,8 @@ use tilescope_app::command::Which;
 use tilescope_app::command::{FormCommand, ViewCommand};
 use tilescope_app::draft::Field;
 use tilescope_app::export::{Entry, ExportCommand, Kind};
-use tilescope_app::jobs::Wake;
 use tilescope_app::{Command, State};
+use tilescope_session::jobs::Wake;
 
 pub fn settled(wake: Wake) -> State {
     let mut state = State::new(wake);

@@ -8,8 +8,9 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
 use std::sync::Arc;
 
-use tilescope_app::{App, Session};
+use tilescope_app::App;
 use tilescope_debugger::{Debugger, Kind};
+use tilescope_session::Session;
 
 /// So many frames may pass until the window rests: work in the background asks for one whenever it gets on, however
 /// fast frames are, so that this is no bound on time; one that never rests is found all the same.

@@ -52,7 +52,7 @@ fn the_panel_says_the_numbers_and_describes_its_charts() {
     let mut harness = analysing();
     let state = &harness.state().state;
     let count = state.runs.first.session.as_ref().unwrap().summary.count;
-    let count = tilescope_app::words::grouped(count);
+    let count = tilescope_session::words::grouped(count);
     says(&harness, "analysis.status", &[&count, "finish"]);
     says(&harness, SAMPLES, &[&count, "27,8"]);
     says(&harness, "chart.P", &["P(\u{3bd})", "reference"]);
@@ -105,7 +105,7 @@ fn a_file_is_held_against_the_run_until_it_is_cleared() {
     assert!(find(&harness, "analysis.unjudged").is_none());
     // Another radius: what does not depend on it stays, what was judged with the old one goes.
     let conflicts = held.measured.verdict().unwrap().conflicts as usize;
-    let conflicts = format!("file {}", tilescope_app::words::grouped(conflicts));
+    let conflicts = format!("file {}", tilescope_session::words::grouped(conflicts));
     says(&harness, CONFLICTS, &[&conflicts]);
     // 900 samples times the square of r.
     says(&harness, DENSITY, &["file 0.3600"]);

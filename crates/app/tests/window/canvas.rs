@@ -8,10 +8,10 @@ use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, Window
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::theme::Look;
-use tilescope_app::words::grouped;
 use tilescope_app::{App, Command};
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Fate, Moment, R};
+use tilescope_session::words::grouped;
 
 /// Places in the default session's list of stages.
 const BLOCKS_STAGE: usize = 1;

@@ -7,12 +7,12 @@ use tilescope_app::command::Which;
 use tilescope_app::command::{FormCommand, TimeCommand, ViewCommand, WindowCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
-use tilescope_app::jobs::Job;
 use tilescope_app::layout::Panel;
 use tilescope_app::state::RunView;
 use tilescope_app::{App, Command, State};
 use tilescope_core::{Boundary, SampleError, Stage};
 use tilescope_debugger::{Direction, Divergence, Step};
+use tilescope_session::jobs::Job;
 
 use crate::support::{is_disabled, node, opened, session, settle, text};
 
@@ -388,13 +388,13 @@ fn what_goes_wrong_with_the_second_run_is_said_of_it() {
     let mut harness = compared(Rival::NextSeed);
     let (side, _) = harness.state_mut().state.runs.second.as_mut().unwrap();
     let cancelled = SampleError::Cancelled { stage: Stage::Tile };
-    let wake: tilescope_app::jobs::Wake = std::sync::Arc::new(|| {});
+    let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
     side.sampling = Some(Job::start(&wake, move |_| Err(cancelled.into())));
     settle(&mut harness);
     let state = &harness.state().state;
     let notice = state.messages.notice.as_ref().expect("a notice");
     assert!(notice.text.starts_with("Run B: "), "{}", notice.text);
-    let seed = |session: &Option<std::sync::Arc<tilescope_app::Session>>| {
+    let seed = |session: &Option<std::sync::Arc<tilescope_session::Session>>| {
         session.as_ref().unwrap().run().parameters.seed
     };
     assert_eq!(

@@ -11,11 +11,11 @@ use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::draft::Field;
 use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
-use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
 use tilescope_debugger::{Kind, Listings};
+use tilescope_session::selection::Selection;
 
 use crate::support::{
     cursor, debugger, find, is_disabled, last_kind, next_kind, node, opened, session, settle, text,
@@ -170,7 +170,7 @@ fn the_event_browser_finds_selects_and_says_what_is_wrong() {
         .to_vec();
     assert!(!found.is_empty());
     let row = format!("event-{}", found[0]);
-    let number = tilescope_app::words::event_number(found[0]);
+    let number = tilescope_session::words::event_number(found[0]);
     assert!(text(&harness, &row).contains(&number));
     node(&harness, &row).click();
     harness.run();
@@ -253,7 +253,7 @@ fn bookmarks_and_watches_stay_with_their_moments() {
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::Enter);
     apply(&mut harness, Command::Time(TimeCommand::FirstStage));
-    let number = tilescope_app::words::grouped(at);
+    let number = tilescope_session::words::grouped(at);
     assert!(text(&harness, "bookmark-1").contains(&number));
     node(&harness, "bookmark-1").click();
     harness.run();

@@ -13,9 +13,9 @@ use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
-use tilescope_app::selection::Selection;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
+use tilescope_session::selection::Selection;
 
 use crate::support::{find, node, opened_at, settle};
 

@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, RwLock};
 
 use egui_kittest::Harness;
-use tilescope_app::jobs::Wake;
 use tilescope_app::passes::{Badge, PassCommand, Passes, panel};
 use tilescope_app::theme::{Look, Palette, install};
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::{Choice, Gpu};
+use tilescope_session::jobs::Wake;
 
 use crate::support::{find, is_disabled, node, text};
 

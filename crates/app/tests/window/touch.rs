@@ -9,7 +9,7 @@ use tilescope_app::canvas::touch::release_cancelled;
 use tilescope_app::command::Which;
 use tilescope_app::command::{Command, ViewCommand, WindowCommand};
 use tilescope_app::layout::Panel;
-use tilescope_app::selection::Selection;
+use tilescope_session::selection::Selection;
 
 /// So long takes a frame, in seconds.
 const FRAME: f32 = 1.0 / 60.0;

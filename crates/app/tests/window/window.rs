@@ -1,7 +1,6 @@
 //! The window as a user meets it: clicked, typed into, looked at.
 
 use egui_kittest::Harness;
-use tilescope_app::combination::CombineCommand;
 use tilescope_app::command::{FormCommand, GpuCommand, WindowCommand};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
@@ -10,6 +9,7 @@ use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
+use tilescope_session::combination::CombineCommand;
 
 use crate::support::{find, is_disabled, node, opened, session, settle, text};
 

@@ -51,7 +51,7 @@ fn cells_of(spectrum: &Spectrum) -> String {
     if least < Spectrum::MOST_NU - cell {
         let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
         let so_far = if longest as f64 > 0.9 * Spectrum::MOST_CYCLES {
-            let cycles = crate::words::grouped(Spectrum::MOST_CYCLES as usize);
+            let cycles = tilescope_session::words::grouped(Spectrum::MOST_CYCLES as usize);
             format!("({cycles} cycles)")
         } else {
             "so far".to_owned()

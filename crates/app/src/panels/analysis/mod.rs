@@ -17,11 +17,11 @@ use crate::analysis::measured::Measured;
 use crate::analysis::{Analysis, AnalysisCommand, name_of};
 use crate::command::Command;
 use crate::files::{FileCommand, Purpose};
-use crate::moment::Shown;
 use crate::state::RunView;
 use crate::theme::{Palette, semibold};
 use crate::widgets::{Kebab, Known, heading};
 use plot::{Dragged, Line};
+use tilescope_session::moment::Shown;
 
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 620.0;

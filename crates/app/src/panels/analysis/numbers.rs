@@ -7,7 +7,7 @@ use tilescope_analysis::measures::PowerCurve;
 use super::Sets;
 use crate::analysis::measured::Measured;
 use crate::widgets::Known;
-use crate::words::{conflicts_in, counted, grouped};
+use tilescope_session::words::{conflicts_in, counted, grouped};
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;

@@ -8,11 +8,11 @@ use crate::analysis::held::Held;
 use crate::command::Which;
 use crate::draft::Draft;
 use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
-use crate::recipe::OwnPattern;
 use crate::state::State;
 use crate::state::undo::Part;
 use crate::view::View;
-use crate::words::{counted, ended, sentence};
+use tilescope_session::recipe::OwnPattern;
+use tilescope_session::words::{counted, ended, sentence};
 
 impl State {
     pub(in crate::state) fn poll_files(&mut self) {

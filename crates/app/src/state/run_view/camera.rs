@@ -6,10 +6,10 @@ use tilescope_core::Stage;
 use super::RunView;
 use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use crate::command::ViewCommand;
-use crate::selection::Selection;
 use crate::state::effects::{Context, Effect};
-use crate::units::radii;
-use crate::verification::{Sight, Witness};
+use tilescope_session::selection::Selection;
+use tilescope_session::units::radii;
+use tilescope_session::verification::{Sight, Witness};
 
 /// So far within the view, in screen points, is a selection kept.
 const IN_VIEW: f32 = 32.0;

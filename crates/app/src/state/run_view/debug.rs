@@ -7,13 +7,13 @@ use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, S
 
 use super::RunView;
 use crate::command::DebugCommand;
-use crate::selection::Selection;
 use serde::{Deserialize, Serialize};
+use tilescope_session::selection::Selection;
 
-use crate::errand::{self, Errand, Lent};
-use crate::jobs::{Job, Monitor};
-use crate::session::Session;
 use crate::state::effects::Context;
+use tilescope_session::errand::{self, Errand, Lent};
+use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::session::Session;
 
 /// Most events that a query or a history shows.
 pub const MOST_FOUND: usize = 100_000;
@@ -118,7 +118,7 @@ impl RunView {
         match &mut self.debugger {
             Some(debugger) => {
                 if let Err(error) = debugger.put_stops(stops) {
-                    context.tell(crate::words::sentence(&error.to_string()), true);
+                    context.tell(tilescope_session::words::sentence(&error.to_string()), true);
                 }
             }
             None => self.stops = stops,

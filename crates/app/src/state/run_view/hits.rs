@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
 
 use super::{Found, RunView};
-use crate::errand::{self, Errand, Lent};
-use crate::jobs::Monitor;
 use crate::state::effects::Context;
+use tilescope_session::errand::{self, Errand, Lent};
+use tilescope_session::jobs::Monitor;
 
 /// Most places that are marked.
 pub const MOST_HITS: usize = 20_000;
@@ -36,11 +36,11 @@ impl Hits {
             Found::Failed(why) => Some(why.clone()),
             Found::Events(events) if events.len() == MOST_HITS => Some(format!(
                 "They stop a run {} times or more; the first are on the timeline.",
-                crate::words::grouped(MOST_HITS)
+                tilescope_session::words::grouped(MOST_HITS)
             )),
             Found::Events(events) => Some(format!(
                 "They stop a run {}.",
-                crate::words::counted(events.len(), "time", "times")
+                tilescope_session::words::counted(events.len(), "time", "times")
             )),
         }
     }

@@ -1,9 +1,9 @@
 //! The passes of a run on the GPU, and how they and the timeline follow each other.
 
 use super::RunView;
-use crate::incoming::NamedBytes;
 use crate::passes::PassCommand;
 use crate::state::effects::{Context, Effect};
+use tilescope_session::incoming::NamedBytes;
 
 impl RunView {
     /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage

@@ -104,7 +104,7 @@ impl RunView {
         self.follow_cursor();
         if stop == Stop::End {
             let text = none_there(target, direction);
-            context.tell(crate::words::sentence(&text), false);
+            context.tell(tilescope_session::words::sentence(&text), false);
         }
     }
 
@@ -172,6 +172,9 @@ fn name_of(target: Target) -> String {
         Target::Insertion => "insertion".to_owned(),
         Target::SecondInsertion => "second insertion in one gap".to_owned(),
         Target::Violation => "violated invariant".to_owned(),
-        Target::Sample(id) => format!("event of sample {}", crate::words::grouped(id as usize)),
+        Target::Sample(id) => format!(
+            "event of sample {}",
+            tilescope_session::words::grouped(id as usize)
+        ),
     }
 }

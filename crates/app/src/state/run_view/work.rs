@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use super::{Made, RunView};
-use crate::errand::{self, Lent};
-use crate::jobs::Job;
-use crate::selection::Selection;
-use crate::session::Session;
 use crate::state::Verification;
 use crate::state::effects::Context;
-use crate::verification::{Judging, Verdict};
-use crate::words::sentence;
+use tilescope_session::errand::{self, Lent};
+use tilescope_session::jobs::Job;
+use tilescope_session::selection::Selection;
+use tilescope_session::session::Session;
+use tilescope_session::verification::{Judging, Verdict};
+use tilescope_session::words::sentence;
 
 impl RunView {
     /// Shows a session at its last stage and has it verified. Breakpoints, watches and bookmarks stay.

@@ -8,10 +8,10 @@ use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewComman
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
 use crate::panels::told;
-use crate::sentence::happened;
 use crate::state::RunView;
 use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
 use tilescope_debugger::{Direction, Target, moves};
+use tilescope_session::sentence::happened;
 
 const FORWARDS: Direction = Direction::Forwards;
 const BACKWARDS: Direction = Direction::Backwards;
@@ -206,15 +206,17 @@ fn what_is_counted_is_what_is_there() {
             } else {
                 "sample"
             };
-            let expected = crate::words::counted(number, noun, &format!("{noun}s"));
+            let expected = tilescope_session::words::counted(number, noun, &format!("{noun}s"));
             let told = told(&state);
             assert_eq!(told[0], expected, "{stage:?} {cursor}");
             // The number of the last event is how many have happened.
-            let last = cursor.checked_sub(1).map(crate::words::event_number);
+            let last = cursor
+                .checked_sub(1)
+                .map(tilescope_session::words::event_number);
             let last = last.unwrap_or_else(|| "0".to_owned());
             assert_eq!(
                 told[1],
-                format!("event {last} of {}", crate::words::grouped(len))
+                format!("event {last} of {}", tilescope_session::words::grouped(len))
             );
             let iteration = session.recording().unwrap().context(cursor).iteration;
             let is_in = matches!(stage, Stage::Iterate(_));

@@ -43,7 +43,7 @@ fn errors_and_verdicts_are_announced() {
     let verdict = state.announcement().unwrap();
     assert!(verdict.contains("erifie"), "{verdict}");
     let text = "{".to_owned();
-    let layout = tilescope_app::combination::CombineCommand::Text(text);
+    let layout = tilescope_session::combination::CombineCommand::Text(text);
     state.apply(Command::Combine(layout));
     state.advance(0.0);
     let error = state.announcement().unwrap();

@@ -381,7 +381,7 @@ fn what_cannot_be_meant_is_refused_by_name() {
 fn a_run_without_events_is_sought_by_stages() {
     let mut state = state();
     state.apply(Command::Combine(
-        tilescope_app::combination::CombineCommand::Nine,
+        tilescope_session::combination::CombineCommand::Nine,
     ));
     settle(&mut state);
     let refused = ask(&mut state, &json!({"do": "seek", "event": 3}));

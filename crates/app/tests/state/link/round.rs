@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use tilescope_app::camera::Camera;
 use tilescope_app::clock::{Clock, SPEEDS};
-use tilescope_app::combination::CombineCommand;
 use tilescope_app::command::Which;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand,
@@ -16,12 +15,13 @@ use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::link::{MOST_CHARACTERS, MOST_TEXT, read};
-use tilescope_app::recipe::OwnPattern;
-use tilescope_app::selection::Selection;
 use tilescope_app::theme::Look;
 use tilescope_app::{Command, State};
 use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
 use tilescope_debugger::{LineId, Listings, PatternFile};
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::recipe::OwnPattern;
+use tilescope_session::selection::Selection;
 
 use super::support::{Draws, digest, opened, said, settle, state};
 

@@ -1,7 +1,7 @@
 //! Work that can be done where no memory is shared: its input and its outcome are plain data. Natively a thread does it
 //! and nothing is copied; a page hands it to a carrier, which takes it to a worker. Nothing is computed here.
 
-pub(crate) mod lent;
+pub mod lent;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -133,10 +133,7 @@ pub fn start<E: Errand>(wake: &Wake, errand: E) -> Job<E::Outcome> {
 }
 
 /// Carries out an errand for a job that is a future: here and now, or by the carrier if there is one.
-pub(crate) async fn on_behalf<E: Errand>(
-    errand: E,
-    monitor: &Arc<Monitor>,
-) -> Result<E::Outcome, String> {
+pub async fn on_behalf<E: Errand>(errand: E, monitor: &Arc<Monitor>) -> Result<E::Outcome, String> {
     let Some(carrier) = carrier() else {
         return Ok(errand.carry_out(monitor));
     };
@@ -167,7 +164,7 @@ pub enum Refused {
 }
 
 /// Does one kind of errand where it has arrived.
-pub(crate) fn carry_out<E: Errand>(input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, Refused> {
+pub fn carry_out<E: Errand>(input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, Refused> {
     let errand: E = lent::unpacked(input).map_err(|refused| match refused {
         Refused::Fault(error) => Refused::Fault(fault(E::NAME, &error)),
         unknown @ Refused::Unknown(_) => unknown,

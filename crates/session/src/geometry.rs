@@ -110,7 +110,7 @@ fn covering(shown: &Shown<'_>) -> Vec<[f64; 2]> {
 }
 
 /// Returns the region of a session, in r.
-pub(crate) fn region_of(session: &Session) -> Region {
+pub fn region_of(session: &Session) -> Region {
     let domain = &session.run().domain;
     Region {
         width: radii(domain.width()),

@@ -21,10 +21,10 @@ use crate::limits::MOST_STAGED;
 use crate::recipe::{OwnPattern, Recipe};
 use crate::units::radii;
 pub use report::MakeError;
-pub(crate) use report::Reporter;
+pub use report::Reporter;
 
 /// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
-pub(crate) fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
+pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
     let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
     Ok(expected <= MOST_STAGED || parameters.variant == Variant::AsPrinted)
 }
@@ -125,7 +125,7 @@ impl Session {
 
     /// Prepares a run of the GPU. Where all its stages are kept, the CPU makes the same run with its events; what the
     /// GPU made is shown as it is, without events, if the two differ.
-    pub(crate) fn of_gpu(
+    pub fn of_gpu(
         run: Run,
         recipe: &Recipe,
         generation: u64,

@@ -41,7 +41,7 @@ impl fmt::Debug for NamedBytes {
 
 /// Why a file was not read.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Unread {
+pub enum Unread {
     /// Somebody asked to stop.
     #[cfg_attr(
         target_arch = "wasm32",
@@ -145,7 +145,7 @@ impl Incoming {
     }
 
     /// Returns those of other files that it does not name, if it is a session or a layout; else all of them.
-    pub(super) fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
+    pub fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
         if !others.is_empty() && self.is_document() {
             let text = std::str::from_utf8(&self.bytes).unwrap_or_default();
             others.retain(|name| !text.contains(last_part(name)));
@@ -169,7 +169,7 @@ impl Incoming {
 }
 
 /// Returns why a file of this length is not read, or `None` if it is.
-pub(super) fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
+pub fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
     let [has, most] = [length, limit].map(tilescope_debugger::grouped);
     (length > limit).then(|| format!("{name} has {has} bytes; at most {most} are read"))
 }
@@ -212,12 +212,12 @@ fn is_certificate_of(name: &str, set: &str) -> bool {
 }
 
 /// Returns whether bytes begin as an object of JSON does.
-pub(super) fn begins_as_object(bytes: &[u8]) -> bool {
+pub fn begins_as_object(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"{")
 }
 
 /// Returns whether JSON is a session or a layout; `None` if it is no JSON.
-pub(super) fn holds_document(bytes: &[u8]) -> Option<bool> {
+pub fn holds_document(bytes: &[u8]) -> Option<bool> {
     let value: Value = serde_json::from_slice(bytes).ok()?;
     let is_session = value.get("cursor").is_some() || value.get("version").is_some();
     Some(is_session || holds_combination(&value))
@@ -226,7 +226,7 @@ pub(super) fn holds_document(bytes: &[u8]) -> Option<bool> {
 /// Returns which of several files is to be opened, and which belong neither to it nor to another one. A certificate goes
 /// with its set; a session or a layout, which `holds_document` recognises by its place, goes before the sets that it
 /// may name.
-pub(super) fn pick(
+pub fn pick(
     names: &[&str],
     mut holds_document: impl FnMut(usize) -> bool,
 ) -> Option<(usize, Vec<usize>)> {

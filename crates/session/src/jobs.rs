@@ -69,7 +69,7 @@ impl Monitor {
     }
 
     /// Asks the job to stop.
-    pub(crate) fn cancel(&self) {
+    pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
@@ -147,14 +147,14 @@ impl<T: Portable> Job<T> {
     }
 
     /// Returns a job that ends with what is sent, and whom it reports to.
-    pub(crate) fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
+    pub fn begun(wake: &Wake) -> (Self, Sender<Result<T, String>>) {
         let monitor = Arc::new(Monitor::waking(Arc::clone(wake)));
         let (sender, result) = channel();
         (Self { monitor, result }, sender)
     }
 
     /// Returns what its work reports to.
-    pub(crate) const fn monitor(&self) -> &Arc<Monitor> {
+    pub const fn monitor(&self) -> &Arc<Monitor> {
         &self.monitor
     }
 
@@ -231,7 +231,7 @@ fn spawn(body: impl FnOnce() + Portable) {
     body();
 }
 
-pub(crate) fn panic_sentence(panic: &(dyn std::any::Any + Send)) -> String {
+pub fn panic_sentence(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic
         .downcast_ref::<&str>()
         .map(|text| (*text).to_owned())

@@ -53,7 +53,7 @@ pub struct Combination {
 }
 
 impl Combination {
-    pub(crate) fn of(
+    pub fn of(
         layout: Layout,
         stated: Value,
         placed: &Placed,

@@ -47,7 +47,7 @@ impl<'de> Deserialize<'de> for MakeError {
 
 impl MakeError {
     /// Returns the error of a session whose making was stopped from outside.
-    pub(crate) fn given_up(monitor: &Monitor) -> Self {
+    pub fn given_up(monitor: &Monitor) -> Self {
         let activity = monitor.activity();
         let stages = [
             Stage::Pattern,
@@ -68,7 +68,7 @@ impl MakeError {
     }
 
     /// Returns a fault of the program, in words, as an error.
-    pub(crate) const fn fault(said: String) -> Self {
+    pub const fn fault(said: String) -> Self {
         Self::Elsewhere {
             cancelled: None,
             said,
@@ -88,13 +88,13 @@ impl MakeError {
 }
 
 /// Carries a run's progress to the window, and the wish to cancel back.
-pub(crate) struct Reporter<'a> {
-    pub(crate) monitor: &'a Monitor,
+pub struct Reporter<'a> {
+    pub monitor: &'a Monitor,
 }
 
 impl Reporter<'_> {
     /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
-    pub(crate) fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
+    pub fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
         // Shares of the whole, as measured on a million samples.
         let (start, share) = match stage {
             Stage::Pattern => (0.0, 0.08),
@@ -114,10 +114,7 @@ impl Reporter<'_> {
 
 impl Reporter<'_> {
     /// Returns what `prepare` makes, unless the run is to stop.
-    pub(crate) fn prepare(
-        &self,
-        prepare: impl FnOnce() -> Session,
-    ) -> Result<Session, SampleError> {
+    pub fn prepare(&self, prepare: impl FnOnce() -> Session) -> Result<Session, SampleError> {
         match self.report(Stage::Finish, 0.5) {
             None => Ok(prepare()),
             Some(stage) => Err(SampleError::Cancelled { stage }),
