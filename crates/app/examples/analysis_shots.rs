@@ -14,9 +14,9 @@ use tilescope_app::command::{
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::{Layout, Panel};
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Target};
+use tilescope_session::look::Look;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

@@ -5,11 +5,11 @@ use std::path::Path;
 use egui_kittest::Harness;
 use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, WindowCommand};
-use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

@@ -12,10 +12,10 @@ use tilescope_app::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
 };
 use tilescope_app::draft::Field;
-use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_session::Session;
+use tilescope_session::layers::Layer;
 
 /// Frames per figure.
 const FRAMES: u32 = 60;

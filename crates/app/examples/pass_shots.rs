@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use egui_kittest::Harness;
 use tilescope_app::passes::{Fault, PassCommand, Passes, panel};
-use tilescope_app::theme::{Look, Palette, install};
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
+use tilescope_session::look::Look;
+use tilescope_ui::theme::{Palette, install};
 
 struct Shown {
     passes: Passes,
@@ -38,7 +39,7 @@ fn main() {
         .with_max_steps(64)
         .build_ui_state(
             |ui, shown: &mut Shown| {
-                install(ui.ctx(), shown.look.theme());
+                install(ui.ctx(), tilescope_ui::theme::theme_of(shown.look));
                 let palette = Palette::of(shown.look);
                 ui.painter()
                     .rect_filled(ui.ctx().content_rect(), 0.0, palette.panel);

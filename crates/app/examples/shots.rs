@@ -11,12 +11,12 @@ use tilescope_app::command::{
 };
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::{Entry, ExportCommand, Kind};
-use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command, State};
 use tilescope_core::Search;
 use tilescope_debugger::{Direction, Target};
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::verification::Witness;
 

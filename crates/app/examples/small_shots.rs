@@ -12,8 +12,8 @@ use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
 use tilescope_app::state::Notice;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 fn main() {

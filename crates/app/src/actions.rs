@@ -18,15 +18,15 @@ use crate::command::{
     AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, WindowCommand,
 };
 use crate::finder::Finder;
-use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;
 use crate::state::State;
-use crate::theme::Look;
-use crate::widgets::Kebab;
 pub use keys::{keys_of, press_keys, takes_key};
+use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
+use tilescope_ui::widgets::Kebab;
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

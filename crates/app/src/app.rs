@@ -15,12 +15,14 @@ use crate::command::{Command, WindowCommand};
 use crate::files::FileCommand;
 use crate::layout::{Layout, Panel};
 use crate::panes::Canvas;
-use crate::presses::Presses;
-use crate::spoken::{Speaker, Spoken};
 use crate::state::{FullScreen, State};
-use crate::theme::{self, Look, Manner};
-use crate::widgets::{Kebab, Known};
-use crate::{actions, focus, panels};
+use crate::{actions, panels};
+use tilescope_session::look::Look;
+use tilescope_ui::focus;
+use tilescope_ui::presses::Presses;
+use tilescope_ui::spoken::{Speaker, Spoken};
+use tilescope_ui::theme::{self, Manner};
+use tilescope_ui::widgets::{Kebab, Known};
 
 /// The application.
 pub struct App {
@@ -47,7 +49,7 @@ impl App {
     pub fn new(ctx: &Context) -> Self {
         let waker = ctx.clone();
         let state = State::new(Arc::new(move || waker.request_repaint()));
-        theme::install(ctx, state.appearance.look.theme());
+        theme::install(ctx, theme::theme_of(state.appearance.look));
         ctx.add_plugin(Presses::default());
         Self {
             shown_look: state.appearance.look,
@@ -105,7 +107,8 @@ impl App {
         if self.state.window.embedding.is_none() {
             self.take_dropped(ui);
         }
-        focus::keep_arrows(ui.ctx(), &self.state);
+        let is_covered = self.state.window.finder.is_some() || self.state.has_sheet();
+        focus::keep_arrows(ui.ctx(), is_covered);
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());
         }
@@ -294,7 +297,7 @@ impl App {
             return;
         }
         if self.shown_look != look {
-            ctx.set_theme(look.theme());
+            ctx.set_theme(theme::theme_of(look));
         }
         if self.shown_manner != manner {
             theme::restyle(ctx, manner);

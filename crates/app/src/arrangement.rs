@@ -4,7 +4,7 @@
 use egui::{Vec2, vec2};
 
 use crate::layout::Panel;
-use crate::theme::Look;
+use tilescope_session::look::Look;
 
 /// Narrower windows, in screen points, have no room for tiles.
 pub const ROOM_FOR_TILES: Vec2 = vec2(960.0, 420.0);

@@ -12,11 +12,11 @@ use crate::device::Engine;
 use crate::draft::{Choice, Field};
 use crate::export::ExportCommand;
 use crate::files::FileCommand;
-use crate::layers::{Colouring, Layer};
 use crate::layout::Panel;
 use crate::passes::PassCommand;
-use crate::theme::Look;
 use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::verification::Witness;
 

@@ -2,7 +2,7 @@
 //!
 //! Architecture invariant: the window holds no algorithm. Panels read [`State`] and push
 //! [`Command`]s, which [`State::apply`] alone carries out; the core samples, the analysis
-//! judges, the formats write; long work happens in [`jobs`].
+//! judges, the formats write; long work happens in the jobs of `tilescope_session`.
 
 pub mod actions;
 pub mod analysis;
@@ -21,8 +21,6 @@ pub mod embedding;
 pub mod export;
 pub mod files;
 pub mod finder;
-pub mod focus;
-pub mod layers;
 pub mod layout;
 pub mod link;
 #[cfg(not(target_arch = "wasm32"))]
@@ -30,16 +28,12 @@ mod native;
 mod panels;
 pub mod panes;
 pub mod passes;
-mod presses;
 pub mod remote;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod script;
-pub mod spoken;
 pub mod state;
 pub mod subject;
-pub mod theme;
 pub mod view;
-mod widgets;
 pub mod worker;
 
 pub use app::App;

@@ -9,12 +9,12 @@ use tilescope_debugger::{Direction, Target};
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
-use crate::layers::{Colouring, Layer, Layers};
 use crate::link::{
     COLOURINGS, MOST_PATTERN_SIDE, MOST_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
-use crate::theme::Look;
 use crate::view::{FARTHEST, sound_camera};
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 
 /// The longest request, in bytes.

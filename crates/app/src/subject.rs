@@ -3,9 +3,9 @@
 
 use crate::analysis::brush::Found;
 use crate::camera::Camera;
-use crate::layers::{Colouring, Layers};
 use crate::passes::OnCanvas;
 use tilescope_session::geometry::Geometry;
+use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::verification::Sight;

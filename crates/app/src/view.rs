@@ -8,9 +8,9 @@ use tilescope_debugger::MAX_SAMPLES;
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
-use crate::layers::{Colouring, Layer, Layers};
 use crate::layout::Layout;
-use crate::theme::Look;
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 /// Farther from the origin than this, in r, there is no domain.

@@ -53,6 +53,9 @@ pub struct Combination {
 }
 
 impl Combination {
+    /// Returns the combination of a layout: what its certificate states of it, where its pieces lie and meet, and the parts that
+    /// gluing can have changed.
+    #[must_use]
     pub fn of(
         layout: Layout,
         stated: Value,

@@ -1,6 +1,9 @@
 //! Files as bytes: one that is to be opened, and what came with it. It opens no file; limits and names are the same
 //! wherever the bytes are from.
 
+#[cfg(not(target_arch = "wasm32"))]
+pub mod disk;
+
 use std::fmt;
 use std::path::PathBuf;
 
@@ -145,6 +148,7 @@ impl Incoming {
     }
 
     /// Returns those of other files that it does not name, if it is a session or a layout; else all of them.
+    #[must_use]
     pub fn without_named(&self, mut others: Vec<String>) -> Vec<String> {
         if !others.is_empty() && self.is_document() {
             let text = std::str::from_utf8(&self.bytes).unwrap_or_default();
@@ -212,11 +216,13 @@ fn is_certificate_of(name: &str, set: &str) -> bool {
 }
 
 /// Returns whether bytes begin as an object of JSON does.
+#[must_use]
 pub fn begins_as_object(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"{")
 }
 
 /// Returns whether JSON is a session or a layout; `None` if it is no JSON.
+#[must_use]
 pub fn holds_document(bytes: &[u8]) -> Option<bool> {
     let value: Value = serde_json::from_slice(bytes).ok()?;
     let is_session = value.get("cursor").is_some() || value.get("version").is_some();

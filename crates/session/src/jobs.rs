@@ -154,6 +154,7 @@ impl<T: Portable> Job<T> {
     }
 
     /// Returns what its work reports to.
+    #[must_use]
     pub const fn monitor(&self) -> &Arc<Monitor> {
         &self.monitor
     }
@@ -231,6 +232,7 @@ fn spawn(body: impl FnOnce() + Portable) {
     body();
 }
 
+/// Returns what a panic said, in a sentence.
 pub fn panic_sentence(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic
         .downcast_ref::<&str>()

@@ -10,7 +10,7 @@ use crate::command::{Command, WindowCommand};
 use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
 use crate::state::State;
-use crate::theme::Look;
+use tilescope_session::look::Look;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

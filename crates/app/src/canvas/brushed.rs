@@ -9,8 +9,8 @@ use super::pane::MadeFrom;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
 use crate::analysis::brush::{Cause, Found};
-use crate::theme::Palette;
 use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::Palette;
 
 /// Edges that are drawn at most: those nearest to the middle of the view.
 pub const MOST_EDGES: usize = 20_000;
@@ -143,7 +143,7 @@ pub fn tint(found: Option<&Found>, id: u32, palette: &Palette) -> Option<(Color3
 mod tests {
     use super::*;
     use crate::analysis::brush::Pair;
-    use crate::theme::{DARK, LIGHT};
+    use tilescope_ui::theme::{DARK, LIGHT};
 
     #[test]
     fn what_is_brushed_is_said_with_what_is_not_kept() {

@@ -12,9 +12,9 @@ use super::sprites::{Sprite, Sprites, Stamp};
 use crate::passes::OnCanvas;
 use crate::passes::placed::Rows;
 use crate::subject::Subject;
-use crate::theme::Palette;
-use crate::widgets::Known;
 use tilescope_session::units::radii;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;

@@ -3,7 +3,7 @@
 use egui::{Color32, Mesh, Pos2, Rect, vec2};
 
 use super::paint::Scene;
-use crate::theme::Palette;
+use tilescope_ui::theme::Palette;
 
 /// With more marks in view none are drawn: one would see no more than a surface.
 const MOST_MARKS: usize = 60_000;

@@ -10,7 +10,7 @@ use tilescope_analysis::tessellation::Edge;
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use crate::layers::Layer;
+use tilescope_session::layers::Layer;
 
 /// Circles wider than this, in r, are hardly curved where they can be seen.
 const WIDEST: f64 = 50.0;

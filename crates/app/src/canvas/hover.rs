@@ -8,9 +8,9 @@ use tilescope_core::{Origin, Stage, Standing};
 use super::MIN_DISK_SCALE;
 use super::tree::Made;
 use crate::subject::Subject;
-use crate::theme::Palette;
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
+use tilescope_ui::theme::Palette;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
 const WIDEST: f32 = 380.0;
@@ -149,7 +149,7 @@ fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, f32)> {
 }
 
 /// Returns what the blocks of a session are called.
-const fn block_name(session: &crate::Session) -> &'static str {
+const fn block_name(session: &tilescope_session::Session) -> &'static str {
     match session.combination {
         Some(_) => "piece",
         None => "block",

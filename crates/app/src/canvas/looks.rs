@@ -9,9 +9,9 @@ use tilescope_core::{Origin, Stage, Standing};
 use super::age::Ages;
 use super::brushed;
 use super::instanced::{Look, Symbol};
-use crate::layers::{Colouring, Layer, Layers};
 use crate::subject::Subject;
-use crate::theme::Palette;
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_ui::theme::Palette;
 
 /// All that looks follow from.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@ use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::paint::tag;
 use crate::subject::Subject;
-use crate::theme::Palette;
 use tilescope_session::verification::Sight;
+use tilescope_ui::theme::Palette;
 
 /// On a canvas that is lower than this, remarks would hide what they are about.
 const LEAST_HEIGHT: f32 = 200.0;

@@ -6,12 +6,12 @@ use tilescope_core::{Rect as LatticeRect, Stage};
 use super::sprites::{Sprite, Sprites};
 use super::strokes::Stamps;
 use super::tree::Made;
-use crate::layers::Layer;
 use crate::subject::Subject;
-use crate::theme::Palette;
+use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::units::radii;
+use tilescope_ui::theme::Palette;
 
 /// What is drawn in one frame.
 pub struct Scene<'a> {

@@ -14,10 +14,10 @@ use super::sprites::Sprites;
 use super::stack::{Stack, note};
 use super::strokes::Kept;
 use super::{MIN_DISK_SCALE, UNIT, symbols};
-use crate::layers::Layer;
 use crate::subject::Subject;
-use crate::theme::Palette;
+use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
+use tilescope_ui::theme::Palette;
 
 /// A picture between two frames.
 #[derive(Default)]

@@ -8,7 +8,7 @@ use tilescope_core::Stage;
 use super::instanced::{InstancedCanvas, Look, PaintOptions, Symbol, Symbols};
 use super::looks::{Key, Looks};
 use super::paint::Scene;
-use crate::layers::Layer;
+use tilescope_session::layers::Layer;
 
 /// Moments more events apart than this are not compared event by event.
 const MOST_EVENTS: usize = 1_000;

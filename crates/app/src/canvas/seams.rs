@@ -5,7 +5,7 @@ use egui::{Rect, Shape, pos2};
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use crate::layers::Layer;
+use tilescope_session::layers::Layer;
 
 /// The width of a seam, in screen points.
 const WIDTH: f32 = 1.6;

@@ -10,7 +10,7 @@ use super::resident::Resident;
 use super::sprites::Sprites;
 use super::strokes::Kept;
 use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, seams, symbols, tree};
-use crate::layers::Layer;
+use tilescope_session::layers::Layer;
 
 /// What is kept as meshes from frame to frame.
 #[derive(Clone, Copy)]

@@ -11,7 +11,7 @@ use super::paint::Scene;
 use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites};
 use super::strokes::{Stamps, Strokes};
-use crate::layers::Layer;
+use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 use tilescope_session::units::radii;
 

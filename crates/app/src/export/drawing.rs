@@ -16,13 +16,13 @@ use crate::canvas::blocks::{MIN_LABELLED, TINTS};
 use crate::canvas::instanced::Symbol;
 use crate::canvas::looks::{Looks, Swatches};
 use crate::canvas::tree::{self, Made};
-use crate::layers::Layer;
 use crate::subject::Subject;
-use crate::theme::Palette;
 use tilescope_session::geometry::{Geometry, MOST_SAMPLES, region_of};
+use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::units::radii;
+use tilescope_ui::theme::Palette;
 
 /// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
 const LARGEST_CIRCLE: f64 = 10_000.0;

@@ -16,13 +16,13 @@ use super::drawing::{Drawing, color};
 use super::refusal::Refusal;
 use super::still::{Still, provenance};
 use crate::camera::Camera;
-use crate::layers::{Colouring, Layer, Layers};
-use crate::theme;
 use tilescope_session::geometry::Geometry;
+use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Shown;
 use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme;
 
 /// The most samples that a picture draws.
 pub const MOST_DRAWN: usize = 1_000_000;

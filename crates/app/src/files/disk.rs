@@ -2,20 +2,18 @@
 //! it is in a browser.
 
 use std::fs::File;
-use std::io::{self, Read as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use tilescope_debugger::{MAX_BYTES, PatternFile};
-use tilescope_formats::{MAX_CERTIFICATE_BYTES, certificate_path};
+use tilescope_formats::certificate_path;
 
-use super::{FileForm, Incoming, NamedBytes, Purpose, SESSION_NAME};
-use tilescope_session::incoming::{Unread, begins_as_object, holds_document, pick, too_long};
+use super::{FileForm, Incoming, Purpose, SESSION_NAME};
+use tilescope_session::incoming::disk::{plain_file, read_limited};
+use tilescope_session::incoming::{Unread, begins_as_object, holds_document, pick};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::limits::MOST_PATTERN_BYTES;
 use tilescope_session::recipe::{OwnPattern, load};
-
-/// How much is read between two questions whether to stop.
-const CHUNK: u64 = 1 << 20;
 
 fn sentence(unread: Unread) -> String {
     match unread {
@@ -30,61 +28,12 @@ pub fn certificate_of(path: &str) -> PathBuf {
     certificate_path(Path::new(path))
 }
 
-/// Fails where there is no file of at most `limit` bytes: a device or a pipe would never end.
-fn plain_file(path: &Path, limit: u64) -> Result<(), String> {
-    let about = std::fs::metadata(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    if !about.is_file() {
-        return Err(format!("{} is no file", path.display()));
-    }
-    let name = path.display().to_string();
-    too_long(&name, about.len(), limit).map_or(Ok(()), Err)
-}
-
-/// Returns the bytes of a file of at most `limit`, even if it grows while it is read.
-fn read_limited(path: &Path, limit: u64, monitor: &Monitor) -> Result<Vec<u8>, Unread> {
-    plain_file(path, limit)?;
-    let named = |error: io::Error| Unread::Failed(format!("{}: {error}", path.display()));
-    let mut file = File::open(path).map_err(named)?.take(limit + 1);
-    let mut bytes = Vec::new();
-    loop {
-        if monitor.is_cancelled() {
-            return Err(Unread::Stopped);
-        }
-        let read = io::copy(&mut file.by_ref().take(CHUNK), &mut bytes).map_err(named)?;
-        if bytes.len() as u64 > limit {
-            let most = tilescope_debugger::grouped(limit);
-            return Err(
-                format!("it has more than {most} bytes, which are the most that are read").into(),
-            );
-        }
-        if read == 0 {
-            return Ok(bytes);
-        }
-    }
-}
-
 /// Returns the first bytes of a file.
 fn head(path: &Path) -> Result<Vec<u8>, String> {
     plain_file(path, u64::MAX)?;
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(64).read_to_end(&mut bytes));
     read.map(|_| bytes).map_err(|error| error.to_string())
-}
-
-impl Incoming {
-    /// Reads a file of at most `limit` bytes and the certificate beside it. What else it names is looked for in its folder.
-    pub(crate) fn from_path(path: &Path, limit: u64, monitor: &Monitor) -> Result<Self, Unread> {
-        let name = |path: &Path| path.to_string_lossy().into_owned();
-        let bytes = read_limited(path, limit, monitor)?;
-        let mut incoming = Self::new(NamedBytes::new(name(path), bytes));
-        let beside = certificate_path(path);
-        if beside.try_exists().unwrap_or(true) {
-            let bytes = read_limited(&beside, MAX_CERTIFICATE_BYTES as u64, monitor)?;
-            incoming.beside.push(NamedBytes::new(name(&beside), bytes));
-        }
-        incoming.folder = path.parent().map(Path::to_owned);
-        Ok(incoming)
-    }
 }
 
 /// Reads the one of several files that is to be opened; returns the names of those that are not, too.

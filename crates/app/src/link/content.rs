@@ -6,10 +6,10 @@ use tilescope_debugger::{Bookmark, SavedBreakpoint};
 
 use crate::camera::Camera;
 use crate::clock::Clock;
-use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;
-use crate::theme::Look;
 use crate::view::View;
+use tilescope_session::layers::{Colouring, Layers};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 /// A moment of a run.

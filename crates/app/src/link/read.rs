@@ -17,10 +17,10 @@ use super::{
     tiles,
 };
 use crate::clock::Clock;
-use crate::layers::{Colouring, Layer, Layers};
-use crate::theme::Look;
 use crate::view::{is_near, sound_camera, speed};
 use tilescope_session::combination::NINE;
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 

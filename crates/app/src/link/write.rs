@@ -9,8 +9,8 @@ use super::text::{base64, escaped, exact, item, name, rounded, slug};
 use super::tiles;
 use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
 use crate::camera::Camera;
-use crate::layers::{Layer, Layers};
 use tilescope_session::combination::NINE;
+use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 use tilescope_session::words::counted;
 

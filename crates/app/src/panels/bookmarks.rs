@@ -6,9 +6,9 @@ use tilescope_debugger::{Bookmark, Debugger, Listings, Marked};
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use crate::theme::Palette;
-use crate::widgets::{Icon, Known, heading, icon_button};
 use tilescope_session::words::grouped;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
 /// Shows the panel.
 pub fn show(

@@ -3,10 +3,10 @@
 use egui::{ScrollArea, Ui};
 
 use super::context::PanelContext;
-use crate::focus;
 use crate::layout::Panel;
-use crate::theme::Palette;
-use crate::widgets::Known;
+use tilescope_ui::focus;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// Each panel scrolls by itself, whatever stood in its place before.
 pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {

@@ -8,12 +8,12 @@ use egui::{Context, CursorIcon, Stroke, WidgetInfo, pos2, vec2};
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::command::{Command, WindowCommand};
-use crate::focus;
 use crate::layout::Panel;
 use crate::panes::Canvas;
 use crate::state::State;
-use crate::theme::{FINGER, Palette};
-use crate::widgets::{Icon, Kebab, Known, icon_button};
+use tilescope_ui::focus;
+use tilescope_ui::theme::{FINGER, Palette};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// Height of the bar on top, in screen points.
 const BAR: f32 = 50.0;

@@ -7,9 +7,9 @@ use crate::command::Command;
 use crate::command::Which;
 use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
 use crate::state::RunView;
-use crate::theme::Palette;
-use crate::widgets::{Kebab, Known, heading, primary_button, row};
 use tilescope_session::words::{counted, grouped, stage_name};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
 /// What the panel is shown from.
 pub struct CompareContext<'a> {

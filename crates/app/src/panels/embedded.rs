@@ -11,8 +11,8 @@ use crate::command::{Command, ViewCommand};
 use crate::embedding::Embedding;
 use crate::panes::Canvas;
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::{Icon, Known, icon_button};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Icon, Known, icon_button};
 
 /// From the corner of the canvas to the button in it, in screen points.
 const INSET: Vec2 = vec2(8.0, 8.0);

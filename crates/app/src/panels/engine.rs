@@ -5,7 +5,7 @@ use egui::{Button, ComboBox, RichText, Ui};
 use super::parameters::{FormContext, field_width, labelled};
 use crate::command::{Command, GpuCommand};
 use crate::device::Engine;
-use crate::widgets::{Kebab, Known};
+use tilescope_ui::widgets::{Kebab, Known};
 
 const EXPLANATION: &str =
     "Who samples. All engines give the same points; choosing the GPU tests it first.";

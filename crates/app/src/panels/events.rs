@@ -10,11 +10,11 @@ use tilescope_debugger::{Debugger, OutlineRows};
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand};
-use crate::focus;
 use crate::state::{Found, MOST_FOUND};
-use crate::theme::{Palette, is_for_fingers, row_height};
-use crate::widgets::Known;
 use tilescope_session::words::{counted, event_number, grouped};
+use tilescope_ui::focus;
+use tilescope_ui::theme::{Palette, is_for_fingers, row_height};
+use tilescope_ui::widgets::Known;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;

@@ -9,9 +9,9 @@ use crate::clock::Clock;
 use crate::command::Command;
 use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::{Kebab, Known, primary_button};
 use tilescope_session::words::{grouped, sentence};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;

@@ -7,8 +7,8 @@ use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select
 use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::{Known, primary_button};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Known, primary_button};
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

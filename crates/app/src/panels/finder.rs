@@ -9,8 +9,8 @@ use crate::actions::{self, Action};
 use crate::command::{Command, WindowCommand};
 use crate::finder::Finder;
 use crate::state::State;
-use crate::theme::{Palette, row_height};
-use crate::widgets::Known;
+use tilescope_ui::theme::{Palette, row_height};
+use tilescope_ui::widgets::Known;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 30.0;

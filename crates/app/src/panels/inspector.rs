@@ -10,10 +10,10 @@ use super::common::divide;
 use super::context::PanelContext;
 use crate::command::Which;
 use crate::command::{Command, TimeCommand, ViewCommand};
-use crate::theme::Palette;
-use crate::widgets::{Known, heading, row};
 use tilescope_session::moment::Shown;
 use tilescope_session::words::{counted, event_number, grouped};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Known, heading, row};
 
 /// Rows of a history that are shown at once.
 const MOST_ROWS: usize = 200;

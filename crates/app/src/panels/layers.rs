@@ -3,10 +3,10 @@
 use egui::{Ui, vec2};
 
 use crate::command::{AppearanceCommand, Command};
-use crate::layers::Layer;
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::{Kebab, Known, chip};
+use tilescope_session::layers::Layer;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Kebab, Known, chip};
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -7,9 +7,9 @@ use crate::analysis::brush::Cause;
 use crate::analysis::brush::Found;
 use crate::canvas::age::{Ages, LAST_TILED};
 use crate::command::{AppearanceCommand, Command};
-use crate::layers::{Colouring, Layer};
-use crate::theme::Palette;
-use crate::widgets::{Kebab, Known, heading, symbol};
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Kebab, Known, heading, symbol};
 
 /// Shows the legend.
 pub fn show(

@@ -43,8 +43,8 @@ use crate::panels::common::scrolled;
 use crate::panels::context::PanelContext;
 use crate::panes::Canvas;
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::Known;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// Shows the bar on top.
 pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -107,7 +107,7 @@ fn leave_projector(ui: &Ui, palette: &Palette, commands: &mut Vec<Command>) {
         .show(ui.ctx(), |ui| {
             let text = RichText::new("F2: leave").small().color(palette.muted);
             let button = ui.add(Button::new(text).fill(palette.panel).small());
-            let name = crate::actions::projector_action(crate::theme::Look::Projector);
+            let name = crate::actions::projector_action(tilescope_session::look::Look::Projector);
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
             button.known_as("leave-projector");
             if button.on_hover_text(name).clicked() {

@@ -10,11 +10,11 @@ use crate::draft::{Choice, Field, Refusal};
 use crate::files::FileCommand;
 use crate::layout::Panel;
 use crate::state::{Form, GpuState};
-use crate::theme::{Palette, row_height};
-use crate::widgets::{Known, heading, primary_button};
 use tilescope_session::jobs::Job;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::{grouped, sentence};
+use tilescope_ui::theme::{Palette, row_height};
+use tilescope_ui::widgets::{Known, heading, primary_button};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;

@@ -11,9 +11,9 @@ use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, List
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use crate::focus;
-use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
-use crate::widgets::Known;
+use tilescope_ui::focus;
+use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+use tilescope_ui::widgets::Known;
 
 const GUTTER: f32 = 22.0;
 /// Room behind a line for what is said of it.

@@ -19,9 +19,9 @@ use crate::device::Engine;
 use crate::layout::Panel;
 use crate::panes::Canvas;
 use crate::state::State;
-use crate::theme::Palette;
-use crate::widgets::Known;
 use tilescope_debugger::Direction;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// How a panel fills its tile.
 enum Room {

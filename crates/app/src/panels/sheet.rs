@@ -4,7 +4,7 @@ use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::{Event, Key, Response, ScrollArea, Ui, Vec2, vec2};
 
-use crate::focus;
+use tilescope_ui::focus;
 
 /// Returns how wide a sheet is: `width`, in screen points, or what the window has room for.
 pub fn width(ui: &Ui, width: f32) -> f32 {

@@ -5,13 +5,13 @@ use tilescope_core::Stage;
 
 use super::context::PanelContext;
 use crate::command::{Command, TimeCommand};
-use crate::theme::{Palette, row_height};
-use crate::widgets::{Kebab, Known, heading, row as pair};
 use tilescope_session::combination::Combination;
 use tilescope_session::limits::MOST_STAGED;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
+use tilescope_ui::theme::{Palette, row_height};
+use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

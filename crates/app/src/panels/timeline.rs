@@ -14,10 +14,10 @@ use crate::canvas::Made;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
 use crate::state::State;
-use crate::theme::{FINGER, Palette, is_for_fingers};
-use crate::widgets::{Icon, Kebab, Known, icon_button};
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::{FINGER, Palette, is_for_fingers};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
@@ -457,7 +457,7 @@ mod tests {
         sentences.extend(of_events.max_by_key(String::len));
         let width = 300.0 - 2.0 * PLAYER_MARGIN.x;
         let ctx = egui::Context::default();
-        crate::theme::install(&ctx, state.appearance.look.theme());
+        tilescope_ui::theme::install(&ctx, tilescope_ui::theme::theme_of(state.appearance.look));
         let mut cut = Vec::new();
         let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
             for text in &sentences {

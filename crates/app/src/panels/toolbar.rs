@@ -9,9 +9,10 @@ use crate::command::{AppearanceCommand, Command, ViewCommand};
 use crate::export::{ExportCommand, Kind};
 use crate::panels::context::PanelContext;
 use crate::state::State;
-use crate::theme::{FINGER, Look, Palette, is_for_fingers, semibold};
-use crate::widgets::{Icon, Kebab, Known, icon_button};
+use tilescope_session::look::Look;
 use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, semibold};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;

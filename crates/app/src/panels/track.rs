@@ -11,11 +11,11 @@ use tilescope_debugger::{Marked, Recording};
 
 use crate::command::{Command, TimeCommand};
 use crate::state::State;
-use crate::theme::{Palette, is_for_fingers};
-use crate::widgets::{Kebab, Known};
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::stage_name;
+use tilescope_ui::theme::{Palette, is_for_fingers};
+use tilescope_ui::widgets::{Kebab, Known};
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;

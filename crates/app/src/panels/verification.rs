@@ -9,10 +9,10 @@ use super::context::PanelContext;
 use crate::command::Which;
 use crate::command::{Command, ViewCommand};
 use crate::state::Verification;
-use crate::theme::{Palette, semibold};
-use crate::widgets::{Kebab, Known, heading, row, verdict_mark};
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped};
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

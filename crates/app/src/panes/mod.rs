@@ -14,10 +14,11 @@ use crate::command::Which;
 use crate::command::{Command, ViewCommand};
 use crate::state::State;
 use crate::subject::Subject;
-use crate::theme::{Look, Palette};
-use crate::widgets::Known;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
+use tilescope_session::look::Look;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// The canvas between two frames.
 #[derive(Default)]

@@ -7,9 +7,9 @@ use egui::{Button, Label, RichText, Ui};
 use super::model::Visit;
 use super::placed::{Counts, Rows};
 use super::{PassCommand, Passes};
-use crate::theme::Palette;
-use crate::widgets::Known;
 use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// Shows the choice, and what it brings to the canvas.
 pub(super) fn show(

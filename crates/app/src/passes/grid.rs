@@ -9,8 +9,8 @@ use egui::{
 use super::PassCommand;
 use super::shown::Shown;
 use super::table::{BufferTable, Side};
-use crate::theme::Palette;
-use crate::widgets::Known;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// The height of a row, in screen points.
 const ROW: f32 = 20.0;

@@ -8,9 +8,9 @@ use egui::{
 
 use super::model::{Badge, Line, PassEntry, duration_text};
 use super::{PassCommand, Passes};
-use crate::theme::{Palette, semibold};
-use crate::widgets::{Known, verdict_mark};
 use tilescope_session::words::{counted, stage_name};
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::{Known, verdict_mark};
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;

@@ -9,9 +9,9 @@ use super::list::{self, color, mark};
 use super::model::{PassEntry, Visit, access_text};
 use super::table::{BufferTable, Side};
 use super::{Badge, Fault, PassCommand, Passes, choice, grid};
-use crate::theme::{Palette, semibold};
-use crate::widgets::{Icon, Kebab, Known, icon_button};
 use tilescope_session::words::{counted, grouped, stage_name};
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;

@@ -7,9 +7,9 @@ use tilescope_core::{Parameters, Stage};
 
 use super::{MOST_BYTES, REQUESTS, Request, TARGETS, read};
 use crate::clock::Clock;
-use crate::layers::Layer;
 use crate::link::{self, COLOURINGS, choice_name, layer_name, slug};
-use crate::theme::Look;
+use tilescope_session::layers::Layer;
+use tilescope_session::look::Look;
 use tilescope_session::words::{grouped, stage_name};
 
 const README: &str = include_str!("../../../../web/README.md");

@@ -1,8 +1,8 @@
 //! How moments are drawn.
 
 use crate::command::AppearanceCommand;
-use crate::layers::{Colouring, Layers};
-use crate::theme::Look;
+use tilescope_session::layers::{Colouring, Layers};
+use tilescope_session::look::Look;
 
 /// How moments are drawn.
 pub struct Appearance {

@@ -5,10 +5,10 @@ use tilescope_core::combine::file::Layout;
 use super::State;
 use super::undo::Part;
 use crate::command::Which;
-use crate::layers::Layer;
 use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::combining::Combining;
 use tilescope_session::errand;
+use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 

@@ -11,8 +11,8 @@ use crate::command::Which;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand};
 use crate::draft::{Choice, Field};
 use crate::export::{ExportCommand, Kind};
-use crate::layers::Layer;
 use tilescope_core::Search;
+use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
 use tilescope_session::verification::{Sight, Witness};
 

@@ -7,8 +7,8 @@ use super::State;
 use crate::command::{Command, FormCommand, Which, WindowCommand};
 use crate::draft::{Draft, Field};
 use crate::files::FileCommand;
-use crate::layers::{Colouring, Layers};
 use crate::layout::Layout;
+use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::recipe::{OwnPattern, Recipe};
 
 /// Most steps that are remembered.

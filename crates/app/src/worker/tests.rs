@@ -15,11 +15,11 @@ use crate::command::{ViewCommand, Which};
 use crate::compare::{CompareCommand, Rival};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{Delivery, FileCommand};
-use crate::layers::Layer;
 use crate::layout::Panel;
 use crate::state::{State, Verification};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
+use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
 

@@ -11,7 +11,6 @@ use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{Kind, picture};
-use tilescope_app::layers::Layer;
 use tilescope_app::{Command, State};
 use tilescope_core::combine::file::{Layout, LayoutError, Set, Source};
 use tilescope_core::combine::{Combined, combine};
@@ -20,6 +19,7 @@ use tilescope_formats::{
     ExportContext, Overrides, PointSet, bytes_digest, check, positions_digest,
 };
 use tilescope_session::combination::{CombineCommand, NINE};
+use tilescope_session::layers::Layer;
 
 use crate::combining::{drop_text, nine};
 use crate::exporting::{opened, told, write};

@@ -11,14 +11,15 @@ use tilescope_app::clock::Clock;
 use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
 use tilescope_app::export::{Entry, ExportCommand, Kind, View};
-use tilescope_app::layers::Layer;
-use tilescope_app::theme::{DARK, LIGHT, Look};
 use tilescope_app::{Command, State};
 use tilescope_core::{Origin, Stage};
 use tilescope_figures::MomentOptions;
 use tilescope_formats::{Certificate, Hint, Overrides, certificate_path, check, read};
 use tilescope_session::Session;
+use tilescope_session::layers::Layer;
+use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
+use tilescope_ui::theme::{DARK, LIGHT};
 
 use crate::exporting::{export, fill_in, opened, told, write};
 

@@ -11,8 +11,8 @@ use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::Kind;
 use tilescope_app::files::Purpose;
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{Command, State};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 use crate::exporting::opened;

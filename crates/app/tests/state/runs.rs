@@ -7,12 +7,12 @@ use tilescope_app::command::{
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::{Command, State};
 use tilescope_core::Order;
 use tilescope_debugger::{Listings, Marked};
 use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 
 use crate::exporting::opened;

@@ -10,9 +10,9 @@ use tilescope_app::command::{
 };
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layers::Layer;
 use tilescope_app::{App, Command};
 use tilescope_debugger::Listings;
+use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 
 use super::{opened, settle};

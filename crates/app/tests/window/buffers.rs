@@ -15,12 +15,12 @@ use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
 use tilescope_app::passes::placed::Rows;
 use tilescope_app::passes::{PassCommand, Side};
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command, State};
 use tilescope_core::{Fate, Stage};
 use tilescope_debugger::{Direction, Step};
 use tilescope_gpu::Spot;
 use tilescope_gpu::layout::Name;
+use tilescope_session::look::Look;
 
 use crate::support::{find, is_disabled, node, opened, settle, text};
 

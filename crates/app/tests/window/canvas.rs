@@ -5,12 +5,12 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, WindowCommand};
-use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Fate, Moment, R};
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 
 /// Places in the default session's list of stages.

@@ -8,8 +8,8 @@ use tilescope_app::command::Which;
 use tilescope_app::command::{AppearanceCommand, ViewCommand, WindowCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 use crate::support::{cursor, find, is_disabled, node, opened_at, settle};

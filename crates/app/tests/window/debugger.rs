@@ -9,12 +9,12 @@ use tilescope_app::command::{
 };
 use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::draft::Field;
-use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
 use tilescope_debugger::{Kind, Listings};
+use tilescope_session::layers::Layer;
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 use crate::support::{

@@ -9,8 +9,8 @@ use tilescope_app::canvas::hint::{self, Hint};
 use tilescope_app::command::Which;
 use tilescope_app::command::{TimeCommand, ViewCommand};
 use tilescope_app::embedding::Embedding;
-use tilescope_app::focus::{self, End};
 use tilescope_app::{App, Command};
+use tilescope_ui::focus::{self, End};
 
 use crate::support::{find, focused, node, opened_at, settle};
 

@@ -6,8 +6,8 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::command::{AppearanceCommand, TimeCommand, WindowCommand};
 use tilescope_app::export::{ExportCommand, Kind};
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
+use tilescope_session::look::Look;
 
 use crate::support::{is_disabled, node, opened, settle, text};
 

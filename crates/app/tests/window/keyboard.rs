@@ -347,7 +347,7 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
     settle(&mut harness);
     assert_eq!(
         harness.state().state.appearance.look,
-        tilescope_app::theme::Look::Projector
+        tilescope_session::look::Look::Projector
     );
     assert!(harness.state().state.window.finder.is_none());
     assert_eq!(cursor(&harness), before);
@@ -366,7 +366,7 @@ fn what_is_typed_in_one_slow_frame_is_meant_for_the_list() {
     press(&mut harness, NONE, Key::Enter);
     assert_eq!(
         harness.state().state.appearance.look,
-        tilescope_app::theme::Look::Light
+        tilescope_session::look::Look::Light
     );
     // Enter before anything was typed does nothing.
     let events = &mut harness.input_mut().events;

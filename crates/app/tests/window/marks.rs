@@ -3,10 +3,10 @@
 use egui::Color32;
 use egui_kittest::Harness;
 use tilescope_app::command::{AppearanceCommand, TimeCommand};
-use tilescope_app::layers::Layer;
-use tilescope_app::theme::DARK;
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
+use tilescope_ui::theme::DARK;
 
 use crate::support::{opened_at, session, settle};
 

@@ -14,9 +14,9 @@ use tilescope_app::draft::Field;
 use tilescope_app::export::{ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
-use tilescope_app::spoken::Spoken;
 use tilescope_app::{App, Command};
 use tilescope_session::selection::Selection;
+use tilescope_ui::spoken::Spoken;
 
 use crate::support::sessions::{apply, busy};
 use crate::support::{ids, node, opened_at, settle};

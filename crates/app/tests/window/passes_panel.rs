@@ -6,10 +6,11 @@ use std::sync::{Arc, OnceLock, RwLock};
 
 use egui_kittest::Harness;
 use tilescope_app::passes::{Badge, PassCommand, Passes, panel};
-use tilescope_app::theme::{Look, Palette, install};
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::jobs::Wake;
+use tilescope_session::look::Look;
+use tilescope_ui::theme::{Palette, install};
 
 use crate::support::{find, is_disabled, node, text};
 
@@ -57,7 +58,7 @@ fn begun(gate: &Arc<Gate>) -> Harness<'static, Shown> {
         .with_max_steps(64)
         .build_ui_state(
             |ui, shown: &mut Shown| {
-                install(ui.ctx(), shown.look.theme());
+                install(ui.ctx(), tilescope_ui::theme::theme_of(shown.look));
                 let mut commands = Vec::new();
                 panel::show(ui, &shown.passes, Palette::of(shown.look), &mut commands);
                 for command in commands {

@@ -17,11 +17,11 @@ use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::layout::Panel;
 use tilescope_app::passes::{PassCommand, Side};
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_core::{Boundary, Search, Stage};
 use tilescope_debugger::{Direction, Target};
 use tilescope_gpu::layout::Name;
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 use crate::analysis_panel::noise;

@@ -8,10 +8,10 @@ use tilescope_app::command::{AppearanceCommand, FormCommand, TimeCommand, Window
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
+use tilescope_session::layers::Layer;
+use tilescope_session::look::Look;
 
 use crate::support::sessions::{apply, busy, folder, go, notice, path_text};
 use crate::support::{is_disabled, node, opened, session, settle, text};

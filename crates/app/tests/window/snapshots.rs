@@ -12,9 +12,9 @@ use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::embedding::Embedding;
 use tilescope_app::layout::{Layout, Panel};
-use tilescope_app::theme::Look;
 use tilescope_app::{App, Command};
 use tilescope_debugger::{Direction, Listings, Target};
+use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
 use crate::support::{find, opened_at, settle};

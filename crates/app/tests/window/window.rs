@@ -5,11 +5,11 @@ use tilescope_app::command::{FormCommand, GpuCommand, WindowCommand};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::ExportCommand;
-use tilescope_app::layers::Layer;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_core::{Search, Stage};
 use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::Layer;
 
 use crate::support::{find, is_disabled, node, opened, session, settle, text};
 

@@ -105,6 +105,7 @@ pub fn keep(session: Session) {
 }
 
 /// Returns the generations of the sessions that are known.
+#[must_use]
 pub fn known() -> Vec<u64> {
     KNOWN.with_borrow(|known| known.iter().map(|session| session.generation).collect())
 }

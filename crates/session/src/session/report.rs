@@ -68,6 +68,7 @@ impl MakeError {
     }
 
     /// Returns a fault of the program, in words, as an error.
+    #[must_use]
     pub const fn fault(said: String) -> Self {
         Self::Elsewhere {
             cancelled: None,
@@ -89,11 +90,13 @@ impl MakeError {
 
 /// Carries a run's progress to the window, and the wish to cancel back.
 pub struct Reporter<'a> {
+    /// Whom it is reported to.
     pub monitor: &'a Monitor,
 }
 
 impl Reporter<'_> {
     /// Reports `part` of `stage` as done; returns the stage if the run is to stop there.
+    #[must_use]
     pub fn report(&self, stage: Stage, part: f32) -> Option<Stage> {
         // Shares of the whole, as measured on a million samples.
         let (start, share) = match stage {

@@ -8,7 +8,7 @@ use super::{Sets, drag, picture as periodogram};
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis as Along, Brush};
 use crate::analysis::measured::Measured;
-use crate::widgets::heading;
+use tilescope_ui::widgets::heading;
 
 /// How high charts are, in screen points.
 const HEIGHT: f32 = 168.0;

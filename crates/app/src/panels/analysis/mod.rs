@@ -18,10 +18,10 @@ use crate::analysis::{Analysis, AnalysisCommand, name_of};
 use crate::command::Command;
 use crate::files::{FileCommand, Purpose};
 use crate::state::RunView;
-use crate::theme::{Palette, semibold};
-use crate::widgets::{Kebab, Known, heading};
 use plot::{Dragged, Line};
 use tilescope_session::moment::Shown;
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::{Kebab, Known, heading};
 
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 620.0;

@@ -6,8 +6,8 @@ use tilescope_analysis::measures::PowerCurve;
 
 use super::Sets;
 use crate::analysis::measured::Measured;
-use crate::widgets::Known;
 use tilescope_session::words::{conflicts_in, counted, grouped};
+use tilescope_ui::widgets::Known;
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;

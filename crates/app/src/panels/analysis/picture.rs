@@ -9,8 +9,8 @@ use egui::{
 use tilescope_analysis::measures::Spectrum;
 
 use super::plot::Dragged;
-use crate::theme::Palette;
-use crate::widgets::Known;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 /// Power that is black.
 pub const BLACK: f64 = 3.0;

@@ -6,8 +6,8 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use crate::theme::{Palette, semibold};
-use crate::widgets::Known;
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::Known;
 
 /// Room for the numbers left of a chart, for its title and for the numbers below, in screen points.
 const LEFT: f32 = 30.0;

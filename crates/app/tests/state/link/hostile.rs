@@ -1,12 +1,12 @@
 //! Links that are broken, newer, too large or made to do harm.
 
 use tilescope_app::State;
-use tilescope_app::layers::Layer;
 use tilescope_app::link::{
     Content, MOST_BOOKMARKS, MOST_CHARACTERS, MOST_PATTERN_SIDE, MOST_SAMPLES, MOST_STOPS,
     MOST_TEXT, read, write,
 };
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+use tilescope_session::layers::Layer;
 
 use super::support::{Draws, opened, said, settle, state};
 

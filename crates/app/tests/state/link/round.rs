@@ -12,14 +12,14 @@ use tilescope_app::command::{
 };
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
-use tilescope_app::layers::{Colouring, Layer};
 use tilescope_app::layout::Panel;
 use tilescope_app::link::{MOST_CHARACTERS, MOST_TEXT, read};
-use tilescope_app::theme::Look;
 use tilescope_app::{Command, State};
 use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
 use tilescope_debugger::{LineId, Listings, PatternFile};
 use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
 use tilescope_session::recipe::OwnPattern;
 use tilescope_session::selection::Selection;
 

@@ -5,6 +5,7 @@ mod manner;
 
 use egui::{Color32, FontFamily, Theme};
 use tilescope_figures::Palette as Marks;
+use tilescope_session::look::Look;
 
 pub use manner::{FINGER, Manner, install, is_for_fingers, restyle, row_height};
 
@@ -116,59 +117,12 @@ pub const LIGHT: Palette = Palette {
     halo: rgb(0x0000_0000),
 };
 
-/// A look of the window.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
-)]
-pub enum Look {
-    /// Light on dark.
-    #[default]
-    Dark,
-    /// Dark on light.
-    Light,
-    /// Dark on light at nearly twice the size, with the canvas, the sentence, the controls and the line alone.
-    Projector,
-}
-
-impl Look {
-    /// Every look.
-    pub const ALL: [Self; 3] = [Self::Dark, Self::Light, Self::Projector];
-
-    /// Returns its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Dark => "Dark theme",
-            Self::Light => "Light theme",
-            Self::Projector => "Projector mode",
-        }
-    }
-
-    /// Returns the light look for the dark one, and the dark one for the others.
-    #[must_use]
-    pub const fn other(self) -> Self {
-        match self {
-            Self::Dark => Self::Light,
-            Self::Light | Self::Projector => Self::Dark,
-        }
-    }
-
-    /// Returns egui's theme for it.
-    #[must_use]
-    pub const fn theme(self) -> Theme {
-        match self {
-            Self::Dark => Theme::Dark,
-            Self::Light | Self::Projector => Theme::Light,
-        }
-    }
-
-    /// Returns how much larger everything is drawn.
-    #[must_use]
-    pub const fn zoom(self) -> f32 {
-        match self {
-            Self::Dark | Self::Light => 1.0,
-            Self::Projector => 1.75,
-        }
+/// Returns egui's theme for a look.
+#[must_use]
+pub const fn theme_of(look: Look) -> Theme {
+    match look {
+        Look::Dark => Theme::Dark,
+        Look::Light | Look::Projector => Theme::Light,
     }
 }
 

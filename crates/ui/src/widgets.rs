@@ -8,8 +8,8 @@ use egui::{
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
 
-use crate::layers::Layer;
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+use tilescope_session::layers::Layer;
 
 /// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
 pub trait Known {
@@ -451,21 +451,26 @@ pub fn primary_button(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::{Command, TimeCommand, ViewCommand, Which, WindowCommand};
-    use crate::layout::Panel;
     use tilescope_core::Stage;
+
+    #[derive(Debug)]
+    #[expect(dead_code, reason = "only its name is asked for")]
+    enum Do {
+        OpenPanel(Layer),
+        Loop(Option<u32>),
+        Pan(Vec2),
+    }
 
     #[test]
     fn ids_are_the_names_of_values_in_small_letters() {
-        let open = Command::Window(WindowCommand::OpenPanel(Panel::Passes));
-        assert_eq!(Kebab(&open).to_string(), "window-open-panel-passes");
-        let endless = Command::Time(TimeCommand::Loop(None));
-        assert_eq!(Kebab(&endless).to_string(), "time-loop-none");
+        let open = Do::OpenPanel(Layer::Disks);
+        assert_eq!(Kebab(&open).to_string(), "open-panel-disks");
+        assert_eq!(Kebab(Do::Loop(None)).to_string(), "loop-none");
         assert_eq!(Kebab(Stage::Iterate(3)).to_string(), "iterate-3");
         assert_eq!(Kebab("A").to_string(), "a");
         // Signs are told apart.
-        let left = Command::View(Which::First, ViewCommand::Pan(vec2(-80.0, 0.0)));
-        assert_eq!(Kebab(&left).to_string(), "view-first-pan-minus-80-0-0-0");
+        let left = Do::Pan(vec2(-80.0, 0.0));
+        assert_eq!(Kebab(&left).to_string(), "pan-minus-80-0-0-0");
     }
 
     #[test]

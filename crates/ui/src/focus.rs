@@ -5,7 +5,6 @@ use egui::{
     Context, EventFilter, Id, LayerId, Memory, Popup, Role, Stroke, StrokeKind, Ui, WidgetRect,
 };
 
-use crate::state::State;
 use crate::theme::Palette;
 
 /// How wide the ring is, and how far around what has the focus, in screen points.
@@ -32,13 +31,14 @@ pub fn ring(ctx: &Context, palette: &Palette) {
     painter.rect_stroke(place, 6.0, line, StrokeKind::Middle);
 }
 
-/// Has left and right go through time wherever the focus is, instead of moving it, too; menus and fields keep them.
-pub fn keep_arrows(ctx: &Context, state: &State) {
+/// Has left and right go to the window wherever the focus is, instead of moving it, too; menus and fields keep them, and so do
+/// sheets while one `is_covered` by them.
+pub fn keep_arrows(ctx: &Context, is_covered: bool) {
     let Some(focused) = ctx.memory(Memory::focused) else {
         return;
     };
     let is_theirs = ctx.text_edit_focused() || Popup::is_any_open(ctx);
-    if is_theirs || state.window.finder.is_some() || state.has_sheet() {
+    if is_theirs || is_covered {
         return;
     }
     let filter = EventFilter {

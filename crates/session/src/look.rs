@@ -1,0 +1,48 @@
+//! The looks of a window: light, dark, and for a projector. What they look like is not known here.
+
+/// A look of the window.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+pub enum Look {
+    /// Light on dark.
+    #[default]
+    Dark,
+    /// Dark on light.
+    Light,
+    /// Dark on light at nearly twice the size, with the canvas, the sentence, the controls and the line alone.
+    Projector,
+}
+
+impl Look {
+    /// Every look.
+    pub const ALL: [Self; 3] = [Self::Dark, Self::Light, Self::Projector];
+
+    /// Returns its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Dark => "Dark theme",
+            Self::Light => "Light theme",
+            Self::Projector => "Projector mode",
+        }
+    }
+
+    /// Returns the light look for the dark one, and the dark one for the others.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Dark => Self::Light,
+            Self::Light | Self::Projector => Self::Dark,
+        }
+    }
+
+    /// Returns how much larger everything is drawn.
+    #[must_use]
+    pub const fn zoom(self) -> f32 {
+        match self {
+            Self::Dark | Self::Light => 1.0,
+            Self::Projector => 1.75,
+        }
+    }
+}
