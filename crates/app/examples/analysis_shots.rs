@@ -7,9 +7,8 @@ use egui_kittest::Harness;
 use egui_tiles::Tree;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};

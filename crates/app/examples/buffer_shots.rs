@@ -4,9 +4,8 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, FormCommand, GpuCommand, ViewCommand, WindowCommand,
+    AppearanceCommand, FormCommand, GpuCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};

@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;

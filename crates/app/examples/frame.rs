@@ -7,9 +7,8 @@ use std::time::Instant;
 
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, WindowCommand,
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;

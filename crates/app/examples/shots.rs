@@ -4,9 +4,8 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand,
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
 use tilescope_app::draft::{Choice, Field};

@@ -13,9 +13,8 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
-use crate::command::Which;
 use crate::command::{
-    AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, WindowCommand,
+    AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, Which, WindowCommand,
 };
 use crate::finder::Finder;
 use crate::layout::Panel;

@@ -8,6 +8,12 @@ use egui::{CentralPanel, Context, Frame, Pos2, Ui, ViewportCommand};
 use egui_tiles::{
     Behavior, Container, EditAction, SimplificationOptions, TileId, Tiles, UiResponse,
 };
+use tilescope_session::look::Look;
+use tilescope_ui::focus;
+use tilescope_ui::presses::Presses;
+use tilescope_ui::spoken::{Speaker, Spoken};
+use tilescope_ui::theme::{self, Manner};
+use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::canvas::touch::release_cancelled;
@@ -17,12 +23,6 @@ use crate::layout::{Layout, Panel};
 use crate::panes::Canvas;
 use crate::state::{FullScreen, State};
 use crate::{actions, panels};
-use tilescope_session::look::Look;
-use tilescope_ui::focus;
-use tilescope_ui::presses::Presses;
-use tilescope_ui::spoken::{Speaker, Spoken};
-use tilescope_ui::theme::{self, Manner};
-use tilescope_ui::widgets::{Kebab, Known};
 
 /// The application.
 pub struct App {

@@ -2,9 +2,9 @@
 //! Tiles stay as they are meanwhile. What is shown where is not known here.
 
 use egui::{Vec2, vec2};
+use tilescope_session::look::Look;
 
 use crate::layout::Panel;
-use tilescope_session::look::Look;
 
 /// Narrower windows, in screen points, have no room for tiles.
 pub const ROOM_FOR_TILES: Vec2 = vec2(960.0, 420.0);

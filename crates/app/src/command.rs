@@ -3,6 +3,11 @@
 
 use egui::{Pos2, Rect, Vec2};
 use tilescope_debugger::{Direction, LineId, Step, Target};
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
+use tilescope_session::selection::Selection;
+use tilescope_session::verification::Witness;
 
 use crate::analysis::AnalysisCommand;
 use crate::arrangement::DrawerCommand;
@@ -14,11 +19,6 @@ use crate::export::ExportCommand;
 use crate::files::FileCommand;
 use crate::layout::Panel;
 use crate::passes::PassCommand;
-use tilescope_session::combination::CombineCommand;
-use tilescope_session::layers::{Colouring, Layer};
-use tilescope_session::look::Look;
-use tilescope_session::selection::Selection;
-use tilescope_session::verification::Witness;
 
 /// A move in time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

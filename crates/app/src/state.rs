@@ -4,16 +4,16 @@
 use tilescope_core::Stage;
 
 use crate::analysis::Analysis;
-use crate::command::{Command, GpuCommand, LinkCommand, ViewCommand, Which};
-use crate::device::{Device, Engine};
+use crate::command::{Command, LinkCommand, ViewCommand, Which};
 use crate::layout::Panel;
 use crate::subject::Subject;
 pub use appearance::Appearance;
 use effects::{Context, Effect};
 pub use form::Form;
+pub use gpu::GpuState;
 pub use page::PageStart;
 use parts::JobContext;
-pub use parts::{FileState, GpuState, Links, Messages, Runs};
+pub use parts::{FileState, Links, Messages, Runs};
 pub use run_view::{EventQuery, Found, Hits, MOST_FOUND, MOST_HITS, RunView};
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::Shown;
@@ -155,11 +155,8 @@ impl State {
     #[must_use]
     pub fn run_refusal(&self) -> Option<String> {
         let refusal = self.form.draft.refusals().into_iter().next();
-        let waiting = || match self.gpu.device {
-            Device::Testing(_) if self.form.engine == Engine::Gpu => self.gpu.device.said(),
-            _ => None,
-        };
-        refusal.map(|refusal| refusal.reason).or_else(waiting)
+        let refusal = refusal.map(|refusal| refusal.reason);
+        refusal.or_else(|| self.gpu.waiting())
     }
 
     /// Carries out a command: the only way in which the state changes for a user.
@@ -184,8 +181,7 @@ impl State {
     fn carry_out(&mut self, command: Command) {
         match command {
             Command::Form(command) => self.form.apply(command),
-            Command::Gpu(GpuCommand::Engine(engine)) => self.choose_engine(engine),
-            Command::Gpu(GpuCommand::NameAdapter(name)) => self.name_adapter(name),
+            Command::Gpu(command) => self.with(|state, context| state.gpu.apply(command, context)),
             Command::Run => self.run(),
             Command::Combine(command) => self.combine(command),
             Command::Cancel(which) => {
@@ -206,7 +202,10 @@ impl State {
             Command::Passes(command) => self.apply_to_passes(command),
             Command::File(command) => self.apply_to_files(command),
             Command::Compare(command) => self.apply_to_comparison(command),
-            Command::Analysis(command) => self.apply_to_analysis(command),
+            Command::Analysis(command) => {
+                let shown = self.runs.first.shown();
+                self.analysis.apply(command, shown.as_ref());
+            }
             Command::Debug(command) => {
                 self.on(Which::First, |run, context| {
                     run.apply_to_debugger(command, context);
@@ -250,29 +249,33 @@ impl State {
         });
     }
 
+    /// Has parts do something, and does what they ask of the others.
+    fn with<T>(&mut self, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
+        self.with_of(Which::First, act)
+    }
+
+    /// Does the same for one of the runs: what it tells is told of that run.
+    fn with_of<T>(&mut self, which: Which, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
+        let mut context = Context::new(&self.jobs.wake, &self.appearance);
+        let outcome = act(self, &mut context);
+        self.carry_out_effects(which, context.effects);
+        outcome
+    }
+
     /// Has a run do something, if it is there, and does what it asks of the other parts.
     fn on<T>(
         &mut self,
         which: Which,
-        act: impl FnOnce(&mut RunView, &mut Context<'_>) -> T,
+        act: impl FnOnce(&mut RunView, &mut Context) -> T,
     ) -> Option<T> {
-        let mut context = Context::new(&self.jobs.wake, &self.appearance);
-        let outcome = act(self.runs.get_mut(which)?, &mut context);
-        let effects = context.effects;
-        self.carry_out_effects(which, effects);
-        Some(outcome)
+        self.with_of(which, |state, context| {
+            Some(act(state.runs.get_mut(which)?, context))
+        })
     }
 
     /// Has time do something with the run that it moves, and does what they ask of the other parts.
-    fn in_time<T>(
-        &mut self,
-        act: impl FnOnce(&mut Time, &mut RunView, &mut Context<'_>) -> T,
-    ) -> T {
-        let mut context = Context::new(&self.jobs.wake, &self.appearance);
-        let outcome = act(&mut self.time, &mut self.runs.first, &mut context);
-        let effects = context.effects;
-        self.carry_out_effects(Which::First, effects);
-        outcome
+    fn in_time<T>(&mut self, act: impl FnOnce(&mut Time, &mut RunView, &mut Context) -> T) -> T {
+        self.with(|state, context| act(&mut state.time, &mut state.runs.first, context))
     }
 
     fn carry_out_effects(&mut self, which: Which, effects: Vec<Effect>) {
@@ -320,6 +323,7 @@ mod engine;
 pub(crate) mod export;
 mod files;
 mod form;
+mod gpu;
 mod link;
 mod page;
 mod parts;

@@ -1,14 +1,15 @@
 //! What a canvas shows and how: a moment of a run, seen through a camera. Two canvases side by side have one each;
 //! neither knows which of two runs it shows.
 
-use crate::analysis::brush::Found;
-use crate::camera::Camera;
-use crate::passes::OnCanvas;
 use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::verification::Sight;
+
+use crate::analysis::brush::Found;
+use crate::camera::Camera;
+use crate::passes::OnCanvas;
 
 /// A moment, and how it is seen.
 #[derive(Clone, Copy)]

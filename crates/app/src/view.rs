@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_debugger::MAX_SAMPLES;
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
+use tilescope_session::selection::Selection;
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
 use crate::layout::Layout;
-use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_session::look::Look;
-use tilescope_session::selection::Selection;
 
 /// Farther from the origin than this, in r, there is no domain.
 pub(crate) const FARTHEST: f64 = 200_000.0;

@@ -7,9 +7,9 @@ use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense,
     Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
 };
+use tilescope_session::layers::Layer;
 
 use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
-use tilescope_session::layers::Layer;
 
 /// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
 pub trait Known {

@@ -1,6 +1,7 @@
 //! The Analyze menu: what is measured of the moment, what it is held against, what is brushed.
 
 use egui::Key;
+use tilescope_session::look::Look;
 
 use super::{List, Menu, NO_SESSION, NONE};
 use crate::analysis::AnalysisCommand;
@@ -10,7 +11,6 @@ use crate::command::{Command, WindowCommand};
 use crate::files::{FileCommand, Purpose};
 use crate::layout::Panel;
 use crate::state::State;
-use tilescope_session::look::Look;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

@@ -3,8 +3,7 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::{Action, List, Menu};
-use crate::command::Command;
-use crate::command::Which;
+use crate::command::{Command, Which};
 use crate::compare::{CompareCommand, Rival};
 use crate::state::State;
 

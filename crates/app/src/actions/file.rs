@@ -1,14 +1,13 @@
 //! The File menu: runs, and what leaves the window.
 
 use egui::Key;
+use tilescope_session::combination::CombineCommand;
 
 use super::{COMMAND, List, Menu, SHIFT};
-use crate::command::Which;
-use crate::command::{Command, LinkCommand};
+use crate::command::{Command, LinkCommand, Which};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{FileCommand, Purpose};
 use crate::state::State;
-use tilescope_session::combination::CombineCommand;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

@@ -4,14 +4,14 @@
 use std::sync::Arc;
 
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
-
-use super::measured::{Control, Samples, refusal};
 use tilescope_session::errand::{self, Errand};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{Shown, Still};
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
+
+use super::measured::{Control, Samples, refusal};
 
 /// Pairs that are kept to be drawn.
 pub const MOST_PAIRS: usize = 500_000;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region};
 use tilescope_formats::ReadSet;
-
-use super::measured::{self, Measured, Samples};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::words::last_part;
+
+use super::measured::{self, Measured, Samples};
 
 /// A set from a file, and what is measured of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

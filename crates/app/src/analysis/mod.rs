@@ -134,15 +134,19 @@ impl Analysis {
             .is_some_and(|known| known.measured.missing().is_none())
     }
 
-    /// Stops measuring a moment.
-    pub fn stop(&mut self, shown: &Shown<'_>) {
-        self.work = None;
-        self.stopped = Some(key_of(shown));
-    }
-
-    /// Measures a moment after all.
-    pub fn resume(&mut self) {
-        (self.stopped, self.failed) = (None, None);
+    /// Carries out a command while the moment `shown` is looked at.
+    pub fn apply(&mut self, command: AnalysisCommand, shown: Option<&Shown<'_>>) {
+        match command {
+            AnalysisCommand::Stop => {
+                if let Some(shown) = shown {
+                    self.work = None;
+                    self.stopped = Some(key_of(shown));
+                }
+            }
+            AnalysisCommand::Resume => (self.stopped, self.failed) = (None, None),
+            AnalysisCommand::Clear => self.held = None,
+            AnalysisCommand::Brush(brush) => self.brush = brush,
+        }
     }
 
     /// Takes what is finished, and has the next part of the moment measured. Whatever is at work for another moment is

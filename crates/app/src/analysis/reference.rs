@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region};
 use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
-
-use super::measured::{Measured, Samples, refusal};
 use tilescope_session::errand::{self, Errand};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::units::radii;
+
+use super::measured::{Measured, Samples, refusal};
 
 /// The set: a pattern, but no run clips from one as large by default.
 pub const SPEC: PatternSpec = PatternSpec {

@@ -3,14 +3,15 @@
 
 use egui::accesskit::{Node, NodeId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
+use tilescope_debugger::{Kind, Target};
+use tilescope_session::sentence::happened;
 
 use super::*;
 use crate::clock::Clock;
-use crate::command::Which;
-use crate::command::{AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, WindowCommand};
+use crate::command::{
+    AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
 use crate::embedding::Embedding;
-use tilescope_debugger::{Kind, Target};
-use tilescope_session::sentence::happened;
 
 /// A window that is shown nowhere.
 struct Window {

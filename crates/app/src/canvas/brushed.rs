@@ -3,14 +3,14 @@
 
 use egui::{Color32, Pos2, Rect, Shape};
 use tilescope_core::Stage;
+use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::Palette;
 
 use super::paint::Scene;
 use super::pane::MadeFrom;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
 use crate::analysis::brush::{Cause, Found};
-use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::Palette;
 
 /// Edges that are drawn at most: those nearest to the middle of the view.
 pub const MOST_EDGES: usize = 20_000;

@@ -7,14 +7,14 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use tilescope_core::{Rect as LatticeRect, Stage};
 use tilescope_gpu::Spot;
+use tilescope_session::units::radii;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 use super::sprites::{Sprite, Sprites, Stamp};
 use crate::passes::OnCanvas;
 use crate::passes::placed::Rows;
 use crate::subject::Subject;
-use tilescope_session::units::radii;
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::Known;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;

@@ -1,9 +1,9 @@
 //! The marks on samples that only one of two compared runs has.
 
 use egui::{Color32, Mesh, Pos2, Rect, vec2};
+use tilescope_ui::theme::Palette;
 
 use super::paint::Scene;
-use tilescope_ui::theme::Palette;
 
 /// With more marks in view none are drawn: one would see no more than a surface.
 const MOST_MARKS: usize = 60_000;

@@ -6,11 +6,11 @@ use std::ops::RangeInclusive;
 use egui::{Color32, Shape};
 use tilescope_analysis::Tessellation;
 use tilescope_analysis::tessellation::Edge;
+use tilescope_session::layers::Layer;
 
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use tilescope_session::layers::Layer;
 
 /// Circles wider than this, in r, are hardly curved where they can be seen.
 const WIDEST: f64 = 50.0;

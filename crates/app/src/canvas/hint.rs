@@ -2,9 +2,9 @@
 //! what is that page's.
 
 use egui::{Align2, Context, Id, ModifierNames, Modifiers, Painter, Rect, Ui, vec2};
+use tilescope_ui::theme::Palette;
 
 use super::paint::tag;
-use tilescope_ui::theme::Palette;
 
 /// So long it is shown after the last try, in seconds.
 const SECS: f64 = 1.6;

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use egui::Color32;
 use tilescope_core::{Origin, Stage, Standing};
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_ui::theme::Palette;
 
 use super::age::Ages;
 use super::brushed;
 use super::instanced::{Look, Symbol};
 use crate::subject::Subject;
-use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_ui::theme::Palette;
 
 /// All that looks follow from.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,9 +5,9 @@ use egui::{Align2, Color32, Pos2, Shape, Stroke, vec2};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Moment, Verdict};
 use tilescope_debugger::Examined;
+use tilescope_session::units::radii;
 
 use super::paint::{Scene, tag};
-use tilescope_session::units::radii;
 
 /// Draws it, unless the moment is the end of a stage: then the stage itself is what there is to see.
 pub fn paint(scene: &Scene<'_>) {

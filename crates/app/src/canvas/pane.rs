@@ -4,6 +4,9 @@
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2};
 use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
+use tilescope_session::moment::Shown;
+use tilescope_ui::theme::Palette;
 
 use super::brushed::Edges;
 use super::looks::{Key, Looks, Swatches};
@@ -15,9 +18,6 @@ use super::stack::{Stack, note};
 use super::strokes::Kept;
 use super::{MIN_DISK_SCALE, UNIT, symbols};
 use crate::subject::Subject;
-use tilescope_session::layers::Layer;
-use tilescope_session::moment::Shown;
-use tilescope_ui::theme::Palette;
 
 /// A picture between two frames.
 #[derive(Default)]

@@ -2,9 +2,9 @@
 //! samples where there are too many for symbols. Plain pixels; nothing here knows a window.
 
 use egui::{Color32, ColorImage, Rect};
+use tilescope_session::session::Session;
 
 use crate::camera::Camera;
-use tilescope_session::session::Session;
 
 /// A grid of pixels over the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]

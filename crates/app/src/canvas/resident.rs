@@ -4,11 +4,11 @@
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
 
 use super::instanced::{InstancedCanvas, Look, PaintOptions, Symbol, Symbols};
 use super::looks::{Key, Looks};
 use super::paint::Scene;
-use tilescope_session::layers::Layer;
 
 /// Moments more events apart than this are not compared event by event.
 const MOST_EVENTS: usize = 1_000;

@@ -1,11 +1,11 @@
 //! The seams of a combination: the lines along which its sets meet, and the band around them that gluing may touch.
 
 use egui::{Rect, Shape, pos2};
+use tilescope_session::layers::Layer;
 
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use tilescope_session::layers::Layer;
 
 /// The width of a seam, in screen points.
 const WIDTH: f32 = 1.6;

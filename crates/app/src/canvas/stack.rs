@@ -2,6 +2,7 @@
 
 use egui::{Painter, Rect, Shape};
 use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
 
 use super::brushed::Edges;
 use super::looks::Looks;
@@ -10,7 +11,6 @@ use super::resident::Resident;
 use super::sprites::Sprites;
 use super::strokes::Kept;
 use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, seams, symbols, tree};
-use tilescope_session::layers::Layer;
 
 /// What is kept as meshes from frame to frame.
 #[derive(Clone, Copy)]

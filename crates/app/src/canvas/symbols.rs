@@ -4,6 +4,9 @@
 use egui::{Color32, ColorImage, Pos2, Rect, Shape, Stroke, vec2};
 use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{Iteration, Origin, Point, Stage, Standing};
+use tilescope_session::layers::Layer;
+use tilescope_session::moment::Shown;
+use tilescope_session::units::radii;
 
 use super::instanced::{Symbol, outline, radii as radii_at};
 use super::looks::Looks;
@@ -11,9 +14,6 @@ use super::paint::Scene;
 use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites};
 use super::strokes::{Stamps, Strokes};
-use tilescope_session::layers::Layer;
-use tilescope_session::moment::Shown;
-use tilescope_session::units::radii;
 
 /// Disks larger than this are drawn as circles, not as pictures, in screen points.
 const MAX_DISK_SPRITE: f32 = 160.0;

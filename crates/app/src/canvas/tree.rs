@@ -5,12 +5,12 @@ use egui::{Align2, FontId, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use tilescope_core::stages::blocks::{Axis, Split};
 use tilescope_core::{Moment, Stage};
 use tilescope_debugger::Event;
+use tilescope_session::moment::Shown;
+use tilescope_session::units::radii;
 
 use super::paint::Scene;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use tilescope_session::moment::Shown;
-use tilescope_session::units::radii;
 
 /// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
 pub const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];

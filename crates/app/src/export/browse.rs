@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use tilescope_session::jobs::{Job, Wake};
+
 use super::Kind;
 use super::form::ExportForm;
-use tilescope_session::jobs::{Job, Wake};
 
 /// Opens the system's dialog; the job ends with the chosen file, or `None`.
 #[must_use]

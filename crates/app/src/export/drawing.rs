@@ -9,6 +9,12 @@ use tilescope_figures::{
     Anchor, Baseline, Color, Fill, Font, Group, Hatch, Marker, MomentOptions, Rect, Shape, Stroke,
     Style, Text, text_width, with_alpha,
 };
+use tilescope_session::geometry::{Geometry, MOST_SAMPLES, region_of};
+use tilescope_session::layers::Layer;
+use tilescope_session::moment::Shown;
+use tilescope_session::session::Session;
+use tilescope_session::units::radii;
+use tilescope_ui::theme::Palette;
 
 use super::picture::View;
 use crate::canvas::MIN_DISK_SCALE;
@@ -17,12 +23,6 @@ use crate::canvas::instanced::Symbol;
 use crate::canvas::looks::{Looks, Swatches};
 use crate::canvas::tree::{self, Made};
 use crate::subject::Subject;
-use tilescope_session::geometry::{Geometry, MOST_SAMPLES, region_of};
-use tilescope_session::layers::Layer;
-use tilescope_session::moment::Shown;
-use tilescope_session::session::Session;
-use tilescope_session::units::radii;
-use tilescope_ui::theme::Palette;
 
 /// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
 const LARGEST_CIRCLE: f64 = 10_000.0;

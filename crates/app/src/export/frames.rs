@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use tilescope_debugger::Event;
+use tilescope_session::session::Session;
 
 use super::refusal::Refusal;
 use crate::clock::Clock;
-use tilescope_session::session::Session;
 
 /// The most frames of an animation.
 pub const MOST_FRAMES: usize = 600;

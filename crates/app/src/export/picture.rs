@@ -11,11 +11,6 @@ use tilescope_figures::{
     Anchor, Font, Group, MAX_PIXELS, MAX_SIDE, MomentOptions, Palette, Scene, Shape, Text, fitted,
     moment_scene, text_width,
 };
-
-use super::drawing::{Drawing, color};
-use super::refusal::Refusal;
-use super::still::{Still, provenance};
-use crate::camera::Camera;
 use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Shown;
@@ -23,6 +18,11 @@ use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 use tilescope_ui::theme;
+
+use super::drawing::{Drawing, color};
+use super::refusal::Refusal;
+use super::still::{Still, provenance};
+use crate::camera::Camera;
 
 /// The most samples that a picture draws.
 pub const MOST_DRAWN: usize = 1_000_000;

@@ -1,9 +1,10 @@
 //! Why something cannot be exported, as far as it is known before anything is written.
 
+use tilescope_session::words::grouped;
+
 use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
 use super::frames::MOST_FRAMES;
 use super::picture::MOST_DRAWN;
-use tilescope_session::words::grouped;
 
 /// Why nothing can be exported.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -3,12 +3,12 @@
 
 use std::io::{Cursor, Read as _, Write as _};
 
+use tilescope_session::incoming::refusals;
+use tilescope_session::words::last_part;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use super::{MOST_FILES, NamedBytes};
-use tilescope_session::incoming::refusals;
-use tilescope_session::words::last_part;
 
 /// Why files were not packed.
 #[derive(Debug, thiserror::Error)]

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use tilescope_debugger::{MAX_BYTES, PatternFile};
 use tilescope_formats::certificate_path;
-
-use super::{FileForm, Incoming, Purpose, SESSION_NAME};
 use tilescope_session::incoming::disk::{plain_file, read_limited};
 use tilescope_session::incoming::{Unread, begins_as_object, holds_document, pick};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::limits::MOST_PATTERN_BYTES;
 use tilescope_session::recipe::{OwnPattern, load};
+
+use super::{FileForm, Incoming, Purpose, SESSION_NAME};
 
 fn sentence(unread: Unread) -> String {
     match unread {

@@ -11,9 +11,6 @@ use tilescope_core::Pattern;
 use tilescope_core::combine::file::Layout;
 use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
-
-use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
-use crate::analysis::held::{self, Held};
 use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
 use tilescope_session::errand::{Errand, Lent};
@@ -21,6 +18,9 @@ use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
+
+use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
+use crate::analysis::held::{self, Held};
 
 /// What is to be read.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]

@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use tilescope_debugger::Session as Saved;
-
-use super::NamedBytes;
 use tilescope_session::combining::SavedCombination;
 use tilescope_session::words::last_part;
+
+use super::NamedBytes;
 
 /// What is to be saved: a combination goes before a run.
 #[derive(Clone, Debug)]

@@ -3,13 +3,13 @@
 
 use egui::DroppedFileHandle;
 use js_sys::{Promise, Uint8Array};
+use tilescope_session::incoming::refusals;
+use tilescope_session::jobs::{Job, Wake};
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{File, HtmlInputElement};
 
 use super::NamedBytes;
-use tilescope_session::incoming::refusals;
-use tilescope_session::jobs::{Job, Wake};
 
 /// What was read, and sentences about what was not.
 #[derive(Default)]

@@ -3,14 +3,14 @@
 use tilescope_core::Parameters;
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::{Bookmark, SavedBreakpoint};
+use tilescope_session::layers::{Colouring, Layers};
+use tilescope_session::look::Look;
+use tilescope_session::selection::Selection;
 
 use crate::camera::Camera;
 use crate::clock::Clock;
 use crate::layout::Layout;
 use crate::view::View;
-use tilescope_session::layers::{Colouring, Layers};
-use tilescope_session::look::Look;
-use tilescope_session::selection::Selection;
 
 /// A moment of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -6,11 +6,11 @@ use tilescope_core::{
     MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Order, Parameters, SIDE_LIMITS, Search,
     Variant,
 };
+use tilescope_session::words::grouped;
 
 use super::said::{Said, quoted};
 use super::text::{exact, finite, name, named};
 use super::{MOST_PATTERN_SIDE, MOST_SAMPLES};
-use tilescope_session::words::grouped;
 
 /// The keys, in the sequence in which they are written.
 pub const KEYS: [&str; 13] = [

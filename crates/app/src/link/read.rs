@@ -6,6 +6,11 @@ use std::collections::hash_map::Entry;
 use tilescope_core::combine::file::{Layout as Combination, Place, Source};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
 use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
+use tilescope_session::combination::NINE;
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::grouped;
 
 use super::content::{Content, Moment};
 use super::parameters::{self, KEYS, VARIANT};
@@ -18,11 +23,6 @@ use super::{
 };
 use crate::clock::Clock;
 use crate::view::{is_near, sound_camera, speed};
-use tilescope_session::combination::NINE;
-use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_session::look::Look;
-use tilescope_session::selection::Selection;
-use tilescope_session::words::grouped;
 
 const OTHERS: [&str; 17] = [
     "v",

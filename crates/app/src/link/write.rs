@@ -2,17 +2,18 @@
 
 use tilescope_core::Parameters;
 use tilescope_debugger::{Bookmark, SavedBreakpoint};
-
-use super::content::{Content, Moment};
-use super::parameters::differing;
-use super::text::{base64, escaped, exact, item, name, rounded, slug};
-use super::tiles;
-use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
-use crate::camera::Camera;
 use tilescope_session::combination::NINE;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 use tilescope_session::words::counted;
+
+use super::content::{Content, Moment};
+use super::parameters::differing;
+use super::text::{base64, escaped, exact, item, name, rounded, slug};
+use super::{
+    MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION, tiles,
+};
+use crate::camera::Camera;
 
 /// A permalink.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,13 +2,13 @@
 
 use egui::{KeyboardShortcut, RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{Bookmark, Debugger, Listings, Marked};
+use tilescope_session::words::grouped;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use tilescope_session::words::grouped;
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
 /// Shows the panel.
 pub fn show(

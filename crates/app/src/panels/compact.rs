@@ -2,8 +2,13 @@
 //! tabs. What the panels show is theirs.
 
 use egui::scroll_area::ScrollSource;
-use egui::{Color32, FontId, Frame, Margin, Rect, Role, ScrollArea, Sense, Ui, UiBuilder};
-use egui::{Context, CursorIcon, Stroke, WidgetInfo, pos2, vec2};
+use egui::{
+    Color32, Context, CursorIcon, FontId, Frame, Margin, Rect, Role, ScrollArea, Sense, Stroke, Ui,
+    UiBuilder, WidgetInfo, pos2, vec2,
+};
+use tilescope_ui::focus;
+use tilescope_ui::theme::{FINGER, Palette};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
@@ -11,9 +16,6 @@ use crate::command::{Command, WindowCommand};
 use crate::layout::Panel;
 use crate::panes::Canvas;
 use crate::state::State;
-use tilescope_ui::focus;
-use tilescope_ui::theme::{FINGER, Palette};
-use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// Height of the bar on top, in screen points.
 const BAR: f32 = 50.0;

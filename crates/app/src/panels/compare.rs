@@ -2,14 +2,13 @@
 
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
-
-use crate::command::Command;
-use crate::command::Which;
-use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
-use crate::state::RunView;
 use tilescope_session::words::{counted, grouped, stage_name};
 use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
+
+use crate::command::{Command, Which};
+use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
+use crate::state::RunView;
 
 /// What the panel is shown from.
 pub struct CompareContext<'a> {

@@ -1,7 +1,8 @@
 //! What panels are shown from.
 
-use crate::state::{Appearance, RunView, State};
 use tilescope_ui::theme::Palette;
+
+use crate::state::{Appearance, RunView, State};
 
 /// What most panels are shown from: a run, and how it is drawn. A panel that needs more is given just that.
 pub struct PanelContext<'a> {

@@ -2,17 +2,16 @@
 //! line of time. Menus and panels are left to the page.
 
 use egui::{Color32, Rect, Ui, Vec2, vec2};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Icon, Known, icon_button};
 
 use super::compact::part;
 use super::notice;
 use super::timeline::{PLAYER_MARGIN, Player};
-use crate::command::Which;
-use crate::command::{Command, ViewCommand};
+use crate::command::{Command, ViewCommand, Which};
 use crate::embedding::Embedding;
 use crate::panes::Canvas;
 use crate::state::State;
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::{Icon, Known, icon_button};
 
 /// From the corner of the canvas to the button in it, in screen points.
 const INSET: Vec2 = vec2(8.0, 8.0);

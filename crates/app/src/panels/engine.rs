@@ -1,11 +1,11 @@
 //! Who samples: the chooser of the engine, and a line on the one that does.
 
 use egui::{Button, ComboBox, RichText, Ui};
+use tilescope_ui::widgets::{Kebab, Known};
 
 use super::parameters::{FormContext, field_width, labelled};
 use crate::command::{Command, GpuCommand};
 use crate::device::Engine;
-use tilescope_ui::widgets::{Kebab, Known};
 
 const EXPLANATION: &str =
     "Who samples. All engines give the same points; choosing the GPU tests it first.";
@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Command>)
     let palette = context.palette;
     labelled(ui, "Engine", palette, |ui, label| {
         let combo = ComboBox::from_id_salt("Engine")
-            .selected_text(text(context, context.form.engine))
+            .selected_text(text(context, context.gpu.engine))
             .width(field_width(ui))
             .truncate()
             .show_ui(ui, |ui| {
@@ -40,13 +40,13 @@ fn entry(ui: &mut Ui, context: &FormContext<'_>, engine: Engine, commands: &mut 
         Engine::Gpu => context.gpu.device.refusal(),
         Engine::Auto | Engine::Cpu => None,
     };
-    let button = Button::selectable(context.form.engine == engine, text(context, engine));
+    let button = Button::selectable(context.gpu.engine == engine, text(context, engine));
     let mut response = ui.add_enabled(refusal.is_none(), button);
     response.known_as(format_args!("engine.{}", Kebab(engine)));
     if let Some(why) = refusal {
         response = response.on_disabled_hover_text(why);
     }
-    if response.clicked() && context.form.engine != engine {
+    if response.clicked() && context.gpu.engine != engine {
         commands.push(Command::Gpu(GpuCommand::Engine(engine)));
     }
 }

@@ -6,15 +6,15 @@ use egui::{
     WidgetInfo, pos2, style::ScrollAnimation, vec2,
 };
 use tilescope_debugger::{Debugger, OutlineRows};
+use tilescope_session::words::{counted, event_number, grouped};
+use tilescope_ui::focus;
+use tilescope_ui::theme::{Palette, is_for_fingers, row_height};
+use tilescope_ui::widgets::Known;
 
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand};
 use crate::state::{Found, MOST_FOUND};
-use tilescope_session::words::{counted, event_number, grouped};
-use tilescope_ui::focus;
-use tilescope_ui::theme::{Palette, is_for_fingers, row_height};
-use tilescope_ui::widgets::Known;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;

@@ -3,15 +3,15 @@
 
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
 use tilescope_formats::{Format, Precision};
+use tilescope_session::words::{grouped, sentence};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use crate::clock::Clock;
 use crate::command::Command;
 use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
 use crate::state::State;
-use tilescope_session::words::{grouped, sentence};
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;

@@ -1,14 +1,14 @@
 //! The sheet of saved sessions and pattern files.
 
 use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Known, primary_button};
 
 use super::common::read_out;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all, width};
 use crate::command::Command;
 use crate::files::{FileCommand, FileForm, Purpose};
 use crate::state::State;
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::{Known, primary_button};
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

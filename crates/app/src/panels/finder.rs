@@ -3,14 +3,14 @@
 use egui::{
     Align2, FontId, Key, Modal, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
 };
+use tilescope_ui::theme::{Palette, row_height};
+use tilescope_ui::widgets::Known;
 
 use super::sheet;
 use crate::actions::{self, Action};
 use crate::command::{Command, WindowCommand};
 use crate::finder::Finder;
 use crate::state::State;
-use tilescope_ui::theme::{Palette, row_height};
-use tilescope_ui::widgets::Known;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 30.0;

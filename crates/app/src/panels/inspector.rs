@@ -5,15 +5,14 @@ use egui::{RichText, Ui};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
-
-use super::common::divide;
-use super::context::PanelContext;
-use crate::command::Which;
-use crate::command::{Command, TimeCommand, ViewCommand};
 use tilescope_session::moment::Shown;
 use tilescope_session::words::{counted, event_number, grouped};
 use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Known, heading, row};
+
+use super::common::divide;
+use super::context::PanelContext;
+use crate::command::{Command, TimeCommand, ViewCommand, Which};
 
 /// Rows of a history that are shown at once.
 const MOST_ROWS: usize = 200;

@@ -1,12 +1,12 @@
 //! The chips above the canvas that switch its layers.
 
 use egui::{Ui, vec2};
-
-use crate::command::{AppearanceCommand, Command};
-use crate::state::State;
 use tilescope_session::layers::Layer;
 use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, chip};
+
+use crate::command::{AppearanceCommand, Command};
+use crate::state::State;
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

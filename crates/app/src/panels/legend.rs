@@ -1,15 +1,14 @@
 //! The legend: each symbol with its meaning, and what the colour of samples means.
 
 use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
-
-use super::context::PanelContext;
-use crate::analysis::brush::Cause;
-use crate::analysis::brush::Found;
-use crate::canvas::age::{Ages, LAST_TILED};
-use crate::command::{AppearanceCommand, Command};
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, heading, symbol};
+
+use super::context::PanelContext;
+use crate::analysis::brush::{Cause, Found};
+use crate::canvas::age::{Ages, LAST_TILED};
+use crate::command::{AppearanceCommand, Command};
 
 /// Shows the legend.
 pub fn show(

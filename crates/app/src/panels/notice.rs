@@ -1,11 +1,11 @@
 //! The notice: what the user should read, until dismissed.
 
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::{Icon, Known, icon_button, verdict_mark};
 
 use crate::command::Command;
 use crate::state::State;
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::{Icon, Known, icon_button, verdict_mark};
 
 /// Shows the notice, if there is one, over the canvas.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

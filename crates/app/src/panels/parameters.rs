@@ -2,19 +2,18 @@
 
 use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
-
-use super::engine;
-use crate::command::Which;
-use crate::command::{Command, FormCommand};
-use crate::draft::{Choice, Field, Refusal};
-use crate::files::FileCommand;
-use crate::layout::Panel;
-use crate::state::{Form, GpuState};
 use tilescope_session::jobs::Job;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::theme::{Palette, row_height};
 use tilescope_ui::widgets::{Known, heading, primary_button};
+
+use super::engine;
+use crate::command::{Command, FormCommand, Which};
+use crate::draft::{Choice, Field, Refusal};
+use crate::files::FileCommand;
+use crate::layout::Panel;
+use crate::state::{Form, GpuState};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;

@@ -7,13 +7,13 @@ use egui::{
 };
 use tilescope_core::{Insertion, Variant};
 use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, Listings, Target};
+use tilescope_ui::focus;
+use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+use tilescope_ui::widgets::Known;
 
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand, TimeCommand};
-use tilescope_ui::focus;
-use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
-use tilescope_ui::widgets::Known;
 
 const GUTTER: f32 = 22.0;
 /// Room behind a line for what is said of it.

@@ -2,6 +2,9 @@
 //! whole state.
 
 use egui::{Frame, Margin, ScrollArea, Ui, Vec2, vec2};
+use tilescope_debugger::Direction;
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 use super::analysis::AnalysisContext;
 use super::common::scrolled;
@@ -19,9 +22,6 @@ use crate::device::Engine;
 use crate::layout::Panel;
 use crate::panes::Canvas;
 use crate::state::State;
-use tilescope_debugger::Direction;
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::Known;
 
 /// How a panel fills its tile.
 enum Room {
@@ -118,8 +118,8 @@ impl<'a> FormContext<'a> {
             sampling: state.runs.first.sampling.as_ref(),
             refusal: state.run_refusal(),
             remark: state.run_remark(),
-            engine: state.engine_said(),
-            auto_is_gpu: state.device_takes(Engine::Auto),
+            engine: state.gpu.said(state.form.draft.parameters.variant),
+            auto_is_gpu: state.gpu.takes(Engine::Auto),
         }
     }
 }

@@ -2,9 +2,6 @@
 
 use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
-
-use super::context::PanelContext;
-use crate::command::{Command, TimeCommand};
 use tilescope_session::combination::Combination;
 use tilescope_session::limits::MOST_STAGED;
 use tilescope_session::sentence::name_in;
@@ -12,6 +9,9 @@ use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
 use tilescope_ui::theme::{Palette, row_height};
 use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
+
+use super::context::PanelContext;
+use crate::command::{Command, TimeCommand};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -6,6 +6,10 @@ use egui::{
     WidgetInfo, vec2,
 };
 use tilescope_core::Stage;
+use tilescope_session::sentence::happened;
+use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::{FINGER, Palette, is_for_fingers};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::track;
 use crate::actions::time_refusals;
@@ -14,10 +18,6 @@ use crate::canvas::Made;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
 use crate::state::State;
-use tilescope_session::sentence::happened;
-use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::{FINGER, Palette, is_for_fingers};
-use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;

@@ -1,18 +1,17 @@
 //! The bar on top: the name, what is being looked at, the verdict, export and theme.
 
 use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, Ui};
-
-use super::verification;
-use crate::actions::{Action, Menu, actions};
-use crate::command::Which;
-use crate::command::{AppearanceCommand, Command, ViewCommand};
-use crate::export::{ExportCommand, Kind};
-use crate::panels::context::PanelContext;
-use crate::state::State;
 use tilescope_session::look::Look;
 use tilescope_session::words::{counted, grouped};
 use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
+
+use super::verification;
+use crate::actions::{Action, Menu, actions};
+use crate::command::{AppearanceCommand, Command, ViewCommand, Which};
+use crate::export::{ExportCommand, Kind};
+use crate::panels::context::PanelContext;
+use crate::state::State;
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;

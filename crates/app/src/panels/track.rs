@@ -8,14 +8,14 @@ use egui::{
 };
 use tilescope_core::Stage;
 use tilescope_debugger::{Marked, Recording};
-
-use crate::command::{Command, TimeCommand};
-use crate::state::State;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::stage_name;
 use tilescope_ui::theme::{Palette, is_for_fingers};
 use tilescope_ui::widgets::{Kebab, Known};
+
+use crate::command::{Command, TimeCommand};
+use crate::state::State;
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;

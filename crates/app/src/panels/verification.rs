@@ -3,16 +3,15 @@
 use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
-
-use super::common::divide;
-use super::context::PanelContext;
-use crate::command::Which;
-use crate::command::{Command, ViewCommand};
-use crate::state::Verification;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped};
 use tilescope_ui::theme::{Palette, semibold};
 use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
+
+use super::common::divide;
+use super::context::PanelContext;
+use crate::command::{Command, ViewCommand, Which};
+use crate::state::Verification;
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -2,11 +2,11 @@
 
 use egui::{RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{LENGTHS, NAMES, NAMES_OF_NEXT};
+use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 
 use super::common::no_events;
 use super::context::PanelContext;
 use crate::command::{Command, DebugCommand};
-use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -7,13 +7,13 @@ use egui::{
     Context, Event, EventFilter, Id, Key, Modifiers, PointerButton, Pos2, Response, Ui, Vec2, vec2,
 };
 use tilescope_core::Standing;
+use tilescope_session::selection::Selection;
 
 use crate::canvas::hint::{self, Hint};
 use crate::canvas::touch::{Hand, Touch};
 use crate::command::ViewCommand;
 use crate::state::State;
 use crate::subject::Subject;
-use tilescope_session::selection::Selection;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;

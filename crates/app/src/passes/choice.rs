@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use egui::{Button, Label, RichText, Ui};
+use tilescope_session::words::{counted, grouped};
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 use super::model::Visit;
 use super::placed::{Counts, Rows};
 use super::{PassCommand, Passes};
-use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::Known;
 
 /// Shows the choice, and what it brings to the canvas.
 pub(super) fn show(

@@ -8,12 +8,12 @@ use tilescope_core::{Parameters, Pattern, Progress, Rect, SampleError, Stage};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::twin::Twin;
 use tilescope_gpu::{Gpu, GpuError, Spots, Stepper, Table};
+use tilescope_session::jobs::Monitor;
+use tilescope_session::words::sentence;
 
 use super::model::{Badge, PassEntry, Visit};
 use super::placed::Placed;
 use super::table::{BufferTable, MOST_NUMBERS};
-use tilescope_session::jobs::Monitor;
-use tilescope_session::words::sentence;
 
 /// A word that is set on the device behind a pass: what if it were another?
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

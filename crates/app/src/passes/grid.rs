@@ -5,12 +5,12 @@ use egui::{
     Align2, FontId, Pos2, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle,
     Ui, Vec2, WidgetInfo, vec2,
 };
+use tilescope_ui::theme::Palette;
+use tilescope_ui::widgets::Known;
 
 use super::PassCommand;
 use super::shown::Shown;
 use super::table::{BufferTable, Side};
-use tilescope_ui::theme::Palette;
-use tilescope_ui::widgets::Known;
 
 /// The height of a row, in screen points.
 const ROW: f32 = 20.0;

@@ -5,12 +5,12 @@ use egui::{
     Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Pos2, Rect, Response, Role,
     ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
-
-use super::model::{Badge, Line, PassEntry, duration_text};
-use super::{PassCommand, Passes};
 use tilescope_session::words::{counted, stage_name};
 use tilescope_ui::theme::{Palette, semibold};
 use tilescope_ui::widgets::{Known, verdict_mark};
+
+use super::model::{Badge, Line, PassEntry, duration_text};
+use super::{PassCommand, Passes};
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;

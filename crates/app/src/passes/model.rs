@@ -5,11 +5,11 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters, Rect, Stage};
 use tilescope_gpu::PassReport;
 use tilescope_gpu::layout::{Access, Name};
 use tilescope_gpu::twin::Difference;
+use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::words::{grouped, sentence};
 
 use super::placed::Placed;
 use super::table::BufferTable;
-use tilescope_session::limits::MOST_STAGED;
-use tilescope_session::words::{grouped, sentence};
 
 /// How a pass compares with the CPU.
 #[derive(Clone, Debug, PartialEq, Eq)]

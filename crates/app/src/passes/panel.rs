@@ -4,14 +4,14 @@
 use egui::{
     Button, DragValue, FontId, Label, Layout, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2,
 };
+use tilescope_session::words::{counted, grouped, stage_name};
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::list::{self, color, mark};
 use super::model::{PassEntry, Visit, access_text};
 use super::table::{BufferTable, Side};
 use super::{Badge, Fault, PassCommand, Passes, choice, grid};
-use tilescope_session::words::{counted, grouped, stage_name};
-use tilescope_ui::theme::{Palette, semibold};
-use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;

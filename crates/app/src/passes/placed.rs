@@ -4,10 +4,10 @@
 use tilescope_core::{Point, Rect};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Spot, Spots};
+use tilescope_session::words::{counted, grouped};
 
 use super::shown::Shown;
 use super::table::{BufferTable, Side};
-use tilescope_session::words::{counted, grouped};
 
 /// The spots of a buffer's rows before and after a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,10 +1,11 @@
 //! What the passes do in the background: list, visit, export; and what they make of the outcome. It decides what is next
 //! and waits for nothing.
 
-use super::device::{self, Arrival, Goal, Stop, Survey};
-use super::{Passes, Work, csv, model};
 use tilescope_session::jobs::Job;
 use tilescope_session::words::{counted, sentence};
+
+use super::device::{self, Arrival, Goal, Stop, Survey};
+use super::{Passes, Work, csv, model};
 
 impl Passes {
     pub(super) fn survey(&mut self) {

@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 use tilescope_core::{Parameters, Stage};
+use tilescope_session::layers::Layer;
+use tilescope_session::look::Look;
+use tilescope_session::words::{grouped, stage_name};
 
 use super::{MOST_BYTES, REQUESTS, Request, TARGETS, read};
 use crate::clock::Clock;
 use crate::link::{self, COLOURINGS, choice_name, layer_name, slug};
-use tilescope_session::layers::Layer;
-use tilescope_session::look::Look;
-use tilescope_session::words::{grouped, stage_name};
 
 const README: &str = include_str!("../../../../web/README.md");
 

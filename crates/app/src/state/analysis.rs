@@ -2,29 +2,14 @@
 
 use std::sync::Arc;
 
+use tilescope_session::verification::region_of;
+
 use super::State;
-use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::Found;
 use crate::analysis::held::Held;
 use crate::layout::Panel;
-use tilescope_session::verification::region_of;
 
 impl State {
-    pub(super) fn apply_to_analysis(&mut self, command: AnalysisCommand) {
-        let mut analysis = std::mem::take(&mut self.analysis);
-        match command {
-            AnalysisCommand::Stop => {
-                if let Some(shown) = self.shown() {
-                    analysis.stop(&shown);
-                }
-            }
-            AnalysisCommand::Resume => analysis.resume(),
-            AnalysisCommand::Clear => analysis.held = None,
-            AnalysisCommand::Brush(brush) => analysis.brush = brush,
-        }
-        self.analysis = analysis;
-    }
-
     /// Returns whether what is measured can be seen.
     #[must_use]
     pub fn analyses(&self) -> bool {
@@ -37,11 +22,10 @@ impl State {
             self.analysis.rest();
             return;
         }
-        let mut analysis = std::mem::take(&mut self.analysis);
-        if let (Some(session), Some(shown)) = (&self.runs.first.session, self.shown()) {
-            analysis.want(session, &shown, &self.jobs.wake);
+        let run = &self.runs.first;
+        if let (Some(session), Some(shown)) = (&run.session, run.shown()) {
+            self.analysis.want(session, &shown, &self.jobs.wake);
         }
-        self.analysis = analysis;
     }
 
     /// Returns the file that this run is held against, or why it is not.

@@ -1,7 +1,8 @@
 //! What a screen reader should say: what happened last, the verdict, notices, each when it is new. Nothing is shown here.
 
-use super::{State, Verification};
 use tilescope_session::sentence::{happened, name_in};
+
+use super::{State, Verification};
 
 /// What was there when something was announced last, and the announcement.
 #[derive(Default)]

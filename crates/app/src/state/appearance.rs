@@ -1,8 +1,9 @@
 //! How moments are drawn.
 
-use crate::command::AppearanceCommand;
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::look::Look;
+
+use crate::command::AppearanceCommand;
 
 /// How moments are drawn.
 pub struct Appearance {

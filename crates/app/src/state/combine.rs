@@ -1,16 +1,16 @@
 //! The commands that make combinations, and how they are shown.
 
 use tilescope_core::combine::file::Layout;
-
-use super::State;
-use super::undo::Part;
-use crate::command::Which;
 use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::combining::Combining;
 use tilescope_session::errand;
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
+
+use super::State;
+use super::undo::Part;
+use crate::command::Which;
 
 /// Why something that belongs to a run cannot be done with a combination.
 pub(super) const NO_PARAMETERS: &str =

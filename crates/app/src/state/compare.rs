@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Divergence, OutlineRows};
+use tilescope_session::recipe::Recipe;
 
 use super::{RunView, State};
 use crate::command::{ViewCommand, Which};
@@ -12,7 +13,6 @@ use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
 use crate::subject::{Contrast, Subject};
-use tilescope_session::recipe::Recipe;
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
@@ -107,7 +107,7 @@ impl State {
         };
         let engine = match rival {
             Rival::Engine => self.other_engine(),
-            _ => self.form.engine,
+            _ => self.gpu.engine,
         };
         self.window.open_panel(Panel::Compare);
         self.compare_with(recipe, engine);

@@ -1,8 +1,9 @@
 //! What a part of the state may use of the others while it carries out a command, and what it asks of them.
 
-use super::{Appearance, Notice};
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;
+
+use super::{Appearance, Notice};
 
 /// What a part asks of the others. The state does it once the command is carried out.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,19 +17,19 @@ pub(super) enum Effect {
 }
 
 /// What a part may use of the others.
-pub(super) struct Context<'a> {
+pub(super) struct Context {
     /// Starts work in the background.
-    pub(super) wake: &'a Wake,
+    pub(super) wake: Wake,
     /// Whether the camera jumps instead of flying.
     pub(super) reduced_motion: bool,
     /// What the part asks for.
     pub(super) effects: Vec<Effect>,
 }
 
-impl<'a> Context<'a> {
-    pub(super) const fn new(wake: &'a Wake, appearance: &Appearance) -> Self {
+impl Context {
+    pub(super) fn new(wake: &Wake, appearance: &Appearance) -> Self {
         Self {
-            wake,
+            wake: Wake::clone(wake),
             reduced_motion: appearance.reduced_motion,
             effects: Vec::new(),
         }

@@ -1,146 +1,32 @@
-//! The commands that choose who samples, and what becomes of a device.
+//! Making runs by the engine that was chosen, and looking at the passes of the GPU.
 
-use std::sync::Arc;
-
-use tilescope_core::{Parameters, Variant};
-use tilescope_gpu::{Choice, Gpu, GpuError};
-
-use super::{State, Which};
-use crate::clock::Clock;
-use crate::device::{Device, Engine, Tried, open_and_test};
-use crate::layout::Panel;
-use crate::passes::{OnCanvas, PassCommand, Passes};
 use tilescope_session::errand;
 use tilescope_session::jobs::Job;
 use tilescope_session::limits::MOST_PASSES_ON_A_PAGE;
 use tilescope_session::look::Look;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sampling::Sampling;
-use tilescope_session::session::{Failure, Session};
+use tilescope_session::session::Session;
 use tilescope_session::words::sentence;
 
-/// Why a GPU that is none does not sample by itself.
-pub(super) const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
+use super::{State, Which};
+use crate::clock::Clock;
+use crate::device::{Device, Engine};
+use crate::layout::Panel;
+use crate::passes::{OnCanvas, PassCommand, Passes};
 
 impl State {
-    /// Chooses who samples. The GPU is opened and tested first, unless it was already.
-    pub(super) fn choose_engine(&mut self, engine: Engine) {
-        if engine == Engine::Gpu {
-            match self.gpu.device {
-                Device::Refused(_) => return,
-                Device::Unknown => self.test_device(true),
-                Device::Testing(_) | Device::Ready(_) => {}
-            }
-        }
-        self.form.engine = engine;
-    }
-
-    /// Names the adapter to be opened with the next choice of the GPU.
-    pub(super) fn name_adapter(&mut self, name: Option<String>) {
-        self.gpu.adapter = name;
-        self.gpu.device = Device::Unknown;
-        if self.form.engine == Engine::Gpu {
-            self.form.engine = Engine::Auto;
-        }
-    }
-
-    /// Opens the GPU and tests it; one that computes on the CPU only if `software` is wanted, as its test takes long.
-    pub(super) fn test_device(&mut self, software: bool) {
-        let choice = Choice {
-            name: self.gpu.adapter.clone(),
-            software,
-            limits: None,
-        };
-        self.gpu.device = Device::Testing(Job::start_future(&self.jobs.wake, |_| {
-            open_and_test(choice)
-        }));
-    }
-
-    /// Takes the verdict of a device's test. One that failed is left for the CPU.
-    pub(super) fn finish_test(&mut self, outcome: Result<Result<Tried, GpuError>, String>) {
-        if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
-            // It was not wanted when the test began, but may have been chosen since.
-            if self.form.engine == Engine::Gpu {
-                self.test_device(true);
-            } else {
-                self.gpu.device = Device::Unknown;
-                self.gpu.failure = Some(ON_CPU.to_owned());
-            }
-            return;
-        }
-        self.gpu.device = Device::from_test(outcome);
-        if self.form.engine == Engine::Gpu
-            && let Some(reason) = self.gpu.device.refusal()
-        {
-            let text = format!("The GPU cannot serve. {reason} The CPU engine samples instead.");
-            self.form.engine = Engine::Auto;
-            self.tell(text, true);
-        }
-    }
-
     /// Starts a run of `recipe` by `engine`.
     pub(super) fn start_sampling(&mut self, which: Which, recipe: Recipe, engine: Engine) {
         self.jobs.generation += 1;
         let generation = self.jobs.generation;
-        let job = match self.device_for_run(&recipe.parameters, engine) {
+        let job = match self.gpu.for_run(&recipe.parameters, engine) {
             Some(gpu) => Job::start_future(&self.jobs.wake, move |monitor| async move {
                 tilescope_session::sampling::on_gpu(gpu, &recipe, generation, &monitor).await
             }),
             None => errand::start(&self.jobs.wake, Sampling { recipe, generation }),
         };
         self.on(which, |run, _| run.sampling = Some(job));
-    }
-
-    /// Returns whether a device that is ready samples where `engine` is chosen.
-    pub(crate) fn device_takes(&self, engine: Engine) -> bool {
-        let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
-        match engine {
-            Engine::Gpu => self.gpu.device.ready().is_some(),
-            Engine::Auto => {
-                self.gpu.display.is_some() && self.gpu.device.ready().is_some_and(is_gpu)
-            }
-            Engine::Cpu => false,
-        }
-    }
-
-    /// Algorithm 4 as printed is for the CPU, whoever is chosen.
-    fn device_for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
-        let serves = self.device_takes(engine) && parameters.variant == Variant::Staged;
-        self.gpu.device.ready().filter(|_| serves).map(Arc::clone)
-    }
-
-    /// Returns what there is to say of the engine that samples next: a line, and all of it. Nothing where the choice alone
-    /// says who samples, and why.
-    #[must_use]
-    pub fn engine_said(&self) -> Option<(&'static str, String)> {
-        let is_free = self.form.engine == Engine::Auto && self.gpu.display.is_some();
-        let takes = self.device_takes(self.form.engine);
-        let line = match &self.gpu.device {
-            Device::Ready(_)
-                if takes && self.form.draft.parameters.variant == Variant::AsPrinted =>
-            {
-                "CPU: it alone runs Algorithm 4 as printed."
-            }
-            Device::Ready(_) if takes => "GPU: self-test passed.",
-            Device::Testing(_) if self.form.engine == Engine::Gpu => "GPU: being tested.",
-            Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
-            Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
-            Device::Refused(_) if is_free => "CPU: there is no GPU to use here.",
-            Device::Unknown if is_free && self.gpu.failure.is_some() => "CPU: the GPU failed.",
-            _ => return None,
-        };
-        let test = self
-            .gpu
-            .device
-            .said()
-            .filter(|_| self.gpu.device.ready().is_some());
-        let all: Vec<String> = self.chosen().into_iter().chain(test).collect();
-        let all = if all.is_empty() {
-            self.gpu.device.said()?
-        } else {
-            all.join(" ")
-        };
-        Some((line, all))
     }
 
     /// Shows a session and says if the CPU had to stand in for the GPU.
@@ -161,26 +47,9 @@ impl State {
             );
             self.tell_of(which, text, true);
         }
-        if let Some(Failure { name, error }) = failure {
-            self.gpu.device.failed(&error);
-            if !matches!(self.gpu.device, Device::Ready(_)) {
-                self.form.engine = Engine::Auto;
-            }
-            let why = sentence(&error.to_string());
-            self.gpu.failure = Some(format!("{name} failed. {why}"));
-            let text = format!(
-                "{name} failed. {why} The CPU engine made this session instead; the points are the same."
-            );
+        if let Some(failure) = failure {
+            let text = self.gpu.failed(failure);
             self.tell_of(which, text, true);
-        }
-    }
-
-    /// Waits for the test of a device.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub(super) fn settle_device(&mut self) {
-        if let Device::Testing(job) = &self.gpu.device {
-            let outcome = job.wait();
-            self.finish_test(outcome);
         }
     }
 

@@ -3,13 +3,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use tilescope_session::words::{counted, grouped};
+
 use super::State;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MOST_DRAWN;
 use crate::export::{
     Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, Still, View,
 };
-use tilescope_session::words::{counted, grouped};
 
 impl State {
     pub(super) fn apply_to_export(&mut self, command: ExportCommand) {

@@ -4,18 +4,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::State;
-use crate::files;
-use crate::files::{
-    Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
-    SaveTask, Source,
-};
 use tilescope_session::combining::SavedCombination;
 use tilescope_session::errand;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::verification::region_of;
 use tilescope_session::words::last_part;
+
+use super::State;
+use crate::files;
+use crate::files::{
+    Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
+    SaveTask, Source,
+};
 
 mod outcome;
 

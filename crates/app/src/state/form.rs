@@ -1,9 +1,9 @@
 //! What the next run is made from.
 
-use crate::command::FormCommand;
-use crate::device::Engine;
-use crate::draft::Draft;
 use tilescope_session::recipe::OwnPattern;
+
+use crate::command::FormCommand;
+use crate::draft::Draft;
 
 /// What the next run is made from.
 #[derive(Default)]
@@ -12,8 +12,6 @@ pub struct Form {
     pub draft: Draft,
     /// The pattern from a file that takes the place of the one of the parameters.
     pub own_pattern: Option<OwnPattern>,
-    /// Who samples.
-    pub engine: Engine,
 }
 
 impl Form {

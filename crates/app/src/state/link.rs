@@ -1,15 +1,15 @@
 //! Permalinks of what is at hand, and opening them: the run is made first, then the moment, the view and the rest are taken up.
 
 use tilescope_debugger::{Bookmark, Stops};
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::{counted, grouped, stage_name};
 
 use super::State;
 use super::undo::Part;
 use crate::command::Which;
 use crate::draft::Draft;
 use crate::link::{self, Content, Link, Moment, Said, slug};
-use tilescope_session::recipe::Recipe;
-use tilescope_session::selection::Selection;
-use tilescope_session::words::{counted, grouped, stage_name};
 
 /// A link whose run is being made.
 pub(super) struct Arriving {
@@ -184,7 +184,7 @@ impl State {
             self.start_combining(layout);
         } else {
             let recipe = Recipe::from(content.parameters);
-            self.start_sampling(Which::First, recipe, self.form.engine);
+            self.start_sampling(Which::First, recipe, self.gpu.engine);
         }
         self.links.arriving = Some(Box::new(Arriving { content, said }));
     }

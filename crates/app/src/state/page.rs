@@ -1,10 +1,7 @@
 //! What a page tells the app when it begins there: what draws it, and how the GPU comes to compute.
 
-use tilescope_core::Variant;
-
-use super::engine::ON_CPU;
 use super::{FullScreen, Notice, State};
-use crate::device::{Device, Engine};
+use crate::device::Engine;
 use crate::embedding::Embedding;
 
 /// How the app begins on a page.
@@ -28,7 +25,6 @@ impl State {
     /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes. One that computes on the CPU
     /// is not tested unless it was asked for.
     pub fn begin_on_page(&mut self, start: &PageStart) {
-        self.gpu.display = Some(start.display.clone());
         self.window.embedding = start.embedding;
         self.prefer_reduced_motion(start.reduced_motion);
         if !start.full_screen {
@@ -41,48 +37,6 @@ impl State {
                 is_error: true,
             });
         }
-        self.form.engine = start.engine;
-        if start.engine != Engine::Cpu && matches!(self.gpu.device, Device::Unknown) {
-            self.test_device(start.engine == Engine::Gpu);
-        }
-    }
-
-    /// Returns why the engine at hand samples, and what draws, where the app itself has chosen.
-    #[must_use]
-    pub fn chosen(&self) -> Option<String> {
-        let display = self.gpu.display.as_ref()?;
-        let engine = match &self.gpu.device {
-            _ if self.form.engine == Engine::Cpu => {
-                "The CPU engine samples in a worker, as chosen.".to_owned()
-            }
-            Device::Unknown => {
-                let failure = self.gpu.failure.as_deref();
-                let text = format!(
-                    "The CPU engine samples in a worker. {}",
-                    failure.unwrap_or_default()
-                );
-                text.trim_end().to_owned()
-            }
-            Device::Testing(_) => {
-                "The CPU engine samples in a worker while the GPU is opened and tested.".to_owned()
-            }
-            Device::Ready(_)
-                if self.device_takes(self.form.engine)
-                    && self.form.draft.parameters.variant == Variant::AsPrinted =>
-            {
-                "The CPU engine samples in a worker: it alone runs Algorithm 4 as printed."
-                    .to_owned()
-            }
-            Device::Ready(_) if self.device_takes(self.form.engine) => {
-                "The GPU samples: it passed its test against the CPU.".to_owned()
-            }
-            Device::Ready(_) => {
-                format!("The CPU engine samples in a worker. {ON_CPU}")
-            }
-            Device::Refused(reason) => {
-                format!("The CPU engine samples in a worker, as no GPU can. {reason}")
-            }
-        };
-        Some(format!("{engine} {display} draws."))
+        self.with(|state, context| state.gpu.begin_on_page(start, context));
     }
 }

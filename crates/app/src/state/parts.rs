@@ -1,13 +1,13 @@
 //! The parts of the state. Each is one subject; no part knows of another.
 
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::{Job, Wake};
+
 use super::{Notice, RunView, announce, export, link};
 use crate::command::Which;
 use crate::compare::Comparison;
-use crate::device::Device;
 use crate::export::ExportForm;
 use crate::files::{Delivery, FileForm, Filing, Purpose};
-use tilescope_session::incoming::NamedBytes;
-use tilescope_session::jobs::{Job, Wake};
 
 /// The runs that are looked at.
 #[derive(Default)]
@@ -62,20 +62,6 @@ pub struct FileState {
     /// The system's file dialog for it, while open.
     #[cfg(not(target_arch = "wasm32"))]
     pub browsing: Option<Job<Option<std::path::PathBuf>>>,
-}
-
-/// What is known of the GPU.
-#[derive(Default)]
-pub struct GpuState {
-    /// The device that samples, as far as it is known.
-    pub device: Device,
-    /// Why the device that was to sample does not.
-    pub failure: Option<String>,
-    /// What draws the window, where it is not always the same: on a page. There a GPU that passed its test samples without
-    /// being chosen.
-    pub(super) display: Option<String>,
-    /// Part of the name of the adapter to open; the fastest, if not given.
-    pub(super) adapter: Option<String>,
 }
 
 /// Links that come and go.

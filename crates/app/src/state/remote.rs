@@ -3,6 +3,10 @@
 use serde_json::{Value, json};
 use tilescope_core::Parameters;
 use tilescope_debugger::{Direction, Target, moves};
+use tilescope_session::layers::Layer;
+use tilescope_session::recipe::Recipe;
+use tilescope_session::sentence::happened;
+use tilescope_session::words::{grouped, stage_name};
 
 use super::State;
 use super::run_view::none_there;
@@ -13,10 +17,6 @@ use crate::draft::Draft;
 use crate::link::{choice_name, layer_name, slug};
 use crate::remote::{self, Request, RequestError, Wanted};
 use crate::view::View;
-use tilescope_session::layers::Layer;
-use tilescope_session::recipe::Recipe;
-use tilescope_session::sentence::happened;
-use tilescope_session::words::{grouped, stage_name};
 
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 
@@ -69,7 +69,7 @@ impl State {
             self.form.own_pattern,
         ) = (None, None, None);
         self.form.draft = Draft::from_parameters(parameters);
-        self.start_sampling(Which::First, Recipe::from(parameters), self.form.engine);
+        self.start_sampling(Which::First, Recipe::from(parameters), self.gpu.engine);
     }
 
     /// Returns the session that is moved in: none while another one is being made, which would take its place.
@@ -210,7 +210,7 @@ impl State {
             "positions_digest": session.map(tilescope_session::session::Session::positions_digest),
             "engine": session.map(|session| session.engine.as_str()),
             "gpu": self.gpu.device.word(),
-            "chosen": self.chosen(),
+            "chosen": self.gpu.chosen(self.form.draft.parameters.variant),
             "notice": self.messages.notice.as_ref().map(|notice| notice.text.as_str()),
             "view": self.told_view(),
             "link": self.link().fragment,

@@ -5,17 +5,17 @@ use std::sync::Arc;
 use egui::Rect;
 use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
+use tilescope_session::geometry::Geometry;
+use tilescope_session::jobs::Job;
+use tilescope_session::moment::Shown;
+use tilescope_session::session::{MakeError, Session};
+use tilescope_session::verification::{Sight, Verdict};
 
 use super::{Appearance, Verification};
 use crate::camera::{Camera, Flight};
 use crate::compare::link::At;
 use crate::passes::Passes;
 use crate::subject::{Contrast, Subject};
-use tilescope_session::geometry::Geometry;
-use tilescope_session::jobs::Job;
-use tilescope_session::moment::Shown;
-use tilescope_session::session::{MakeError, Session};
-use tilescope_session::verification::{Sight, Verdict};
 
 mod camera;
 mod debug;

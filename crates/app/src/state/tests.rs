@@ -5,16 +5,16 @@ mod time;
 use std::sync::Arc;
 
 use egui::Rect;
-
-use super::*;
-use crate::command::Which;
-use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand};
-use crate::draft::{Choice, Field};
-use crate::export::{ExportCommand, Kind};
-use tilescope_core::Search;
+use tilescope_core::{Search, Variant};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
 use tilescope_session::verification::{Sight, Witness};
+
+use super::*;
+use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
+use crate::device::Engine;
+use crate::draft::{Choice, Field};
+use crate::export::{ExportCommand, Kind};
 
 fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
@@ -287,7 +287,7 @@ fn on_the_gpu() -> State {
 #[test]
 fn the_gpu_is_tested_when_it_is_chosen_and_its_session_has_the_same_stages() {
     let mut state = on_the_gpu();
-    assert_eq!(state.form.engine, Engine::Gpu);
+    assert_eq!(state.gpu.engine, Engine::Gpu);
     let said = state.gpu.device.said().unwrap();
     assert!(said.contains("self-test passed"), "{said}");
     let before = state.runs.first.session.clone().unwrap();
@@ -334,7 +334,7 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
     state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
     assert!(state.run_refusal().unwrap().contains("tested"));
     state.settle();
-    assert_eq!(state.form.engine, Engine::Auto);
+    assert_eq!(state.gpu.engine, Engine::Auto);
     let notice = state.messages.notice.clone().unwrap();
     assert!(
         notice.is_error && notice.text.contains("o GPU adapter"),
@@ -342,7 +342,7 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
         notice.text
     );
     state.apply(Command::Gpu(GpuCommand::Engine(Engine::Gpu)));
-    assert_eq!(state.form.engine, Engine::Auto);
+    assert_eq!(state.gpu.engine, Engine::Auto);
     assert_eq!(state.run_refusal(), None);
     state.apply(Command::Run);
     state.settle();
@@ -355,7 +355,7 @@ fn a_gpu_that_is_not_there_leaves_the_cpu_and_says_why() {
 #[test]
 fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     let mut state = settled();
-    state.form.engine = Engine::Gpu;
+    state.gpu.engine = Engine::Gpu;
     let monitor = tilescope_session::jobs::Job::start(&state.jobs.wake, |monitor| {
         Session::sample(&tilescope_core::Parameters::default().into(), 2, monitor)
     });
@@ -371,7 +371,7 @@ fn a_device_that_is_lost_in_a_run_is_told_of_and_the_session_is_there() {
     let notice = state.messages.notice.clone().unwrap();
     assert!(notice.is_error && notice.text.contains("Some GPU failed. The device was lost"));
     assert!(notice.text.contains("CPU"));
-    assert_eq!(state.form.engine, Engine::Auto);
+    assert_eq!(state.gpu.engine, Engine::Auto);
     assert!(state.verdict().unwrap().report.valid());
 }
 
@@ -460,12 +460,12 @@ fn a_gpu_that_computes_on_the_cpu_is_tested_only_when_it_is_chosen() {
         let name = "SwiftShader".to_owned();
         Ok(Err(tilescope_gpu::GpuError::SoftwareOnly { name }))
     };
-    state.finish_test(found());
+    state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "unknown");
-    let why = state.chosen().expect("why");
+    let why = state.gpu.chosen(Variant::Staged).expect("why");
     assert!(why.contains("computes on the CPU itself"), "{why}");
     // It was chosen while the browser looked for one.
-    state.form.engine = Engine::Gpu;
-    state.finish_test(found());
+    state.gpu.engine = Engine::Gpu;
+    state.with(|state, context| state.gpu.finish_test(found(), context));
     assert_eq!(state.gpu.device.word(), "testing");
 }

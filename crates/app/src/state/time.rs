@@ -25,12 +25,7 @@ pub struct Time {
 }
 
 impl Time {
-    pub(super) fn apply(
-        &mut self,
-        command: TimeCommand,
-        run: &mut RunView,
-        context: &mut Context<'_>,
-    ) {
+    pub(super) fn apply(&mut self, command: TimeCommand, run: &mut RunView, context: &mut Context) {
         if run.session.is_none() {
             return;
         }
@@ -67,7 +62,7 @@ impl Time {
         &mut self,
         dt_secs: f32,
         run: &mut RunView,
-        context: &mut Context<'_>,
+        context: &mut Context,
     ) -> bool {
         let plays = self.playback.is_playing() && self.play(dt_secs, run, context);
         if self.continuing.is_some() {
@@ -96,7 +91,7 @@ impl Time {
     }
 
     /// Runs on to a breakpoint, over so many at most whose conditions do not hold; the rest is left to the next frame.
-    pub(super) fn continue_on(&mut self, run: &mut RunView, context: &mut Context<'_>) {
+    pub(super) fn continue_on(&mut self, run: &mut RunView, context: &mut Context) {
         let (Some(direction), Some(debugger)) = (self.continuing, &mut run.debugger) else {
             self.continuing = None;
             return;
@@ -122,7 +117,7 @@ impl Time {
     }
 
     /// Goes on or back by one tick of the clock.
-    fn tick(&self, direction: Direction, run: &mut RunView, context: &mut Context<'_>) {
+    fn tick(&self, direction: Direction, run: &mut RunView, context: &mut Context) {
         if self.playback.clock == Clock::Pass && run.passes.is_some() {
             let command = match direction {
                 Direction::Forwards => PassCommand::Next,
@@ -168,7 +163,7 @@ impl Time {
     }
 
     /// Plays on by `dt_secs`; returns whether it goes on.
-    fn play(&mut self, dt_secs: f32, run: &mut RunView, context: &mut Context<'_>) -> bool {
+    fn play(&mut self, dt_secs: f32, run: &mut RunView, context: &mut Context) -> bool {
         let before = run.stage;
         let ticks = self.playback.advance(dt_secs);
         for _ in 0..ticks {

@@ -2,14 +2,14 @@
 //! none: it runs backwards by itself. What only looks at a run (tabs, layers, colours, the camera) is not remembered.
 
 use tilescope_core::combine::file::Layout as Combination;
+use tilescope_session::layers::{Colouring, Layers};
+use tilescope_session::recipe::{OwnPattern, Recipe};
 
 use super::State;
 use crate::command::{Command, FormCommand, Which, WindowCommand};
 use crate::draft::{Draft, Field};
 use crate::files::FileCommand;
 use crate::layout::Layout;
-use tilescope_session::layers::{Colouring, Layers};
-use tilescope_session::recipe::{OwnPattern, Recipe};
 
 /// Most steps that are remembered.
 const MOST_STEPS: usize = 200;
@@ -227,7 +227,7 @@ impl State {
             return;
         }
         match made {
-            Some(Made::Run(recipe)) => self.start_sampling(Which::First, recipe, self.form.engine),
+            Some(Made::Run(recipe)) => self.start_sampling(Which::First, recipe, self.gpu.engine),
             Some(Made::Combination(layout)) => self.start_combining(layout),
             None => {}
         }

@@ -1,10 +1,11 @@
 //! How the session at hand is looked at, as one value, and taking such a value up.
 
+use tilescope_session::recipe::Recipe;
+use tilescope_session::selection::Selection;
+
 use super::State;
 use crate::command::Which;
 use crate::view::View;
-use tilescope_session::recipe::Recipe;
-use tilescope_session::selection::Selection;
 
 impl State {
     /// Returns how the session at hand is looked at.
@@ -109,7 +110,7 @@ impl State {
             parameters,
             own: None,
         };
-        self.compare_with(recipe, self.form.engine);
+        self.compare_with(recipe, self.gpu.engine);
         if let (Some([cameras, clocks, marks]), Some((_, comparison))) =
             (view.links, &mut self.runs.second)
         {

@@ -1,14 +1,14 @@
 //! Work in the background: starting it, taking its results, waiting for it. Results are shown here and
 //! nowhere else.
 
-use super::run_view::Made;
-use super::undo::Part;
-use super::{State, Which};
-use crate::device::Device;
-use crate::layout::Panel;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
+
+use super::run_view::Made;
+use super::undo::Part;
+use super::{State, Which};
+use crate::layout::Panel;
 
 impl State {
     pub(super) fn run(&mut self) {
@@ -27,7 +27,7 @@ impl State {
         if is_new || self.shows_combination() {
             self.remember_run(Part::Run);
         }
-        self.start_sampling(Which::First, recipe, self.form.engine);
+        self.start_sampling(Which::First, recipe, self.gpu.engine);
     }
 
     /// Returns what the parameters panel asks for.
@@ -65,11 +65,7 @@ impl State {
     }
 
     fn poll(&mut self) {
-        if let Device::Testing(job) = &self.gpu.device
-            && let Some(outcome) = job.poll()
-        {
-            self.finish_test(outcome);
-        }
+        self.with(|state, context| state.gpu.poll(context));
         self.poll_run(Which::First);
         self.poll_export();
         self.poll_files();
@@ -139,7 +135,7 @@ impl State {
     /// calls [`Self::advance`] with every frame.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
-        self.settle_device();
+        self.with(|state, context| state.gpu.settle(context));
         self.settle_files();
         self.settle_run(Which::First);
         while self.time.continuing.is_some() {

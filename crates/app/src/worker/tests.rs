@@ -6,22 +6,21 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use tilescope_debugger::{Debugger, Event, LineId, digest};
-
-use super::*;
-use crate::analysis::AnalysisCommand;
-use crate::analysis::brush::{Axis, Brush};
-use crate::command::{AppearanceCommand, Command, DebugCommand, WindowCommand};
-use crate::command::{ViewCommand, Which};
-use crate::compare::{CompareCommand, Rival};
-use crate::export::{ExportCommand, Kind};
-use crate::files::{Delivery, FileCommand};
-use crate::layout::Panel;
-use crate::state::{State, Verification};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
+
+use super::*;
+use crate::analysis::AnalysisCommand;
+use crate::analysis::brush::{Axis, Brush};
+use crate::command::{AppearanceCommand, Command, DebugCommand, ViewCommand, Which, WindowCommand};
+use crate::compare::{CompareCommand, Rival};
+use crate::export::{ExportCommand, Kind};
+use crate::files::{Delivery, FileCommand};
+use crate::layout::Panel;
+use crate::state::{State, Verification};
 
 type Reply = Result<Vec<u8>, Refused>;
 

@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use serde_json::json;
 use tilescope_analysis::{Boundary as Judged, Region};
-use tilescope_app::command::Which;
-use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand};
+use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::export::{Kind, picture};
 use tilescope_app::{Command, State};

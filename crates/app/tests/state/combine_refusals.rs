@@ -6,8 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use tilescope_app::command::TimeCommand;
-use tilescope_app::command::Which;
+use tilescope_app::command::{TimeCommand, Which};
 use tilescope_app::files::{FileCommand, Purpose};
 use tilescope_app::{Command, State};
 use tilescope_session::combination::{CombineCommand, NINE};

@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
 use tilescope_app::Command;
-use tilescope_app::command::Which;
-use tilescope_app::command::{TimeCommand, ViewCommand};
+use tilescope_app::command::{TimeCommand, ViewCommand, Which};
 use tilescope_app::export::{Entry, ExportCommand, Kind, MOST_FRAMES};
 use tilescope_formats::certificate_path;
 

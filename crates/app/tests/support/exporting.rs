@@ -4,8 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
-use tilescope_app::command::Which;
-use tilescope_app::command::{FormCommand, ViewCommand};
+use tilescope_app::command::{FormCommand, ViewCommand, Which};
 use tilescope_app::draft::Field;
 use tilescope_app::export::{Entry, ExportCommand, Kind};
 use tilescope_app::{Command, State};

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand,
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
 use tilescope_app::draft::Field;
 use tilescope_app::files::{FileCommand, Purpose};

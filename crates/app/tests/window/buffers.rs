@@ -5,9 +5,8 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, WindowCommand,
+    AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
@@ -166,10 +165,18 @@ fn a_run_without_passes_has_the_clock_from_before_them() {
     apply(&mut harness, before);
     pass(&mut harness, PassCommand::ShowCanvas);
     assert_eq!(state(&harness).time.playback.clock, Clock::Pass);
-    assert!(state(&harness).engine_said().is_some());
+    assert!(
+        state(&harness)
+            .gpu
+            .said(tilescope_core::Variant::Staged)
+            .is_some()
+    );
     // The CPU samples next: neither the clock nor the test of the GPU is of that run.
     apply(&mut harness, Command::Gpu(GpuCommand::Engine(Engine::Auto)));
-    assert_eq!(state(&harness).engine_said(), None);
+    assert_eq!(
+        state(&harness).gpu.said(tilescope_core::Variant::Staged),
+        None
+    );
     apply(&mut harness, Command::Run);
     assert_eq!(state(&harness).time.playback.clock, Clock::Line);
 }

@@ -3,8 +3,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tilescope_app::command::Which;
-use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, WindowCommand};
+use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
 use tilescope_core::stages::blocks::Axis;

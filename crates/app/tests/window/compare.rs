@@ -3,8 +3,7 @@
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::Which;
-use tilescope_app::command::{FormCommand, TimeCommand, ViewCommand, WindowCommand};
+use tilescope_app::command::{FormCommand, TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;

@@ -5,9 +5,8 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::clock::Clock;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::draft::Field;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};

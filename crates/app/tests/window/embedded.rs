@@ -6,8 +6,7 @@ use egui::{Event, Key, Modifiers, Pos2, Rect, TouchDeviceId, TouchId, TouchPhase
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::canvas::hint::{self, Hint};
-use tilescope_app::command::Which;
-use tilescope_app::command::{TimeCommand, ViewCommand};
+use tilescope_app::command::{TimeCommand, ViewCommand, Which};
 use tilescope_app::embedding::Embedding;
 use tilescope_app::{App, Command};
 use tilescope_ui::focus::{self, End};

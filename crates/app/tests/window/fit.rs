@@ -6,9 +6,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::arrangement::DrawerCommand;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, WindowCommand,
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
 };
-use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;
 use tilescope_app::draft::Field;

@@ -1,15 +1,16 @@
 //! A whole session by keyboard alone, as somebody without a mouse, or with a screen reader, goes through it.
 
-use crate::support;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
+use tilescope_debugger::Kind;
+
+use crate::support;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tilescope_app::actions::Action;
 use tilescope_app::command::WindowCommand;
 use tilescope_app::layout::Panel;
 use tilescope_app::{App, Command};
-use tilescope_debugger::Kind;
 
 use crate::support::{
     author, cursor, debugger, focused, last_kind, next_kind, node, opened, session, settle, text,

@@ -5,10 +5,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::clock::Clock;
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, WindowCommand,
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
 };
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::device::Engine;

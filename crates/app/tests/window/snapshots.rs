@@ -5,9 +5,8 @@ use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot
 use egui_tiles::Tree;
 use tilescope_app::arrangement::DrawerCommand;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, WindowCommand,
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::compare::{CompareCommand, Rival};
 use tilescope_app::draft::Field;
 use tilescope_app::embedding::Embedding;

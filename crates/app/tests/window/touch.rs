@@ -1,15 +1,15 @@
 //! Fingers on the canvas, as a browser tells of them: the first one is a pointer, too.
 
-use crate::support;
 use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
+use tilescope_session::selection::Selection;
+
+use crate::support;
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_app::camera::Camera;
 use tilescope_app::canvas::touch::release_cancelled;
-use tilescope_app::command::Which;
-use tilescope_app::command::{Command, ViewCommand, WindowCommand};
+use tilescope_app::command::{Command, ViewCommand, Which, WindowCommand};
 use tilescope_app::layout::Panel;
-use tilescope_session::selection::Selection;
 
 /// So long takes a frame, in seconds.
 const FRAME: f32 = 1.0 / 60.0;

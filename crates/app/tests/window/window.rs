@@ -230,7 +230,7 @@ fn the_engine_is_chosen_by_its_label_and_a_missing_gpu_leaves_the_cpu() {
     harness.step();
     settle(&mut harness);
     assert!(text(&harness, "notice").contains("GPU"));
-    assert_eq!(harness.state().state.form.engine, Engine::Auto);
+    assert_eq!(harness.state().state.gpu.engine, Engine::Auto);
     node(&harness, "dismiss").click();
     harness.run();
     node(&harness, "engine").click();

@@ -2,13 +2,13 @@
 
 use egui::{Color32, RichText, Ui};
 use tilescope_analysis::measures::{Spectrum, anisotropy_reference_db};
+use tilescope_ui::widgets::heading;
 
 use super::plot::{Axis, Curve, Line, Plot};
 use super::{Sets, drag, picture as periodogram};
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis as Along, Brush};
 use crate::analysis::measured::Measured;
-use tilescope_ui::widgets::heading;
 
 /// How high charts are, in screen points.
 const HEIGHT: f32 = 168.0;

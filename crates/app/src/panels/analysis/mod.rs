@@ -10,6 +10,9 @@ use std::sync::Arc;
 
 use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui, vec2};
 use tilescope_analysis::measures::Spectrum;
+use tilescope_session::moment::Shown;
+use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::widgets::{Kebab, Known, heading};
 
 use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
 use crate::analysis::held::Held;
@@ -19,9 +22,6 @@ use crate::command::Command;
 use crate::files::{FileCommand, Purpose};
 use crate::state::RunView;
 use plot::{Dragged, Line};
-use tilescope_session::moment::Shown;
-use tilescope_ui::theme::{Palette, semibold};
-use tilescope_ui::widgets::{Kebab, Known, heading};
 
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 620.0;

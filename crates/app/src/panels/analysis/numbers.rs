@@ -3,11 +3,11 @@
 use egui::{Align2, Color32, FontId, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use tilescope_analysis::Report;
 use tilescope_analysis::measures::PowerCurve;
+use tilescope_session::words::{conflicts_in, counted, grouped};
+use tilescope_ui::widgets::Known;
 
 use super::Sets;
 use crate::analysis::measured::Measured;
-use tilescope_session::words::{conflicts_in, counted, grouped};
-use tilescope_ui::widgets::Known;
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;

@@ -7,10 +7,10 @@ use egui::{
     TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_analysis::measures::Spectrum;
-
-use super::plot::Dragged;
 use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::Known;
+
+use super::plot::Dragged;
 
 /// Power that is black.
 pub const BLACK: f64 = 3.0;

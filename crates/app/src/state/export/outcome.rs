@@ -1,15 +1,16 @@
 //! An export at work, and what is told of it when it ends.
 
+use tilescope_session::errand::{self, Errand};
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::words::{counted, sentence};
+
 #[cfg(not(target_arch = "wasm32"))]
 use crate::export::ExportCommand;
 use crate::export::write::{What, WriteError, Written, render};
 use crate::export::{ExportForm, Order};
 use crate::files::{Delivery, packed};
 use crate::state::State;
-use tilescope_session::errand::{self, Errand};
-use tilescope_session::incoming::NamedBytes;
-use tilescope_session::jobs::{Job, Monitor};
-use tilescope_session::words::{counted, sentence};
 
 /// How an export ends.
 pub type Outcome = Result<Ended, WriteError>;

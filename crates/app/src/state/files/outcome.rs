@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use tilescope_debugger::Debugger;
+use tilescope_session::recipe::OwnPattern;
+use tilescope_session::words::{counted, ended, sentence};
 
 use crate::analysis::held::Held;
 use crate::command::Which;
@@ -11,8 +13,6 @@ use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
 use crate::state::State;
 use crate::state::undo::Part;
 use crate::view::View;
-use tilescope_session::recipe::OwnPattern;
-use tilescope_session::words::{counted, ended, sentence};
 
 impl State {
     pub(in crate::state) fn poll_files(&mut self) {

@@ -2,24 +2,20 @@
 
 use egui::Rect;
 use tilescope_core::Stage;
+use tilescope_session::selection::Selection;
+use tilescope_session::units::radii;
+use tilescope_session::verification::{Sight, Witness};
 
 use super::RunView;
 use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use crate::command::ViewCommand;
 use crate::state::effects::{Context, Effect};
-use tilescope_session::selection::Selection;
-use tilescope_session::units::radii;
-use tilescope_session::verification::{Sight, Witness};
 
 /// So far within the view, in screen points, is a selection kept.
 const IN_VIEW: f32 = 32.0;
 
 impl RunView {
-    pub(in crate::state) fn apply_to_view(
-        &mut self,
-        command: ViewCommand,
-        context: &mut Context<'_>,
-    ) {
+    pub(in crate::state) fn apply_to_view(&mut self, command: ViewCommand, context: &mut Context) {
         match command {
             ViewCommand::Viewport(rect) => self.follow_viewport(rect),
             ViewCommand::Pan(delta) => {
@@ -89,7 +85,7 @@ impl RunView {
     }
 
     /// Selects the sample nearest to the middle of the view, within a radius of it, or else the place.
-    fn select_middle(&mut self, context: &Context<'_>) {
+    fn select_middle(&mut self, context: &Context) {
         let Some(shown) = self.shown() else {
             return;
         };
@@ -169,7 +165,7 @@ impl RunView {
         }
     }
 
-    pub(in crate::state) fn fly_to(&mut self, center: [f64; 2], radii: f64, context: &Context<'_>) {
+    pub(in crate::state) fn fly_to(&mut self, center: [f64; 2], radii: f64, context: &Context) {
         self.fitted = false;
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let to = Camera {
@@ -179,7 +175,7 @@ impl RunView {
         self.fly(to, context);
     }
 
-    fn go_to_current(&mut self, context: &Context<'_>) {
+    fn go_to_current(&mut self, context: &Context) {
         let shown = self.shown();
         let place = shown.and_then(|shown| {
             let event = shown.last_event()?;
@@ -191,7 +187,7 @@ impl RunView {
     }
 
     /// Flies to the gap that holds a place, else to its block.
-    fn fly_to_block(&mut self, place: [f64; 2], context: &Context<'_>) {
+    fn fly_to_block(&mut self, place: [f64; 2], context: &Context) {
         let gap = self.shown().and_then(|shown| {
             let tessellation = self.geometry.of(&shown)?;
             let gap = tessellation.gap_at(place)?;
@@ -220,7 +216,7 @@ impl RunView {
         }
     }
 
-    pub(in crate::state) fn fly_to_witness(&mut self, witness: Witness, context: &Context<'_>) {
+    pub(in crate::state) fn fly_to_witness(&mut self, witness: Witness, context: &Context) {
         let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
             return;
         };
@@ -272,7 +268,7 @@ impl RunView {
     }
 
     /// Flies, or jumps where motion is reduced.
-    fn fly(&mut self, to: Camera, context: &Context<'_>) {
+    fn fly(&mut self, to: Camera, context: &Context) {
         let to = self.within_scales(to);
         if context.reduced_motion {
             (self.camera, self.flight) = (to, None);

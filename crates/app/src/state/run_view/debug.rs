@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
 use tilescope_core::{Point, R};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Stops, why};
+use tilescope_session::selection::Selection;
 
 use super::RunView;
 use crate::command::DebugCommand;
-use serde::{Deserialize, Serialize};
-use tilescope_session::selection::Selection;
 
 use crate::state::effects::Context;
 use tilescope_session::errand::{self, Errand, Lent};
@@ -80,11 +80,7 @@ pub struct EventQuery {
 }
 
 impl RunView {
-    pub(in crate::state) fn apply_to_debugger(
-        &mut self,
-        command: DebugCommand,
-        context: &Context<'_>,
-    ) {
+    pub(in crate::state) fn apply_to_debugger(&mut self, command: DebugCommand, context: &Context) {
         let before = self.stage;
         match command {
             DebugCommand::Query(text) => self.look_for(text, context),
@@ -114,7 +110,7 @@ impl RunView {
     }
 
     /// Sets what the user had set; it is kept for a later run where this one has no events.
-    pub(in crate::state) fn put_stops(&mut self, stops: Stops, context: &mut Context<'_>) {
+    pub(in crate::state) fn put_stops(&mut self, stops: Stops, context: &mut Context) {
         match &mut self.debugger {
             Some(debugger) => {
                 if let Err(error) = debugger.put_stops(stops) {
@@ -126,7 +122,7 @@ impl RunView {
     }
 
     /// Takes up the debugger of a new session; breakpoints, watches and bookmarks stay.
-    pub(in crate::state) fn debug(&mut self, session: &Session, context: &mut Context<'_>) {
+    pub(in crate::state) fn debug(&mut self, session: &Session, context: &mut Context) {
         let stops = self.take_stops();
         let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
         self.debugger = session.recording().map(debugger);
@@ -163,17 +159,17 @@ impl RunView {
         }
     }
 
-    fn look(&self, aim: Aim, context: &Context<'_>) -> Found {
+    fn look(&self, aim: Aim, context: &Context) -> Found {
         match &self.session {
             Some(session) if self.debugger.is_some() => {
                 let session = Lent(Arc::clone(session));
-                Found::Pending(errand::start(context.wake, Looking { session, aim }))
+                Found::Pending(errand::start(&context.wake, Looking { session, aim }))
             }
             _ => Found::Nothing,
         }
     }
 
-    fn look_for(&mut self, text: String, context: &Context<'_>) {
+    fn look_for(&mut self, text: String, context: &Context) {
         let parsed = Query::parse(&text);
         self.query.error = parsed.as_ref().err().map(ToString::to_string);
         self.query.found = match parsed {
@@ -198,7 +194,7 @@ impl RunView {
     }
 
     /// Selects a sample, a place or nothing, and has its history looked up.
-    pub(in crate::state) fn pick(&mut self, selection: Selection, context: &Context<'_>) {
+    pub(in crate::state) fn pick(&mut self, selection: Selection, context: &Context) {
         if !self.can_select(selection) {
             return;
         }

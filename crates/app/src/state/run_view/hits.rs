@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
+use tilescope_session::errand::{self, Errand, Lent};
+use tilescope_session::jobs::Monitor;
 
 use super::{Found, RunView};
 use crate::state::effects::Context;
-use tilescope_session::errand::{self, Errand, Lent};
-use tilescope_session::jobs::Monitor;
 
 /// Most places that are marked.
 pub const MOST_HITS: usize = 20_000;
@@ -59,7 +59,7 @@ impl Hits {
 
 impl RunView {
     /// Has the places found out if the breakpoints have changed.
-    pub(in crate::state) fn want_hits(&mut self, context: &Context<'_>) {
+    pub(in crate::state) fn want_hits(&mut self, context: &Context) {
         self.hits.found.poll();
         let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
             self.hits = Hits::default();
@@ -83,7 +83,7 @@ impl RunView {
             Found::Nothing
         } else {
             let session = Lent(Arc::clone(session));
-            Found::Pending(errand::start(context.wake, Counting { session, stops }))
+            Found::Pending(errand::start(&context.wake, Counting { session, stops }))
         };
     }
 }

@@ -1,9 +1,10 @@
 //! The passes of a run on the GPU, and how they and the timeline follow each other.
 
+use tilescope_session::incoming::NamedBytes;
+
 use super::RunView;
 use crate::passes::PassCommand;
 use crate::state::effects::{Context, Effect};
-use tilescope_session::incoming::NamedBytes;
 
 impl RunView {
     /// Has the passes follow the timeline: to the one that ends the stage shown, unless a pass of that stage
@@ -28,7 +29,7 @@ impl RunView {
     pub(in crate::state) fn apply_to_passes(
         &mut self,
         command: PassCommand,
-        context: &mut Context<'_>,
+        context: &mut Context,
     ) {
         let Some(passes) = &mut self.passes else {
             return;

@@ -95,7 +95,7 @@ impl RunView {
         &mut self,
         target: Target,
         direction: Direction,
-        context: &mut Context<'_>,
+        context: &mut Context,
     ) {
         let Some(debugger) = &mut self.debugger else {
             return;

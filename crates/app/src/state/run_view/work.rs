@@ -2,9 +2,6 @@
 
 use std::sync::Arc;
 
-use super::{Made, RunView};
-use crate::state::Verification;
-use crate::state::effects::Context;
 use tilescope_session::errand::{self, Lent};
 use tilescope_session::jobs::Job;
 use tilescope_session::selection::Selection;
@@ -12,9 +9,13 @@ use tilescope_session::session::Session;
 use tilescope_session::verification::{Judging, Verdict};
 use tilescope_session::words::sentence;
 
+use super::{Made, RunView};
+use crate::state::Verification;
+use crate::state::effects::Context;
+
 impl RunView {
     /// Shows a session at its last stage and has it verified. Breakpoints, watches and bookmarks stay.
-    pub(in crate::state) fn show(&mut self, session: Session, context: &mut Context<'_>) {
+    pub(in crate::state) fn show(&mut self, session: Session, context: &mut Context) {
         let same_domain = self.session.as_ref().is_some_and(|old| {
             old.run().domain.width() == session.run().domain.width()
                 && old.run().domain.height() == session.run().domain.height()
@@ -56,10 +57,10 @@ impl RunView {
     }
 
     /// Has the session verified.
-    pub(in crate::state) fn verify(&mut self, context: &Context<'_>) {
+    pub(in crate::state) fn verify(&mut self, context: &Context) {
         if let Some(session) = self.session.clone() {
             let judging = Judging(Lent(session));
-            self.verification = Verification::Pending(errand::start(context.wake, judging));
+            self.verification = Verification::Pending(errand::start(&context.wake, judging));
         }
     }
 
@@ -71,10 +72,10 @@ impl RunView {
     }
 
     /// Has the moment triangulated, if it is not.
-    pub(in crate::state) fn want_geometry(&mut self, context: &Context<'_>) {
+    pub(in crate::state) fn want_geometry(&mut self, context: &Context) {
         let mut geometry = std::mem::take(&mut self.geometry);
         if let Some(shown) = self.shown() {
-            geometry.want(&shown, context.wake);
+            geometry.want(&shown, &context.wake);
         }
         self.geometry = geometry;
     }
@@ -95,7 +96,7 @@ impl RunView {
 
     /// Waits for the work on the session. `with_geometry` if the moment is to be triangulated.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(in crate::state) fn settle(&mut self, with_geometry: bool, context: &Context<'_>) {
+    pub(in crate::state) fn settle(&mut self, with_geometry: bool, context: &Context) {
         if let Verification::Pending(job) = &self.verification {
             let outcome = job.wait();
             self.finish_verification(outcome);

@@ -1,17 +1,17 @@
 //! Time: the camera when play leaves the pattern, what runs to an event show, and what is counted at moments.
 
+use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
+use tilescope_debugger::{Direction, Target, moves};
+use tilescope_session::sentence::happened;
+
 use super::{settled, type_in};
 use crate::State;
 use crate::clock::Clock;
-use crate::command::Which;
-use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewCommand};
+use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which};
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
 use crate::panels::told;
 use crate::state::RunView;
-use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
-use tilescope_debugger::{Direction, Target, moves};
-use tilescope_session::sentence::happened;
 
 const FORWARDS: Direction = Direction::Forwards;
 const BACKWARDS: Direction = Direction::Backwards;

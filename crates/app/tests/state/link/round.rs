@@ -5,9 +5,8 @@ use std::sync::Arc;
 
 use tilescope_app::camera::Camera;
 use tilescope_app::clock::{Clock, SPEEDS};
-use tilescope_app::command::Which;
 use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand,
+    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
 use tilescope_app::compare::{CompareCommand, Rival};

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Rect, pos2, vec2};
-use tilescope_app::command::ViewCommand;
-use tilescope_app::command::Which;
+use tilescope_app::command::{ViewCommand, Which};
 use tilescope_app::{Command, State};
 
 /// A state with a canvas of its own and its default session.

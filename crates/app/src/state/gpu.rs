@@ -1,0 +1,224 @@
+//! Who samples, and what is known of the GPU.
+
+use std::sync::Arc;
+
+use tilescope_core::{Parameters, Variant};
+use tilescope_gpu::{Choice, Gpu, GpuError};
+use tilescope_session::jobs::Job;
+use tilescope_session::session::Failure;
+use tilescope_session::words::sentence;
+
+use super::PageStart;
+use super::effects::Context;
+use crate::command::GpuCommand;
+use crate::device::{Device, Engine, Tried, open_and_test};
+
+/// Why an emulated GPU is used only where it was chosen.
+const ON_CPU: &str = "The browser's GPU computes on the CPU itself, which takes longer.";
+
+/// Who samples, and what is known of the GPU.
+#[derive(Default)]
+pub struct GpuState {
+    /// Who samples.
+    pub engine: Engine,
+    /// The device that samples, as far as it is known.
+    pub device: Device,
+    /// Why the last GPU run or test failed, if one did.
+    pub failure: Option<String>,
+    /// What draws the window, where it is not always the same: on a page. There a GPU that passed its test samples without
+    /// being chosen.
+    pub(super) display: Option<String>,
+    /// Part of the name of the adapter to open; the fastest, if not given.
+    adapter: Option<String>,
+}
+
+impl GpuState {
+    pub(super) fn apply(&mut self, command: GpuCommand, context: &Context) {
+        match command {
+            GpuCommand::Engine(engine) => self.choose_engine(engine, context),
+            GpuCommand::NameAdapter(name) => {
+                self.adapter = name;
+                self.device = Device::Unknown;
+                if self.engine == Engine::Gpu {
+                    self.engine = Engine::Auto;
+                }
+            }
+        }
+    }
+
+    /// Begins on a page: the GPU is opened and tested, and serves from then on where it passes. One that computes on the CPU
+    /// is not tested unless it was asked for.
+    pub(super) fn begin_on_page(&mut self, start: &PageStart, context: &Context) {
+        self.display = Some(start.display.clone());
+        self.engine = start.engine;
+        if start.engine != Engine::Cpu && matches!(self.device, Device::Unknown) {
+            self.test(start.engine == Engine::Gpu, context);
+        }
+    }
+
+    /// Chooses who samples. The GPU is opened and tested first, unless it was already.
+    fn choose_engine(&mut self, engine: Engine, context: &Context) {
+        if engine == Engine::Gpu {
+            match self.device {
+                Device::Refused(_) => return,
+                Device::Unknown => self.test(true, context),
+                Device::Testing(_) | Device::Ready(_) => {}
+            }
+        }
+        self.engine = engine;
+    }
+
+    /// Opens the GPU and tests it; one that computes on the CPU only if `software` is wanted, as its test takes long.
+    fn test(&mut self, software: bool, context: &Context) {
+        let choice = Choice {
+            name: self.adapter.clone(),
+            software,
+            limits: None,
+        };
+        let job = Job::start_future(&context.wake, |_| open_and_test(choice));
+        self.device = Device::Testing(job);
+    }
+
+    /// Takes the outcome of a test, once there is one.
+    pub(super) fn poll(&mut self, context: &mut Context) {
+        if let Device::Testing(job) = &self.device
+            && let Some(outcome) = job.poll()
+        {
+            self.finish_test(outcome, context);
+        }
+    }
+
+    /// Waits for a test at work.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn settle(&mut self, context: &mut Context) {
+        if let Device::Testing(job) = &self.device {
+            let outcome = job.wait();
+            self.finish_test(outcome, context);
+        }
+    }
+
+    /// Takes the outcome of a test. A device that failed is left for the CPU.
+    pub(super) fn finish_test(
+        &mut self,
+        outcome: Result<Result<Tried, GpuError>, String>,
+        context: &mut Context,
+    ) {
+        if let Ok(Err(GpuError::SoftwareOnly { .. })) = outcome {
+            // It was not wanted when the test began, but may have been chosen since.
+            if self.engine == Engine::Gpu {
+                self.test(true, context);
+            } else {
+                self.device = Device::Unknown;
+                self.failure = Some(ON_CPU.to_owned());
+            }
+            return;
+        }
+        self.device = Device::from_test(outcome);
+        if self.engine == Engine::Gpu
+            && let Some(reason) = self.device.refusal()
+        {
+            let text = format!("The GPU cannot serve. {reason} The CPU engine samples instead.");
+            self.engine = Engine::Auto;
+            context.tell(text, true);
+        }
+    }
+
+    /// Notes that a device failed in a run, and returns what to say of it.
+    pub(super) fn failed(&mut self, Failure { name, error }: Failure) -> String {
+        self.device.failed(&error);
+        if !matches!(self.device, Device::Ready(_)) {
+            self.engine = Engine::Auto;
+        }
+        let why = sentence(&error.to_string());
+        self.failure = Some(format!("{name} failed. {why}"));
+        format!(
+            "{name} failed. {why} The CPU engine made this session instead; the points are the same."
+        )
+    }
+
+    /// Returns whether a device that is ready samples where `engine` is chosen.
+    #[must_use]
+    pub fn takes(&self, engine: Engine) -> bool {
+        let is_gpu = |gpu: &Arc<Gpu>| !gpu.report().is_software;
+        match engine {
+            Engine::Gpu => self.device.ready().is_some(),
+            Engine::Auto => self.display.is_some() && self.device.ready().is_some_and(is_gpu),
+            Engine::Cpu => false,
+        }
+    }
+
+    /// Returns the device that makes a run. Algorithm 4 as printed is for the CPU, whoever is chosen.
+    pub(super) fn for_run(&self, parameters: &Parameters, engine: Engine) -> Option<Arc<Gpu>> {
+        let serves = self.takes(engine) && parameters.variant == Variant::Staged;
+        self.device.ready().filter(|_| serves).map(Arc::clone)
+    }
+
+    /// Returns why nothing can be run yet, or `None` if it can: the device that was chosen is being tested.
+    pub(super) fn waiting(&self) -> Option<String> {
+        let waits = matches!(self.device, Device::Testing(_)) && self.engine == Engine::Gpu;
+        self.device.said().filter(|_| waits)
+    }
+
+    /// Returns what there is to say of the engine that makes the next run, which is of `variant`: a line, and all of it.
+    /// Nothing where the choice alone says who samples, and why.
+    #[must_use]
+    pub fn said(&self, variant: Variant) -> Option<(&'static str, String)> {
+        let is_free = self.engine == Engine::Auto && self.display.is_some();
+        let takes = self.takes(self.engine);
+        let line = match &self.device {
+            Device::Ready(_) if takes && variant == Variant::AsPrinted => {
+                "CPU: it alone runs Algorithm 4 as printed."
+            }
+            Device::Ready(_) if takes => "GPU: self-test passed.",
+            Device::Testing(_) if self.engine == Engine::Gpu => "GPU: being tested.",
+            Device::Testing(_) if is_free => "CPU, until the GPU is tested.",
+            Device::Ready(_) if is_free => "CPU: this GPU is emulated, and slower.",
+            Device::Refused(_) if is_free => "CPU: there is no GPU to use here.",
+            Device::Unknown if is_free && self.failure.is_some() => "CPU: the GPU failed.",
+            _ => return None,
+        };
+        let test = self.device.said().filter(|_| self.device.ready().is_some());
+        let all: Vec<String> = self.chosen(variant).into_iter().chain(test).collect();
+        let all = if all.is_empty() {
+            self.device.said()?
+        } else {
+            all.join(" ")
+        };
+        Some((line, all))
+    }
+
+    /// Returns why the engine of the next run, which is of `variant`, samples, and what draws, where the app itself has
+    /// chosen.
+    #[must_use]
+    pub fn chosen(&self, variant: Variant) -> Option<String> {
+        let display = self.display.as_ref()?;
+        let takes = self.takes(self.engine);
+        let engine = match &self.device {
+            _ if self.engine == Engine::Cpu => {
+                "The CPU engine samples in a worker, as chosen.".to_owned()
+            }
+            Device::Unknown => {
+                let failure = self.failure.as_deref().unwrap_or_default();
+                let text = format!("The CPU engine samples in a worker. {failure}");
+                text.trim_end().to_owned()
+            }
+            Device::Testing(_) => {
+                "The CPU engine samples in a worker while the GPU is opened and tested.".to_owned()
+            }
+            Device::Ready(_) if takes && variant == Variant::AsPrinted => {
+                "The CPU engine samples in a worker: it alone runs Algorithm 4 as printed."
+                    .to_owned()
+            }
+            Device::Ready(_) if takes => {
+                "The GPU samples: it passed its test against the CPU.".to_owned()
+            }
+            Device::Ready(_) => {
+                format!("The CPU engine samples in a worker. {ON_CPU}")
+            }
+            Device::Refused(reason) => {
+                format!("The CPU engine samples in a worker, as no GPU can. {reason}")
+            }
+        };
+        Some(format!("{engine} {display} draws."))
+    }
+}
