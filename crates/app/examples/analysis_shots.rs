@@ -4,7 +4,6 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use egui_tiles::Tree;
 use tilescope_app::analysis::AnalysisCommand;
 use tilescope_app::analysis::brush::{Axis, Brush};
 use tilescope_app::command::{
@@ -89,8 +88,7 @@ fn main() {
         Command::Run,
     ];
     shoot("analysis-large", large);
-    let alone = Tree::new_tabs(egui::Id::unique("alone"), vec![Panel::Analysis]);
-    harness.state_mut().state.window.layout = Layout(alone);
+    harness.state_mut().state.window.layout = Layout::alone(Panel::Analysis);
     save(&mut harness, &folder, "analysis-alone", vec![]);
     let light = vec![Command::Appearance(AppearanceCommand::Look(Look::Light))];
     save(&mut harness, &folder, "analysis-alone-light", light);

@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Context, Frame, Pos2, Ui, ViewportCommand};
-use egui_tiles::{
-    Behavior, Container, EditAction, SimplificationOptions, TileId, Tiles, UiResponse,
-};
+use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
 use tilescope_session::look::Look;
 use tilescope_ui::focus;
 use tilescope_ui::presses::Presses;
@@ -19,10 +17,10 @@ use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::canvas::touch::release_cancelled;
 use crate::command::{Command, WindowCommand};
 use crate::files::FileCommand;
-use crate::layout::{Layout, Panel};
+use crate::layout::{Layout, OldLayout, Panel};
 use crate::panes::Canvas;
 use crate::state::{FullScreen, State};
-use crate::{actions, panels};
+use crate::{actions, panels, tiles};
 
 /// The application.
 pub struct App {
@@ -205,12 +203,14 @@ impl App {
     }
 
     fn show_tiles(&mut self, ui: &mut Ui) {
-        let mut layout = self.state.window.layout.clone();
+        let before = &self.state.window.layout;
+        let mut layout = before.clone();
         let (room, around) = (ui.available_size(), [GAP, TAB_BAR]);
         let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
         layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
-        let shown = layout.clone();
-        let mut tiles = Shower {
+        let mut tree = tiles::tree(&layout);
+        let shown = tree.clone();
+        let mut shower = Shower {
             state: &self.state,
             canvas: &mut self.canvas,
             commands: &mut self.commands,
@@ -220,13 +220,15 @@ impl App {
             spacing: if layout.is_whole() { 4.0 } else { 6.0 },
         };
         CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
-            layout.0.ui(&mut tiles, ui);
+            tree.ui(&mut shower, ui);
             focus::name_tiles(ui);
         });
-        if tiles.edited && layout.is_whole() {
-            let layout = layout.with_shares_of(&self.state.window.layout, &shown);
-            let moved = tiles.moved;
-            self.state.replace_layout(layout, moved);
+        let (edited, moved) = (shower.edited, shower.moved);
+        if edited && layout.is_whole() {
+            let tree = tiles::with_shares_of(tree, &tiles::tree(before), &shown);
+            if let Some(layout) = tiles::layout(&tree) {
+                self.state.replace_layout(layout, moved);
+            }
         }
     }
 
@@ -317,8 +319,8 @@ impl App {
 
     /// Takes up what an earlier window remembered.
     pub fn remember(&mut self, storage: &dyn eframe::Storage) {
-        let layout = eframe::get_value::<Layout>(storage, LAYOUT_KEY);
-        if let Some(layout) = layout.and_then(Layout::completed) {
+        let old = || eframe::get_value::<OldLayout>(storage, OLD_LAYOUT_KEY)?.completed();
+        if let Some(layout) = eframe::get_value::<Layout>(storage, LAYOUT_KEY).or_else(old) {
             self.state.window.layout = layout;
         }
         if let Some((look, chosen)) = eframe::get_value(storage, LOOK_KEY) {
@@ -336,7 +338,9 @@ const GAP: f32 = 2.0;
 /// The height of the row of tabs above a tile.
 const TAB_BAR: f32 = 27.0;
 
-const LAYOUT_KEY: &str = "layout";
+const LAYOUT_KEY: &str = "panels";
+/// Where earlier versions kept it, in a form of their own.
+const OLD_LAYOUT_KEY: &str = "layout";
 const LOOK_KEY: &str = "look";
 
 impl eframe::App for App {
@@ -402,26 +406,21 @@ impl Behavior<Panel> for Shower<'_> {
         tile: TileId,
         button: egui::Response,
     ) -> egui::Response {
-        // The tiles at hand lack what is being shown.
-        let tiles = &self.state.window.layout.0.tiles;
-        if let Some(panel) = tiles.get_pane(&tile) {
-            button.known_as(format_args!("tab.{}", Kebab(panel)));
-        }
-        let tabs = tiles.parent_of(tile);
-        let active = match tabs.and_then(|tabs| tiles.get_container(tabs)) {
-            Some(Container::Tabs(tabs)) => tabs.active,
-            _ => None,
+        let Some(panel) = tiles::panel_of(tile) else {
+            return button;
         };
-        if active == Some(tile) {
-            let id = egui::Id::unique("seen tab").with(tabs);
-            let before = button.ctx.data(|data| data.get_temp::<(TileId, u8)>(id));
-            let frames = before.map_or(0, |(old, frames)| if old == tile { frames } else { 0 });
-            if frames < TAB_FRAMES {
-                let seen = (tile, frames + 1);
-                button.ctx.data_mut(|data| data.insert_temp(id, seen));
-                button.scroll_to_me_animation(None, egui::style::ScrollAnimation::none());
-                button.ctx.request_repaint();
-            }
+        button.known_as(format_args!("tab.{}", Kebab(panel)));
+        let id = egui::Id::unique("seen tab").with(tile);
+        if !self.state.window.layout.shows(panel) {
+            button.ctx.data_mut(|data| data.remove::<u8>(id));
+            return button;
+        }
+        let frames = button.ctx.data(|data| data.get_temp::<u8>(id));
+        let frames = frames.unwrap_or_default();
+        if frames < TAB_FRAMES {
+            button.ctx.data_mut(|data| data.insert_temp(id, frames + 1));
+            button.scroll_to_me_animation(None, egui::style::ScrollAnimation::none());
+            button.ctx.request_repaint();
         }
         button
     }

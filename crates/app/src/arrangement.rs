@@ -1,7 +1,7 @@
 //! How the window is arranged in the room it has: tiles where there is enough, else the canvas with one panel at a time.
 //! Tiles stay as they are meanwhile. What is shown where is not known here.
 
-use egui::{Vec2, vec2};
+use emath::{Vec2, vec2};
 use tilescope_session::look::Look;
 
 use crate::layout::Panel;

@@ -33,6 +33,7 @@ pub mod remote;
 pub mod script;
 pub mod state;
 pub mod subject;
+pub mod tiles;
 pub mod view;
 pub mod worker;
 

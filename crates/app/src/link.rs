@@ -6,7 +6,6 @@ mod parameters;
 mod read;
 mod said;
 mod text;
-mod tiles;
 mod write;
 
 pub use content::{Content, Moment};

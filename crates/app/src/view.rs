@@ -11,7 +11,7 @@ use tilescope_session::selection::Selection;
 
 use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
-use crate::layout::Layout;
+use crate::layout::{Layout, OldLayout, text};
 
 /// Farther from the origin than this, in r, there is no domain.
 pub(crate) const FARTHEST: f64 = 200_000.0;
@@ -109,7 +109,7 @@ impl View {
             layers: parts.take("layers", layers),
             colouring: parts.take("colouring", Some),
             look: parts.take("look", Some),
-            layout: parts.take("layout", Layout::completed),
+            layout: parts.take("layout", layout),
             selection: parts.take("selection", selection),
             clock: parts.take("clock", Some),
             speed: parts.take("speed", speed),
@@ -160,6 +160,14 @@ pub(crate) fn sound_camera(center: [f64; 2], scale: f64) -> Option<Camera> {
 /// Returns whether there are domains that reach as far as `place`, in r.
 pub(crate) fn is_near(place: [f64; 2]) -> bool {
     place.iter().all(|x| x.abs() <= FARTHEST)
+}
+
+/// Earlier versions saved a layout in another form.
+fn layout(saved: Value) -> Option<Layout> {
+    match saved {
+        Value::String(text) => text::read(&text),
+        old => serde_json::from_value::<OldLayout>(old).ok()?.completed(),
+    }
 }
 
 /// Layers that this version does not know are passed over.

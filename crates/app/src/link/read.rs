@@ -19,9 +19,9 @@ use super::text::{from_base64, items, named, numbers, pairs};
 use super::write::{LINKS, NINE_SETS, layer_name};
 use super::{
     MOST_BOOKMARKS, MOST_BYTES, MOST_COMBINATION, MOST_SAMPLES, MOST_STOPS, MOST_TEXT, VERSION,
-    tiles,
 };
 use crate::clock::Clock;
+use crate::layout;
 use crate::view::{is_near, sound_camera, speed};
 
 const OTHERS: [&str; 17] = [
@@ -202,7 +202,7 @@ impl Reader {
             let range = [start.parse().ok()?, end.parse().ok()?];
             (range[0] < range[1]).then_some(range)
         });
-        if let Some(layout) = self.take("layout", tiles::read) {
+        if let Some(layout) = self.take("layout", layout::text::read) {
             content.layout = layout;
         }
     }

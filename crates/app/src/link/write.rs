@@ -10,10 +10,9 @@ use tilescope_session::words::counted;
 use super::content::{Content, Moment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rounded, slug};
-use super::{
-    MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION, tiles,
-};
+use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
 use crate::camera::Camera;
+use crate::layout;
 
 /// A permalink.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -235,14 +234,15 @@ impl Writer {
 
     /// The layout is the first that gives way.
     fn panels(&mut self, content: &Content) {
-        let first = tiles::written(&Content::default().layout);
-        let layout = tiles::written(&content.layout);
+        let first = layout::text::written(&Content::default().layout);
+        let layout = layout::text::written(&content.layout);
         if layout == first {
             return;
         }
-        match layout.filter(|layout| layout.len() <= self.room("layout")) {
-            Some(layout) => self.put("layout", layout),
-            None => self.left_out.push("the panel layout".to_owned()),
+        if layout.len() <= self.room("layout") {
+            self.put("layout", layout);
+        } else {
+            self.left_out.push("the panel layout".to_owned());
         }
     }
 }

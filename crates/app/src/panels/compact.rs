@@ -10,6 +10,7 @@ use tilescope_ui::focus;
 use tilescope_ui::theme::{FINGER, Palette};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
+use super::context::PanelContext;
 use super::{layers, show_panel, timeline, toolbar};
 use crate::arrangement::{Arrangement, DrawerCommand};
 use crate::command::{Command, WindowCommand};
@@ -280,7 +281,9 @@ fn drawer(
         });
     };
     match panel {
-        Panel::Canvas => scrolled(ui, &mut |ui, commands| layers::show(ui, state, commands)),
+        Panel::Canvas => scrolled(ui, &mut |ui, commands| {
+            layers::show(ui, &PanelContext::of(state), commands);
+        }),
         Panel::Timeline => scrolled(ui, &mut |ui, commands| timeline::more(ui, state, commands)),
         _ => show_panel(ui, panel, state, canvas, commands),
     }

@@ -2,22 +2,25 @@
 
 use egui::{Ui, vec2};
 use tilescope_session::layers::Layer;
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, chip};
 
+use super::context::PanelContext;
 use crate::command::{AppearanceCommand, Command};
-use crate::state::State;
 
 /// Shows the chips.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(5.0, 6.0);
-        let combination = state.shows_combination();
+        let combination = context.run.shows_combination();
         let offered = |layer: &Layer| layer.is_of(combination);
         for layer in Layer::ALL.into_iter().filter(offered) {
             let named = (layer, layer.name_in(combination));
-            let chip = chip(ui, named, state.appearance.layers.has(layer), palette);
+            let chip = chip(
+                ui,
+                named,
+                context.appearance.layers.has(layer),
+                context.palette,
+            );
             chip.known_as(format_args!("layer.{}", Kebab(layer)));
             if chip.clicked() {
                 commands.push(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));

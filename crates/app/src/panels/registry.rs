@@ -32,54 +32,74 @@ enum Room {
 }
 
 /// Shows a panel in its room.
-type Show = fn(&mut Ui, &State, &mut Vec<Command>);
+enum Show {
+    /// From the first run alone, as a panel that only tells of it.
+    Run(fn(&mut Ui, &PanelContext<'_>, &mut Vec<Command>)),
+    /// From a context of its own, which is made of parts of the state.
+    Parts(fn(&mut Ui, &State, &mut Vec<Command>)),
+}
 
-/// Returns how a panel is shown. The canvas is not: it keeps what it has drawn.
+impl Show {
+    fn call(&self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+        match self {
+            Self::Run(show) => show(ui, &PanelContext::of(state), commands),
+            Self::Parts(show) => show(ui, state, commands),
+        }
+    }
+}
+
+/// Returns how a panel is shown; of the canvas, what stands above it: the canvas itself keeps what it has drawn.
 fn row(panel: Panel) -> (Room, Show) {
+    use Room::{Scrolled, Whole};
+    use Show::{Parts, Run};
     match panel {
-        Panel::Statistics => (Room::Scrolled, |ui, state, commands| {
-            stages::show(ui, &PanelContext::of(state), commands);
-        }),
-        Panel::Bookmarks => (Room::Scrolled, |ui, state, commands| {
-            let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
-            let keys = keys_of(state, &run_on);
-            bookmarks::show(ui, &PanelContext::of(state), keys, commands);
-        }),
-        Panel::Inspector => (Room::Scrolled, |ui, state, commands| {
-            inspector::show(ui, &PanelContext::of(state), commands);
-        }),
-        Panel::Watches => (Room::Scrolled, |ui, state, commands| {
-            watches::show(ui, &PanelContext::of(state), commands);
-        }),
-        Panel::Verification => (Room::Scrolled, |ui, state, commands| {
-            verification::show(ui, &PanelContext::of(state), commands);
-        }),
-        Panel::Legend => (Room::Scrolled, |ui, state, commands| {
-            legend::show(ui, &PanelContext::of(state), state.causes(), commands);
-        }),
-        Panel::Compare => (Room::Scrolled, |ui, state, commands| {
-            compare::show(ui, &CompareContext::of(state), commands);
-        }),
-        Panel::Analysis => (Room::Scrolled, |ui, state, commands| {
-            analysis::show(ui, &AnalysisContext::of(state), commands);
-        }),
-        Panel::Pseudocode => (Room::Whole, |ui, state, commands| {
-            pseudocode::show(ui, &PanelContext::of(state), commands);
-        }),
-        Panel::Events => (Room::Whole, |ui, state, commands| {
-            events::show(ui, &PanelContext::of(state), commands);
-        }),
-        Panel::Parameters => (Room::Whole, |ui, state, commands| {
-            parameters::show(ui, &FormContext::of(state), commands);
-        }),
-        Panel::Passes => (Room::Whole, |ui, state, commands| {
-            let refusal = state.passes_refusal();
-            passes(ui, &PanelContext::of(state), refusal.as_deref(), commands);
-        }),
-        Panel::Canvas => (Room::Whole, |ui, state, commands| {
-            layers::show(ui, state, commands);
-        }),
-        Panel::Timeline => (Room::Whole, timeline::show),
+        Panel::Statistics => (Scrolled, Run(stages::show)),
+        Panel::Inspector => (Scrolled, Run(inspector::show)),
+        Panel::Watches => (Scrolled, Run(watches::show)),
+        Panel::Verification => (Scrolled, Run(verification::show)),
+        Panel::Pseudocode => (Whole, Run(pseudocode::show)),
+        Panel::Events => (Whole, Run(events::show)),
+        Panel::Canvas => (Whole, Run(layers::show)),
+        Panel::Timeline => (Whole, Parts(timeline::show)),
+        Panel::Bookmarks => (
+            Scrolled,
+            Parts(|ui, state, commands| {
+                let run_on = Command::Time(TimeCommand::Continue(Direction::Forwards));
+                let keys = keys_of(state, &run_on);
+                bookmarks::show(ui, &PanelContext::of(state), keys, commands);
+            }),
+        ),
+        Panel::Legend => (
+            Scrolled,
+            Parts(|ui, state, commands| {
+                legend::show(ui, &PanelContext::of(state), state.causes(), commands);
+            }),
+        ),
+        Panel::Compare => (
+            Scrolled,
+            Parts(|ui, state, commands| {
+                compare::show(ui, &CompareContext::of(state), commands);
+            }),
+        ),
+        Panel::Analysis => (
+            Scrolled,
+            Parts(|ui, state, commands| {
+                analysis::show(ui, &AnalysisContext::of(state), commands);
+            }),
+        ),
+        Panel::Parameters => (
+            Whole,
+            Parts(|ui, state, commands| {
+                parameters::show(ui, &FormContext::of(state), commands);
+            }),
+        ),
+        Panel::Passes => (
+            Whole,
+            Parts(|ui, state, commands| {
+                let refusal = state.passes_refusal();
+                passes(ui, &PanelContext::of(state), refusal.as_deref(), commands);
+            }),
+        ),
     }
 }
 
@@ -145,17 +165,17 @@ pub fn show_panel(
             let chips = frame.inner_margin(Margin::symmetric(12, 8));
             egui::Panel::top("layers")
                 .frame(chips)
-                .show(ui, |ui| show(ui, state, commands));
+                .show(ui, |ui| show.call(ui, state, commands));
             canvas.show(ui, state, commands);
         }
         (Panel::Timeline, _) => {
             filled(ui, frame.inner_margin(TIMELINE_MARGIN), |ui| {
-                show(ui, state, commands);
+                show.call(ui, state, commands);
             });
         }
-        (_, Room::Whole) => filled(ui, side, |ui| show(ui, state, commands)),
+        (_, Room::Whole) => filled(ui, side, |ui| show.call(ui, state, commands)),
         (_, Room::Scrolled) => filled(ui, side, |ui| {
-            scrolled(ui, panel, |ui| show(ui, state, commands));
+            scrolled(ui, panel, |ui| show.call(ui, state, commands));
         }),
     }
 }

@@ -26,9 +26,7 @@ pub(crate) fn analysing() -> Harness<'static, App> {
         );
     }
     apply(&mut harness, Command::Run);
-    let id = egui::Id::unique("a panel alone");
-    let alone = egui_tiles::Tree::new_tabs(id, vec![Panel::Analysis]);
-    harness.state_mut().state.window.layout = Layout(alone);
+    harness.state_mut().state.window.layout = Layout::alone(Panel::Analysis);
     settle(&mut harness);
     harness
 }

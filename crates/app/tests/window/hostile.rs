@@ -112,12 +112,9 @@ fn what_a_view_asks_for_is_limited() {
         value["view"]["second"] = second;
         value["view"]["selection"] = json!({"place": [150_000.0, 3.0]});
         // A layout that holds itself.
-        let layout = &mut value["view"]["layout"];
-        let root = layout["root"].clone();
-        let key = root.to_string();
-        let tile = &mut layout["tiles"]["tiles"][&key];
-        let children = tile["Container"]["Linear"]["children"].as_array_mut();
-        children.expect("a column of panels").push(root);
+        let column = json!({"children": [1], "dir": "Vertical", "shares": {"shares": {}}});
+        let tiles = json!({"1": {"Container": {"Linear": column}}});
+        value["view"]["layout"] = json!({"root": 1, "tiles": {"tiles": tiles}});
     });
     assert!(!is_error);
     let expected = "left out: layout, second, selection.";

@@ -2,7 +2,6 @@
 //! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
 
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
-use egui_tiles::Tree;
 use tilescope_app::arrangement::DrawerCommand;
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
@@ -59,8 +58,7 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
 }
 
 fn alone(harness: &mut Harness<'_, App>, panel: Panel) {
-    let id = egui::Id::unique("a panel alone");
-    harness.state_mut().state.window.layout = Layout(Tree::new_tabs(id, vec![panel]));
+    harness.state_mut().state.window.layout = Layout::alone(panel);
     settle(harness);
 }
 

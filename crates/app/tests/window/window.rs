@@ -6,7 +6,7 @@ use tilescope_app::device::Engine;
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::export::ExportCommand;
 use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::{App, Command, tiles};
 use tilescope_core::{Search, Stage};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::Layer;
@@ -261,9 +261,7 @@ fn the_gpu_shows_its_name_and_its_verdict() {
 
 /// Returns how much of a panel's tab is scrolled out of view.
 fn hidden_part(harness: &Harness<'_, App>, panel: Panel) -> f32 {
-    let tree = &harness.state().state.window.layout.0;
-    let tile = tree.tiles.find_pane(&panel).expect("every panel is there");
-    let tab = harness.ctx.read_response(tile.egui_id(tree.id()));
+    let tab = harness.ctx.read_response(tiles::tab_id(panel));
     let tab = tab.expect("it has a tab");
     tab.rect.width() - tab.interact_rect.width()
 }

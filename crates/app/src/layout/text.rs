@@ -1,80 +1,81 @@
-//! Where the panels stand, as a short text: rows, columns and tabs one within the other, each panel by a letter. What a sound
-//! layout is says the layout.
+//! A layout as a short text: rows, columns and tabs one within the other, each panel by a letter.
 
-use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
-
-use crate::layout::{Layout, Panel};
+use super::{Axis, Layout, MAX_DEPTH, MAX_TILES, Panel, Tile};
 
 /// Shares of rows and columns are told to this part.
 const PART: f32 = 10_000.0;
 /// The largest share.
-const MOST_SHARE: f32 = 100.0;
-/// Deeper than this no layout is read.
-const DEEPEST: usize = 24;
-/// More tiles than this are not read.
-const MOST_TILES: usize = 100;
+const MAX_SHARE: f32 = 100.0;
 /// Ends a container.
 const END: char = '-';
 /// Stands before the open tab.
 const OPEN: char = '_';
 
 /// Returns a layout as text: `H`, `V` or `T`, its children, `-`; behind a child of a row or column its share in ten
-/// thousandths. None for a layout that has grids, which the window does not make.
-pub fn written(layout: &Layout) -> Option<String> {
+/// thousandths.
+#[must_use]
+pub fn written(layout: &Layout) -> String {
     let mut text = String::new();
-    write(&layout.0.tiles, layout.0.root()?, 0, &mut text)?;
-    Some(text)
+    write(&layout.root, &mut text);
+    text
 }
 
-fn write(tiles: &Tiles<Panel>, id: TileId, depth: usize, text: &mut String) -> Option<()> {
-    if depth > DEEPEST {
-        return None;
-    }
-    match tiles.get(id)? {
-        Tile::Pane(panel) => text.push(panel.letter()),
-        Tile::Container(Container::Tabs(tabs)) => {
+fn write(tile: &Tile, text: &mut String) {
+    match tile {
+        Tile::Panel(panel) => text.push(panel.letter()),
+        Tile::Tabs { tiles, open } => {
             text.push('T');
-            for &child in &tabs.children {
-                if tabs.active == Some(child) {
+            for (place, tile) in tiles.iter().enumerate() {
+                if place == *open {
                     text.push(OPEN);
                 }
-                write(tiles, child, depth + 1, text)?;
+                write(tile, text);
             }
             text.push(END);
         }
-        Tile::Container(Container::Linear(linear)) => {
-            text.push(match linear.dir {
-                LinearDir::Horizontal => 'H',
-                LinearDir::Vertical => 'V',
+        Tile::Linear { axis, tiles } => {
+            text.push(match axis {
+                Axis::Horizontal => 'H',
+                Axis::Vertical => 'V',
             });
-            for &child in &linear.children {
-                write(tiles, child, depth + 1, text)?;
-                let share = linear.shares[child].clamp(0.0, MOST_SHARE);
+            for (tile, share) in tiles {
+                write(tile, text);
+                let share = share.clamp(0.0, MAX_SHARE);
                 text.push_str(&((share * PART).round() as u32).to_string());
             }
             text.push(END);
         }
-        Tile::Container(Container::Grid(_)) => return None,
     }
-    Some(())
 }
 
 /// Returns the layout that a text means, with every panel in it; none if it means no sound one.
+#[must_use]
 pub fn read(text: &str) -> Option<Layout> {
     let mut reader = Reader {
         rest: text,
-        tiles: Tiles::default(),
         count: 0,
     };
     let root = reader.tile(0)?;
-    let tree = Tree::new(Layout::default().0.id(), root, reader.tiles);
     reader.rest.is_empty().then_some(())?;
-    Layout(tree).completed()
+    Layout { root }.completed()
+}
+
+impl From<Layout> for String {
+    fn from(layout: Layout) -> Self {
+        written(&layout)
+    }
+}
+
+impl TryFrom<String> for Layout {
+    type Error = &'static str;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        read(&text).ok_or("this is no layout of the panels")
+    }
 }
 
 struct Reader<'a> {
     rest: &'a str,
-    tiles: Tiles<Panel>,
     count: usize,
 }
 
@@ -91,45 +92,39 @@ impl Reader<'_> {
         rest.is_some()
     }
 
-    fn tile(&mut self, depth: usize) -> Option<TileId> {
+    fn tile(&mut self, depth: usize) -> Option<Tile> {
         self.count += 1;
-        if depth > DEEPEST || self.count > MOST_TILES {
+        if depth > MAX_DEPTH || self.count > MAX_TILES {
             return None;
         }
         match self.next()? {
             'T' => self.tabs(depth),
-            'H' => self.linear(LinearDir::Horizontal, depth),
-            'V' => self.linear(LinearDir::Vertical, depth),
+            'H' => self.linear(Axis::Horizontal, depth),
+            'V' => self.linear(Axis::Vertical, depth),
             other => {
                 let panel = Panel::all().find(|&panel| panel.letter() == other)?;
-                Some(self.tiles.insert_pane(panel))
+                Some(Tile::Panel(panel))
             }
         }
     }
 
-    fn tabs(&mut self, depth: usize) -> Option<TileId> {
-        let (mut children, mut active) = (Vec::new(), None);
+    fn tabs(&mut self, depth: usize) -> Option<Tile> {
+        let (mut tiles, mut open) = (Vec::new(), 0);
         while !self.takes(END) {
-            let is_open = self.takes(OPEN);
-            let child = self.tile(depth + 1)?;
-            children.push(child);
-            if is_open {
-                active = Some(child);
+            if self.takes(OPEN) {
+                open = tiles.len();
             }
+            tiles.push(self.tile(depth + 1)?);
         }
-        let mut tabs = Tabs::new(children);
-        tabs.active = active.or(tabs.active);
-        Some(self.tiles.insert_container(Container::Tabs(tabs)))
+        Some(Tile::Tabs { tiles, open })
     }
 
-    fn linear(&mut self, dir: LinearDir, depth: usize) -> Option<TileId> {
-        let mut linear = Linear::new(dir, Vec::new());
+    fn linear(&mut self, axis: Axis, depth: usize) -> Option<Tile> {
+        let mut tiles = Vec::new();
         while !self.takes(END) {
-            let child = self.tile(depth + 1)?;
-            linear.children.push(child);
-            linear.shares.set_share(child, self.share()?);
+            tiles.push((self.tile(depth + 1)?, self.share()?));
         }
-        Some(self.tiles.insert_container(Container::Linear(linear)))
+        Some(Tile::Linear { axis, tiles })
     }
 
     fn share(&mut self) -> Option<f32> {
@@ -137,7 +132,7 @@ impl Reader<'_> {
         let (digits, rest) = self.rest.split_at(len);
         self.rest = rest;
         let share = digits.parse::<u32>().ok()? as f32 / PART;
-        (share <= MOST_SHARE).then_some(share)
+        (share <= MAX_SHARE).then_some(share)
     }
 }
 
@@ -148,17 +143,17 @@ mod tests {
     #[test]
     fn layouts_come_back() {
         let mut layout = Layout::default();
-        let first = written(&layout).unwrap();
+        let first = written(&layout);
         assert_eq!(
             first,
             "VHT_peba-1950T_cg-6050VT_lsx-4400T_viwk-5600-2000-8740t1260-"
         );
         for panel in Panel::all() {
             layout.open(panel);
-            let text = written(&layout).unwrap();
+            let text = written(&layout);
             let back = read(&text).unwrap();
             assert!(back.is_whole() && back.shows(panel), "{panel:?}: {text}");
-            assert_eq!(written(&back), Some(text));
+            assert_eq!(written(&back), text);
         }
         // Missing panels, as in a link of an earlier version, are completed.
         assert!(read("VT_cg-5000t5000-").unwrap().is_whole());
@@ -175,6 +170,7 @@ mod tests {
             "?",
             "T",
             "Tcc-",
+            "T-",
             "Hc5000",
             "Hc-",
             "Hc5000e-",

@@ -1,0 +1,174 @@
+//! A layout as the tiles that `egui_tiles` shows and moves, and back. A panel's tile has the same number wherever it stands,
+//! so that what egui remembers of a panel goes along with it.
+
+use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
+
+use crate::layout::{self, Axis, Layout, MAX_DEPTH, Panel};
+
+/// Containers are numbered from here on; panels have the numbers below.
+const CONTAINERS: u64 = 1_000;
+
+/// Returns the tile of a panel.
+fn tile_of(panel: Panel) -> TileId {
+    TileId::from_u64(1 + panel as u64)
+}
+
+/// Returns the panel of a tile, if it is that of a panel.
+#[must_use]
+pub fn panel_of(tile: TileId) -> Option<Panel> {
+    Panel::all().find(|panel| tile_of(*panel) == tile)
+}
+
+fn id() -> egui::Id {
+    egui::Id::unique("layout")
+}
+
+/// Returns what egui knows the tab of a panel by.
+#[must_use]
+pub fn tab_id(panel: Panel) -> egui::Id {
+    tile_of(panel).egui_id(id())
+}
+
+/// Returns the tiles of a layout.
+#[must_use]
+pub fn tree(layout: &Layout) -> Tree<Panel> {
+    let mut maker = Maker {
+        tiles: Tiles::default(),
+        containers: 0,
+    };
+    let root = maker.insert(&layout.root);
+    Tree::new(id(), root, maker.tiles)
+}
+
+struct Maker {
+    tiles: Tiles<Panel>,
+    containers: u64,
+}
+
+impl Maker {
+    fn insert(&mut self, tile: &layout::Tile) -> TileId {
+        if let layout::Tile::Panel(panel) = tile {
+            let id = tile_of(*panel);
+            self.tiles.insert(id, Tile::Pane(*panel));
+            return id;
+        }
+        let id = TileId::from_u64(CONTAINERS + self.containers);
+        self.containers += 1;
+        let children: Vec<TileId> = tile.children().map(|tile| self.insert(tile)).collect();
+        let container = match tile {
+            layout::Tile::Linear { axis, tiles } => {
+                let dir = match axis {
+                    Axis::Horizontal => LinearDir::Horizontal,
+                    Axis::Vertical => LinearDir::Vertical,
+                };
+                let mut linear = Linear::new(dir, children.clone());
+                for (child, (_, share)) in children.into_iter().zip(tiles) {
+                    linear.shares.set_share(child, *share);
+                }
+                Container::Linear(linear)
+            }
+            layout::Tile::Tabs { open, .. } => {
+                let active = children.get(*open).copied();
+                let mut tabs = Tabs::new(children);
+                tabs.active = active;
+                Container::Tabs(tabs)
+            }
+            layout::Tile::Panel(_) => return id,
+        };
+        self.tiles.insert(id, Tile::Container(container));
+        id
+    }
+}
+
+/// Returns the layout of these tiles; none if there are kinds of containers among them that a layout lacks.
+#[must_use]
+pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
+    let root = tile(&tree.tiles, tree.root()?, 0)?;
+    Some(Layout { root })
+}
+
+fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Tile> {
+    if depth > MAX_DEPTH {
+        return None;
+    }
+    let inner = |id: &TileId| tile(tiles, *id, depth + 1);
+    Some(match tiles.get(id)? {
+        Tile::Pane(panel) => layout::Tile::Panel(*panel),
+        Tile::Container(Container::Tabs(tabs)) => {
+            let open = |id: &TileId| Some(*id) == tabs.active;
+            layout::Tile::Tabs {
+                open: tabs.children.iter().position(open).unwrap_or_default(),
+                tiles: tabs.children.iter().map(inner).collect::<Option<_>>()?,
+            }
+        }
+        Tile::Container(Container::Linear(linear)) => {
+            let shared = |id: &TileId| Some((inner(id)?, linear.shares[*id]));
+            layout::Tile::Linear {
+                axis: match linear.dir {
+                    LinearDir::Horizontal => Axis::Horizontal,
+                    LinearDir::Vertical => Axis::Vertical,
+                },
+                tiles: linear.children.iter().map(shared).collect::<Option<_>>()?,
+            }
+        }
+        Tile::Container(Container::Grid(_)) => return None,
+    })
+}
+
+/// Returns these tiles with the shares that `before` has in rows and columns that are as in `shown`, which was made of it:
+/// what was not resized keeps its share in a window of another size.
+#[must_use]
+pub fn with_shares_of(
+    mut tree: Tree<Panel>,
+    before: &Tree<Panel>,
+    shown: &Tree<Panel>,
+) -> Tree<Panel> {
+    let ids: Vec<TileId> = tree.tiles.tile_ids().collect();
+    let linear = |tree: &Tree<Panel>, id| match tree.tiles.get(id) {
+        Some(Tile::Container(Container::Linear(linear))) => Some(linear.clone()),
+        _ => None,
+    };
+    for id in ids {
+        if let (Some(old), Some(seen)) = (linear(before, id), linear(shown, id))
+            && let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(id)
+            && *linear == seen
+        {
+            *linear = old;
+        }
+    }
+    tree
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::vec2;
+
+    use super::*;
+
+    #[test]
+    fn layouts_come_back_from_tiles() {
+        let mut whole = Layout::default();
+        whole.open(Panel::Legend);
+        assert_eq!(layout(&tree(&whole)), Some(whole));
+        let ids: Vec<_> = Panel::all().map(tile_of).collect();
+        assert!(ids.iter().all(|id| id.0 < CONTAINERS));
+        for (panel, id) in Panel::all().zip(ids) {
+            assert_eq!(panel_of(id), Some(panel));
+        }
+    }
+
+    #[test]
+    fn what_was_enlarged_for_a_small_window_alone_is_not_kept() {
+        let whole = Layout::default();
+        let mut small = whole.clone();
+        small.enlarge(vec2(400.0, 300.0), [2.0, 20.0], |_| vec2(100.0, 50.0));
+        assert_ne!(small, whole);
+        // What was opened there is kept.
+        let mut opened = small.clone();
+        opened.open(Panel::Events);
+        let kept = with_shares_of(tree(&opened), &tree(&whole), &tree(&small));
+        let mut expected = whole;
+        expected.open(Panel::Events);
+        assert_eq!(layout(&kept), Some(expected));
+    }
+}
