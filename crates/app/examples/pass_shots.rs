@@ -7,10 +7,11 @@ use std::sync::Arc;
 use egui_kittest::Harness;
 use tilescope_app::passes::{Fault, PassCommand, Passes, panel};
 use tilescope_core::{Parameters, Stage};
+use tilescope_drawing::palette::Palette;
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::look::Look;
-use tilescope_ui::theme::{Palette, install};
+use tilescope_ui::theme::install;
 
 struct Shown {
     passes: Passes,

@@ -137,7 +137,10 @@ impl App {
         let is_playing = self.state.time.playback.is_playing();
         ui.ctx()
             .with_plugin(|speaker: &mut Speaker| speaker.is_playing = is_playing);
-        focus::ring(ui.ctx(), theme::Palette::of(self.state.appearance.look));
+        focus::ring(
+            ui.ctx(),
+            tilescope_drawing::palette::Palette::of(self.state.appearance.look),
+        );
         self.follow_focus(ui.ctx());
         self.apply_commands(ui.ctx());
         #[cfg(target_arch = "wasm32")]
@@ -444,7 +447,7 @@ impl Behavior<Panel> for Shower<'_> {
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> egui::Color32 {
-        theme::Palette::of(self.state.appearance.look).outside
+        tilescope_drawing::palette::Palette::of(self.state.appearance.look).outside
     }
 }
 

@@ -8,7 +8,6 @@ pub mod actions;
 pub mod analysis;
 mod app;
 pub mod arrangement;
-pub mod camera;
 pub mod canvas;
 pub mod clock;
 pub mod command;
@@ -32,7 +31,6 @@ pub mod remote;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod script;
 pub mod state;
-pub mod subject;
 pub mod tiles;
 pub mod view;
 pub mod worker;

@@ -10,12 +10,12 @@ use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 
-use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
 use crate::link::{
     COLOURINGS, MOST_PATTERN_SIDE, MOST_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
 use crate::view::{FARTHEST, sound_camera};
+use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// The longest request, in bytes.
 pub const MOST_BYTES: usize = 65_536;

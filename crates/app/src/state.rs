@@ -6,7 +6,6 @@ use tilescope_core::Stage;
 use crate::analysis::Analysis;
 use crate::command::{Command, LinkCommand, ViewCommand, Which};
 use crate::layout::Panel;
-use crate::subject::Subject;
 pub use appearance::Appearance;
 use effects::{Context, Effect};
 pub use form::Form;
@@ -15,6 +14,7 @@ pub use page::PageStart;
 use parts::JobContext;
 pub use parts::{FileState, Links, Messages, Runs};
 pub use run_view::{EventQuery, Found, Hits, MOST_FOUND, MOST_HITS, RunView};
+use tilescope_drawing::subject::Subject;
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::Shown;
 use tilescope_session::verification::Verdict;
@@ -146,7 +146,6 @@ impl State {
         let first = &self.runs.first;
         Some(Subject {
             causes: self.causes(),
-            buffers: self.buffers_on_canvas(),
             ..first.subject(&self.appearance, self.contrast(false))?
         })
     }

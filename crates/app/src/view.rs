@@ -9,9 +9,9 @@ use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
-use crate::camera::{Camera, MAX_SCALE, MIN_SCALE};
 use crate::clock::{Clock, SPEEDS};
 use crate::layout::{Layout, OldLayout, text};
+use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// Farther from the origin than this, in r, there is no domain.
 pub(crate) const FARTHEST: f64 = 200_000.0;

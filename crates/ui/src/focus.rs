@@ -5,7 +5,7 @@ use egui::{
     Context, EventFilter, Id, LayerId, Memory, Popup, Role, Stroke, StrokeKind, Ui, WidgetRect,
 };
 
-use crate::theme::Palette;
+use tilescope_drawing::palette::Palette;
 
 /// How wide the ring is, and how far around what has the focus, in screen points.
 const WIDTH: f32 = 2.0;

@@ -9,7 +9,9 @@ use egui::{
 };
 use tilescope_session::layers::Layer;
 
-use crate::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+use tilescope_drawing::palette::Palette;
+
+use crate::theme::{FINGER, is_for_fingers, row_height, semibold};
 
 /// What has an id: tests and assistive tools find it by that, whatever it says and in whatever language.
 pub trait Known {

@@ -11,10 +11,10 @@ use tilescope_session::moment::{Shown, Still};
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
+use tilescope_drawing::brushed::{Cause, Found, MOST_PAIRS, Pair};
+
 use super::measured::{Control, Samples, refusal};
 
-/// Pairs that are kept to be drawn.
-pub const MOST_PAIRS: usize = 500_000;
 /// This part of the samples has a colour of its own for its share; those beyond have the strongest one.
 const TINTED: f64 = 0.95;
 
@@ -67,49 +67,6 @@ impl Brush {
         let range = brush.filter(|brush| brush.axis == axis);
         range.map(|brush| brush.range)
     }
-}
-
-/// Two samples.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Pair {
-    /// Their ids.
-    pub ids: [u32; 2],
-    /// From the first to the nearest image of the second, in r.
-    pub offset: [f64; 2],
-}
-
-/// What causes what is seen in a brush.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub enum Cause {
-    /// The pairs at the distances.
-    Pairs {
-        /// How many there are.
-        total: u64,
-        /// At most [`MOST_PAIRS`] of them.
-        pairs: Vec<Pair>,
-    },
-    /// What each sample contributes to the power at the frequencies.
-    Shares {
-        /// How many frequencies there are.
-        frequencies: u64,
-        /// Their mean power.
-        mean_power: f64,
-        /// By id: the share over what is expected of a sample of noise in its place, so that those of noise have a mean of 1 all over the
-        /// domain. It is the mean power, which has no tint, where a bounded domain's taper leaves too little of a sample. NaN for
-        /// samples that do not stand.
-        shares: Vec<f32>,
-        /// Shares that are so far from the mean power have the strongest colour.
-        strongest: f32,
-    },
-}
-
-/// What was found, with a number of its own.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// Changes with everything that is found, so that pictures made from another are not reused.
-    pub serial: u64,
-    /// The causes.
-    pub cause: Cause,
 }
 
 /// A moment and a brush.

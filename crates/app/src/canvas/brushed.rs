@@ -1,23 +1,20 @@
 //! What is brushed, on the canvas: the edges of the pairs at the chosen distances, and the tint of samples by what they add
 //! to the power of the chosen frequencies. What is found is handed to it.
 
-use egui::{Color32, Pos2, Rect, Shape};
+use egui::{Pos2, Rect, Shape};
 use tilescope_core::Stage;
 use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::Palette;
 
 use super::paint::Scene;
 use super::pane::MadeFrom;
 use super::sprites::Sprites;
 use super::strokes::Strokes;
-use crate::analysis::brush::{Cause, Found};
+use tilescope_drawing::brushed::Cause;
 
 /// Edges that are drawn at most: those nearest to the middle of the view.
 pub const MOST_EDGES: usize = 20_000;
 /// The width of an edge, in screen points.
 const WIDTH: f32 = 1.5;
-/// By how much samples of the strongest shares are larger or smaller than others, of their size.
-const SWELL: f32 = 0.5;
 
 /// The edges in view, as long as nothing changes that they follow from.
 #[derive(Default)]
@@ -113,37 +110,11 @@ fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
     (ends, count)
 }
 
-/// Returns the colour of a sample by how far its share is from the mean one, and its size, 1 for the mean share: what adds
-/// more to the power is large, what adds less small. None where no shares are known.
-pub fn tint(found: Option<&Found>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
-    let Cause::Shares {
-        shares,
-        strongest,
-        mean_power,
-        ..
-    } = &found?.cause
-    else {
-        return None;
-    };
-    let share = *shares.get(id as usize)?;
-    if !share.is_finite() {
-        return None;
-    }
-    let part = ((share - *mean_power as f32) / strongest).clamp(-1.0, 1.0);
-    let strong = if part < 0.0 {
-        palette.detector
-    } else {
-        palette.conflict
-    };
-    let color = palette.eliminated.lerp_to_gamma(strong, part.abs().sqrt());
-    Some((color, 1.0 + SWELL * part))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::brush::Pair;
-    use tilescope_ui::theme::{DARK, LIGHT};
+    use tilescope_drawing::brushed::Pair;
+    
 
     #[test]
     fn what_is_brushed_is_said_with_what_is_not_kept() {
@@ -159,28 +130,5 @@ mod tests {
         assert_eq!(short(&pairs(2, 2)).unwrap(), "Brushed: 2 pairs.");
         let cut = short(&pairs(1_000, 2)).unwrap();
         assert!(cut.contains("the 2 lowest in the domain are kept"), "{cut}");
-    }
-
-    #[test]
-    fn shares_of_either_sign_differ_in_size_and_colour_and_others_have_no_tint() {
-        let found = Found {
-            serial: 1,
-            cause: Cause::Shares {
-                frequencies: 4,
-                mean_power: 1.0,
-                shares: vec![1.0, 3.0, -1.0, 50.0, f32::NAN],
-                strongest: 4.0,
-            },
-        };
-        for palette in [DARK, LIGHT] {
-            let of = |id| tint(Some(&found), id, &palette);
-            let [mean, more, less, most] = [0, 1, 2, 3].map(|id| of(id).unwrap());
-            assert_eq!(mean, (palette.eliminated, 1.0));
-            assert!(less.1 < mean.1 && mean.1 < more.1 && more.1 < most.1);
-            assert_eq!(most, (palette.conflict, 1.0 + SWELL));
-            assert_ne!(less.0, more.0);
-            assert_eq!((of(4), of(5)), (None, None));
-        }
-        assert_eq!(tint(None, 0, &DARK), None);
     }
 }

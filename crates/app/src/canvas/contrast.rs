@@ -1,7 +1,7 @@
 //! The marks on samples that only one of two compared runs has.
 
 use egui::{Color32, Mesh, Pos2, Rect, vec2};
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 
 use super::paint::Scene;
 

@@ -2,7 +2,7 @@
 //! what is that page's.
 
 use egui::{Align2, Context, Id, ModifierNames, Modifiers, Painter, Rect, Ui, vec2};
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 
 use super::paint::tag;
 

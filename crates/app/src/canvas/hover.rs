@@ -4,13 +4,13 @@
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 use tilescope_analysis::tessellation::Edge;
 use tilescope_core::{Origin, Stage, Standing};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
-use tilescope_ui::theme::Palette;
 
 use super::MIN_DISK_SCALE;
 use super::tree::Made;
-use crate::subject::Subject;
+use tilescope_drawing::subject::Subject;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
 const WIDEST: f32 = 380.0;

@@ -1,17 +1,14 @@
-//! The picture of a moment: samples, disks, gaps and what lies over them, drawn from a [`Subject`](crate::subject::Subject).
+//! The picture of a moment: samples, disks, gaps and what lies over them, drawn from a [`Subject`](tilescope_drawing::subject::Subject).
 //! It knows neither the state of the window nor its commands; what it remembers between frames are pictures that can be
 //! made again.
 
-pub(crate) mod age;
 pub(crate) mod blocks;
 mod brushed;
-pub(crate) mod buffers;
 mod contrast;
 mod geometry;
 pub mod hint;
 pub(crate) mod hover;
 pub mod instanced;
-pub(crate) mod looks;
 mod now;
 pub(crate) mod overlay;
 mod paint;
@@ -36,7 +33,8 @@ pub const MAX_SYMBOLS: usize = 90_000;
 /// Disks and gaps are drawn from this many screen points per r.
 pub const MIN_DISK_SCALE: f64 = 1.25;
 
-const UNIT: Rect = Rect {
+/// The whole of a texture.
+pub const UNIT: Rect = Rect {
     min: egui::pos2(0.0, 0.0),
     max: egui::pos2(1.0, 1.0),
 };

@@ -1,11 +1,11 @@
 //! What lies over the layers: scale bar, coordinates, remarks, and the place that decides a verdict.
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::verification::Sight;
-use tilescope_ui::theme::Palette;
 
 use super::paint::tag;
-use crate::subject::Subject;
+use tilescope_drawing::subject::Subject;
 
 /// On a canvas that is lower than this, remarks would hide what they are about.
 const LEAST_HEIGHT: f32 = 200.0;

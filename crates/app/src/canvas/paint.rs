@@ -2,16 +2,16 @@
 
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, vec2};
 use tilescope_core::{Rect as LatticeRect, Stage};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::units::radii;
-use tilescope_ui::theme::Palette;
 
 use super::sprites::{Sprite, Sprites};
 use super::strokes::Stamps;
 use super::tree::Made;
-use crate::subject::Subject;
+use tilescope_drawing::subject::Subject;
 
 /// What is drawn in one frame.
 pub struct Scene<'a> {

@@ -4,12 +4,11 @@
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2};
 use tilescope_core::Stage;
+use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
-use tilescope_ui::theme::Palette;
 
 use super::brushed::Edges;
-use super::looks::{Key, Looks, Swatches};
 use super::paint::Scene;
 use super::raster::{Coverage, Frame};
 use super::resident::Resident;
@@ -17,7 +16,8 @@ use super::sprites::Sprites;
 use super::stack::{Stack, note};
 use super::strokes::Kept;
 use super::{MIN_DISK_SCALE, UNIT, symbols};
-use crate::subject::Subject;
+use tilescope_drawing::looks::{Key, Looks, Swatches};
+use tilescope_drawing::subject::Subject;
 
 /// A picture between two frames.
 #[derive(Default)]

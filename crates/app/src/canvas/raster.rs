@@ -4,7 +4,7 @@
 use egui::{Color32, ColorImage, Rect};
 use tilescope_session::session::Session;
 
-use crate::camera::Camera;
+use tilescope_drawing::camera::Camera;
 
 /// A grid of pixels over the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,9 +6,10 @@ use egui::{Painter, Rect};
 use tilescope_core::Stage;
 use tilescope_session::layers::Layer;
 
-use super::instanced::{InstancedCanvas, Look, PaintOptions, Symbol, Symbols};
-use super::looks::{Key, Looks};
+use super::instanced::{InstancedCanvas, PaintOptions, Symbols};
 use super::paint::Scene;
+use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::looks::{Key, Looks};
 
 /// Moments more events apart than this are not compared event by event.
 const MOST_EVENTS: usize = 1_000;

@@ -5,12 +5,12 @@ use tilescope_core::Stage;
 use tilescope_session::layers::Layer;
 
 use super::brushed::Edges;
-use super::looks::Looks;
 use super::paint::Scene;
 use super::resident::Resident;
 use super::sprites::Sprites;
 use super::strokes::Kept;
 use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, seams, symbols, tree};
+use tilescope_drawing::looks::Looks;
 
 /// What is kept as meshes from frame to frame.
 #[derive(Clone, Copy)]

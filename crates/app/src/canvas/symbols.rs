@@ -8,12 +8,13 @@ use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 use tilescope_session::units::radii;
 
-use super::instanced::{Symbol, outline, radii as radii_at};
-use super::looks::Looks;
+use super::instanced::{outline, radii as radii_at};
 use super::paint::Scene;
 use super::raster::{Density, Frame};
 use super::sprites::{Sprite, Sprites};
 use super::strokes::{Stamps, Strokes};
+use tilescope_drawing::look::Symbol;
+use tilescope_drawing::looks::Looks;
 
 /// Disks larger than this are drawn as circles, not as pictures, in screen points.
 const MAX_DISK_SPRITE: f32 = 160.0;

@@ -5,6 +5,7 @@ use egui::Color32;
 use tilescope_analysis::Tessellation;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Point, Rect as LatticeRect, Stage, Standing};
+use tilescope_drawing::palette::Palette;
 use tilescope_figures::{
     Anchor, Baseline, Color, Fill, Font, Group, Hatch, Marker, MomentOptions, Rect, Shape, Stroke,
     Style, Text, text_width, with_alpha,
@@ -14,15 +15,14 @@ use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::units::radii;
-use tilescope_ui::theme::Palette;
 
 use super::picture::View;
 use crate::canvas::MIN_DISK_SCALE;
 use crate::canvas::blocks::{MIN_LABELLED, TINTS};
-use crate::canvas::instanced::Symbol;
-use crate::canvas::looks::{Looks, Swatches};
 use crate::canvas::tree::{self, Made};
-use crate::subject::Subject;
+use tilescope_drawing::look::Symbol;
+use tilescope_drawing::looks::{Looks, Swatches};
+use tilescope_drawing::subject::Subject;
 
 /// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
 const LARGEST_CIRCLE: f64 = 10_000.0;
@@ -149,7 +149,6 @@ impl<'a> Drawing<'a> {
             geometry: self.geometry,
             contrast: None,
             causes: None,
-            buffers: None,
         }
     }
 

@@ -17,12 +17,11 @@ use tilescope_session::moment::Shown;
 use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme;
 
 use super::drawing::{Drawing, color};
 use super::refusal::Refusal;
 use super::still::{Still, provenance};
-use crate::camera::Camera;
+use tilescope_drawing::camera::Camera;
 
 /// The most samples that a picture draws.
 pub const MOST_DRAWN: usize = 1_000_000;
@@ -72,11 +71,11 @@ impl View {
     }
 
     /// Returns the colours.
-    pub(super) const fn palette(&self) -> &'static theme::Palette {
+    pub(super) const fn palette(&self) -> &'static tilescope_drawing::palette::Palette {
         if self.is_dark() {
-            &theme::DARK
+            &tilescope_drawing::palette::DARK
         } else {
-            &theme::LIGHT
+            &tilescope_drawing::palette::LIGHT
         }
     }
 

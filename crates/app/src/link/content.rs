@@ -7,10 +7,10 @@ use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 
-use crate::camera::Camera;
 use crate::clock::Clock;
 use crate::layout::Layout;
 use crate::view::View;
+use tilescope_drawing::camera::Camera;
 
 /// A moment of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

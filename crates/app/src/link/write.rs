@@ -11,8 +11,8 @@ use super::content::{Content, Moment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rounded, slug};
 use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
-use crate::camera::Camera;
 use crate::layout;
+use tilescope_drawing::camera::Camera;
 
 /// A permalink.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 
 use egui::{KeyboardShortcut, RichText, Role, TextEdit, Ui, WidgetInfo};
 use tilescope_debugger::{Bookmark, Debugger, Listings, Marked};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::words::grouped;
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
 use super::common::no_events;

@@ -1,8 +1,8 @@
 //! What several panels have.
 
 use egui::{ScrollArea, Ui};
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::focus;
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::Known;
 
 use super::context::PanelContext;

@@ -6,8 +6,9 @@ use egui::{
     Color32, Context, CursorIcon, FontId, Frame, Margin, Rect, Role, ScrollArea, Sense, Stroke, Ui,
     UiBuilder, WidgetInfo, pos2, vec2,
 };
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::focus;
-use tilescope_ui::theme::{FINGER, Palette};
+use tilescope_ui::theme::FINGER;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::context::PanelContext;

@@ -2,8 +2,8 @@
 
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped, stage_name};
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
 use crate::command::{Command, Which};

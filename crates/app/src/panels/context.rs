@@ -1,6 +1,6 @@
 //! What panels are shown from.
 
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 
 use crate::state::{Appearance, RunView, State};
 

@@ -2,7 +2,7 @@
 //! line of time. Menus and panels are left to the page.
 
 use egui::{Color32, Rect, Ui, Vec2, vec2};
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, icon_button};
 
 use super::compact::part;

@@ -6,9 +6,10 @@ use egui::{
     WidgetInfo, pos2, style::ScrollAnimation, vec2,
 };
 use tilescope_debugger::{Debugger, OutlineRows};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, event_number, grouped};
 use tilescope_ui::focus;
-use tilescope_ui::theme::{Palette, is_for_fingers, row_height};
+use tilescope_ui::theme::{is_for_fingers, row_height};
 use tilescope_ui::widgets::Known;
 
 use super::common::no_events;

@@ -2,9 +2,9 @@
 //! before anything is.
 
 use egui::{Align2, Button, RichText, TextEdit, Ui, Window, vec2};
+use tilescope_drawing::palette::Palette;
 use tilescope_formats::{Format, Precision};
 use tilescope_session::words::{grouped, sentence};
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};

@@ -1,7 +1,7 @@
 //! The sheet of saved sessions and pattern files.
 
 use egui::{Align2, ProgressBar, RichText, TextEdit, Ui, Window};
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Known, primary_button};
 
 use super::common::read_out;

@@ -3,7 +3,8 @@
 use egui::{
     Align2, FontId, Key, Modal, RichText, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2,
 };
-use tilescope_ui::theme::{Palette, row_height};
+use tilescope_drawing::palette::Palette;
+use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::Known;
 
 use super::sheet;

@@ -5,9 +5,9 @@ use egui::{RichText, Ui};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::Shown;
 use tilescope_session::words::{counted, event_number, grouped};
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Known, heading, row};
 
 use super::common::divide;

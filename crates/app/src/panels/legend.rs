@@ -1,14 +1,14 @@
 //! The legend: each symbol with its meaning, and what the colour of samples means.
 
 use egui::{Align2, Button, FontId, Rect, RichText, Sense, Ui, pos2, vec2};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::layers::{Colouring, Layer};
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::{Kebab, Known, heading, symbol};
 
 use super::context::PanelContext;
-use crate::analysis::brush::{Cause, Found};
-use crate::canvas::age::{Ages, LAST_TILED};
 use crate::command::{AppearanceCommand, Command};
+use tilescope_drawing::age::{Ages, LAST_TILED};
+use tilescope_drawing::brushed::{Cause, Found};
 
 /// Shows the legend.
 pub fn show(

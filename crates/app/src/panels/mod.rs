@@ -43,7 +43,7 @@ use crate::panels::common::scrolled;
 use crate::panels::context::PanelContext;
 use crate::panes::Canvas;
 use crate::state::State;
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
 /// Shows the bar on top.

@@ -1,7 +1,7 @@
 //! The notice: what the user should read, until dismissed.
 
 use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, icon_button, verdict_mark};
 
 use crate::command::Command;

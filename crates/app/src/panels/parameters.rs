@@ -2,10 +2,11 @@
 
 use egui::{ComboBox, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2};
 use tilescope_core::{Boundary, Insertion, Order, Search, Variant};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::jobs::Job;
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::{grouped, sentence};
-use tilescope_ui::theme::{Palette, row_height};
+use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Known, heading, primary_button};
 
 use super::engine;

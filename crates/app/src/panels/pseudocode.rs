@@ -7,8 +7,9 @@ use egui::{
 };
 use tilescope_core::{Insertion, Variant};
 use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, Listings, Target};
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::focus;
-use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, row_height, semibold};
+use tilescope_ui::theme::{FINGER, is_for_fingers, row_height, semibold};
 use tilescope_ui::widgets::Known;
 
 use super::common::no_events;

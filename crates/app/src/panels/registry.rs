@@ -3,7 +3,7 @@
 
 use egui::{Frame, Margin, ScrollArea, Ui, Vec2, vec2};
 use tilescope_debugger::Direction;
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
 use super::analysis::AnalysisContext;

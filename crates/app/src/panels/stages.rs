@@ -2,12 +2,13 @@
 
 use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
+use tilescope_drawing::palette::Palette;
 use tilescope_session::combination::Combination;
 use tilescope_session::limits::MOST_STAGED;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
-use tilescope_ui::theme::{Palette, row_height};
+use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
 
 use super::context::PanelContext;

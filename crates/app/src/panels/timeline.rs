@@ -6,9 +6,10 @@ use egui::{
     WidgetInfo, vec2,
 };
 use tilescope_core::Stage;
+use tilescope_drawing::palette::Palette;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::{FINGER, Palette, is_for_fingers};
+use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::track;

@@ -1,9 +1,10 @@
 //! The bar on top: the name, what is being looked at, the verdict, export and theme.
 
 use egui::{Align, Button, FontId, Layout, Popup, PopupCloseBehavior, RichText, Ui};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::look::Look;
 use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::{FINGER, Palette, is_for_fingers, semibold};
+use tilescope_ui::theme::{FINGER, is_for_fingers, semibold};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::verification;

@@ -8,10 +8,11 @@ use egui::{
 };
 use tilescope_core::Stage;
 use tilescope_debugger::{Marked, Recording};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::stage_name;
-use tilescope_ui::theme::{Palette, is_for_fingers};
+use tilescope_ui::theme::is_for_fingers;
 use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::command::{Command, TimeCommand};

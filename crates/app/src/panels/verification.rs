@@ -3,9 +3,10 @@
 use egui::{
     Color32, CursorIcon, FontId, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
+use tilescope_drawing::palette::Palette;
 use tilescope_session::verification::{Verdict, Witness};
 use tilescope_session::words::{conflicts_in, counted, grouped};
-use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
 
 use super::common::divide;

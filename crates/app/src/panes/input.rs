@@ -13,7 +13,7 @@ use crate::canvas::hint::{self, Hint};
 use crate::canvas::touch::{Hand, Touch};
 use crate::command::ViewCommand;
 use crate::state::State;
-use crate::subject::Subject;
+use tilescope_drawing::subject::Subject;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;

@@ -1,6 +1,7 @@
 //! One picture of a moment, or two of compared runs side by side: what is drawn where, and what pointer, fingers and keys
 //! do there, as commands.
 
+mod buffers;
 mod input;
 mod titles;
 
@@ -9,14 +10,14 @@ use egui::{Rect, Sense, Ui, vec2};
 
 use crate::canvas::pane::Pane;
 use crate::canvas::sprites::Sprites;
-use crate::canvas::{buffers, hint, hover, overlay};
+use crate::canvas::{hint, hover, overlay};
 use crate::command::{Command, ViewCommand, Which};
 use crate::state::State;
-use crate::subject::Subject;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
+use tilescope_drawing::palette::Palette;
+use tilescope_drawing::subject::Subject;
 use tilescope_session::look::Look;
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::Known;
 
 /// The canvas between two frames.
@@ -125,7 +126,14 @@ impl Side<'_> {
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
         let note = pane.paint(ui, rect, subject, palette);
-        let note = buffers::show(ui, rect, subject, palette, marks, note);
+        let rows = match self.which {
+            Which::First => state.buffers_on_canvas(),
+            Which::Second => None,
+        };
+        let note = match rows {
+            Some(rows) => buffers::show(ui, rect, subject, &rows, palette, marks, note),
+            None => note,
+        };
         overlay::scale_bar(&painter, rect, subject, palette);
         overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, subject, note.as_deref(), palette);

@@ -2,14 +2,15 @@
 //! What differs is handed to it.
 
 use egui::{Color32, FontId, Rect, Stroke, Ui, vec2};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::sentence::happened;
 use tilescope_session::session::Session;
-use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::compare::{Comparison, contrast_of};
 use crate::state::{RunView, State, Verification};
-use crate::subject::Subject;
+use tilescope_drawing::subject::Subject;
 
 /// Between two pictures, in screen points.
 const GUTTER: f32 = 3.0;

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use egui::{Button, Label, RichText, Ui};
+use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped};
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::Known;
 
 use super::model::Visit;

@@ -5,8 +5,9 @@ use egui::{
     Align2, Color32, CursorIcon, EventFilter, FontId, Id, Key, Pos2, Rect, Response, Role,
     ScrollArea, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2,
 };
+use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, stage_name};
-use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Known, verdict_mark};
 
 use super::model::{Badge, Line, PassEntry, duration_text};

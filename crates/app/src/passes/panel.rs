@@ -4,8 +4,9 @@
 use egui::{
     Button, DragValue, FontId, Label, Layout, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2,
 };
+use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped, stage_name};
-use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::list::{self, color, mark};

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use tilescope_session::verification::region_of;
 
 use super::State;
-use crate::analysis::brush::Found;
 use crate::analysis::held::Held;
 use crate::layout::Panel;
+use tilescope_drawing::brushed::Found;
 
 impl State {
     /// Returns whether what is measured can be seen.

@@ -12,7 +12,7 @@ use crate::compare::link::{At, common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
-use crate::subject::{Contrast, Subject};
+use tilescope_drawing::subject::{Contrast, Subject};
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {

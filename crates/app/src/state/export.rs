@@ -125,7 +125,7 @@ impl State {
             size: [size.x, size.y].map(f64::from),
             layers: self.appearance.layers,
             colouring: self.appearance.colouring,
-            dark: tilescope_ui::theme::Palette::of(self.appearance.look).dark,
+            dark: tilescope_drawing::palette::Palette::of(self.appearance.look).dark,
             print: self.files.export.as_ref().is_some_and(|form| form.print),
         })
     }

@@ -41,7 +41,7 @@ impl State {
             .flight
             .as_ref()
             .filter(|_| self.runs.first.before_pattern.is_none());
-        let flight = flight.map(crate::camera::Flight::destination);
+        let flight = flight.map(tilescope_drawing::camera::Flight::destination);
         let first = Content::default();
         let mut content = Content {
             moment: self.linked_moment(),

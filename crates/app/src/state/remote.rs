@@ -10,13 +10,13 @@ use tilescope_session::words::{grouped, stage_name};
 
 use super::State;
 use super::run_view::none_there;
-use crate::camera::Camera;
 use crate::clock::Clock;
 use crate::command::{Command, TimeCommand, Which};
 use crate::draft::Draft;
 use crate::link::{choice_name, layer_name, slug};
 use crate::remote::{self, Request, RequestError, Wanted};
 use crate::view::View;
+use tilescope_drawing::camera::Camera;
 
 const NO_EVENTS: &str = "this session has no events; seek a stage";
 

@@ -12,10 +12,10 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_session::verification::{Sight, Verdict};
 
 use super::{Appearance, Verification};
-use crate::camera::{Camera, Flight};
 use crate::compare::link::At;
 use crate::passes::Passes;
-use crate::subject::{Contrast, Subject};
+use tilescope_drawing::camera::{Camera, Flight};
+use tilescope_drawing::subject::{Contrast, Subject};
 
 mod camera;
 mod debug;
@@ -169,7 +169,6 @@ impl RunView {
             geometry: &self.geometry,
             contrast,
             causes: None,
-            buffers: None,
         })
     }
 

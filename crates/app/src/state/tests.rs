@@ -417,7 +417,7 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         }
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         state.apply(Command::View(Which::First, ViewCommand::Zoom(middle, 1e12)));
-        assert!(state.runs.first.camera.scale <= crate::camera::MAX_SCALE);
+        assert!(state.runs.first.camera.scale <= tilescope_drawing::camera::MAX_SCALE);
         state.apply(Command::View(
             Which::First,
             ViewCommand::FlyTo([10.0, 10.0], 1e9),
@@ -426,7 +426,7 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // Of a link, a session or a page that embeds it.
         let mut view = state.view();
-        view.camera = crate::view::sound_camera([10.0, 10.0], crate::camera::MIN_SCALE);
+        view.camera = crate::view::sound_camera([10.0, 10.0], tilescope_drawing::camera::MIN_SCALE);
         view.fitted = None;
         assert!(view.camera.is_some());
         state.look_as(&view);

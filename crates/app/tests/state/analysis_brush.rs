@@ -7,12 +7,13 @@ use std::ops::ControlFlow;
 use tilescope_analysis::measures::{Periodogram, Spectrum};
 use tilescope_analysis::{Boundary, Region};
 use tilescope_app::analysis::AnalysisCommand;
-use tilescope_app::analysis::brush::{Axis, Brush, Cause};
+use tilescope_app::analysis::brush::{Axis, Brush};
 use tilescope_app::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_app::draft::{Choice, Field};
 use tilescope_app::layout::Panel;
 use tilescope_app::{Command, State};
 use tilescope_core::Boundary as Border;
+use tilescope_drawing::brushed::Cause;
 
 use crate::exporting::opened;
 

@@ -12,13 +12,13 @@ use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, Which}
 use tilescope_app::export::{Entry, ExportCommand, Kind, View};
 use tilescope_app::{Command, State};
 use tilescope_core::{Origin, Stage};
+use tilescope_drawing::palette::{DARK, LIGHT};
 use tilescope_figures::MomentOptions;
 use tilescope_formats::{Certificate, Hint, Overrides, certificate_path, check, read};
 use tilescope_session::Session;
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
-use tilescope_ui::theme::{DARK, LIGHT};
 
 use crate::exporting::{export, fill_in, opened, told, write};
 

@@ -310,8 +310,7 @@ fn only_the_first_of_two_compared_runs_has_them() {
     );
     go(&mut harness, "tile", Name::Places);
     pass(&mut harness, PassCommand::ShowCanvas);
-    assert!(state(&harness).subject().unwrap().buffers.is_some());
-    assert!(state(&harness).second_subject().unwrap().buffers.is_none());
+    assert!(state(&harness).buffers_on_canvas().is_some());
     // There are not two of them.
     node(&harness, "on-canvas");
     assert!(!is_disabled(&harness, "canvas-b"));

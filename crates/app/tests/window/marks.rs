@@ -5,8 +5,8 @@ use egui_kittest::Harness;
 use tilescope_app::command::{AppearanceCommand, TimeCommand};
 use tilescope_app::{App, Command};
 use tilescope_core::Stage;
+use tilescope_drawing::palette::DARK;
 use tilescope_session::layers::Layer;
-use tilescope_ui::theme::DARK;
 
 use crate::support::{opened_at, session, settle};
 

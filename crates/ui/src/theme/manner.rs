@@ -8,6 +8,7 @@ use egui::{
     Stroke, Style, TextStyle, Theme, Visuals, vec2,
 };
 
+use super::palette_of;
 use super::{Palette, semibold};
 
 /// What a window's style follows beside its colours.
@@ -32,7 +33,7 @@ pub fn install(ctx: &Context, theme: Theme) {
 /// Gives both themes of `ctx` a manner.
 pub fn restyle(ctx: &Context, manner: Manner) {
     for theme in [Theme::Dark, Theme::Light] {
-        ctx.set_style_of(theme, style(Palette::of_theme(theme), manner));
+        ctx.set_style_of(theme, style(palette_of(theme), manner));
     }
     ctx.data_mut(|data| data.insert_temp(manner_id(), manner.touch));
 }

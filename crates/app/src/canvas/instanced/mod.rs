@@ -2,9 +2,9 @@
 //! calls. It never decides how a sample looks, and draws nothing where the window has no `wgpu` device.
 
 mod gpu;
-mod look;
 mod order;
 mod pipeline;
+mod set;
 mod still;
 mod view;
 
@@ -15,10 +15,11 @@ use eframe::egui_wgpu::{Callback, RenderState, wgpu};
 use egui::{Painter, Rect};
 use tilescope_core::{Domain, Point, R};
 
-use crate::camera::Camera;
 use gpu::{Gpu, Kind, Part};
-pub use look::{Look, Symbol, Symbols};
 use order::{LEVELS, Order};
+pub use set::Symbols;
+use tilescope_drawing::camera::Camera;
+use tilescope_drawing::look::Look;
 use view::{Copy, View};
 pub use view::{Marks, PaintOptions, outline, radii};
 

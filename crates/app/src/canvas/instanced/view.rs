@@ -5,8 +5,8 @@ use egui::{Color32, Painter, Rect};
 use tilescope_core::R;
 
 use super::gpu::Frame;
-use super::look::Symbols;
-use crate::camera::Camera;
+use super::set::Symbols;
+use tilescope_drawing::camera::Camera;
 
 /// Which marks a layer draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

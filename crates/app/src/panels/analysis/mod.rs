@@ -10,8 +10,9 @@ use std::sync::Arc;
 
 use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui, vec2};
 use tilescope_analysis::measures::Spectrum;
+use tilescope_drawing::palette::Palette;
 use tilescope_session::moment::Shown;
-use tilescope_ui::theme::{Palette, semibold};
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
 use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};

@@ -7,7 +7,7 @@ use egui::{
     TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_analysis::measures::Spectrum;
-use tilescope_ui::theme::Palette;
+use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
 use super::plot::Dragged;

@@ -6,7 +6,9 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use tilescope_ui::theme::{Palette, semibold};
+use tilescope_drawing::palette::Palette;
+
+use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::Known;
 
 /// Room for the numbers left of a chart, for its title and for the numbers below, in screen points.

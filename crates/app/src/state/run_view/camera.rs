@@ -7,9 +7,9 @@ use tilescope_session::units::radii;
 use tilescope_session::verification::{Sight, Witness};
 
 use super::RunView;
-use crate::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 use crate::command::ViewCommand;
 use crate::state::effects::{Context, Effect};
+use tilescope_drawing::camera::{Camera, Flight, MAX_SCALE, MIN_SCALE};
 
 /// So far within the view, in screen points, is a selection kept.
 const IN_VIEW: f32 = 32.0;

@@ -3,7 +3,6 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use tilescope_app::camera::Camera;
 use tilescope_app::clock::{Clock, SPEEDS};
 use tilescope_app::command::{
     AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
@@ -16,6 +15,7 @@ use tilescope_app::link::{MOST_CHARACTERS, MOST_TEXT, read};
 use tilescope_app::{Command, State};
 use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
 use tilescope_debugger::{LineId, Listings, PatternFile};
+use tilescope_drawing::camera::Camera;
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;

@@ -1,9 +1,10 @@
 //! How samples are drawn: colours, symbols, disks, and changes of them.
 
 use egui::{Color32, pos2, vec2};
-use tilescope_app::camera::Camera;
-use tilescope_app::canvas::instanced::{Limits, Look, PaintOptions, Symbol, Symbols};
+use tilescope_app::canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::Boundary;
+use tilescope_drawing::camera::Camera;
+use tilescope_drawing::look::{Look, Symbol};
 
 use super::probe::{GROUND, Probe, RED, at, crowd, domain, probe, shoot};
 

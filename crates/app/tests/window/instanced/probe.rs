@@ -2,9 +2,10 @@
 
 use egui::{Color32, Pos2, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::camera::Camera;
-use tilescope_app::canvas::instanced::{InstancedCanvas, Look, PaintOptions, Symbol, Symbols};
+use tilescope_app::canvas::instanced::{InstancedCanvas, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Domain, Point, R};
+use tilescope_drawing::camera::Camera;
+use tilescope_drawing::look::{Look, Symbol};
 
 pub const RED: Color32 = Color32::from_rgb(230, 90, 20);
 pub const GROUND: Color32 = Color32::from_rgb(18, 21, 25);

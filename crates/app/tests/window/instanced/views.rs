@@ -1,8 +1,9 @@
 //! Where samples are drawn: places, images across borders, what the view leaves out, crowds.
 
-use tilescope_app::camera::Camera;
-use tilescope_app::canvas::instanced::{Limits, Look, PaintOptions, Symbol, Symbols};
+use tilescope_app::canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Point, R};
+use tilescope_drawing::camera::Camera;
+use tilescope_drawing::look::{Look, Symbol};
 
 use super::probe::{Probe, RED, at, crowd, domain, probe, shoot, shoot_now};
 

@@ -7,9 +7,8 @@ use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
 use tilescope_session::verification::Sight;
 
-use crate::analysis::brush::Found;
+use crate::brushed::Found;
 use crate::camera::Camera;
-use crate::passes::OnCanvas;
 
 /// A moment, and how it is seen.
 #[derive(Clone, Copy)]
@@ -36,8 +35,6 @@ pub struct Subject<'a> {
     pub contrast: Option<Contrast<'a>>,
     /// The causes of what is brushed.
     pub causes: Option<&'a Found>,
-    /// The rows of a buffer of the GPU, where they are to be seen.
-    pub buffers: Option<OnCanvas<'a>>,
 }
 
 /// The samples that only one of two compared runs has, seen from one of them.

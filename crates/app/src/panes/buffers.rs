@@ -6,15 +6,15 @@ use std::fmt::Write as _;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use tilescope_core::{Rect as LatticeRect, Stage};
+use tilescope_drawing::palette::Palette;
 use tilescope_gpu::Spot;
 use tilescope_session::units::radii;
-use tilescope_ui::theme::Palette;
 use tilescope_ui::widgets::Known;
 
-use super::sprites::{Sprite, Sprites, Stamp};
+use crate::canvas::sprites::{Sprite, Sprites, Stamp};
 use crate::passes::OnCanvas;
 use crate::passes::placed::Rows;
-use crate::subject::Subject;
+use tilescope_drawing::subject::Subject;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;
@@ -27,19 +27,17 @@ const LEAST_RING: f32 = 3.0;
 /// Squares below this size are surfaces without a border, in screen points.
 const LEAST_BORDERED: f32 = 5.0;
 
-/// Draws the rows of a buffer, if there are any to be seen; returns what is remarked at the top of the canvas: `note`, or
+/// Draws the rows of a buffer where they lie; returns what is remarked at the top of the canvas: `note`, or
 /// how much is left out.
 pub fn show(
     ui: &Ui,
     rect: Rect,
     subject: &Subject<'_>,
+    buffers: &OnCanvas<'_>,
     palette: &Palette,
     sprites: &mut Sprites,
     note: Option<String>,
 ) -> Option<String> {
-    let Some(buffers) = &subject.buffers else {
-        return note;
-    };
     let painter = ui.painter_at(rect);
     let mut left_out = 0;
     // The pattern is shown in a plane of its own.
@@ -209,7 +207,7 @@ impl Scene<'_> {
 
 fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
     let rect = Rect::from_center_size(at, Vec2::splat(2.0 * stamp.half));
-    mesh.add_rect_with_uv(rect, super::UNIT, color);
+    mesh.add_rect_with_uv(rect, crate::canvas::UNIT, color);
 }
 
 /// Adds the border of a square, with a ground where it is strong; small ones are surfaces.

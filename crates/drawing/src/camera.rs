@@ -1,7 +1,7 @@
 //! The view of the domain: which place is at the centre of the canvas and how large a radius appears.
 //! Lengths are in r, y points upwards as in the domain; only here do they become screen points.
 
-use egui::{Pos2, Rect, Vec2, pos2};
+use emath::{Pos2, Rect, Vec2, pos2};
 
 /// The smallest scale of any domain, in screen points per r: the longest then spans 300 points.
 pub const MIN_SCALE: f64 = 0.005;

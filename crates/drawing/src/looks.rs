@@ -3,14 +3,14 @@
 
 use std::ops::Range;
 
-use egui::Color32;
+use crate::palette::Palette;
+use ecolor::Color32;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_ui::theme::Palette;
 
-use super::age::Ages;
-use super::brushed;
-use super::instanced::{Look, Symbol};
+use crate::age::Ages;
+use crate::brushed;
+use crate::look::{Look, Symbol};
 use crate::subject::Subject;
 
 /// All that looks follow from.
@@ -27,6 +27,8 @@ pub struct Key {
 }
 
 impl Key {
+    /// Returns the key of a subject drawn in this palette.
+    #[must_use]
     pub fn of(subject: &Subject<'_>, palette: &Palette) -> Self {
         Self {
             generation: subject.shown.session.generation,
