@@ -161,6 +161,20 @@ impl OutlineBuilder for Placed<'_> {
     }
 }
 
+/// Returns a text, cut off behind as many words as there is room for, in pixels, at a size of the regular font.
+#[must_use]
+pub fn fitted(text: &str, room: f64, size: f64) -> String {
+    let mut fitted = text.to_owned();
+    while text_width(&fitted, Font::Regular, size) > room {
+        let words = fitted.trim_end_matches('\u{2026}').trim_end();
+        let Some((start, _)) = words.rsplit_once(' ') else {
+            break;
+        };
+        fitted = format!("{}\u{2026}", start.trim_end());
+    }
+    fitted
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,5 +209,17 @@ mod tests {
         assert!((width("abc") - 18.0).abs() < 1e-9);
         assert!(width("").abs() < 1e-9);
         assert!(text_width("il", Font::Regular, 10.0) < text_width("WM", Font::Regular, 10.0));
+    }
+
+    #[test]
+    fn captions_are_cut_between_words() {
+        let text = "an inserted sample covers the candidate: pass it over";
+        assert_eq!(fitted(text, 1e4, 20.0), text);
+        let short = fitted(text, 200.0, 20.0);
+        assert!(
+            short.ends_with('\u{2026}') && text.starts_with(short.trim_end_matches('\u{2026}'))
+        );
+        assert!(text_width(&short, Font::Regular, 20.0) <= 200.0);
+        assert_eq!(fitted("word", 1.0, 20.0), "word");
     }
 }

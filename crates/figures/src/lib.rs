@@ -24,7 +24,6 @@ pub mod chart;
 mod error;
 mod fonts;
 mod geometry;
-pub mod moment;
 
 mod palette;
 mod png;
@@ -37,8 +36,8 @@ pub use animation::{AnimationError, FrameProgress, write_apng, write_gif};
 pub use bitmap::Bitmap;
 pub use canvas::PictureOptions;
 pub use error::{FigureError, MAX_BITMAP_SIDE, MAX_LENGTH, MAX_PIXELS, MAX_SIDE};
+pub use fonts::fitted;
 pub use fonts::{Font, INTER_REGULAR, INTER_SEMI_BOLD, JETBRAINS_MONO, text_width};
-pub use moment::{Layers, MomentOptions, fitted, moment_scene};
 pub use palette::{Color, Palette, with_alpha};
 pub use png::to_png;
 pub use raster::{Pixels, to_pixels};

@@ -49,6 +49,17 @@ pub fn key_of(shown: &Shown<'_>) -> Key {
 }
 
 impl Geometry {
+    /// Returns the triangulation of a moment, made now; none where there is none, or too many samples for it.
+    #[must_use]
+    pub fn made(shown: &Shown<'_>) -> Self {
+        let mut geometry = Self::default();
+        if shown.session.run().samples.len() <= MOST_SAMPLES {
+            let made = Tessellation::of(&covering(shown), region_of(shown.session), 1.0);
+            geometry.take(key_of(shown), Ok(made.ok()));
+        }
+        geometry
+    }
+
     /// Returns the triangulation of a moment, in r, if it is the one that is known.
     #[must_use]
     pub fn of(&self, shown: &Shown<'_>) -> Option<&Arc<Tessellation>> {
@@ -110,6 +121,7 @@ fn covering(shown: &Shown<'_>) -> Vec<[f64; 2]> {
 }
 
 /// Returns the region of a session, in r.
+#[must_use]
 pub fn region_of(session: &Session) -> Region {
     let domain = &session.run().domain;
     Region {

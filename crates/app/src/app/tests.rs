@@ -329,7 +329,10 @@ fn the_default_session_has_its_gaps_where_it_fits() {
         window.apply(Command::View(Which::First, ViewCommand::Fit));
         while window.app.state.advance(0.1) {}
         let scale = window.app.state.runs.first.camera.scale;
-        assert!(scale >= crate::canvas::MIN_DISK_SCALE, "{size:?}: {scale}");
+        assert!(
+            scale >= tilescope_drawing::MIN_DISK_SCALE,
+            "{size:?}: {scale}"
+        );
     }
 }
 

@@ -1,20 +1,15 @@
 //! What is brushed, on the canvas: the edges of the pairs at the chosen distances, and the tint of samples by what they add
 //! to the power of the chosen frequencies. What is found is handed to it.
 
-use egui::{Pos2, Rect, Shape};
+use egui::Pos2;
 use tilescope_core::Stage;
+use tilescope_drawing::parts;
+use tilescope_drawing::scene::Scene;
+use tilescope_drawing::surface::Surface;
 use tilescope_session::words::{counted, grouped};
 
-use super::paint::Scene;
 use super::pane::MadeFrom;
-use super::sprites::Sprites;
-use super::strokes::Strokes;
 use tilescope_drawing::brushed::Cause;
-
-/// Edges that are drawn at most: those nearest to the middle of the view.
-pub const MOST_EDGES: usize = 20_000;
-/// The width of an edge, in screen points.
-const WIDTH: f32 = 1.5;
 
 /// The edges in view, as long as nothing changes that they follow from.
 #[derive(Default)]
@@ -33,19 +28,14 @@ impl Edges {
             return;
         }
         self.made_from = Some(made_from);
-        (self.ends, self.in_view) = in_view(scene);
+        (self.ends, self.in_view) = parts::pairs_in_view(scene);
         let cause = scene.subject.causes.map(|found| &found.cause);
         self.brushed = cause.filter(|_| scene.stage >= Stage::Tile).and_then(short);
     }
 
-    /// Returns them as shapes.
-    pub fn shapes(&self, scene: &Scene<'_>, sprites: &mut Sprites) -> Vec<Shape> {
-        let mut strokes = Strokes::new(sprites, scene.painter.ctx());
-        strokes.reserve(self.ends.len());
-        for [from, to] in &self.ends {
-            strokes.segment(*from, *to, WIDTH, scene.palette.margin);
-        }
-        vec![strokes.into_shape()]
+    /// Draws them.
+    pub fn draw(&self, scene: &Scene<'_>, surface: &mut impl Surface) {
+        parts::draw_pairs(scene, &self.ends, surface);
     }
 
     /// Returns what is brushed, and a remark about edges that are left out.
@@ -87,34 +77,10 @@ fn short(cause: &Cause) -> Option<String> {
     Some(text)
 }
 
-/// Returns the edges in view, those nearest to its middle if there are too many, and how many there are.
-fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
-    let cause = scene.subject.causes.map(|found| &found.cause);
-    let (Some(Cause::Pairs { pairs, .. }), true) = (cause, scene.stage >= Stage::Tile) else {
-        return (Vec::new(), 0);
-    };
-    let ends = pairs.iter().map(|pair| {
-        let from = scene.session.place(pair.ids[0]);
-        let to = [from[0] + pair.offset[0], from[1] + pair.offset[1]];
-        [scene.at(from), scene.at(to)]
-    });
-    let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));
-    let mut ends: Vec<[Pos2; 2]> = ends.filter(seen).collect();
-    let count = ends.len();
-    if count > MOST_EDGES {
-        let middle = scene.rect.center();
-        let distance = |ends: &[Pos2; 2]| ends[0].lerp(ends[1], 0.5).distance_sq(middle);
-        ends.select_nth_unstable_by(MOST_EDGES, |a, b| distance(a).total_cmp(&distance(b)));
-        ends.truncate(MOST_EDGES);
-    }
-    (ends, count)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use tilescope_drawing::brushed::Pair;
-    
 
     #[test]
     fn what_is_brushed_is_said_with_what_is_not_kept() {

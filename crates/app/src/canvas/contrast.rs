@@ -1,9 +1,8 @@
 //! The marks on samples that only one of two compared runs has.
 
-use egui::{Color32, Mesh, Pos2, Rect, vec2};
+use egui::{Color32, Mesh, Painter, Pos2, Rect, vec2};
 use tilescope_drawing::palette::Palette;
-
-use super::paint::Scene;
+use tilescope_drawing::scene::Scene;
 
 /// With more marks in view none are drawn: one would see no more than a surface.
 const MOST_MARKS: usize = 60_000;
@@ -14,7 +13,7 @@ const WIDTH: f32 = 1.5;
 
 /// Marks the samples that only one of the two runs has: a whole square where this run alone has one, four corners
 /// where the other alone has one. Returns a remark if there are too many in view.
-pub fn paint(scene: &Scene<'_>, crowded: bool) -> Option<String> {
+pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<String> {
     let contrast = scene.subject.contrast?;
     if scene.stage < tilescope_core::Stage::Tile {
         return None;
@@ -30,8 +29,7 @@ pub fn paint(scene: &Scene<'_>, crowded: bool) -> Option<String> {
         .map(|(place, whole)| (scene.at(place), whole))
         .filter(|(at, _)| view.contains(*at))
         .collect();
-    let domain = scene.screen_rect([0.0; 2], scene.session.size_radii());
-    let room = domain.intersect(scene.rect).area();
+    let room = scene.domain().intersect(scene.rect).area();
     let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
     if !seen.is_empty() && (crowded || seen.len() > MOST_MARKS || ink > MOST_INK * room) {
         return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
@@ -41,12 +39,12 @@ pub fn paint(scene: &Scene<'_>, crowded: bool) -> Option<String> {
         let rect = Rect::from_center_size(at, vec2(2.0 * half, 2.0 * half));
         add_square(&mut mesh, rect, whole, scene.palette.margin);
     }
-    scene.painter.add(mesh);
+    painter.add(mesh);
     None
 }
 
 /// Draws the mark of a sample that only one of two runs has.
-pub fn mark(painter: &egui::Painter, at: egui::Pos2, whole: bool, palette: &Palette) {
+pub fn mark(painter: &Painter, at: Pos2, whole: bool, palette: &Palette) {
     let mut mesh = Mesh::default();
     let rect = Rect::from_center_size(at, vec2(12.0, 12.0));
     add_square(&mut mesh, rect, whole, palette.margin);

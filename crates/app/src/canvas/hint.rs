@@ -4,7 +4,7 @@
 use egui::{Align2, Context, Id, ModifierNames, Modifiers, Painter, Rect, Ui, vec2};
 use tilescope_drawing::palette::Palette;
 
-use super::paint::tag;
+use super::overlay::tag;
 
 /// So long it is shown after the last try, in seconds.
 const SECS: f64 = 1.6;

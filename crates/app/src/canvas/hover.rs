@@ -8,8 +8,8 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 
-use super::MIN_DISK_SCALE;
-use super::tree::Made;
+use tilescope_drawing::MIN_DISK_SCALE;
+use tilescope_drawing::made::Made;
 use tilescope_drawing::subject::Subject;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.

@@ -1,10 +1,8 @@
 //! What lies over the layers: scale bar, coordinates, remarks, and the place that decides a verdict.
 
-use egui::{Align2, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use tilescope_drawing::palette::Palette;
-use tilescope_session::verification::Sight;
 
-use super::paint::tag;
 use tilescope_drawing::subject::Subject;
 
 /// On a canvas that is lower than this, remarks would hide what they are about.
@@ -111,54 +109,13 @@ pub fn note(
     }
 }
 
-/// Draws the place that a verdict was followed to.
-pub fn sight(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
-    let Some(sight) = subject.sight else {
-        return;
-    };
-    let at = |place| subject.camera.screen_from_domain(rect, place);
-    let fine = |value: f64| {
-        if value < 1.0 {
-            palette.conflict
-        } else {
-            palette.inserted
-        }
-    };
-    match sight {
-        Sight::Pair([a, b], distance) => {
-            let from = subject.shown.session.place(a);
-            let ends = [at(from), at(subject.shown.session.image_near(b, from))];
-            let color = fine(distance);
-            painter.line_segment(ends, Stroke::new(2.5, color));
-            let text = format!("{distance:.6} r");
-            let middle = ends[0].lerp(ends[1], 0.5) + vec2(14.0, -14.0);
-            tag(painter, middle, Align2::LEFT_BOTTOM, &text, palette);
-        }
-        Sight::Circle(center, radius) => {
-            let within = radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE;
-            let color = if within {
-                palette.inserted
-            } else {
-                palette.conflict
-            };
-            let reach = (radius * subject.camera.scale) as f32;
-            let circle: Vec<Pos2> = (0..=96)
-                .map(|k| {
-                    at(center) + egui::Vec2::angled(k as f32 / 96.0 * std::f32::consts::TAU) * reach
-                })
-                .collect();
-            painter.extend(Shape::dashed_line(
-                &circle,
-                Stroke::new(2.0, color),
-                8.0,
-                5.0,
-            ));
-            painter.circle_filled(at(center), 3.5, color);
-            let text = format!("empty circle {radius:.6} r");
-            let beside = at(center) - vec2(0.0, reach + 10.0);
-            tag(painter, beside, Align2::CENTER_BOTTOM, &text, palette);
-        }
-    }
+/// Draws text with a ground, so that it can be read over anything.
+pub fn tag(painter: &Painter, pos: Pos2, anchor: Align2, text: &str, palette: &Palette) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::monospace(12.0), palette.text);
+    let rect = anchor.anchor_size(pos, galley.size());
+    let ground = palette.panel.gamma_multiply(0.9);
+    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 5.0, ground);
+    painter.galley(rect.min, galley, palette.text);
 }
 
 #[cfg(test)]

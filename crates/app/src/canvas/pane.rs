@@ -2,20 +2,24 @@
 //! made again.
 
 use eframe::egui_wgpu::RenderState;
-use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2};
+use egui::{
+    Color32, ColorImage, Context, Painter, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2,
+};
 use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
+use tilescope_drawing::parts;
+use tilescope_drawing::scene::Scene;
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::Shown;
 
+use super::UNIT;
 use super::brushed::Edges;
-use super::paint::Scene;
-use super::raster::{Coverage, Frame};
+use super::raster::{Coverage, Density, Frame};
 use super::resident::Resident;
+use super::sheet::Sheet;
 use super::sprites::Sprites;
 use super::stack::{Stack, note};
 use super::strokes::Kept;
-use super::{MIN_DISK_SCALE, UNIT, symbols};
 use tilescope_drawing::looks::{Key, Looks, Swatches};
 use tilescope_drawing::subject::Subject;
 
@@ -50,10 +54,14 @@ impl Pane {
         palette: &Palette,
     ) -> Option<String> {
         let painter = ui.painter_at(rect);
-        let scene = Scene::new(&painter, rect, *subject, palette);
-        scene.domain();
+        let scene = Scene::new(rect, *subject, palette);
+        let mut sheet = Sheet::new(&painter, &mut self.sprites);
+        scene.ground(&mut sheet);
         if scene.stage == Stage::Pattern {
-            scene.pattern(&mut self.sprites);
+            parts::pattern(&scene, &mut sheet);
+        }
+        painter.extend(sheet.into_shapes());
+        if scene.stage == Stage::Pattern {
             return None;
         }
         let frame = Frame {
@@ -61,10 +69,10 @@ impl Pane {
             viewport: rect,
             pixels_per_point: ui.ctx().pixels_per_point(),
         };
-        self.layers(ui, &scene, frame)
+        self.parts(&painter, &scene, frame)
     }
 
-    fn layers(&mut self, ui: &Ui, scene: &Scene<'_>, frame: Frame) -> Option<String> {
+    fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: Frame) -> Option<String> {
         let (subject, palette) = (&scene.subject, scene.palette);
         let made_from = (frame, Key::of(subject, palette));
         let triangulated = subject.geometry.of(&scene.shown).is_some();
@@ -74,7 +82,12 @@ impl Pane {
         let looks = Looks::new(subject, palette, &self.swatches);
         self.edges.follow(scene, made_from);
         let resident = self.resident.as_mut();
+        if scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
+            let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
+            self.gaps.paint(painter, made_from, make);
+        }
         let mut stack = Stack {
+            painter,
             scene,
             looks: &looks,
             sprites: &mut self.sprites,
@@ -82,26 +95,22 @@ impl Pane {
             edges: &self.edges,
             resident: resident.and_then(|resident| resident.follow(scene, &looks)),
         };
-        stack.tints();
-        let fine = subject.camera.scale >= MIN_DISK_SCALE;
-        if fine && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
-            let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
-            self.gaps.paint(ui, scene, made_from, make);
-        }
         let crowded = stack.is_crowded();
         let points = &mut self.points;
         if crowded {
-            stack.crowd(|scene| {
-                let make = || symbols::points(scene, &looks, &frame);
-                points.paint(ui, scene, made_from, make);
+            stack.crowd(|| {
+                let make = || as_points(scene, &looks, &frame);
+                points.paint(painter, made_from, make);
             });
         } else {
             stack.all();
         }
-        let unmarked = super::contrast::paint(scene, crowded);
-        let as_points = crowded && stack.draws_points();
+        let unmarked = super::contrast::paint(painter, scene, crowded);
+        let draws_points = crowded && stack.draws_points();
         let cut = self.edges.note(crowded);
-        unmarked.or(cut).or_else(|| note(scene, crowded, as_points))
+        unmarked
+            .or(cut)
+            .or_else(|| note(scene, crowded, draws_points))
     }
 }
 
@@ -111,24 +120,18 @@ struct Picture(Option<(MadeFrom, TextureHandle)>);
 
 impl Picture {
     /// Draws the picture, pixel on pixel, which `make` makes if anything changed.
-    fn paint(
-        &mut self,
-        ui: &Ui,
-        scene: &Scene<'_>,
-        made_from: MadeFrom,
-        make: impl FnOnce() -> ColorImage,
-    ) {
-        let texture = self.texture(ui, made_from, make);
+    fn paint(&mut self, painter: &Painter, made_from: MadeFrom, make: impl FnOnce() -> ColorImage) {
+        let texture = self.texture(painter.ctx(), made_from, make);
         let frame = made_from.0;
         let [width, height] = frame.size();
         let size = vec2(width as f32, height as f32) / frame.pixels_per_point;
         let rect = Rect::from_min_size(frame.viewport.min, size);
-        scene.painter.image(texture, rect, UNIT, Color32::WHITE);
+        painter.image(texture, rect, UNIT, Color32::WHITE);
     }
 
     fn texture(
         &mut self,
-        ui: &Ui,
+        ctx: &Context,
         made_from: MadeFrom,
         make: impl FnOnce() -> ColorImage,
     ) -> TextureId {
@@ -139,7 +142,7 @@ impl Picture {
                 texture.set(make(), options);
                 texture
             }
-            None => ui.ctx().load_texture("pixels", make(), options),
+            None => ctx.load_texture("pixels", make(), options),
         };
         self.0.insert((made_from, texture)).1.id()
     }
@@ -163,4 +166,19 @@ fn coverage(frame: &Frame, shown: &Shown<'_>) -> Coverage {
         }
     });
     coverage
+}
+
+/// Returns a picture of all samples in view as points.
+fn as_points(scene: &Scene<'_>, looks: &Looks<'_>, frame: &Frame) -> ColorImage {
+    let mut density = Density::empty(frame);
+    scene
+        .session
+        .index
+        .visit(scene.low, scene.high, 0.0, |seen| {
+            let is_there = || scene.shown.covers(seen.id);
+            if !seen.image && is_there() {
+                density.add(frame.pixel_from_domain(seen.place), looks.color(seen.id));
+            }
+        });
+    density.image(1.1)
 }

@@ -2,14 +2,14 @@
 //! it does. How they look is decided elsewhere.
 
 use eframe::egui_wgpu::RenderState;
-use egui::{Painter, Rect};
+use egui::Painter;
 use tilescope_core::Stage;
 use tilescope_session::layers::Layer;
 
 use super::instanced::{InstancedCanvas, PaintOptions, Symbols};
-use super::paint::Scene;
 use tilescope_drawing::look::{Look, Symbol};
 use tilescope_drawing::looks::{Key, Looks};
+use tilescope_drawing::scene::Scene;
 
 /// Moments more events apart than this are not compared event by event.
 const MOST_EVENTS: usize = 1_000;
@@ -68,31 +68,30 @@ impl Resident {
         Some(self)
     }
 
-    /// Draws the disks within `clip`; in a periodic domain with those that reach over its border.
-    pub fn disks(&self, scene: &Scene<'_>, clip: Rect) {
-        let painter = scene.painter.with_clip_rect(clip);
-        self.layer(scene, &painter, &PaintOptions::disks().with_images(true));
+    /// Draws the disks, in a periodic domain with those that reach over its border.
+    pub fn disks(&self, painter: &Painter, scene: &Scene<'_>) {
+        self.layer(painter, scene, &PaintOptions::disks().with_images(true));
     }
 
     /// Returns whether samples in view are so many or so small that they are drawn as points.
-    pub fn shows_points(&self, scene: &Scene<'_>) -> bool {
-        let (painter, camera) = (scene.painter, scene.subject.camera);
+    pub fn shows_points(&self, painter: &Painter, scene: &Scene<'_>) -> bool {
+        let camera = scene.subject.camera;
         self.canvas
             .shows_points(painter, scene.rect, camera, &options(scene, Symbols::ALL))
     }
 
     /// Draws the symbols of samples, eliminated ones below the others; they are left out among points.
-    pub fn symbols(&self, scene: &Scene<'_>) {
+    pub fn symbols(&self, painter: &Painter, scene: &Scene<'_>) {
         let ghosts = scene.has(Layer::Eliminated) && scene.stage >= Stage::Eliminate;
-        if ghosts && !self.shows_points(scene) {
+        if ghosts && !self.shows_points(painter, scene) {
             let options = options(scene, Symbols::only(Symbol::Cross));
-            self.layer(scene, scene.painter, &options);
+            self.layer(painter, scene, &options);
         }
         let options = options(scene, Symbols::ALL.without(Symbol::Cross));
-        self.layer(scene, scene.painter, &options);
+        self.layer(painter, scene, &options);
     }
 
-    fn layer(&self, scene: &Scene<'_>, painter: &Painter, options: &PaintOptions) {
+    fn layer(&self, painter: &Painter, scene: &Scene<'_>, options: &PaintOptions) {
         let thinned = self
             .canvas
             .paint(painter, scene.rect, scene.subject.camera, options);

@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn marks_of_neighbours_leave_the_ground_to_be_seen() {
         for scale in [1.5_f32, 2.0, 2.8, 4.0, 6.0, 8.0, 12.0, 20.0, 60.0] {
-            let [_, cross, diamond, ring] = crate::canvas::instanced::radii(scale);
+            let [_, cross, diamond, ring] = tilescope_drawing::look::radii(scale);
             for (sprite, radius) in [
                 (Sprite::Cross, cross),
                 (Sprite::Diamond, diamond),

@@ -1,36 +1,45 @@
-//! The sequence of the layers, from the ground up, and who draws each: the GPU where samples are on it, meshes else.
+//! The parts of a frame from the ground up, and what draws each: the GPU where samples are on it, meshes else.
 
-use egui::{Painter, Rect, Shape};
+use egui::Painter;
 use tilescope_core::Stage;
+use tilescope_drawing::MIN_DISK_SCALE;
+use tilescope_drawing::looks::Looks;
+use tilescope_drawing::parts::Part;
+use tilescope_drawing::scene::Scene;
 use tilescope_session::layers::Layer;
 
+use super::MAX_SYMBOLS;
 use super::brushed::Edges;
-use super::paint::Scene;
 use super::resident::Resident;
+use super::sheet::Sheet;
 use super::sprites::Sprites;
 use super::strokes::Kept;
-use super::{MAX_SYMBOLS, MIN_DISK_SCALE, blocks, geometry, now, seams, symbols, tree};
-use tilescope_drawing::looks::Looks;
 
-/// What is kept as meshes from frame to frame.
-#[derive(Clone, Copy)]
-enum Part {
-    Tints,
-    Geometry,
-    Disks,
-    Borders,
-    Tree,
-    Clips,
-    Conflicts,
-    Brushed,
-    Samples,
-    Search,
-    Band,
-    Seams,
+/// What is shown of a crowd. Samples, which may be no more than points, lie below lines.
+const OF_CROWD: [Part; 10] = [
+    Part::Tints,
+    Part::Band,
+    Part::Disks,
+    Part::Samples,
+    Part::Borders,
+    Part::Numbers,
+    Part::Seams,
+    Part::Tree,
+    Part::TreeNumbers,
+    Part::Selection,
+];
+
+/// Returns whether a part's shapes can be kept from frame to frame. Letters cannot: their glyphs may move.
+const fn is_kept(part: Part) -> bool {
+    !matches!(
+        part,
+        Part::Numbers | Part::TreeNumbers | Part::Step | Part::Selection
+    )
 }
 
-/// The layers of one frame.
+/// The parts of one frame.
 pub struct Stack<'a, K> {
+    pub painter: &'a Painter,
     pub scene: &'a Scene<'a>,
     pub looks: &'a Looks<'a>,
     pub sprites: &'a mut Sprites,
@@ -47,7 +56,7 @@ impl<K: PartialEq> Stack<'_, K> {
         let scene = self.scene;
         let as_points = self
             .resident
-            .is_some_and(|resident| resident.shows_points(scene));
+            .is_some_and(|resident| resident.shows_points(self.painter, scene));
         as_points || scene.session.index.count_in(scene.low, scene.high) > MAX_SYMBOLS
     }
 
@@ -58,152 +67,62 @@ impl<K: PartialEq> Stack<'_, K> {
             || scene.has(Layer::Samples),
             |resident| {
                 (scene.has(Layer::Samples) || scene.has(Layer::Inserted))
-                    && resident.shows_points(scene)
+                    && resident.shows_points(self.painter, scene)
             },
         )
     }
 
-    /// Tints the blocks.
-    pub fn tints(&mut self) {
-        if self.scene.has(Layer::Blocks) {
-            self.keep(Part::Tints, self.scene.painter, |s| blocks::tints(s.scene));
-        }
-        if self.scene.session.combination.is_some() {
-            self.keep(Part::Band, self.scene.painter, |s| seams::band(s.scene));
-        }
-    }
-
-    /// Draws all symbols and lines.
+    /// Draws all parts.
     pub fn all(&mut self) {
-        let scene = self.scene;
-        self.geometry();
-        self.disks();
-        self.borders();
-        if scene.has(Layer::Pattern) {
-            self.keep(Part::Clips, scene.painter, |s| {
-                blocks::clips(s.scene, s.sprites)
-            });
+        for part in Part::ALL {
+            self.part(part);
         }
-        if scene.has(Layer::Conflicts) {
-            self.keep(Part::Conflicts, scene.painter, |s| {
-                symbols::conflicts(s.scene, s.sprites)
-            });
-        }
-        let edges = self.edges;
-        self.keep(Part::Brushed, scene.painter, |s| {
-            edges.shapes(s.scene, s.sprites)
-        });
-        match self.resident {
-            Some(resident) => resident.symbols(scene),
-            None => self.keep(Part::Samples, scene.painter, |s| {
-                symbols::samples(s.scene, s.looks, s.sprites)
-            }),
-        }
-        self.keep(Part::Search, scene.painter, |s| {
-            symbols::search(s.scene, s.sprites)
-        });
-        if scene.has(Layer::Tree) {
-            tree::numbers(scene);
-        }
-        now::paint(scene);
-        symbols::highlight(scene, self.sprites);
     }
 
     /// Draws what can be shown of a crowd; `points` is called where samples are to be drawn as a picture of points.
-    pub fn crowd(&mut self, points: impl FnOnce(&Scene<'_>)) {
-        let scene = self.scene;
-        match self.resident {
-            Some(resident) => {
-                self.disks();
-                resident.symbols(scene);
+    pub fn crowd(&mut self, points: impl FnOnce()) {
+        let mut points = Some(points);
+        for part in OF_CROWD {
+            match (part, self.resident) {
+                (Part::Disks, None) => {}
+                (Part::Samples, None) => {
+                    if let Some(points) = points.take().filter(|_| self.scene.has(Layer::Samples)) {
+                        points();
+                    }
+                }
+                _ => self.part(part),
             }
-            None if scene.has(Layer::Samples) => points(scene),
-            None => {}
-        }
-        self.borders();
-        if scene.has(Layer::Tree) {
-            tree::numbers(scene);
-        }
-        symbols::highlight(scene, self.sprites);
-    }
-
-    fn geometry(&mut self) {
-        let scene = self.scene;
-        let tessellation = scene.subject.geometry.of(&scene.shown);
-        if let Some(tessellation) = tessellation.filter(|_| scene.stage >= Stage::Tile) {
-            let painter = scene.painter.with_clip_rect(self.clip());
-            self.keep(Part::Geometry, &painter, |s| {
-                geometry::shapes(s.scene, tessellation, s.sprites)
-            });
         }
     }
 
-    fn disks(&mut self) {
+    fn part(&mut self, part: Part) {
         let scene = self.scene;
-        let fine = scene.subject.camera.scale >= MIN_DISK_SCALE;
-        if !(fine && scene.has(Layer::Disks) && scene.stage >= Stage::Tile) {
+        if !part.is_on(scene) {
             return;
         }
-        let clip = self.clip();
-        match self.resident {
-            Some(resident) => resident.disks(scene, clip),
-            None => self.keep(Part::Disks, &scene.painter.with_clip_rect(clip), |s| {
-                symbols::disks(s.scene, s.looks, s.sprites)
-            }),
+        let painter = &self.painter.with_clip_rect(part.clip(scene));
+        match (part, self.resident) {
+            (Part::Disks, Some(resident)) => return resident.disks(painter, scene),
+            (Part::Samples, Some(resident)) => return resident.symbols(painter, scene),
+            _ => {}
         }
-    }
-
-    fn borders(&mut self) {
-        if self.scene.has(Layer::Blocks) {
-            self.keep(Part::Borders, self.scene.painter, |s| {
-                blocks::borders(s.scene)
-            });
-            blocks::numbers(self.scene);
-        }
-        if self.scene.session.combination.is_some() {
-            self.keep(Part::Seams, self.scene.painter, |s| {
-                seams::lines(s.scene, s.sprites)
-            });
-        }
-        if self.scene.has(Layer::Tree) {
-            self.keep(Part::Tree, self.scene.painter, |s| {
-                tree::lines(s.scene, s.sprites)
-            });
-        }
-    }
-
-    /// Returns where what reaches over the border of a periodic domain is seen: within it, as it comes in again at the
-    /// other side.
-    fn clip(&self) -> Rect {
-        let scene = self.scene;
-        if scene.session.run().domain.is_periodic() {
-            let domain = scene.screen_rect([0.0; 2], scene.session.size_radii());
-            domain.intersect(scene.rect)
-        } else {
-            scene.rect
-        }
-    }
-
-    fn keep(
-        &mut self,
-        part: Part,
-        painter: &Painter,
-        make: impl FnOnce(&mut Makers<'_>) -> Vec<Shape>,
-    ) {
-        let mut makers = Makers {
-            scene: self.scene,
-            looks: self.looks,
-            sprites: self.sprites,
+        let (looks, edges) = (self.looks, self.edges);
+        let sprites = &mut *self.sprites;
+        let mut make = || {
+            let mut sheet = Sheet::new(painter, sprites);
+            match part {
+                Part::Pairs => edges.draw(scene, &mut sheet),
+                part => part.draw(scene, looks, &mut sheet),
+            }
+            sheet.into_shapes()
         };
-        painter.extend(self.kept.layer(part as usize, || make(&mut makers)));
+        let shapes = if is_kept(part) {
+            self.kept.layer(part as usize, make)
+        } else {
+            make()
+        };
+        painter.extend(shapes);
     }
-}
-
-/// What layers are made from.
-struct Makers<'a> {
-    scene: &'a Scene<'a>,
-    looks: &'a Looks<'a>,
-    sprites: &'a mut Sprites,
 }
 
 /// Returns a remark about what is left out or simplified at this scale.

@@ -9,9 +9,11 @@ pub mod frames;
 pub mod picture;
 pub mod refusal;
 pub mod still;
+mod surface;
 pub mod write;
 
 use std::path::{Path, PathBuf};
+use tilescope_drawing::brushed::Cause;
 
 use tilescope_formats::{Format, Precision};
 
@@ -168,6 +170,8 @@ pub enum Content {
         moment: Still,
         /// What of it is seen.
         view: View,
+        /// The causes of what is brushed.
+        causes: Option<Cause>,
         /// Pixels of the file for a point of the window; SVG has none.
         scale: f64,
     },

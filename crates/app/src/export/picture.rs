@@ -2,25 +2,27 @@
 
 use std::sync::Arc;
 
-use egui::Color32;
+use ecolor::Color32;
+use emath::{Rect, pos2, vec2};
 use serde_json::json;
 use tilescope_core::Stage;
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger};
 use tilescope_figures::animation::MAX_FRAME_PIXELS;
 use tilescope_figures::{
-    Anchor, Font, Group, MAX_PIXELS, MAX_SIDE, MomentOptions, Palette, Scene, Shape, Text, fitted,
-    moment_scene, text_width,
+    Anchor, Font, Group, MAX_PIXELS, MAX_SIDE, Scene, Shape, Text, fitted, text_width,
 };
-use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::{Colouring, Layer, Layers};
 use tilescope_session::moment::Shown;
+use tilescope_session::selection::Selection;
 use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
-use super::drawing::{Drawing, color};
+use super::drawing::{empty_domain, groups};
 use super::refusal::Refusal;
 use super::still::{Still, provenance};
+use super::surface::{color, rect};
+use tilescope_drawing::brushed::Found;
 use tilescope_drawing::camera::Camera;
 
 /// The most samples that a picture draws.
@@ -37,6 +39,8 @@ pub struct View {
     pub layers: Layers,
     /// What the colour of samples means.
     pub colouring: Colouring,
+    /// What is selected.
+    pub selection: Selection,
     /// Whether the window's palette is the dark one.
     pub dark: bool,
     /// Whether it is coloured for print instead: dark on white.
@@ -47,8 +51,7 @@ impl View {
     /// Returns the pixels of a picture with `scale` pixels for a point; margins and the caption belong to it.
     #[must_use]
     pub fn pixels(&self, scale: f64) -> [usize; 2] {
-        let options = MomentOptions::framing([0.0; 2], 1.0, self.size);
-        options.size.map(|side| (side * scale).round() as usize)
+        self.paper().map(|side| (side * scale).round() as usize)
     }
 
     /// Returns why there is no picture of so many pixels, or no frame of an animation.
@@ -92,25 +95,30 @@ impl View {
         }
     }
 
-    /// Returns how the figures are to frame the plane, for a session of this radius in user units.
-    fn options(&self, radius: f64) -> MomentOptions {
-        let center = self.camera.center.map(|value| value * radius);
-        MomentOptions {
-            palette: if self.is_dark() {
-                Palette::DARK
-            } else {
-                Palette::LIGHT
-            },
-            copies: false,
-            ..MomentOptions::framing(center, self.camera.scale, self.size)
-        }
+    /// Returns the size of the whole picture, in points: margins and the caption belong to it.
+    fn paper(&self) -> [f64; 2] {
+        let width = self.size[0] / (1.0 - 2.0 * MARGIN);
+        [width, self.size[1] + (2.0 * MARGIN + CAPTION) * width]
+    }
+
+    /// Returns where the plane is seen in the picture, in points.
+    #[must_use]
+    pub fn frame(&self) -> Rect {
+        let width = self.paper()[0];
+        let corner = pos2((MARGIN * width) as f32, ((MARGIN + CAPTION) * width) as f32);
+        Rect::from_min_size(corner, vec2(self.size[0] as f32, self.size[1] as f32))
     }
 }
 
+/// Around what is seen of the plane, in the width of the picture.
+const MARGIN: f64 = 0.016;
+/// The height of the caption, in the width of the picture.
+const CAPTION: f64 = 0.044;
+
 /// Returns the picture of a moment, with the run's parameters in its metadata.
 #[must_use]
-pub fn scene(session: &Session, moment: &Still, view: &View) -> Scene {
-    let mut scene = drawn(session, moment, view, true);
+pub fn scene(session: &Session, moment: &Still, view: &View, causes: Option<&Found>) -> Scene {
+    let mut scene = drawn(session, moment, view, causes, true);
     scene.metadata = provenance(session);
     let shown = moment.description(session).to_string();
     scene.metadata.push(("Moment".to_owned(), shown));
@@ -137,11 +145,16 @@ pub fn described(view: &View) -> String {
 
 /// Returns a frame of an animation: a moment between events, on the run's own domain also before the first.
 pub(super) fn frame(session: &Session, cursor: usize, view: &View) -> Scene {
-    drawn(session, &Still::at(session, cursor), view, false)
+    drawn(session, &Still::at(session, cursor), view, None, false)
 }
 
-fn drawn(session: &Session, moment: &Still, view: &View, has_pattern: bool) -> Scene {
-    let options = view.options(session.run().domain.radius());
+fn drawn(
+    session: &Session,
+    moment: &Still,
+    view: &View,
+    causes: Option<&Found>,
+    has_pattern: bool,
+) -> Scene {
     let recorded = session.recording().zip(moment.cursor);
     let debugger = recorded.map(|(recording, cursor)| {
         let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
@@ -158,44 +171,21 @@ fn drawn(session: &Session, moment: &Still, view: &View, has_pattern: bool) -> S
     } else {
         view.palette().panel
     };
-    let [width, height] = options.size;
-    let mut scene = Scene::new(width, height, color(background, 1.0));
-    let geometry = Geometry::default();
-    let drawing = Drawing::new(shown, view, &geometry, &options);
+    let [width, height] = view.paper();
+    let mut scene = Scene::new(width, height, color(background));
     scene.groups = if moment.stage == Stage::Pattern && !has_pattern {
-        drawing.empty_domain()
+        empty_domain(shown, view, view.frame())
     } else {
-        drawing.layers()
+        groups(shown, view, causes, view.frame())
     };
-    // Where a stage is whole the stage itself is what there is to see, as on the canvas.
-    if let Some(debugger) = debugger.as_ref().filter(|_| !moment.ends_stage(session)) {
-        scene.groups.extend(step(debugger, &options));
-    }
-    caption(&mut scene, &shown, view, &options);
+    caption(&mut scene, &shown, view);
     scene
 }
 
-/// Returns what the last step tests and changes.
-fn step(debugger: &Debugger, options: &MomentOptions) -> Vec<Group> {
-    let options = MomentOptions {
-        layers: tilescope_figures::Layers {
-            search: true,
-            test: true,
-            current: true,
-            ..tilescope_figures::Layers::NONE
-        },
-        ..options.clone()
-    };
-    let cursor = debugger.state().cursor();
-    let mut groups = moment_scene(debugger.recording(), cursor, &options).groups;
-    groups.retain(|group| !["domain", "frame", "event"].contains(&group.name.as_str()));
-    groups
-}
-
 /// Adds what the picture shows in words, which are its title, too, and at which event.
-fn caption(scene: &mut Scene, shown: &Shown<'_>, view: &View, options: &MomentOptions) {
-    let (palette, frame) = (view.palette(), options.frame());
-    let px = options.size[0] / 1000.0;
+fn caption(scene: &mut Scene, shown: &Shown<'_>, view: &View) {
+    let (palette, frame) = (view.palette(), rect(view.frame()));
+    let px = view.paper()[0] / 1000.0;
     let size = 20.0 * px;
     let event = shown.debugger.map_or_else(String::new, |debugger| {
         let [at, all] = [debugger.state().cursor(), debugger.recording().len()];
@@ -209,9 +199,9 @@ fn caption(scene: &mut Scene, shown: &Shown<'_>, view: &View, options: &MomentOp
     let width = text_width(&event, Font::Regular, size);
     let room = frame.max[0] - frame.min[0] - width - size;
     let line = frame.min[1] - 16.0 * px;
-    let ink = color(palette.text, 1.0);
+    let ink = color(palette.text);
     let left = Text::new([frame.min[0], line], fitted(&text, room, size), size, ink);
-    let muted = color(palette.muted, 1.0);
+    let muted = color(palette.muted);
     let mut right = Text::new([frame.max[0], line], event, size, muted);
     right.anchor = Anchor::End;
     let mut group = Group::new("caption");

@@ -4,6 +4,7 @@
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use tilescope_drawing::brushed::Found;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
@@ -272,13 +273,15 @@ fn picture(order: &Order, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
     let Content::Picture {
         moment,
         view,
+        causes,
         scale,
     } = &order.content
     else {
         return Ok(Vec::new());
     };
     monitor.set_activity("drawing");
-    let scene = scene(&order.session, moment, view);
+    let causes = causes.clone().map(|cause| Found { serial: 0, cause });
+    let scene = scene(&order.session, moment, view, causes.as_ref());
     monitor.set_fraction(0.3);
     go_on(monitor)?;
     let bytes = match extension(&order.path).as_deref() {

@@ -15,10 +15,10 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 use super::track;
 use crate::actions::time_refusals;
 use crate::arrangement::Arrangement;
-use crate::canvas::Made;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
 use crate::state::State;
+use tilescope_drawing::made::Made;
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use tilescope_session::selection::Selection;
 
 use tilescope_session::words::{counted, grouped};
 
@@ -125,6 +126,10 @@ impl State {
             size: [size.x, size.y].map(f64::from),
             layers: self.appearance.layers,
             colouring: self.appearance.colouring,
+            selection: match kind {
+                Kind::Animation => Selection::Nothing,
+                _ => self.runs.first.selection(),
+            },
             dark: tilescope_drawing::palette::Palette::of(self.appearance.look).dark,
             print: self.files.export.as_ref().is_some_and(|form| form.print),
         })
@@ -240,6 +245,7 @@ impl State {
                 Content::Picture {
                     moment,
                     view,
+                    causes: self.causes().map(|found| found.cause.clone()),
                     scale,
                 }
             }

@@ -1,6 +1,7 @@
 //! A run and how it is looked at: what there is once for the run that the panels show, and once more for the run beside it.
 
 use std::sync::Arc;
+use tilescope_session::selection::Selection;
 
 use egui::Rect;
 use tilescope_core::{Parameters, Stage};
@@ -127,6 +128,14 @@ impl RunView {
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,
         })
+    }
+
+    /// Returns what is selected.
+    #[must_use]
+    pub fn selection(&self) -> Selection {
+        let sample = self.selected.map(Selection::Sample);
+        let place = self.place.map(Selection::Place);
+        sample.or(place).unwrap_or(Selection::Nothing)
     }
 
     /// Returns whether the session is a combination.

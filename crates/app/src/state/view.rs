@@ -34,11 +34,8 @@ impl State {
             colouring: Some(self.appearance.colouring),
             look: Some(self.appearance.look),
             layout: Some(self.window.layout.clone()),
-            selection: self.runs.first.selected.map(Selection::Sample).or(self
-                .runs
-                .first
-                .place
-                .map(Selection::Place)),
+            selection: Some(self.runs.first.selection())
+                .filter(|selection| *selection != Selection::Nothing),
             // The passes of the GPU are not saved.
             clock: Some(self.time.playback.clock_of_events()),
             speed: Some(self.time.playback.speed),

@@ -112,7 +112,12 @@ fn one_goes_through_its_stages() {
 fn drawn(state: &State, name: &str) -> usize {
     let view = state.export_view(Kind::Picture).unwrap();
     let still = state.still().unwrap();
-    let scene = picture::scene(state.runs.first.session.as_ref().unwrap(), &still, &view);
+    let scene = picture::scene(
+        state.runs.first.session.as_ref().unwrap(),
+        &still,
+        &view,
+        None,
+    );
     let shapes = scene.groups.iter().filter(|group| group.name == name);
     let shapes = shapes.flat_map(|group| &group.shapes);
     let count = |shape: &tilescope_figures::Shape| match shape {

@@ -13,7 +13,6 @@ use tilescope_app::export::{Entry, ExportCommand, Kind, View};
 use tilescope_app::{Command, State};
 use tilescope_core::{Origin, Stage};
 use tilescope_drawing::palette::{DARK, LIGHT};
-use tilescope_figures::MomentOptions;
 use tilescope_formats::{Certificate, Hint, Overrides, certificate_path, check, read};
 use tilescope_session::Session;
 use tilescope_session::layers::Layer;
@@ -363,13 +362,8 @@ fn state_cursor(certificate: &Certificate) -> usize {
 
 /// The pixel of a place, given in r, in a picture of this view at scale 1.
 fn pixel(picture: &Decoded, view: &View, place: [f64; 2]) -> [u8; 3] {
-    let options = MomentOptions::framing([0.0; 2], 1.0, view.size);
-    let frame = options.frame();
-    let at = [0, 1].map(|k| {
-        let sign = [1.0, -1.0][k];
-        let off = sign * (place[k] - view.camera.center[k]) * view.camera.scale;
-        (f64::midpoint(frame.min[k], frame.max[k]) + off) as usize
-    });
+    let at = view.camera.screen_from_domain(view.frame(), place);
+    let at = [at.x as usize, at.y as usize];
     let first = (at[1] * picture.info.width as usize + at[0]) * picture.info.color_type.samples();
     [0, 1, 2].map(|k| picture.pixels[first + k])
 }

@@ -1,4 +1,3 @@
 //! Integration tests of `tilescope-figures`.
 
 mod animations;
-mod moments;

@@ -21,7 +21,7 @@ pub use set::Symbols;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::Look;
 use view::{Copy, View};
-pub use view::{Marks, PaintOptions, outline, radii};
+pub use view::{Marks, PaintOptions};
 
 /// Disks of fewer pixels of radius are not drawn.
 pub const MIN_DISK_PIXELS: f64 = 1.0;

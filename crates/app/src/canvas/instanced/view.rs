@@ -7,6 +7,7 @@ use tilescope_core::R;
 use super::gpu::Frame;
 use super::set::Symbols;
 use tilescope_drawing::camera::Camera;
+use tilescope_drawing::look::radii;
 
 /// Which marks a layer draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,24 +36,6 @@ pub struct PaintOptions {
     pub disk_ring: f32,
     /// Whether only what lies near the view is drawn; without, the picture is the same and takes longer.
     pub cull: bool,
-}
-
-/// Returns the radii of dot, cross, diamond and ring at `scale` screen points per r, in screen points. They are parts of r,
-/// so that the symbols of neighbours never run together, up to the sizes at which they would hide their surroundings.
-#[must_use]
-pub const fn radii(scale: f32) -> [f32; 4] {
-    [
-        (0.2 * scale).clamp(1.0, 5.5),
-        (0.26 * scale).clamp(0.6, 8.0),
-        (0.27 * scale).clamp(1.0, 8.5),
-        (0.33 * scale).clamp(0.5, 9.0),
-    ]
-}
-
-/// Returns how wide the outline around a symbol of `radius` is, in screen points.
-#[must_use]
-pub const fn outline(radius: f32) -> f32 {
-    (0.8 * radius).min(1.6)
 }
 
 impl PaintOptions {

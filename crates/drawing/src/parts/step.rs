@@ -1,17 +1,21 @@
 //! What is going on at the moment: the current sample, its search disk and test buffer, the circumcircle under
 //! test with its verdict, the pair that was compared, and what changed last.
 
-use egui::{Align2, Color32, Pos2, Shape, Stroke, vec2};
+use ecolor::Color32;
+use emath::{Align2, vec2};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Moment, Verdict};
-use tilescope_debugger::Examined;
+use tilescope_debugger::{Event, Examined};
 use tilescope_session::units::radii;
 
-use super::paint::{Scene, tag};
+use crate::scene::{Scene, moved};
+use crate::surface::{Stroke, Surface, dashed_circle};
 
-/// Draws it, unless the moment is the end of a stage: then the stage itself is what there is to see.
-pub fn paint(scene: &Scene<'_>) {
-    let Some(context) = scene.shown.context().filter(|_| !scene.shown.ends_stage()) else {
+/// A circle of a larger radius, in screen points, is not drawn.
+const MAX_CIRCLE: f32 = 4_000.0;
+
+pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(context) = scene.shown.context() else {
         return;
     };
     let palette = scene.palette;
@@ -19,46 +23,37 @@ pub fn paint(scene: &Scene<'_>) {
         .examined
         .map_or([0.0; 2], |examined| shift_of(scene, &examined));
     if let Some(search) = context.search {
-        let centre = moved(scene.session.place(search.centre), shift);
+        let center = moved(scene.session.place(search.centre), shift);
         let radius = radii(search.radius) as f32 * scene.scale();
-        dashed_circle(scene, scene.at(centre), radius, palette.detector);
+        let stroke = Stroke::new(1.4, palette.detector);
+        dashed_circle(surface, scene.at(center), radius, [7.0, 5.0], stroke);
         if let Some(debugger) = scene.shown.debugger {
             for id in debugger.recording().test_buffer(&search) {
-                let at = scene.at(scene.session.image_near(id, centre));
+                let at = scene.at(scene.session.image_near(id, center));
                 let stroke = Stroke::new(1.3, palette.detector);
-                scene.painter.circle_stroke(at, ring(scene), stroke);
+                surface.circle(at, ring(scene), None, Some(stroke));
                 // An image across the border is there as long as it is in the buffer.
-                scene.painter.circle_filled(
-                    at,
-                    0.45 * ring(scene),
-                    palette.sample.gamma_multiply(0.7),
-                );
+                let color = palette.sample.gamma_multiply(0.7);
+                surface.circle(at, 0.45 * ring(scene), Some(color), None);
             }
         }
     }
     if let Some(examined) = &context.examined {
-        examination(scene, examined, shift);
+        examination(scene, surface, examined, shift);
     }
     if let Some((dart, verdict)) = context.dart {
-        let at = scene.at([radii(dart.x), radii(dart.y)]);
         let color = color_of(scene, verdict);
-        scene
-            .painter
-            .circle(at, 4.0, color, Stroke::new(1.5, palette.halo));
+        let border = Stroke::new(1.5, palette.halo);
+        surface.circle(scene.point(dart), 4.0, Some(color), Some(border));
     }
     if let Some(id) = context.sample {
         let at = scene.at(scene.session.place(id));
-        scene
-            .painter
-            .circle_stroke(at, ring(scene) + 4.0, Stroke::new(2.5, palette.halo));
+        let stroke = Stroke::new(2.5, palette.halo);
+        surface.circle(at, ring(scene) + 4.0, None, Some(stroke));
         let faint = Stroke::new(1.2, palette.halo.gamma_multiply(0.6));
-        scene.painter.circle_stroke(at, scene.scale(), faint);
+        surface.circle(at, scene.scale(), None, Some(faint));
     }
-    last_event(scene);
-}
-
-fn moved(place: [f64; 2], shift: [f64; 2]) -> [f64; 2] {
-    [place[0] + shift[0], place[1] + shift[1]]
+    last_event(scene, surface);
 }
 
 /// Returns by how much to move what surrounds a place under test so that the place lies in the domain: in a
@@ -85,22 +80,12 @@ fn ring(scene: &Scene<'_>) -> f32 {
 }
 
 /// Draws the pair that was compared, and a heavy ring about what changed.
-fn last_event(scene: &Scene<'_>) {
-    let (session, palette) = (scene.session, scene.palette);
-    let Some(moment) = scene
-        .shown
-        .last_event()
-        .and_then(tilescope_debugger::Event::moment)
-    else {
+fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let palette = scene.palette;
+    let Some(moment) = scene.shown.last_event().and_then(Event::moment) else {
         return;
     };
-    let changed = |id: u32, color: Color32| {
-        let at = scene.at(session.place(id));
-        scene
-            .painter
-            .circle_stroke(at, ring(scene) + 2.0, Stroke::new(3.0, color));
-    };
-    match moment {
+    let (compared, changed) = match moment {
         Moment::Test {
             pivot,
             other,
@@ -111,37 +96,38 @@ fn last_event(scene: &Scene<'_>) {
             } else {
                 palette.muted
             };
-            pair(scene, [pivot, other], color);
+            (Some(([pivot, other], color)), None)
         }
         Moment::Eliminate { sample, by } => {
-            pair(scene, [by, sample], palette.conflict);
-            changed(sample, palette.conflict);
+            let color = palette.conflict;
+            (Some(([by, sample], color)), Some((sample, color)))
         }
-        Moment::Insert { sample, .. } => changed(sample, palette.inserted),
-        Moment::Mark { sample, .. } => changed(sample, palette.detector),
+        Moment::Insert { sample, .. } => (None, Some((sample, palette.inserted))),
+        Moment::Mark { sample, .. } => (None, Some((sample, palette.detector))),
         Moment::Keep { sample, .. } | Moment::Tiled { sample, .. } => {
-            changed(sample, palette.accent);
+            (None, Some((sample, palette.accent)))
         }
-        _ => {}
+        _ => (None, None),
+    };
+    if let Some((ids, color)) = compared {
+        pair(scene, surface, ids, color);
+    }
+    if let Some((id, color)) = changed {
+        let at = scene.at(scene.session.place(id));
+        let stroke = Stroke::new(3.0, color);
+        surface.circle(at, ring(scene) + 2.0, None, Some(stroke));
     }
 }
 
-fn pair(scene: &Scene<'_>, [a, b]: [u32; 2], color: Color32) {
+fn pair(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], color: Color32) {
     let from = scene.session.place(a);
     let to = scene.session.image_near(b, from);
     let distance = (to[0] - from[0]).hypot(to[1] - from[1]);
     let ends = [scene.at(from), scene.at(to)];
-    scene
-        .painter
-        .extend(Shape::dashed_line(&ends, Stroke::new(2.2, color), 6.0, 3.0));
-    let middle = ends[0] + (ends[1] - ends[0]) / 2.0 + vec2(10.0, -12.0);
-    tag(
-        scene.painter,
-        middle,
-        Align2::LEFT_BOTTOM,
-        &format!("{distance:.3} r"),
-        scene.palette,
-    );
+    surface.dashes(ends, Stroke::new(2.2, color));
+    let middle = ends[0].lerp(ends[1], 0.5) + vec2(10.0, -12.0);
+    let text = format!("{distance:.3} r");
+    scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
 }
 
 fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
@@ -153,18 +139,21 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
 }
 
 /// Draws the circle through the sites of a place under test, and what the verdict is.
-fn examination(scene: &Scene<'_>, examined: &Examined, shift: [f64; 2]) {
+fn examination(
+    scene: &Scene<'_>,
+    surface: &mut impl Surface,
+    examined: &Examined,
+    shift: [f64; 2],
+) {
     let detector = moved(scene.session.place(examined.detector), shift);
     let offset = examined.offset.map(radii);
-    let center = [detector[0] + offset[0], detector[1] + offset[1]];
+    let center = moved(detector, offset);
     let at = scene.at(center);
     let radius = offset[0].hypot(offset[1]) as f32 * scene.scale();
     let color = color_of(scene, examined.verdict);
-    let far = radius > 4_000.0 || !radius.is_finite();
+    let far = radius > MAX_CIRCLE || !radius.is_finite();
     if !far {
-        scene
-            .painter
-            .circle_stroke(at, radius, Stroke::new(1.8, color));
+        surface.circle(at, radius, None, Some(Stroke::new(1.8, color)));
     }
     let ids: &[u32] = match &examined.sites {
         Sites::Three(ids) => ids,
@@ -174,40 +163,22 @@ fn examination(scene: &Scene<'_>, examined: &Examined, shift: [f64; 2]) {
     };
     for &id in ids {
         let site = scene.at(scene.session.image_near(id, detector));
-        scene
-            .painter
-            .circle_stroke(site, ring(scene) + 1.0, Stroke::new(2.2, color));
+        let stroke = Stroke::new(2.2, color);
+        surface.circle(site, ring(scene) + 1.0, None, Some(stroke));
         if !far {
-            scene
-                .painter
-                .line_segment([site, at], Stroke::new(1.0, color.gamma_multiply(0.7)));
+            surface.line([site, at], Stroke::new(1.0, color.gamma_multiply(0.7)));
         }
     }
     if let Verdict::Covered { by } | Verdict::NotNearest { nearer: by } = examined.verdict {
         let covering = scene.at(scene.session.image_near(by, center));
-        scene.painter.extend(Shape::dashed_line(
-            &[at, covering],
-            Stroke::new(1.6, color),
-            4.0,
-            3.0,
-        ));
-        scene
-            .painter
-            .circle_stroke(covering, scene.scale(), Stroke::new(1.2, color));
+        surface.dashes([at, covering], Stroke::new(1.6, color));
+        surface.circle(covering, scene.scale(), None, Some(Stroke::new(1.2, color)));
     }
     if !far {
         let triangle = [vec2(0.0, -7.0), vec2(6.0, 4.5), vec2(-6.0, 4.5)].map(|v| at + v);
-        scene.painter.add(Shape::closed_line(
-            triangle.to_vec(),
-            Stroke::new(2.0, color),
-        ));
-        tag(
-            scene.painter,
-            at + vec2(12.0, -8.0),
-            Align2::LEFT_BOTTOM,
-            verdict_text(examined.verdict),
-            scene.palette,
-        );
+        surface.outline(&triangle, Stroke::new(2.0, color));
+        let text = verdict_text(examined.verdict).to_owned();
+        scene.tag(surface, at + vec2(12.0, -8.0), Align2::LEFT_BOTTOM, text);
     }
 }
 
@@ -219,18 +190,4 @@ const fn verdict_text(verdict: Verdict) -> &'static str {
         Verdict::Outside => "outside",
         Verdict::NotNearest { .. } => "nearer to another",
     }
-}
-
-fn dashed_circle(scene: &Scene<'_>, at: Pos2, radius: f32, color: Color32) {
-    let steps = 96;
-    let on = |k: usize| {
-        at + radius * egui::Vec2::angled(std::f32::consts::TAU * k as f32 / steps as f32)
-    };
-    let points: Vec<Pos2> = (0..=steps).map(on).collect();
-    scene.painter.extend(Shape::dashed_line(
-        &points,
-        Stroke::new(1.4, color),
-        7.0,
-        5.0,
-    ));
 }

@@ -1,0 +1,194 @@
+//! A picture of the figures as what the parts of a drawing are drawn on.
+
+use ecolor::Color32;
+use emath::{Pos2, Rect, Vec2, vec2};
+use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
+use tilescope_figures::{
+    Anchor, Baseline, Color, Font, Group, Marker, Rect as PictureRect, Shape, Style, Text,
+    text_width, with_alpha,
+};
+
+/// Circles of a larger radius, in pixels, are hardly curved where they can be seen.
+const MAX_CIRCLE: f32 = 10_000.0;
+/// How high a line of text is, in its size.
+const LINE_HEIGHT: f32 = 1.27;
+/// How far a polygon may be from an arc that it stands for, in pixels.
+const ARC_ERROR: f32 = 0.02;
+
+/// Returns a colour of the window for a picture.
+pub(super) fn color(color: Color32) -> Color {
+    let [red, green, blue, alpha] = color.to_srgba_unmultiplied();
+    with_alpha([red, green, blue, 255], alpha)
+}
+
+fn line(stroke: Stroke) -> tilescope_figures::Stroke {
+    tilescope_figures::Stroke::new(color(stroke.color), f64::from(stroke.width))
+}
+
+fn style(fill: Option<Color32>, stroke: Option<Stroke>) -> Style {
+    let mut style = fill.map_or_else(Style::default, |fill| Style::filled(color(fill)));
+    style.stroke = stroke.map(line);
+    style
+}
+
+pub(super) fn at(pos: Pos2) -> [f64; 2] {
+    [f64::from(pos.x), f64::from(pos.y)]
+}
+
+pub(super) fn rect(rect: Rect) -> PictureRect {
+    PictureRect::new(at(rect.min), at(rect.max))
+}
+
+/// The shapes of one part.
+#[derive(Default)]
+pub(super) struct Shapes {
+    shapes: Vec<Shape>,
+    /// Lines since the last shape of another kind, as long as they have one style.
+    lines: Vec<[[f64; 2]; 2]>,
+    stroke: Option<(Stroke, bool)>,
+    /// Marks by kind.
+    marks: [Vec<Shape>; 6],
+}
+
+impl Shapes {
+    /// Returns the shapes as a group of this name and groups of marks, in the sequence in which they are to be drawn; none
+    /// where nothing was drawn.
+    pub(super) fn into_groups(
+        mut self,
+        name: &'static str,
+        clip: Rect,
+    ) -> impl Iterator<Item = Group> {
+        self.end_lines();
+        let marks = Mark::ALL.into_iter().map(Mark::name).zip(self.marks);
+        let all = [(name, self.shapes)].into_iter().chain(marks);
+        let groups = all.filter(|(_, shapes)| !shapes.is_empty());
+        groups.map(move |(name, shapes)| Group {
+            clip: Some(rect(clip)),
+            shapes,
+            ..Group::new(name)
+        })
+    }
+
+    fn end_lines(&mut self) {
+        if let Some((stroke, dashed)) = self.stroke.take() {
+            let stroke = line(stroke);
+            self.shapes.push(Shape::Segments {
+                segments: std::mem::take(&mut self.lines),
+                stroke: if dashed {
+                    stroke.dashed(6.0, 4.0)
+                } else {
+                    stroke
+                },
+            });
+        }
+    }
+
+    fn add(&mut self, shape: Shape) {
+        self.end_lines();
+        self.shapes.push(shape);
+    }
+
+    fn segment(&mut self, ends: [Pos2; 2], stroke: Stroke, dashed: bool) {
+        if self.stroke != Some((stroke, dashed)) {
+            self.end_lines();
+            self.stroke = Some((stroke, dashed));
+        }
+        self.lines.push(ends.map(at));
+    }
+}
+
+impl Surface for Shapes {
+    fn rect(&mut self, area: Rect, fill: Option<Color32>, stroke: Option<Stroke>) {
+        let (rect, style) = (rect(area), style(fill, stroke));
+        self.add(Shape::Rect { rect, style });
+    }
+
+    fn line(&mut self, ends: [Pos2; 2], stroke: Stroke) {
+        self.segment(ends, stroke, false);
+    }
+
+    fn dashes(&mut self, ends: [Pos2; 2], stroke: Stroke) {
+        self.segment(ends, stroke, true);
+    }
+
+    fn circle(&mut self, center: Pos2, radius: f32, fill: Option<Color32>, stroke: Option<Stroke>) {
+        if radius < MAX_CIRCLE {
+            let style = style(fill, stroke);
+            self.add(Shape::circle(at(center), f64::from(radius), style));
+        }
+    }
+
+    fn arc(&mut self, center: Pos2, radius: f32, arc: Arc, stroke: Stroke) {
+        if arc == Arc::WHOLE {
+            return self.circle(center, radius, None, Some(stroke));
+        }
+        let step = 2.0 * (2.0 * ARC_ERROR / radius.max(1.0)).sqrt();
+        let steps = (arc.sweep.abs() / step).ceil().clamp(2.0, 1_000.0) as u32;
+        let on = |k: u32| {
+            let (sin, cos) = (arc.from + arc.sweep * k as f32 / steps as f32).sin_cos();
+            at(center + vec2(cos, -sin) * radius)
+        };
+        let points = (0..=steps).map(on).collect();
+        self.add(Shape::Polyline {
+            points,
+            stroke: line(stroke),
+        });
+    }
+
+    fn disk(&mut self, center: Pos2, radius: f32, color: Color32) {
+        let ring = Stroke::new(0.9, color.gamma_multiply(0.62));
+        self.circle(center, radius, Some(color.gamma_multiply(0.07)), Some(ring));
+    }
+
+    fn mark(&mut self, mark: Mark, center: Pos2, [radius, by]: [f32; 2], ink: Color32) {
+        let stroked = |width: f32| style(None, Some(Stroke::new(width, ink)));
+        let (marker, style) = match mark {
+            Mark::Cross => (Marker::Cross, stroked(1.2)),
+            Mark::Dot => (Marker::Dot, style(Some(ink), None)),
+            Mark::Diamond => (Marker::Diamond, style(Some(ink), None)),
+            Mark::Detector => (Marker::Dot, stroked(1.4)),
+            Mark::Triangle => (Marker::Triangle, stroked(1.4)),
+            Mark::Halo => (Marker::Dot, stroked(2.0)),
+        };
+        let size = 2.0 * f64::from(radius + by);
+        let shape = Shape::marker(marker, at(center), size, style);
+        self.marks[mark as usize].push(shape);
+        if mark == Mark::Detector {
+            let dot = Shape::marker(
+                Marker::Dot,
+                at(center),
+                0.3 * size,
+                self::style(Some(ink), None),
+            );
+            self.marks[mark as usize].push(dot);
+        }
+    }
+
+    fn outline(&mut self, corners: &[Pos2], stroke: Stroke) {
+        self.add(Shape::Polygon {
+            points: corners.iter().map(|corner| at(*corner)).collect(),
+            style: style(None, Some(stroke)),
+        });
+    }
+
+    fn tag(&mut self, tag: &Tag) {
+        let place = tag
+            .anchor
+            .anchor_size(tag.pos, self.text_size(&tag.text, tag.size));
+        self.rect(place.expand2(tag.padding), Some(tag.ground), tag.border);
+        let middle = [f64::from(place.min.x), f64::from(place.center().y)];
+        let mut text = Text::new(
+            middle,
+            tag.text.clone(),
+            f64::from(tag.size),
+            color(tag.ink),
+        );
+        (text.font, text.anchor, text.baseline) = (Font::Mono, Anchor::Start, Baseline::Middle);
+        self.add(Shape::Text(text));
+    }
+
+    fn text_size(&self, text: &str, size: f32) -> Vec2 {
+        let width = text_width(text, Font::Mono, f64::from(size));
+        vec2(width as f32, LINE_HEIGHT * size)
+    }
+}

@@ -1,0 +1,40 @@
+//! How much of the KD-tree there is at a moment.
+
+use tilescope_core::{Moment, Stage};
+use tilescope_session::moment::Shown;
+
+/// How many splits and leaves there are at a moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Made {
+    /// The splits.
+    pub splits: usize,
+    /// The leaves, which are the blocks.
+    pub leaves: usize,
+}
+
+impl Made {
+    /// Returns how many there are: all of them unless the moment lies within the stage that makes them.
+    #[must_use]
+    pub fn at(shown: &Shown<'_>) -> Self {
+        let blocks = &shown.session.run().blocks;
+        let mut made = Self {
+            splits: blocks.splits.len(),
+            leaves: blocks.leaves.len(),
+        };
+        let Some(debugger) = shown.debugger else {
+            return made;
+        };
+        if shown.stage == Stage::Blocks && !shown.ends_stage() {
+            (made.splits, made.leaves) = (0, 0);
+            let tape = debugger.recording().tape();
+            for (_, event) in tape.from(0).take(shown.cursor()) {
+                match event.moment() {
+                    Some(Moment::Split { .. }) => made.splits += 1,
+                    Some(Moment::Leaf { .. }) => made.leaves += 1,
+                    _ => {}
+                }
+            }
+        }
+        made
+    }
+}

@@ -1,0 +1,235 @@
+//! Colours by meaning, light and dark: one palette (after Okabe and Ito) and one accent. The meaning of a colour is the same
+//! on the canvas, in pictures, in chips and in the legend.
+
+use ecolor::Color32;
+use tilescope_figures::Palette as Marks;
+use tilescope_session::look::Look;
+
+/// Colours by meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Palette {
+    /// Whether it is the dark one.
+    pub dark: bool,
+    /// Panels.
+    pub panel: Color32,
+    /// Cards and fields on panels.
+    pub raised: Color32,
+    /// Thin lines between things.
+    pub line: Color32,
+    /// The canvas outside the domain.
+    pub outside: Color32,
+    /// The canvas inside the domain.
+    pub domain: Color32,
+    /// The domain's border.
+    pub border: Color32,
+    /// Text.
+    pub text: Color32,
+    /// Less important text.
+    pub muted: Color32,
+    /// The interface's accent.
+    pub accent: Color32,
+    /// Text on the accent.
+    pub on_accent: Color32,
+    /// A sample.
+    pub sample: Color32,
+    /// A sample from the margin around its block.
+    pub margin: Color32,
+    /// A conflict; also what is wrong.
+    pub conflict: Color32,
+    /// An eliminated sample.
+    pub eliminated: Color32,
+    /// A gap detector.
+    pub detector: Color32,
+    /// A gap.
+    pub gap: Color32,
+    /// A candidate.
+    pub candidate: Color32,
+    /// An inserted sample; also what is well.
+    pub inserted: Color32,
+    /// The halo of the current sample.
+    pub halo: Color32,
+}
+
+/// Returns a colour of the figures: what marks mean looks the same in the window and on paper.
+const fn mark([red, green, blue, _]: tilescope_figures::Color) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
+const fn rgb(hex: u32) -> Color32 {
+    Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
+}
+
+/// The dark palette.
+pub const DARK: Palette = Palette {
+    dark: true,
+    panel: rgb(0x0015_181d),
+    raised: rgb(0x001e_232a),
+    line: rgb(0x002b_313a),
+    outside: rgb(0x000c_0e11),
+    domain: rgb(0x0012_1519),
+    border: rgb(0x0057_6170),
+    text: rgb(0x00e6_e9ee),
+    muted: rgb(0x0098_a2b0),
+    accent: rgb(0x006c_a4ff),
+    on_accent: rgb(0x0009_1426),
+    sample: mark(Marks::DARK.sample),
+    margin: rgb(0x00e6_9f00),
+    conflict: mark(Marks::DARK.conflict),
+    eliminated: mark(Marks::DARK.eliminated),
+    detector: mark(Marks::DARK.detector),
+    gap: mark(Marks::DARK.gap),
+    candidate: mark(Marks::DARK.candidate),
+    inserted: mark(Marks::DARK.inserted),
+    halo: rgb(0x00ff_ffff),
+};
+
+/// The light palette.
+pub const LIGHT: Palette = Palette {
+    dark: false,
+    panel: rgb(0x00f7_f8fa),
+    raised: rgb(0x00ff_ffff),
+    line: rgb(0x00db_dfe5),
+    outside: rgb(0x00e9_ecf0),
+    domain: rgb(0x00ff_ffff),
+    border: rgb(0x007d_8796),
+    text: rgb(0x0019_1e26),
+    muted: rgb(0x005b_6675),
+    accent: rgb(0x0020_5fd0),
+    on_accent: rgb(0x00ff_ffff),
+    sample: mark(Marks::LIGHT.sample),
+    margin: rgb(0x00b8_6f00),
+    conflict: mark(Marks::LIGHT.conflict),
+    eliminated: mark(Marks::LIGHT.eliminated),
+    detector: mark(Marks::LIGHT.detector),
+    gap: mark(Marks::LIGHT.gap),
+    candidate: mark(Marks::LIGHT.candidate),
+    inserted: mark(Marks::LIGHT.inserted),
+    halo: rgb(0x0000_0000),
+};
+
+impl Palette {
+    /// Returns the palette of a look.
+    #[must_use]
+    pub const fn of(look: Look) -> &'static Self {
+        match look {
+            Look::Dark => &DARK,
+            Look::Light | Look::Projector => &LIGHT,
+        }
+    }
+
+    /// Returns the colour of a building block: neighbours in the list differ strongly.
+    #[must_use]
+    pub fn block(&self, index: u32) -> Color32 {
+        // The golden angle spreads hues; lightness alternates so that hue is not all.
+        let hue = f64::from(index) * 137.507_764 + 210.0;
+        let step = f64::from(index % 3) * 0.045;
+        let (lightness, chroma) = if self.dark {
+            (0.74 + step, 0.105)
+        } else {
+            (0.50 + step, 0.125)
+        };
+        oklch(lightness, chroma, hue)
+    }
+
+    /// Returns the colour of an age between 0, early, and 1, late: from blue over grey to yellow, ever lighter, so that
+    /// the order is seen whichever colours the eye tells apart.
+    #[must_use]
+    pub fn age(&self, age: f32) -> Color32 {
+        let (early, late) = if self.dark {
+            ([0.56, -0.02, -0.14], [0.93, -0.02, 0.15])
+        } else {
+            ([0.30, -0.01, -0.15], [0.665, 0.02, 0.135])
+        };
+        let part = |k: usize| early[k] + (late[k] - early[k]) * f64::from(age.clamp(0.0, 1.0));
+        oklab(part(0), part(1), part(2))
+    }
+}
+
+/// Returns the sRGB colour of an Oklab lightness, chroma and hue (Ottosson 2020).
+fn oklch(lightness: f64, chroma: f64, hue_degrees: f64) -> Color32 {
+    let (sin, cos) = hue_degrees.to_radians().sin_cos();
+    oklab(lightness, chroma * cos, chroma * sin)
+}
+
+/// Returns the sRGB colour of a lightness and two opponent coordinates of Oklab.
+fn oklab(lightness: f64, a: f64, b: f64) -> Color32 {
+    let l = (lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
+    let m = (lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
+    let s = (lightness - 0.089_484_177_5 * a - 1.291_485_548 * b).powi(3);
+    let encode = |linear: f64| {
+        let linear = linear.clamp(0.0, 1.0);
+        let encoded = if linear <= 0.003_130_8 {
+            12.92 * linear
+        } else {
+            1.055 * linear.powf(1.0 / 2.4) - 0.055
+        };
+        (encoded * 255.0).round() as u8
+    };
+    Color32::from_rgb(
+        encode(4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s),
+        encode(-1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s),
+        encode(-0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701 * s),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(color: Color32) -> f32 {
+        let linear = ecolor::Rgba::from(color);
+        0.2126 * linear.r() + 0.7152 * linear.g() + 0.0722 * linear.b()
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn the_ramp_of_ages_can_be_read_and_grows_lighter() {
+        for palette in [DARK, LIGHT] {
+            let ramp: Vec<Color32> = (0..=32).map(|k| palette.age(k as f32 / 32.0)).collect();
+            for color in &ramp {
+                assert!(contrast(*color, palette.domain) > 3.0, "{color:?}");
+            }
+            for pair in ramp.windows(2) {
+                assert!(luminance(pair[1]) > luminance(pair[0]), "{pair:?}");
+            }
+            assert!(contrast(ramp[0], ramp[32]) > 3.0);
+        }
+    }
+
+    #[test]
+    fn text_and_symbols_can_be_read() {
+        for palette in [DARK, LIGHT] {
+            for ground in [palette.panel, palette.raised, palette.domain] {
+                assert!(contrast(palette.text, ground) > 7.0);
+                assert!(contrast(palette.muted, ground) > 4.5);
+            }
+            assert!(contrast(palette.on_accent, palette.accent) > 4.5);
+            // The ring of the focus.
+            for ground in [
+                palette.panel,
+                palette.raised,
+                palette.domain,
+                palette.outside,
+            ] {
+                assert!(contrast(palette.accent, ground) > 3.0);
+            }
+            let symbols = [
+                palette.sample,
+                palette.margin,
+                palette.conflict,
+                palette.detector,
+                palette.gap,
+                palette.candidate,
+                palette.inserted,
+                palette.eliminated,
+            ];
+            for symbol in symbols.into_iter().chain((0..64).map(|k| palette.block(k))) {
+                assert!(contrast(symbol, palette.domain) > 3.0, "{symbol:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! The parts of a picture, from the ground up, each drawn once for the window's canvas and for exported pictures.
+
+mod blocks;
+mod geometry;
+mod pairs;
+mod samples;
+mod seams;
+mod selection;
+mod step;
+mod tree;
+
+use emath::Rect;
+use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
+
+use crate::looks::Looks;
+use crate::scene::Scene;
+use crate::surface::Surface;
+
+/// A part of a picture. Gaps are not among them: the canvas finds them pixel by pixel, a picture by its disks. They lie
+/// between the domain and all parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The tints of the blocks.
+    Tints,
+    /// What gluing may touch.
+    Band,
+    /// The edges of the Delaunay triangulation.
+    Delaunay,
+    /// The edges of the Voronoi diagram.
+    Voronoi,
+    /// Circumcircles larger than r.
+    Circumcircles,
+    /// The borders of gaps.
+    GapBorders,
+    /// The samples' disks.
+    Disks,
+    /// The blocks' borders.
+    Borders,
+    /// The blocks' numbers.
+    Numbers,
+    /// The seams of a combination.
+    Seams,
+    /// The lines of the KD-tree.
+    Tree,
+    /// The blocks' clips.
+    Clips,
+    /// Conflicts, and how they were resolved.
+    Conflicts,
+    /// Brushed pairs.
+    Pairs,
+    /// The samples.
+    Samples,
+    /// Detectors and candidates.
+    Search,
+    /// The numbers of the KD-tree's splits.
+    TreeNumbers,
+    /// What the last step tests and changes.
+    Step,
+    /// What is selected or pointed at.
+    Selection,
+}
+
+impl Part {
+    /// Every part, from the ground up.
+    pub const ALL: [Self; 19] = [
+        Self::Tints,
+        Self::Band,
+        Self::Delaunay,
+        Self::Voronoi,
+        Self::Circumcircles,
+        Self::GapBorders,
+        Self::Disks,
+        Self::Borders,
+        Self::Numbers,
+        Self::Seams,
+        Self::Tree,
+        Self::Clips,
+        Self::Conflicts,
+        Self::Pairs,
+        Self::Samples,
+        Self::Search,
+        Self::TreeNumbers,
+        Self::Step,
+        Self::Selection,
+    ];
+
+    /// Returns its name in exported pictures.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tints => "blocks",
+            Self::Band => "band",
+            Self::Delaunay => "Delaunay",
+            Self::Voronoi => "Voronoi",
+            Self::Circumcircles => "circumcircles",
+            Self::GapBorders => "gap borders",
+            Self::Disks => "disks",
+            Self::Borders => "block borders",
+            Self::Numbers => "block numbers",
+            Self::Seams => "seams",
+            Self::Tree => "KD-tree",
+            Self::Clips => "clips",
+            Self::Conflicts => "conflicts",
+            Self::Pairs => "brushed pairs",
+            Self::Samples => "samples",
+            Self::Search => "search",
+            Self::TreeNumbers => "split numbers",
+            Self::Step => "step",
+            Self::Selection => "selection",
+        }
+    }
+
+    /// Returns whether the part has something to show: its layer is on, at a stage that has it.
+    #[must_use]
+    pub fn is_on(self, scene: &Scene<'_>) -> bool {
+        let has = |layer| scene.has(layer);
+        let is_tiled = scene.stage >= Stage::Tile;
+        match self {
+            Self::Tints | Self::Borders | Self::Numbers => has(Layer::Blocks),
+            Self::Band | Self::Seams => scene.session.combination.is_some() && has(Layer::Seams),
+            Self::Delaunay => is_tiled && has(Layer::Delaunay),
+            Self::Voronoi => is_tiled && has(Layer::Voronoi),
+            Self::Circumcircles => is_tiled && has(Layer::Circumcircles),
+            Self::GapBorders => is_tiled && scene.is_fine() && has(Layer::Gaps),
+            Self::Disks => is_tiled && scene.is_fine() && has(Layer::Disks),
+            Self::Tree | Self::TreeNumbers => has(Layer::Tree),
+            Self::Clips => has(Layer::Pattern),
+            Self::Conflicts => has(Layer::Conflicts),
+            Self::Pairs => is_tiled && scene.subject.causes.is_some(),
+            // At the end of a stage the stage itself is what there is to see.
+            Self::Step => !scene.shown.ends_stage(),
+            Self::Samples | Self::Search | Self::Selection => true,
+        }
+    }
+
+    /// Returns where the part is seen.
+    #[must_use]
+    pub fn clip(self, scene: &Scene<'_>) -> Rect {
+        match self {
+            Self::Delaunay
+            | Self::Voronoi
+            | Self::Circumcircles
+            | Self::GapBorders
+            | Self::Disks => scene.inside(),
+            _ => scene.rect,
+        }
+    }
+
+    /// Draws the part.
+    pub fn draw(self, scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
+        match self {
+            Self::Tints => blocks::tints(scene, surface),
+            Self::Band => seams::band(scene, surface),
+            Self::Delaunay => geometry::delaunay(scene, surface),
+            Self::Voronoi => geometry::voronoi(scene, surface),
+            Self::Circumcircles => geometry::circumcircles(scene, surface),
+            Self::GapBorders => geometry::gap_borders(scene, surface),
+            Self::Disks => samples::disks(scene, looks, surface),
+            Self::Borders => blocks::borders(scene, surface),
+            Self::Numbers => blocks::numbers(scene, surface),
+            Self::Seams => seams::lines(scene, surface),
+            Self::Tree => tree::lines(scene, surface),
+            Self::Clips => blocks::clips(scene, surface),
+            Self::Conflicts => samples::conflicts(scene, surface),
+            Self::Pairs => pairs::draw(scene, surface),
+            Self::Samples => samples::draw(scene, looks, surface),
+            Self::Search => samples::search(scene, surface),
+            Self::TreeNumbers => tree::numbers(scene, surface),
+            Self::Step => step::draw(scene, surface),
+            Self::Selection => selection::draw(scene, surface),
+        }
+    }
+}
+
+pub use pairs::{draw_these as draw_pairs, in_view as pairs_in_view};
+pub use samples::{pattern, visit};

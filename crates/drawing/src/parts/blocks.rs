@@ -1,0 +1,76 @@
+//! The building blocks that there are at the moment: tints, borders, numbers, and the clips around them.
+
+use emath::{Align2, Rect, vec2};
+use tilescope_core::Stage;
+
+use crate::scene::Scene;
+use crate::surface::{Stroke, Surface, Tag};
+
+/// Blocks at least this wide show their number, in screen points.
+const MIN_LABELLED: f32 = 84.0;
+/// How strong the tints are: while nothing but blocks is shown, and later.
+const TINTS: [f32; 2] = [0.20, 0.085];
+
+fn visible(scene: &Scene<'_>) -> impl Iterator<Item = (u32, Rect)> {
+    let leaves = &scene.session.run().blocks.leaves[..scene.made.leaves];
+    let rects = leaves.iter().map(|block| scene.lattice_rect(&block.rect));
+    let numbered = (0..).zip(rects);
+    numbered.filter(|(_, rect)| rect.intersects(scene.rect))
+}
+
+pub fn tints(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let strength = TINTS[usize::from(scene.stage != Stage::Blocks)];
+    for (index, rect) in visible(scene) {
+        let color = scene.palette.block(index).gamma_multiply(strength);
+        surface.rect(rect, Some(color), None);
+    }
+}
+
+pub fn borders(scene: &Scene<'_>, surface: &mut impl Surface) {
+    for (index, rect) in visible(scene) {
+        let color = scene.palette.block(index).gamma_multiply(0.55);
+        surface.rect(rect, None, Some(Stroke::new(1.0, color)));
+    }
+}
+
+/// Draws the numbers where there is room.
+pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
+    for (index, rect) in visible(scene) {
+        if rect.width().min(rect.height()) < MIN_LABELLED {
+            continue;
+        }
+        let padding = vec2(4.5, 2.5);
+        surface.tag(&Tag {
+            text: index.to_string(),
+            pos: rect.intersect(scene.rect).left_top() + padding,
+            anchor: Align2::LEFT_TOP,
+            size: 11.0,
+            ink: scene.palette.block(index),
+            ground: scene.palette.domain.gamma_multiply(0.86),
+            border: None,
+            padding,
+            rounding: 0.0,
+        });
+    }
+}
+
+/// Draws each block enlarged by r, dashed.
+pub fn clips(scene: &Scene<'_>, surface: &mut impl Surface) {
+    for (index, rect) in visible(scene) {
+        // Dashing what is far outside the view could take millions of dashes.
+        let clip = rect
+            .expand(scene.scale())
+            .intersect(scene.rect.expand(20.0));
+        let corners = [
+            clip.left_top(),
+            clip.right_top(),
+            clip.right_bottom(),
+            clip.left_bottom(),
+            clip.left_top(),
+        ];
+        let stroke = Stroke::new(1.0, scene.palette.block(index).gamma_multiply(0.9));
+        for ends in corners.array_windows() {
+            surface.dashes(*ends, stroke);
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The triangulation over the samples: Delaunay and Voronoi edges, circumcircles larger than r, and the exact borders
+//! of the gaps. It draws what the subject has of it.
+
+use std::ops::RangeInclusive;
+
+use ecolor::Color32;
+use tilescope_analysis::Tessellation;
+use tilescope_analysis::tessellation::Edge;
+
+use crate::scene::{Scene, moved};
+use crate::surface::{Arc, Stroke, Surface};
+
+/// Circles wider than this, in r, are hardly curved where they can be seen.
+const WIDEST: f64 = 50.0;
+/// Most circles drawn at once: beyond, one sees none.
+const MAX_CIRCLES: usize = 4_000;
+/// By how much a radius may exceed r from rounding alone.
+const HAIR: f64 = 1e-6;
+/// How far the border of a gap may be from its deepest place, in r.
+const GAP_REACH: f64 = 4.0;
+
+/// The moment's triangulation on a surface.
+struct Net<'a, S> {
+    scene: &'a Scene<'a>,
+    tessellation: &'a Tessellation,
+    size: [f64; 2],
+    periodic: bool,
+    surface: &'a mut S,
+}
+
+impl<'a, S: Surface> Net<'a, S> {
+    /// Returns the triangulation of the moment, if it is known.
+    fn of(scene: &'a Scene<'_>, surface: &'a mut S) -> Option<Self> {
+        Some(Self {
+            scene,
+            tessellation: scene.subject.geometry.of(&scene.shown)?,
+            size: scene.session.size_radii(),
+            periodic: scene.session.run().domain.is_periodic(),
+            surface,
+        })
+    }
+
+    /// Makes room for the edges: growing to some megabytes would copy them several times. There are about three for each
+    /// sample.
+    fn reserve(&mut self) {
+        let scene = self.scene;
+        let seen = scene.session.index.count_in(scene.low, scene.high);
+        self.surface.reserve(3 * seen);
+    }
+}
+
+pub fn delaunay(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(mut net) = Net::of(scene, surface) else {
+        return;
+    };
+    net.reserve();
+    let color = scene.palette.sample.gamma_multiply(0.45);
+    for triangle in &net.tessellation.triangles {
+        for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+            // Two triangles run along an edge in opposite ways; only at a closed border there is but one.
+            if !net.periodic || triangle.sites[from] < triangle.sites[to] {
+                net.segment([triangle.corners[from], triangle.corners[to]], color);
+            }
+        }
+    }
+}
+
+pub fn voronoi(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(mut net) = Net::of(scene, surface) else {
+        return;
+    };
+    net.reserve();
+    let color = scene.palette.detector.gamma_multiply(0.7);
+    for &ends in &net.tessellation.voronoi_edges {
+        net.segment(ends, color);
+    }
+}
+
+pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(mut net) = Net::of(scene, surface) else {
+        return;
+    };
+    let stroke = Stroke::new(1.4, scene.palette.conflict);
+    let mut drawn = 0;
+    for triangle in &net.tessellation.triangles {
+        let reach = triangle.circumradius;
+        if !(1.0 + HAIR..WIDEST).contains(&reach) {
+            continue;
+        }
+        let [low, high] = [-reach, reach].map(|by| moved(triangle.center, [by; 2]));
+        net.shifts(low, high, |net, shift| {
+            if drawn < MAX_CIRCLES {
+                drawn += 1;
+                let center = scene.at(moved(triangle.center, shift));
+                let radius = reach as f32 * scene.scale();
+                net.surface.arc(center, radius, Arc::WHOLE, stroke);
+            }
+        });
+    }
+}
+
+/// Draws the borders of the gaps, which are arcs of disks.
+pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let Some(mut net) = Net::of(scene, surface) else {
+        return;
+    };
+    for gap in &net.tessellation.gaps {
+        let [low, high] = [-GAP_REACH, GAP_REACH].map(|by| moved(gap.deepest.0, [by; 2]));
+        net.shifts(low, high, |net, shift| {
+            for edge in gap.boundary.iter().flatten() {
+                net.border(edge, shift);
+            }
+        });
+    }
+}
+
+impl<S: Surface> Net<'_, S> {
+    /// Calls `draw` with every shift by whole periods that brings what lies between `low` and `high` both into the
+    /// domain and into view.
+    fn shifts(&mut self, low: [f64; 2], high: [f64; 2], mut draw: impl FnMut(&mut Self, [f64; 2])) {
+        let steps = |k: usize| -> RangeInclusive<i32> {
+            if !self.periodic {
+                return 0..=0;
+            }
+            -i32::from(high[k] > self.size[k])..=i32::from(low[k] < 0.0)
+        };
+        let (columns, rows) = (steps(0), steps(1));
+        for up in rows {
+            for right in columns.clone() {
+                let shift = [
+                    f64::from(right) * self.size[0],
+                    f64::from(up) * self.size[1],
+                ];
+                let seen = |k: usize| {
+                    high[k] + shift[k] >= self.scene.low[k]
+                        && low[k] + shift[k] <= self.scene.high[k]
+                };
+                if seen(0) && seen(1) {
+                    draw(self, shift);
+                }
+            }
+        }
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], color: Color32) {
+        let [a, b] = ends;
+        let low = [0, 1].map(|k| f64::min(a[k], b[k]));
+        let high = [0, 1].map(|k| f64::max(a[k], b[k]));
+        self.shifts(low, high, |net, shift| {
+            let ends = ends.map(|end| net.scene.at(moved(end, shift)));
+            net.surface.line(ends, Stroke::new(1.0, color));
+        });
+    }
+
+    fn border(&mut self, edge: &Edge, shift: [f64; 2]) {
+        let scene = self.scene;
+        let stroke = Stroke::new(1.6, scene.palette.gap);
+        match *edge {
+            Edge::Line { from, to } => {
+                let ends = [from, to].map(|end| scene.at(moved(end, shift)));
+                self.surface.line(ends, stroke);
+            }
+            Edge::Arc {
+                center,
+                from_angle,
+                to_angle,
+                ..
+            } => {
+                let arc = Arc {
+                    from: from_angle as f32,
+                    sweep: (to_angle - from_angle) as f32,
+                };
+                let center = scene.at(moved(center, shift));
+                self.surface.arc(center, scene.scale(), arc, stroke);
+            }
+        }
+    }
+}

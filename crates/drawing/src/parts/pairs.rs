@@ -1,0 +1,50 @@
+//! The edges of the pairs at brushed distances.
+
+use emath::{Pos2, Rect};
+
+use crate::brushed::Cause;
+use crate::scene::Scene;
+use crate::surface::{Stroke, Surface};
+
+/// Edges that are drawn at most: those nearest to the middle of the view.
+pub const MAX_PAIRS: usize = 20_000;
+/// The width of an edge, in screen points.
+const WIDTH: f32 = 1.5;
+
+pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
+    draw_these(scene, &in_view(scene).0, surface);
+}
+
+/// Draws pairs whose ends are known.
+pub fn draw_these(scene: &Scene<'_>, pairs: &[[Pos2; 2]], surface: &mut impl Surface) {
+    surface.reserve(pairs.len());
+    for ends in pairs {
+        surface.line(*ends, Stroke::new(WIDTH, scene.palette.margin));
+    }
+}
+
+/// Returns the edges in view, those nearest to its middle if there are too many, and how many there are.
+#[must_use]
+pub fn in_view(scene: &Scene<'_>) -> (Vec<[Pos2; 2]>, usize) {
+    let cause = scene.subject.causes.map(|found| &found.cause);
+    let (Some(Cause::Pairs { pairs, .. }), true) =
+        (cause, scene.stage >= tilescope_core::Stage::Tile)
+    else {
+        return (Vec::new(), 0);
+    };
+    let ends = pairs.iter().map(|pair| {
+        let from = scene.session.place(pair.ids[0]);
+        let to = [from[0] + pair.offset[0], from[1] + pair.offset[1]];
+        [scene.at(from), scene.at(to)]
+    });
+    let seen = |ends: &[Pos2; 2]| scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1]));
+    let mut ends: Vec<[Pos2; 2]> = ends.filter(seen).collect();
+    let count = ends.len();
+    if count > MAX_PAIRS {
+        let middle = scene.rect.center();
+        let distance = |ends: &[Pos2; 2]| ends[0].lerp(ends[1], 0.5).distance_sq(middle);
+        ends.select_nth_unstable_by(MAX_PAIRS, |a, b| distance(a).total_cmp(&distance(b)));
+        ends.truncate(MAX_PAIRS);
+    }
+    (ends, count)
+}

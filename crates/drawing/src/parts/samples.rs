@@ -1,0 +1,155 @@
+//! Samples and their disks, conflicts, detectors and candidates. Nothing outside the view is touched.
+
+use emath::{Pos2, Rect};
+use tilescope_core::stages::detect::Candidate;
+use tilescope_core::{Iteration, Point, Stage, Standing};
+use tilescope_session::layers::Layer;
+
+use crate::look::{Symbol, outline, radii as radii_at};
+use crate::looks::Looks;
+use crate::scene::Scene;
+use crate::surface::{Mark, Stroke, Surface};
+
+/// The width of a conflict's edge, in screen points.
+const EDGE_WIDTH: f32 = 1.4;
+
+/// Calls `visit` with every sample that may show a symbol in view.
+pub fn visit(scene: &Scene<'_>, mut visit: impl FnMut(u32, Pos2)) {
+    let reach = 6.0 / scene.subject.camera.scale;
+    let index = &scene.session.index;
+    index.visit(scene.low, scene.high, reach, |seen| {
+        if !seen.image {
+            visit(seen.id, scene.at(seen.place));
+        }
+    });
+}
+
+/// Draws the pattern's own samples, which have a domain of their own.
+pub fn pattern(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let radius = (0.17 * scene.scale()).clamp(0.8, 5.0);
+    let places = scene.session.run().pattern.samples().iter();
+    let places = places.map(|point| scene.point(*point));
+    for pos in places.filter(|pos| scene.rect.expand(8.0).contains(*pos)) {
+        surface.mark(Mark::Dot, pos, [radius, 0.0], scene.palette.sample);
+    }
+}
+
+/// Draws the disks of the samples that are there.
+pub fn disks(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
+    let index = &scene.session.index;
+    index.visit(scene.low, scene.high, 1.0, |seen| {
+        let look = looks.of(seen.id);
+        if look.disk {
+            surface.disk(scene.at(seen.place), scene.scale(), look.color);
+        }
+    });
+}
+
+/// Draws the samples, eliminated ones below the others.
+pub fn draw(scene: &Scene<'_>, looks: &Looks<'_>, surface: &mut impl Surface) {
+    let [radius, cross, diamond, _] = radii_at(scene.scale());
+    let around = outline(diamond);
+    visit(scene, |id, pos| {
+        let look = looks.of(id);
+        let by = radius * (look.size - 1.0);
+        match look.symbol {
+            Symbol::Dot => surface.mark(Mark::Dot, pos, [radius, by], look.color),
+            Symbol::Cross => surface.mark(Mark::Cross, pos, [cross, 0.0], look.color),
+            Symbol::Diamond => {
+                let ground = scene.palette.domain;
+                surface.mark(Mark::Diamond, pos, [diamond, by + around], ground);
+                surface.mark(Mark::Diamond, pos, [diamond, by], look.color);
+            }
+            Symbol::Ring | Symbol::None => {}
+        }
+    });
+}
+
+/// Draws the conflicts after tiling, or how elimination resolved them.
+pub fn conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
+    match scene.stage {
+        Stage::Tile => open_conflicts(scene, surface),
+        Stage::Eliminate => {
+            let color = scene.palette.conflict.gamma_multiply(0.6);
+            visit(scene, |id, _| {
+                if let Standing::Eliminated { by } = scene.shown.standing(id) {
+                    edge(scene, surface, [id, by], Stroke::new(EDGE_WIDTH, color));
+                }
+            });
+            if !scene.shown.ends_stage() {
+                open_conflicts(scene, surface);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Draws the conflicts between samples that are both there.
+fn open_conflicts(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let color = scene.palette.conflict.gamma_multiply(0.85);
+    for &[a, b] in &scene.session.conflicts {
+        if scene.shown.covers(a) && scene.shown.covers(b) {
+            edge(scene, surface, [a, b], Stroke::new(EDGE_WIDTH, color));
+        }
+    }
+}
+
+fn edge(scene: &Scene<'_>, surface: &mut impl Surface, [a, b]: [u32; 2], stroke: Stroke) {
+    let from = scene.session.place(a);
+    let to = scene.session.image_near(b, from);
+    let ends = [scene.at(from), scene.at(to)];
+    if scene.rect.intersects(Rect::from_two_pos(ends[0], ends[1])) {
+        surface.dashes(ends, stroke);
+    }
+}
+
+/// Draws the detectors and candidates of the iteration that is shown or comes next.
+pub fn search(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let iteration = match scene.stage {
+        Stage::Eliminate => scene.session.iteration(1),
+        Stage::Iterate(k) => scene.session.iteration(k),
+        _ => None,
+    };
+    let Some(iteration) = iteration else {
+        return;
+    };
+    let scale = scene.scale();
+    let view = scene.rect.expand(12.0);
+    if scene.has(Layer::Detectors) {
+        let [.., radius] = radii_at(scale);
+        // There are too many of them to shine.
+        let color = scene.palette.detector;
+        let color = color.gamma_multiply((scale / 6.0).clamp(0.5, 1.0));
+        let detectors = iteration.detectors.iter();
+        let marked = detectors.filter(|&&id| scene.shown.is_marked(id));
+        let places = marked.map(|&id| scene.at(scene.session.place(id)));
+        for pos in places.filter(|pos| view.contains(*pos)) {
+            surface.mark(Mark::Detector, pos, [radius, 0.0], color);
+        }
+    }
+    if scene.has(Layer::Candidates) && scene.stage != Stage::Eliminate {
+        let radius = (0.36 * scale).clamp(1.4, 10.0);
+        let places = candidates(scene, iteration).map(|point| scene.point(point));
+        for pos in places.filter(|pos| view.contains(*pos)) {
+            let color = scene.palette.candidate;
+            surface.mark(Mark::Triangle, pos, [radius, 0.0], color);
+        }
+    }
+}
+
+/// Returns the candidates of an iteration that have been found by now.
+fn candidates<'a>(
+    scene: &'a Scene<'_>,
+    iteration: &'a Iteration,
+) -> impl Iterator<Item = Point> + 'a {
+    let debugger = scene.shown.debugger.filter(|_| !scene.shown.ends_stage());
+    let found = move |candidate: &&Candidate| {
+        debugger.is_none_or(|debugger| {
+            let cursor = debugger.state().cursor();
+            let recording = debugger.recording();
+            recording.gap(candidate.sites, cursor).is_some()
+        })
+    };
+    let candidates = iteration.candidates.iter().filter(found);
+    candidates.map(|candidate| candidate.point)
+}

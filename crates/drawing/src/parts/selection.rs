@@ -1,0 +1,93 @@
+//! What is selected, pointed at or followed to.
+
+use emath::{Align2, vec2};
+use tilescope_core::stages::detect::Sites;
+use tilescope_core::{Origin, Stage, Standing};
+use tilescope_session::moment::Shown;
+use tilescope_session::verification::Sight;
+
+use crate::scene::Scene;
+use crate::surface::{Mark, Stroke, Surface, dashed_circle};
+
+/// Draws the current samples and the place that a verdict was followed to.
+pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let (subject, palette) = (&scene.subject, scene.palette);
+    if let Some(found) = subject.sight {
+        sight(scene, surface, found);
+    }
+    let radius = (0.45 * scene.scale()).clamp(6.0, 14.0);
+    let stroke = Stroke::new(1.2, palette.halo.gamma_multiply(0.8));
+    if let Some(place) = subject.place {
+        let at = scene.at(place);
+        for side in [vec2(7.0, 0.0), vec2(0.0, 7.0)] {
+            surface.line([at - side, at + side], stroke);
+        }
+    }
+    if let Some(id) = subject.selected {
+        let place = scene.session.place(id);
+        let at = scene.at(place);
+        if scene.stage >= Stage::Tile {
+            surface.circle(at, scene.scale(), None, Some(stroke));
+        }
+        for cause in causes(&scene.shown, id) {
+            let from = scene.at(scene.session.image_near(cause, place));
+            surface.line([from, at], stroke);
+        }
+        surface.mark(Mark::Halo, at, [radius, 0.0], palette.halo);
+    }
+    let hovered = subject.hovered.filter(|id| subject.selected != Some(*id));
+    if let Some(id) = hovered {
+        let at = scene.at(scene.session.place(id));
+        let color = palette.halo.gamma_multiply(0.6);
+        surface.mark(Mark::Halo, at, [radius, 0.0], color);
+    }
+}
+
+/// Returns the samples that made `id` what it is.
+fn causes(shown: &Shown<'_>, id: u32) -> Vec<u32> {
+    if let Standing::Eliminated { by } = shown.standing(id) {
+        return vec![by];
+    }
+    match shown.session.run().samples.origins[id as usize] {
+        Origin::Inserted { sites, .. } => match sites {
+            Sites::Three(ids) => ids.to_vec(),
+            Sites::Border(ids) => ids.to_vec(),
+            Sites::Corner(site) => vec![site],
+            Sites::Dart | Sites::Unrecorded => Vec::new(),
+        },
+        Origin::Tiled { .. } => Vec::new(),
+    }
+}
+
+fn sight(scene: &Scene<'_>, surface: &mut impl Surface, sight: Sight) {
+    let palette = scene.palette;
+    let color = |is_well| {
+        if is_well {
+            palette.inserted
+        } else {
+            palette.conflict
+        }
+    };
+    match sight {
+        Sight::Pair([a, b], distance) => {
+            let from = scene.session.place(a);
+            let ends = [scene.at(from), scene.at(scene.session.image_near(b, from))];
+            surface.line(ends, Stroke::new(2.5, color(distance >= 1.0)));
+            let middle = ends[0].lerp(ends[1], 0.5) + vec2(14.0, -14.0);
+            let text = format!("{distance:.6} r");
+            scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
+        }
+        Sight::Circle(center, radius) => {
+            let color = color(radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE);
+            let (at, reach) = (
+                scene.at(center),
+                (radius * scene.subject.camera.scale) as f32,
+            );
+            dashed_circle(surface, at, reach, [8.0, 5.0], Stroke::new(2.0, color));
+            surface.circle(at, 3.5, Some(color), None);
+            let beside = at - vec2(0.0, reach + 10.0);
+            let text = format!("empty circle {radius:.6} r");
+            scene.tag(surface, beside, Align2::CENTER_BOTTOM, text);
+        }
+    }
+}

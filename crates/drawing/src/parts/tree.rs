@@ -1,0 +1,92 @@
+//! The KD-tree: the line of every split that was made by now, the thicker the earlier in its branch, numbered as they
+//! were made.
+
+use emath::{Align2, Pos2, Rect, vec2};
+use tilescope_core::stages::blocks::{Axis, Split};
+use tilescope_core::{Moment, Stage};
+use tilescope_debugger::Event;
+use tilescope_session::units::radii;
+
+use crate::scene::Scene;
+use crate::surface::{Stroke, Surface, Tag};
+
+/// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
+const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
+/// The width of the first split's line, in screen points.
+const WIDEST: f32 = 6.0;
+/// The width of the lines deep in the tree.
+const THINNEST: f32 = 1.2;
+/// By how much a line is thinner than the one above it.
+const TAPER: f32 = 0.76;
+
+/// Returns the splits that were made, with their numbers and the ends of their lines as far as they are in view.
+fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, [Pos2; 2])> {
+    let splits = &scene.session.run().blocks.splits[..scene.made.splits];
+    let numbered = (1..).zip(splits);
+    numbered.filter_map(|(number, split)| {
+        let rect = &split.rect;
+        let (low, high) = match split.axis {
+            Axis::X => ([split.plane, rect.min.y], [split.plane, rect.max.y]),
+            Axis::Y => ([rect.min.x, split.plane], [rect.max.x, split.plane]),
+        };
+        let ends = [low, high].map(|end| scene.at(end.map(radii)));
+        let seen = scene.visible_line(ends, WIDEST)?;
+        Some((number, split, seen))
+    })
+}
+
+/// Returns how wide the line of a split is, in screen points.
+fn width(split: &Split) -> f32 {
+    (WIDEST * TAPER.powi(split.depth as i32)).max(THINNEST)
+}
+
+pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let just_made = match scene.shown.last_event().and_then(Event::moment) {
+        Some(Moment::Split { index, .. }) => index as usize + 1,
+        _ => 0,
+    };
+    // Beside samples the tree steps back.
+    let presence = if scene.stage == Stage::Blocks {
+        1.0
+    } else {
+        0.5
+    };
+    let color = scene.palette.text.gamma_multiply(presence);
+    for (number, split, ends) in visible(scene) {
+        if number == just_made {
+            surface.line(ends, Stroke::new(width(split) + 5.0, scene.palette.accent));
+        }
+    }
+    for (_, split, ends) in visible(scene) {
+        surface.line(ends, Stroke::new(width(split), color));
+    }
+}
+
+/// Draws the numbers: those of earlier splits where there is no room for all.
+pub fn numbers(scene: &Scene<'_>, surface: &mut impl Surface) {
+    let mut taken: Vec<Rect> = Vec::new();
+    let palette = scene.palette;
+    let min_length = MIN_LENGTHS[usize::from(scene.stage > Stage::Blocks)];
+    for (number, _, [from, to]) in visible(scene) {
+        let (text, size, padding) = (number.to_string(), 11.5, vec2(5.0, 2.0));
+        let middle = from.lerp(to, 0.5);
+        let place = Align2::CENTER_CENTER.anchor_size(middle, surface.text_size(&text, size));
+        let ground = place.expand2(padding);
+        let long_enough = (to - from).length() >= min_length * ground.width();
+        if !long_enough || taken.iter().any(|other| other.intersects(ground)) {
+            continue;
+        }
+        taken.push(ground.expand(2.0));
+        surface.tag(&Tag {
+            text,
+            pos: middle,
+            anchor: Align2::CENTER_CENTER,
+            size,
+            ink: palette.text,
+            ground: palette.panel,
+            border: Some(Stroke::new(1.0, palette.text)),
+            padding,
+            rounding: 8.0,
+        });
+    }
+}

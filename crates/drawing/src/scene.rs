@@ -1,0 +1,155 @@
+//! A subject in a rectangle: what of the plane is seen where.
+
+use emath::{Align2, Pos2, Rect, vec2};
+use tilescope_core::{Point, Rect as LatticeRect, Stage};
+use tilescope_session::layers::Layer;
+use tilescope_session::moment::Shown;
+use tilescope_session::session::Session;
+use tilescope_session::units::radii;
+
+use crate::made::Made;
+use crate::palette::Palette;
+use crate::subject::Subject;
+use crate::surface::{Stroke, Surface, Tag};
+
+/// A subject in a rectangle.
+pub struct Scene<'a> {
+    /// Where it is seen, in screen points.
+    pub rect: Rect,
+    /// The moment, and how it is seen.
+    pub subject: Subject<'a>,
+    /// The run.
+    pub session: &'a Session,
+    /// The moment.
+    pub shown: Shown<'a>,
+    /// The stage.
+    pub stage: Stage,
+    /// The colours.
+    pub palette: &'a Palette,
+    /// The lowest visible coordinates, in r.
+    pub low: [f64; 2],
+    /// The highest visible coordinates, in r.
+    pub high: [f64; 2],
+    /// How much of the KD-tree there is.
+    pub made: Made,
+}
+
+impl<'a> Scene<'a> {
+    /// Returns what is seen of a subject in a rectangle.
+    #[must_use]
+    pub fn new(rect: Rect, subject: Subject<'a>, palette: &'a Palette) -> Self {
+        let (low, high) = subject.camera.visible(rect);
+        let shown = subject.shown;
+        Self {
+            rect,
+            subject,
+            session: shown.session,
+            shown,
+            stage: shown.stage,
+            palette,
+            low,
+            high,
+            made: Made::at(&shown),
+        }
+    }
+
+    /// Returns where a place, given in r, is seen.
+    #[must_use]
+    pub fn at(&self, place: [f64; 2]) -> Pos2 {
+        self.subject.camera.screen_from_domain(self.rect, place)
+    }
+
+    /// Returns where a point of the lattice is seen.
+    #[must_use]
+    pub fn point(&self, point: Point) -> Pos2 {
+        self.at([radii(point.x), radii(point.y)])
+    }
+
+    /// Returns the screen points in one r.
+    #[must_use]
+    pub const fn scale(&self) -> f32 {
+        self.subject.camera.scale as f32
+    }
+
+    /// Returns whether a layer is on.
+    #[must_use]
+    pub fn has(&self, layer: Layer) -> bool {
+        self.subject.layers.has(layer)
+    }
+
+    /// Returns where a rectangle between two places is seen.
+    #[must_use]
+    pub fn screen_rect(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
+        Rect::from_two_pos(self.at(low), self.at(high))
+    }
+
+    /// Returns where a rectangle of the lattice is seen.
+    #[must_use]
+    pub fn lattice_rect(&self, rect: &LatticeRect) -> Rect {
+        Rect::from_two_pos(self.point(rect.min), self.point(rect.max))
+    }
+
+    /// Returns where the domain is seen: that of the run, or of the pattern where the pattern is shown.
+    #[must_use]
+    pub fn domain(&self) -> Rect {
+        let size = match self.stage {
+            Stage::Pattern => {
+                let domain = self.session.run().pattern.domain();
+                [radii(domain.width()), radii(domain.height())]
+            }
+            _ => self.session.size_radii(),
+        };
+        self.screen_rect([0.0; 2], size)
+    }
+
+    /// Returns where what reaches over the border of a periodic domain is seen: within it, as it comes in again at the
+    /// other side.
+    #[must_use]
+    pub fn inside(&self) -> Rect {
+        if self.session.run().domain.is_periodic() {
+            self.domain().intersect(self.rect)
+        } else {
+            self.rect
+        }
+    }
+
+    /// Returns whether disks and gaps are large enough to be drawn.
+    #[must_use]
+    pub fn is_fine(&self) -> bool {
+        self.subject.camera.scale >= crate::MIN_DISK_SCALE
+    }
+
+    /// Draws a text with a ground, so that it can be read over anything.
+    pub(crate) fn tag(&self, surface: &mut impl Surface, pos: Pos2, anchor: Align2, text: String) {
+        surface.tag(&Tag {
+            text,
+            pos,
+            anchor,
+            size: 12.0,
+            ink: self.palette.text,
+            ground: self.palette.panel.gamma_multiply(0.9),
+            border: None,
+            padding: vec2(6.0, 3.0),
+            rounding: 5.0,
+        });
+    }
+
+    /// Returns the ends of a line as far as it is in view, unless it is nowhere; the line must be upright or level.
+    pub(crate) fn visible_line(&self, ends: [Pos2; 2], width: f32) -> Option<[Pos2; 2]> {
+        let line = Rect::from_two_pos(ends[0], ends[1]);
+        let seen = line.intersect(self.rect.expand(width));
+        let is_seen = seen.min.x <= seen.max.x && seen.min.y <= seen.max.y;
+        is_seen.then_some([seen.min, seen.max])
+    }
+
+    /// Draws the border of the domain and what lies within.
+    pub fn ground(&self, surface: &mut impl Surface) {
+        let border = Stroke::new(1.2, self.palette.border);
+        surface.rect(self.domain(), Some(self.palette.domain), Some(border));
+    }
+}
+
+/// Returns a place moved by `shift`.
+pub(crate) fn moved(place: [f64; 2], shift: [f64; 2]) -> [f64; 2] {
+    [place[0] + shift[0], place[1] + shift[1]]
+}
