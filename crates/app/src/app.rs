@@ -163,7 +163,9 @@ impl App {
         if !dropped.is_empty() {
             let waker = ui.ctx().clone();
             let wake: tilescope_session::jobs::Wake = Arc::new(move || waker.request_repaint());
-            self.dropped = Some(crate::files::web::take(&dropped, &wake));
+            let files = dropped.iter().filter_map(|file| file.web_file().cloned());
+            let files = files.collect();
+            self.dropped = Some(crate::files::web::take(files, &wake));
         }
         let read = self
             .dropped

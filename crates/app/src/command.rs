@@ -1,7 +1,7 @@
 //! Everything a user can do, as values: buttons, keys, the canvas and scripts issue the same ones,
 //! and only [`crate::State::apply`] carries them out.
 
-use egui::{Pos2, Rect, Vec2};
+use emath::{Pos2, Rect, Vec2};
 use tilescope_debugger::{Direction, LineId, Step, Target};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::{Colouring, Layer};

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use egui::{Pos2, Rect, vec2};
+use emath::{Pos2, Rect, vec2};
 use serde_json::Value;
 use thiserror::Error;
 

@@ -1,7 +1,6 @@
 //! Files in a browser: chosen in its dialog or dropped on the page, and read into memory. What is too long is refused by
 //! its length, before it is read.
 
-use egui::DroppedFileHandle;
 use js_sys::{Promise, Uint8Array};
 use tilescope_session::incoming::refusals;
 use tilescope_session::jobs::{Job, Wake};
@@ -74,11 +73,7 @@ async fn answer(input: &HtmlInputElement, answered: Promise) -> Result<Vec<File>
 
 /// Reads what was dropped.
 #[must_use]
-pub fn take(dropped: &[DroppedFileHandle], wake: &Wake) -> Job<Found> {
-    let files: Vec<File> = dropped
-        .iter()
-        .filter_map(|file| file.web_file().cloned())
-        .collect();
+pub fn take(files: Vec<File>, wake: &Wake) -> Job<Found> {
     Job::start_future(wake, move |_| read_all(files))
 }
 

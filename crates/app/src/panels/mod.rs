@@ -17,6 +17,7 @@ mod layers;
 mod legend;
 mod notice;
 mod parameters;
+mod passes;
 mod pseudocode;
 mod registry;
 mod sheet;
@@ -31,18 +32,17 @@ use egui::{
     Align2, Area, Button, CentralPanel, Frame, Id, Margin, RichText, Role, Ui, WidgetInfo, vec2,
 };
 
-pub use embedded::show as show_embedded;
-pub use registry::{least_size, show_panel, timeline_height};
 #[cfg(test)]
-pub(crate) use timeline::told;
-
-use crate::command::{AppearanceCommand, Command};
+use crate::command::AppearanceCommand;
+use crate::command::Command;
 use crate::layout::Panel;
 use crate::panels::analysis::AnalysisContext;
 use crate::panels::common::scrolled;
 use crate::panels::context::PanelContext;
 use crate::panes::Canvas;
 use crate::state::State;
+pub use embedded::show as show_embedded;
+pub use registry::{least_size, show_panel, timeline_height};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 

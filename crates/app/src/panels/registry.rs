@@ -234,7 +234,7 @@ fn passes(
             .id_salt(Panel::Passes.name())
             .show(ui, |ui| {
                 ui.allocate_ui(size, |ui| {
-                    crate::passes::panel::show(ui, passes, palette, &mut own);
+                    super::passes::show(ui, passes, palette, &mut own);
                 });
             });
         commands.extend(own.into_iter().map(Command::Passes));

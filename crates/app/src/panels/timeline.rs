@@ -5,10 +5,9 @@ use egui::{
     Align, Button, Color32, ComboBox, Context, FontId, Layout, RichText, Role, TextStyle, Ui, Vec2,
     WidgetInfo, vec2,
 };
-use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::sentence::happened;
-use tilescope_session::words::{counted, grouped};
+use tilescope_session::words::grouped;
 use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
@@ -18,7 +17,6 @@ use crate::arrangement::Arrangement;
 use crate::clock::{Clock, SPEEDS};
 use crate::command::{Command, TimeCommand};
 use crate::state::State;
-use tilescope_drawing::made::Made;
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
@@ -99,7 +97,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             sentence(ui, state, SIZE, vec2(room - beside, height), usize::MAX);
             if beside > 0.0 {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let text = RichText::new(told(state).join("   ")).monospace();
+                    let text = RichText::new(state.runs.first.told().join("   ")).monospace();
                     ui.label(text.color(palette.muted)).known_as("counts");
                 });
             }
@@ -266,7 +264,7 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let palette = Palette::of(state.appearance.look);
     ui.label(RichText::new(happened(state.shown().as_ref())).size(14.5))
         .known_as("status-whole");
-    for (k, text) in told(state).into_iter().enumerate() {
+    for (k, text) in state.runs.first.told().into_iter().enumerate() {
         ui.label(RichText::new(text).monospace().color(palette.muted))
             .known_as(format_args!("counts-{k}"));
     }
@@ -286,44 +284,6 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
-}
-
-/// Returns how much of what there is at this moment, and which moment it is.
-pub(crate) fn told(state: &State) -> Vec<String> {
-    let Some(session) = &state.runs.first.session else {
-        return Vec::new();
-    };
-    let blocks = || state.shown().map_or(0, |shown| Made::at(&shown).leaves);
-    let count = match session.stages[state.runs.first.stage] {
-        Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
-        Stage::Blocks => counted(blocks(), "block", "blocks"),
-        stage => {
-            let now = state
-                .runs
-                .first
-                .debugger
-                .as_ref()
-                .map(|debugger| debugger.state().counts());
-            let count = match now.filter(|_| stage != Stage::Pattern) {
-                Some(counts) => counts.undecided + counts.kept,
-                None => session.count_after(state.runs.first.stage),
-            };
-            counted(count, "sample", "samples")
-        }
-    };
-    let place = match state.cursor() {
-        Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
-        None => format!(
-            "stage {} of {}",
-            state.runs.first.stage + 1,
-            session.stages.len()
-        ),
-    };
-    let mut told = vec![count, place];
-    if let Stage::Iterate(k) = session.stages[state.runs.first.stage] {
-        told.push(format!("iteration {k}"));
-    }
-    told
 }
 
 /// The buttons that move time; where there is no room for them, those to the ends are left to the track.

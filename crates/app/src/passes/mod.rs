@@ -1,16 +1,12 @@
 //! The passes of a run on a GPU, one by one: their times, their buffers before and after, and whether the CPU has the
 //! same. [`Passes`] is the state, [`PassCommand`]s change it, [`panel`] shows it. Nothing is shown that was not measured.
 
-mod choice;
 pub mod csv;
 mod device;
 pub mod filter;
-mod grid;
-mod list;
 pub mod model;
-pub mod panel;
 pub mod placed;
-mod shown;
+pub mod shown;
 pub mod table;
 mod work;
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use tilescope_session::selection::Selection;
 
-use egui::Rect;
+use emath::Rect;
 use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use tilescope_session::geometry::Geometry;

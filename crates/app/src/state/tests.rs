@@ -4,7 +4,7 @@ mod time;
 
 use std::sync::Arc;
 
-use egui::Rect;
+use emath::Rect;
 use tilescope_core::{Search, Variant};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
@@ -21,8 +21,8 @@ fn settled() -> State {
     state.apply(Command::View(
         Which::First,
         ViewCommand::Viewport(Rect::from_min_size(
-            egui::pos2(0.0, 0.0),
-            egui::vec2(800.0, 800.0),
+            emath::pos2(0.0, 0.0),
+            emath::vec2(800.0, 800.0),
         )),
     ));
     state.settle();

@@ -1,6 +1,6 @@
 //! Moving the camera of a run, and pointing at what it shows.
 
-use egui::Rect;
+use emath::Rect;
 use tilescope_core::Stage;
 use tilescope_session::selection::Selection;
 use tilescope_session::units::radii;

@@ -1,7 +1,10 @@
 //! Moving a run in time. Where events were kept the cursor of the debugger is the only time there is, and the stage
 //! follows from it.
 
+use tilescope_core::Stage;
 use tilescope_debugger::{Debugger, Direction, Event, Step, Stop, Target, moves};
+use tilescope_drawing::made::Made;
+use tilescope_session::words::{counted, grouped};
 
 use super::RunView;
 use crate::clock::Clock;
@@ -9,6 +12,39 @@ use crate::compare::link::At;
 use crate::state::effects::Context;
 
 impl RunView {
+    /// Returns how much of what there is at this moment, and which moment it is.
+    #[must_use]
+    pub fn told(&self) -> Vec<String> {
+        let Some(session) = &self.session else {
+            return Vec::new();
+        };
+        let blocks = || self.shown().map_or(0, |shown| Made::at(&shown).leaves);
+        let count = match session.stages[self.stage] {
+            Stage::Blocks if session.combination.is_some() => counted(blocks(), "piece", "pieces"),
+            Stage::Blocks => counted(blocks(), "block", "blocks"),
+            stage => {
+                let now = self
+                    .debugger
+                    .as_ref()
+                    .map(|debugger| debugger.state().counts());
+                let count = match now.filter(|_| stage != Stage::Pattern) {
+                    Some(counts) => counts.undecided + counts.kept,
+                    None => session.count_after(self.stage),
+                };
+                counted(count, "sample", "samples")
+            }
+        };
+        let place = match self.cursor() {
+            Some((at, len)) => format!("event {} of {}", grouped(at), grouped(len)),
+            None => format!("stage {} of {}", self.stage + 1, session.stages.len()),
+        };
+        let mut told = vec![count, place];
+        if let Stage::Iterate(k) = session.stages[self.stage] {
+            told.push(format!("iteration {k}"));
+        }
+        told
+    }
+
     /// Returns the cursor, and how many events there are; `None` for a session without events.
     #[must_use]
     pub fn cursor(&self) -> Option<(usize, usize)> {

@@ -10,7 +10,6 @@ use crate::clock::Clock;
 use crate::command::{Command, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which};
 use crate::compare::CompareCommand;
 use crate::draft::{Choice, Field};
-use crate::panels::told;
 use crate::state::RunView;
 
 const FORWARDS: Direction = Direction::Forwards;
@@ -97,7 +96,7 @@ fn the_second_run_fits_too() {
     state.apply(Command::Compare(CompareCommand::Keep));
     state.settle();
     state.apply(Command::Compare(CompareCommand::LinkCameras(false)));
-    let viewport = egui::Rect::from_min_size(egui::pos2(0.0, 0.0), egui::vec2(300.0, 500.0));
+    let viewport = emath::Rect::from_min_size(emath::pos2(0.0, 0.0), emath::vec2(300.0, 500.0));
     state.apply(Command::View(
         Which::Second,
         ViewCommand::Viewport(viewport),
@@ -207,7 +206,7 @@ fn what_is_counted_is_what_is_there() {
                 "sample"
             };
             let expected = tilescope_session::words::counted(number, noun, &format!("{noun}s"));
-            let told = told(&state);
+            let told = state.runs.first.told();
             assert_eq!(told[0], expected, "{stage:?} {cursor}");
             // The number of the last event is how many have happened.
             let last = cursor

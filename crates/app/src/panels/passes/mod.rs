@@ -1,6 +1,10 @@
 //! The panel of passes: their list on the left, the selected pass and a buffer of it on the right. It reads
 //! [`Passes`] and pushes commands; it changes nothing itself.
 
+mod choice;
+mod grid;
+mod list;
+
 use egui::{
     Button, DragValue, FontId, Label, Layout, ProgressBar, RichText, TextEdit, Ui, UiBuilder, vec2,
 };
@@ -9,10 +13,10 @@ use tilescope_session::words::{counted, grouped, stage_name};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
-use super::list::{self, color, mark};
-use super::model::{PassEntry, Visit, access_text};
-use super::table::{BufferTable, Side};
-use super::{Badge, Fault, PassCommand, Passes, choice, grid};
+use self::list::{color, mark};
+use crate::passes::model::{PassEntry, Visit, access_text};
+use crate::passes::table::{BufferTable, Side};
+use crate::passes::{Badge, Fault, PassCommand, Passes};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;
@@ -230,7 +234,7 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
         parts.push(counted(count as usize, "invocation", "invocations"));
     }
     parts.push(match report.seconds {
-        Some(seconds) => super::model::duration_text(seconds),
+        Some(seconds) => crate::passes::model::duration_text(seconds),
         None if passes.has_timestamps() => "not timed".to_owned(),
         None => NO_TIMES.to_owned(),
     });

@@ -10,8 +10,8 @@ use tilescope_session::words::{counted, stage_name};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Known, verdict_mark};
 
-use super::model::{Badge, Line, PassEntry, duration_text};
-use super::{PassCommand, Passes};
+use crate::passes::model::{Badge, Line, PassEntry, duration_text};
+use crate::passes::{PassCommand, Passes};
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;
