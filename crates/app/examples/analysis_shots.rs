@@ -4,17 +4,18 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::analysis::AnalysisCommand;
-use tilescope_app::analysis::brush::{Axis, Brush};
-use tilescope_app::command::{
-    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
-};
-use tilescope_app::draft::Field;
-use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layout::{Layout, Panel};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_debugger::{Direction, Target};
 use tilescope_session::look::Look;
+use tilescope_workbench::Command;
+use tilescope_workbench::analysis::AnalysisCommand;
+use tilescope_workbench::analysis::brush::{Axis, Brush};
+use tilescope_workbench::command::{
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::{Layout, Panel};
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

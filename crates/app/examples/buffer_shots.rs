@@ -4,16 +4,17 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::{
-    AppearanceCommand, FormCommand, GpuCommand, ViewCommand, Which, WindowCommand,
-};
-use tilescope_app::device::Engine;
-use tilescope_app::draft::{Choice, Field};
-use tilescope_app::layout::Panel;
-use tilescope_app::passes::{PassCommand, Passes, Side};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_core::Insertion;
 use tilescope_gpu::layout::Name;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{
+    AppearanceCommand, FormCommand, GpuCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::passes::{PassCommand, Passes, Side};
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

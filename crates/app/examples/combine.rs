@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, Which, WindowCommand};
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{
+    AppearanceCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::layout::Panel;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::{
+use tilescope_app::App;
+use tilescope_session::look::Look;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::draft::Field;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
-use tilescope_session::look::Look;
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::layout::Panel;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -81,6 +82,7 @@ fn main() {
             near,
         ],
     );
-    let sheet = tilescope_app::files::FileCommand::Sheet(tilescope_app::files::Purpose::Save);
+    let sheet =
+        tilescope_workbench::files::FileCommand::Sheet(tilescope_workbench::files::Purpose::Save);
     shoot("projector-sheet", vec![Command::File(sheet)]);
 }

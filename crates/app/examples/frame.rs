@@ -7,14 +7,15 @@ use std::time::Instant;
 
 use egui::{Context, RawInput, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::command::{
-    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
-};
-use tilescope_app::draft::Field;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_session::Session;
 use tilescope_session::layers::Layer;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::layout::Panel;
 
 /// Frames per figure.
 const FRAMES: u32 = 60;

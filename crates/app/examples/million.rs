@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use egui::{Color32, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::canvas::instanced::{InstancedCanvas, Limits, PaintOptions, Symbols};
+use tilescope_canvas::instanced::{InstancedCanvas, Limits, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Domain, Point, R};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::{Look, Symbol};

@@ -5,13 +5,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui_kittest::Harness;
-use tilescope_app::passes::{Fault, PassCommand, Passes, panel};
+use tilescope_app::show_passes;
 use tilescope_core::{Parameters, Stage};
 use tilescope_drawing::palette::Palette;
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::look::Look;
 use tilescope_ui::theme::install;
+use tilescope_workbench::passes::{Fault, PassCommand, Passes};
 
 struct Shown {
     passes: Passes,
@@ -45,7 +46,7 @@ fn main() {
                 ui.painter()
                     .rect_filled(ui.ctx().content_rect(), 0.0, palette.panel);
                 let mut commands = Vec::new();
-                panel::show(ui, &shown.passes, palette, &mut commands);
+                show_passes(ui, &shown.passes, palette, &mut commands);
             },
             shown,
         );

@@ -4,20 +4,21 @@
 use std::path::Path;
 
 use egui_kittest::Harness;
-use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
-    WindowCommand,
-};
-use tilescope_app::draft::{Choice, Field};
-use tilescope_app::export::{Entry, ExportCommand, Kind};
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command, State};
+use tilescope_app::App;
 use tilescope_core::Search;
 use tilescope_debugger::{Direction, Target};
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::verification::Witness;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
+};
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::export::{Entry, ExportCommand, Kind};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::{Command, State};
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -349,7 +350,7 @@ fn moments(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     shoot(
         "passes",
         vec![
-            Command::Gpu(GpuCommand::Engine(tilescope_app::device::Engine::Gpu)),
+            Command::Gpu(GpuCommand::Engine(tilescope_workbench::device::Engine::Gpu)),
             Command::Window(WindowCommand::OpenPanel(Panel::Passes)),
         ],
     );

@@ -4,16 +4,17 @@
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::export::{ExportCommand, Kind};
-use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layout::Panel;
-use tilescope_app::state::Notice;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::arrangement::DrawerCommand;
+use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::Notice;
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());

@@ -11,14 +11,6 @@ use std::sync::LazyLock;
 
 use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
-use crate::analysis::AnalysisCommand;
-use crate::arrangement::DrawerCommand;
-use crate::command::{
-    AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, Which, WindowCommand,
-};
-use crate::finder::Finder;
-use crate::layout::Panel;
-use crate::state::State;
 pub use keys::{keys_of, press_keys, takes_key};
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::limits::MOST_STAGED;
@@ -26,6 +18,14 @@ use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 use tilescope_ui::widgets::Kebab;
+use tilescope_workbench::analysis::AnalysisCommand;
+use tilescope_workbench::arrangement::DrawerCommand;
+use tilescope_workbench::command::{
+    AppearanceCommand, Command, DebugCommand, FormCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::finder::Finder;
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::State;
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,14 +13,14 @@ use tilescope_ui::spoken::{Speaker, Spoken};
 use tilescope_ui::theme::{self, Manner};
 use tilescope_ui::widgets::{Kebab, Known};
 
-use crate::arrangement::{Arrangement, DrawerCommand};
-use crate::canvas::touch::release_cancelled;
-use crate::command::{Command, WindowCommand};
-use crate::files::FileCommand;
-use crate::layout::{Layout, OldLayout, Panel};
 use crate::panes::Canvas;
-use crate::state::{FullScreen, State};
 use crate::{actions, panels, tiles};
+use tilescope_canvas::touch::release_cancelled;
+use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
+use tilescope_workbench::command::{Command, WindowCommand};
+use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::layout::{Layout, OldLayout, Panel};
+use tilescope_workbench::state::{FullScreen, State};
 
 /// The application.
 pub struct App {
@@ -38,7 +38,7 @@ pub struct App {
     screener: fn() -> bool,
     /// Files that were dropped on the page, while they are read.
     #[cfg(target_arch = "wasm32")]
-    dropped: Option<tilescope_session::jobs::Job<crate::files::web::Found>>,
+    dropped: Option<tilescope_session::jobs::Job<tilescope_workbench::files::web::Found>>,
 }
 
 impl App {
@@ -165,7 +165,7 @@ impl App {
             let wake: tilescope_session::jobs::Wake = Arc::new(move || waker.request_repaint());
             let files = dropped.iter().filter_map(|file| file.web_file().cloned());
             let files = files.collect();
-            self.dropped = Some(crate::files::web::take(files, &wake));
+            self.dropped = Some(tilescope_workbench::files::web::take(files, &wake));
         }
         let read = self
             .dropped
@@ -173,7 +173,7 @@ impl App {
             .and_then(tilescope_session::jobs::Job::poll);
         if let Some(outcome) = read {
             self.dropped = None;
-            let found = outcome.unwrap_or_else(|why| crate::files::web::Found {
+            let found = outcome.unwrap_or_else(|why| tilescope_workbench::files::web::Found {
                 refused: vec![why],
                 ..Default::default()
             });
@@ -186,9 +186,10 @@ impl App {
     #[cfg(target_arch = "wasm32")]
     fn download(&mut self) {
         for file in self.state.take_downloads() {
-            if let Err(text) = crate::download::start(&file) {
+            if let Err(text) = tilescope_workbench::download::start(&file) {
                 let is_error = true;
-                self.state.messages.notice = Some(crate::state::Notice { text, is_error });
+                self.state.messages.notice =
+                    Some(tilescope_workbench::state::Notice { text, is_error });
             }
         }
     }

@@ -147,15 +147,14 @@ pub fn run_native(options: &WindowOptions) -> Result<(), AppError> {
                     app.remember(storage);
                 }
                 if light {
-                    app.state.apply(crate::Command::Appearance(
-                        crate::command::AppearanceCommand::ToggleTheme,
+                    app.state.apply(tilescope_workbench::Command::Appearance(
+                        tilescope_workbench::command::AppearanceCommand::ToggleTheme,
                     ));
                 }
                 if let Some(link) = link {
-                    app.state
-                        .apply(crate::Command::Link(crate::command::LinkCommand::Open(
-                            link,
-                        )));
+                    app.state.apply(tilescope_workbench::Command::Link(
+                        tilescope_workbench::command::LinkCommand::Open(link),
+                    ));
                 }
                 let frames = counter;
                 Ok(Box::new(Counted { app, frames }))

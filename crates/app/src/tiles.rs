@@ -3,7 +3,7 @@
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
-use crate::layout::{self, Axis, Layout, MAX_DEPTH, Panel};
+use tilescope_workbench::layout::{self, Axis, Layout, MAX_DEPTH, Panel};
 
 /// Containers are numbered from here on; panels have the numbers below.
 const CONTAINERS: u64 = 1_000;

@@ -10,7 +10,7 @@ use tilescope_cli::{Arguments, HeadlessReason};
 fn main() -> ExitCode {
     let arguments = Arguments::read();
     if let Some(command) = &arguments.command {
-        return tilescope_cli::run(command, tilescope_app::script::run);
+        return tilescope_cli::run(command, tilescope_workbench::script::run);
     }
     let has_link = arguments.link.is_some();
     let without_window = |reason: &HeadlessReason| {

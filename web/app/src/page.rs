@@ -9,13 +9,14 @@ use eframe::{WebOptions, WebRunner};
 use egui::{Event, Ui};
 use js_sys::Object;
 use serde::Deserialize;
-use tilescope_app::command::LinkCommand;
-use tilescope_app::device::Engine;
-use tilescope_app::embedding::Embedding;
+use tilescope_app::App;
 use tilescope_app::panes::leads_zoom;
-use tilescope_app::{App, Command};
 use tilescope_session::errand::carry_with;
 use tilescope_ui::focus::{self, End};
+use tilescope_workbench::Command;
+use tilescope_workbench::command::LinkCommand;
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::embedding::Embedding;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::HtmlCanvasElement;
@@ -312,18 +313,19 @@ impl Page {
             app.state
                 .apply(Command::Link(LinkCommand::Open(options.link.clone())));
         }
-        app.state.begin_on_page(&tilescope_app::state::PageStart {
-            display: display.clone(),
-            reason: options.reason.clone(),
-            engine: match options.engine.as_str() {
-                "cpu" => Engine::Cpu,
-                "gpu" => Engine::Gpu,
-                _ => Engine::Auto,
-            },
-            embedding: options.embed.as_deref().and_then(Embedding::named),
-            reduced_motion: options.reduced_motion,
-            full_screen: options.full_screen,
-        });
+        app.state
+            .begin_on_page(&tilescope_workbench::state::PageStart {
+                display: display.clone(),
+                reason: options.reason.clone(),
+                engine: match options.engine.as_str() {
+                    "cpu" => Engine::Cpu,
+                    "gpu" => Engine::Gpu,
+                    _ => Engine::Auto,
+                },
+                embedding: options.embed.as_deref().and_then(Embedding::named),
+                reduced_motion: options.reduced_motion,
+                full_screen: options.full_screen,
+            });
         pool.open();
         Self {
             app,

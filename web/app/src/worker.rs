@@ -26,7 +26,7 @@ pub fn perform(name: &str, input: &[u8], tell: Function) -> Result<JsValue, JsVa
     TELL.set(Some(tell));
     TOLD_MS.set(0.0);
     let monitor = Monitor::reporting(told);
-    let outcome = tilescope_app::worker::perform(name, input, &monitor);
+    let outcome = tilescope_workbench::worker::perform(name, input, &monitor);
     TELL.set(None);
     match outcome {
         Ok(bytes) => Ok(Uint8Array::from(&bytes[..]).into()),

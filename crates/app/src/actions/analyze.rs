@@ -4,13 +4,13 @@ use egui::Key;
 use tilescope_session::look::Look;
 
 use super::{List, Menu, NO_SESSION, NONE};
-use crate::analysis::AnalysisCommand;
-use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
-use crate::arrangement::DrawerCommand;
-use crate::command::{Command, WindowCommand};
-use crate::files::{FileCommand, Purpose};
-use crate::layout::Panel;
-use crate::state::State;
+use tilescope_workbench::analysis::AnalysisCommand;
+use tilescope_workbench::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use tilescope_workbench::arrangement::DrawerCommand;
+use tilescope_workbench::command::{Command, WindowCommand};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

@@ -3,9 +3,9 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::{Action, List, Menu};
-use crate::command::{Command, Which};
-use crate::compare::{CompareCommand, Rival};
-use crate::state::State;
+use tilescope_workbench::command::{Command, Which};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::state::State;
 
 const NO_SECOND: &str = "There is no second run.";
 

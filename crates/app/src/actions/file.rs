@@ -4,10 +4,10 @@ use egui::Key;
 use tilescope_session::combination::CombineCommand;
 
 use super::{COMMAND, List, Menu, SHIFT};
-use crate::command::{Command, LinkCommand, Which};
-use crate::export::{ExportCommand, Kind};
-use crate::files::{FileCommand, Purpose};
-use crate::state::State;
+use tilescope_workbench::command::{Command, LinkCommand, Which};
+use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

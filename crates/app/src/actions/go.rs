@@ -4,9 +4,9 @@ use egui::{Key, Modifiers};
 use tilescope_debugger::{Direction, Step, Target};
 
 use super::{List, Menu, NO_SESSION, NONE, SHIFT, no_events, time_refusals};
-use crate::clock::Clock;
-use crate::command::{Command, TimeCommand};
-use crate::state::State;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{Command, TimeCommand};
+use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {

@@ -4,9 +4,9 @@
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Popup};
 
 use super::{Action, COMMAND, NONE, SHIFT, actions, found};
-use crate::command::{Command, WindowCommand};
-use crate::finder::Finder;
-use crate::state::State;
+use tilescope_workbench::command::{Command, WindowCommand};
+use tilescope_workbench::finder::Finder;
+use tilescope_workbench::state::State;
 
 /// Returns a press as it is meant: plus is on the key of the equals sign on many keyboards, with Shift or without.
 fn meant(key: Key, modifiers: Modifiers) -> (Key, Modifiers) {

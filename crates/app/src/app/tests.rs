@@ -7,11 +7,11 @@ use tilescope_debugger::{Kind, Target};
 use tilescope_session::sentence::happened;
 
 use super::*;
-use crate::clock::Clock;
-use crate::command::{
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use crate::embedding::Embedding;
+use tilescope_workbench::embedding::Embedding;
 
 /// A window that is shown nowhere.
 struct Window {
@@ -398,7 +398,7 @@ fn the_panels_stand_where_they_stood_also_as_earlier_versions_kept_it() {
     eframe::Storage::set_string(&mut storage, "layout", old.to_owned());
     let layout = remembered(&storage);
     assert!(layout.is_whole() && layout.shows(Panel::Events) && !layout.shows(Panel::Canvas));
-    let text = crate::layout::text::written(&layout);
+    let text = tilescope_workbench::layout::text::written(&layout);
     assert!(
         text.starts_with("VTc_e") && text.ends_with("7000t3000-"),
         "{text}"

@@ -8,7 +8,7 @@ use tilescope_ui::widgets::{Icon, Known, heading, icon_button};
 
 use super::common::no_events;
 use super::context::PanelContext;
-use crate::command::{Command, DebugCommand, TimeCommand};
+use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 
 /// Shows the panel.
 pub fn show(

@@ -6,7 +6,7 @@ use tilescope_ui::focus;
 use tilescope_ui::widgets::Known;
 
 use super::context::PanelContext;
-use crate::layout::Panel;
+use tilescope_workbench::layout::Panel;
 
 /// Each panel scrolls by itself, whatever stood in its place before.
 pub fn scrolled(ui: &mut Ui, panel: Panel, add: impl FnOnce(&mut Ui)) {

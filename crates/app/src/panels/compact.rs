@@ -13,11 +13,11 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::context::PanelContext;
 use super::{layers, show_panel, timeline, toolbar};
-use crate::arrangement::{Arrangement, DrawerCommand};
-use crate::command::{Command, WindowCommand};
-use crate::layout::Panel;
 use crate::panes::Canvas;
-use crate::state::State;
+use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
+use tilescope_workbench::command::{Command, WindowCommand};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::State;
 
 /// Height of the bar on top, in screen points.
 const BAR: f32 = 50.0;

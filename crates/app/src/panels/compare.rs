@@ -6,9 +6,9 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped, stage_name};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
-use crate::command::{Command, Which};
-use crate::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
-use crate::state::RunView;
+use tilescope_workbench::command::{Command, Which};
+use tilescope_workbench::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
+use tilescope_workbench::state::RunView;
 
 /// What the panel is shown from.
 pub struct CompareContext<'a> {

@@ -2,7 +2,7 @@
 
 use tilescope_drawing::palette::Palette;
 
-use crate::state::{Appearance, RunView, State};
+use tilescope_workbench::state::{Appearance, RunView, State};
 
 /// What most panels are shown from: a run, and how it is drawn. A panel that needs more is given just that.
 pub struct PanelContext<'a> {

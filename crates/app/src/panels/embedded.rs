@@ -8,10 +8,10 @@ use tilescope_ui::widgets::{Icon, Known, icon_button};
 use super::compact::part;
 use super::notice;
 use super::timeline::{PLAYER_MARGIN, Player};
-use crate::command::{Command, ViewCommand, Which};
-use crate::embedding::Embedding;
 use crate::panes::Canvas;
-use crate::state::State;
+use tilescope_workbench::command::{Command, ViewCommand, Which};
+use tilescope_workbench::embedding::Embedding;
+use tilescope_workbench::state::State;
 
 /// From the corner of the canvas to the button in it, in screen points.
 const INSET: Vec2 = vec2(8.0, 8.0);

@@ -4,8 +4,8 @@ use egui::{Button, ComboBox, RichText, Ui};
 use tilescope_ui::widgets::{Kebab, Known};
 
 use super::parameters::{FormContext, field_width, labelled};
-use crate::command::{Command, GpuCommand};
-use crate::device::Engine;
+use tilescope_workbench::command::{Command, GpuCommand};
+use tilescope_workbench::device::Engine;
 
 const EXPLANATION: &str =
     "Who samples. All engines give the same points; choosing the GPU tests it first.";

@@ -14,8 +14,8 @@ use tilescope_ui::widgets::Known;
 
 use super::common::no_events;
 use super::context::PanelContext;
-use crate::command::{Command, DebugCommand};
-use crate::state::{Found, MOST_FOUND};
+use tilescope_workbench::command::{Command, DebugCommand};
+use tilescope_workbench::state::{Found, MOST_FOUND};
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;

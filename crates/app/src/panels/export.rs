@@ -8,10 +8,10 @@ use tilescope_session::words::{grouped, sentence};
 use tilescope_ui::widgets::{Kebab, Known, primary_button};
 
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
-use crate::clock::Clock;
-use crate::command::Command;
-use crate::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
-use crate::state::State;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::Command;
+use tilescope_workbench::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
+use tilescope_workbench::state::State;
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;

@@ -6,9 +6,9 @@ use tilescope_ui::widgets::{Known, primary_button};
 
 use super::common::read_out;
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all, width};
-use crate::command::Command;
-use crate::files::{FileCommand, FileForm, Purpose};
-use crate::state::State;
+use tilescope_workbench::command::Command;
+use tilescope_workbench::files::{FileCommand, FileForm, Purpose};
+use tilescope_workbench::state::State;
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -9,9 +9,9 @@ use tilescope_ui::widgets::Known;
 
 use super::sheet;
 use crate::actions::{self, Action};
-use crate::command::{Command, WindowCommand};
-use crate::finder::Finder;
-use crate::state::State;
+use tilescope_workbench::command::{Command, WindowCommand};
+use tilescope_workbench::finder::Finder;
+use tilescope_workbench::state::State;
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 30.0;

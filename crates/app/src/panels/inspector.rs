@@ -12,7 +12,7 @@ use tilescope_ui::widgets::{Known, heading, row};
 
 use super::common::divide;
 use super::context::PanelContext;
-use crate::command::{Command, TimeCommand, ViewCommand, Which};
+use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
 
 /// Rows of a history that are shown at once.
 const MOST_ROWS: usize = 200;

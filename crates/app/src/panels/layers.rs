@@ -5,7 +5,7 @@ use tilescope_session::layers::Layer;
 use tilescope_ui::widgets::{Kebab, Known, chip};
 
 use super::context::PanelContext;
-use crate::command::{AppearanceCommand, Command};
+use tilescope_workbench::command::{AppearanceCommand, Command};
 
 /// Shows the chips.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

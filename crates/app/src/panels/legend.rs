@@ -6,9 +6,9 @@ use tilescope_session::layers::{Colouring, Layer};
 use tilescope_ui::widgets::{Kebab, Known, heading, symbol};
 
 use super::context::PanelContext;
-use crate::command::{AppearanceCommand, Command};
 use tilescope_drawing::age::{Ages, LAST_TILED};
 use tilescope_drawing::brushed::{Cause, Found};
+use tilescope_workbench::command::{AppearanceCommand, Command};
 
 /// Shows the legend.
 pub fn show(
@@ -97,7 +97,7 @@ fn marks(ui: &mut Ui, palette: &Palette) {
     ] {
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(22.0, 20.0), Sense::hover());
-            crate::canvas::contrast_mark(ui.painter(), rect.center(), whole, palette);
+            tilescope_canvas::contrast_mark(ui.painter(), rect.center(), whole, palette);
             ui.label(RichText::new(meaning).size(12.5).color(palette.muted));
         });
     }

@@ -32,19 +32,18 @@ use egui::{
     Align2, Area, Button, CentralPanel, Frame, Id, Margin, RichText, Role, Ui, WidgetInfo, vec2,
 };
 
-#[cfg(test)]
-use crate::command::AppearanceCommand;
-use crate::command::Command;
-use crate::layout::Panel;
 use crate::panels::analysis::AnalysisContext;
 use crate::panels::common::scrolled;
 use crate::panels::context::PanelContext;
 use crate::panes::Canvas;
-use crate::state::State;
 pub use embedded::show as show_embedded;
+pub use passes::show as show_passes;
 pub use registry::{least_size, show_panel, timeline_height};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
+use tilescope_workbench::command::{AppearanceCommand, Command};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::State;
 
 /// Shows the bar on top.
 pub fn show_bars(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -4,8 +4,8 @@ use egui::{Align2, Area, Frame, Id, Margin, Order, RichText, Stroke, Ui, vec2};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, icon_button, verdict_mark};
 
-use crate::command::Command;
-use crate::state::State;
+use tilescope_workbench::command::Command;
+use tilescope_workbench::state::State;
 
 /// Shows the notice, if there is one, over the canvas.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

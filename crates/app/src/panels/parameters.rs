@@ -10,11 +10,11 @@ use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Known, heading, primary_button};
 
 use super::engine;
-use crate::command::{Command, FormCommand, Which};
-use crate::draft::{Choice, Field, Refusal};
-use crate::files::FileCommand;
-use crate::layout::Panel;
-use crate::state::{Form, GpuState};
+use tilescope_workbench::command::{Command, FormCommand, Which};
+use tilescope_workbench::draft::{Choice, Field, Refusal};
+use tilescope_workbench::files::FileCommand;
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::{Form, GpuState};
 
 /// Where the fields begin, from the left edge of the panel.
 const FIELD_START: f32 = 94.0;

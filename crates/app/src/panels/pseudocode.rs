@@ -14,7 +14,7 @@ use tilescope_ui::widgets::Known;
 
 use super::common::no_events;
 use super::context::PanelContext;
-use crate::command::{Command, DebugCommand, TimeCommand};
+use tilescope_workbench::command::{Command, DebugCommand, TimeCommand};
 
 const GUTTER: f32 = 22.0;
 /// Room behind a line for what is said of it.

@@ -16,12 +16,12 @@ use super::{
     stages, timeline, verification, watches,
 };
 use crate::actions::keys_of;
-use crate::command::{Command, TimeCommand};
-use crate::compare::Rival;
-use crate::device::Engine;
-use crate::layout::Panel;
 use crate::panes::Canvas;
-use crate::state::State;
+use tilescope_workbench::command::{Command, TimeCommand};
+use tilescope_workbench::compare::Rival;
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::State;
 
 /// How a panel fills its tile.
 enum Room {

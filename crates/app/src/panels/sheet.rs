@@ -79,6 +79,6 @@ pub fn entered(ui: &Ui, response: &Response) -> bool {
 }
 
 /// Returns whether the sheet is to be closed by a key: what lies over it goes first.
-pub fn escaped(ui: &Ui, state: &crate::state::State) -> bool {
+pub fn escaped(ui: &Ui, state: &tilescope_workbench::state::State) -> bool {
     state.window.finder.is_none() && ui.input(|input| input.key_pressed(Key::Escape))
 }

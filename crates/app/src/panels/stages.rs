@@ -12,7 +12,7 @@ use tilescope_ui::theme::row_height;
 use tilescope_ui::widgets::{Kebab, Known, heading, row as pair};
 
 use super::context::PanelContext;
-use crate::command::{Command, TimeCommand};
+use tilescope_workbench::command::{Command, TimeCommand};
 
 /// Shows the table.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -13,10 +13,10 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::track;
 use crate::actions::time_refusals;
-use crate::arrangement::Arrangement;
-use crate::clock::{Clock, SPEEDS};
-use crate::command::{Command, TimeCommand};
-use crate::state::State;
+use tilescope_workbench::arrangement::Arrangement;
+use tilescope_workbench::clock::{Clock, SPEEDS};
+use tilescope_workbench::command::{Command, TimeCommand};
+use tilescope_workbench::state::State;
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;

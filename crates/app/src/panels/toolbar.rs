@@ -9,10 +9,10 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use super::verification;
 use crate::actions::{Action, Menu, actions};
-use crate::command::{AppearanceCommand, Command, ViewCommand, Which};
-use crate::export::{ExportCommand, Kind};
 use crate::panels::context::PanelContext;
-use crate::state::State;
+use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
+use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::state::State;
 
 /// From this much room behind the menus on, in screen points, the run is named.
 const ROOM_FOR_RUN: f32 = 620.0;

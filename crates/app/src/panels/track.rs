@@ -15,8 +15,8 @@ use tilescope_session::words::stage_name;
 use tilescope_ui::theme::is_for_fingers;
 use tilescope_ui::widgets::{Kebab, Known};
 
-use crate::command::{Command, TimeCommand};
-use crate::state::State;
+use tilescope_workbench::command::{Command, TimeCommand};
+use tilescope_workbench::state::State;
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;

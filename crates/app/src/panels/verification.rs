@@ -11,8 +11,8 @@ use tilescope_ui::widgets::{Kebab, Known, heading, row, verdict_mark};
 
 use super::common::divide;
 use super::context::PanelContext;
-use crate::command::{Command, ViewCommand, Which};
-use crate::state::Verification;
+use tilescope_workbench::command::{Command, ViewCommand, Which};
+use tilescope_workbench::state::Verification;
 
 /// Shows the chip; a click follows the verdict to its witness.
 pub fn chip(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -6,7 +6,7 @@ use tilescope_ui::widgets::{Icon, Known, heading, icon_button, row};
 
 use super::common::no_events;
 use super::context::PanelContext;
-use crate::command::{Command, DebugCommand};
+use tilescope_workbench::command::{Command, DebugCommand};
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {

@@ -11,10 +11,10 @@ use tilescope_gpu::Spot;
 use tilescope_session::units::radii;
 use tilescope_ui::widgets::Known;
 
-use crate::canvas::sprites::{Sprite, Sprites, Stamp};
-use crate::passes::OnCanvas;
-use crate::passes::placed::Rows;
+use tilescope_canvas::sprites::{Sprite, Sprites, Stamp};
 use tilescope_drawing::subject::Subject;
+use tilescope_workbench::passes::OnCanvas;
+use tilescope_workbench::passes::placed::Rows;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
 pub const MOST_MARKS: usize = 20_000;
@@ -207,7 +207,7 @@ impl Scene<'_> {
 
 fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
     let rect = Rect::from_center_size(at, Vec2::splat(2.0 * stamp.half));
-    mesh.add_rect_with_uv(rect, crate::canvas::UNIT, color);
+    mesh.add_rect_with_uv(rect, tilescope_canvas::UNIT, color);
 }
 
 /// Adds the border of a square, with a ground where it is strong; small ones are surfaces.

@@ -9,11 +9,11 @@ use egui::{
 use tilescope_core::Standing;
 use tilescope_session::selection::Selection;
 
-use crate::canvas::hint::{self, Hint};
-use crate::canvas::touch::{Hand, Touch};
-use crate::command::ViewCommand;
-use crate::state::State;
+use tilescope_canvas::hint::{self, Hint};
+use tilescope_canvas::touch::{Hand, Touch};
 use tilescope_drawing::subject::Subject;
+use tilescope_workbench::command::ViewCommand;
+use tilescope_workbench::state::State;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;

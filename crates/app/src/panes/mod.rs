@@ -8,17 +8,17 @@ mod titles;
 use eframe::egui_wgpu::RenderState;
 use egui::{Rect, Sense, Ui, vec2};
 
-use crate::canvas::pane::Pane;
-use crate::canvas::sprites::Sprites;
-use crate::canvas::{hint, hover, overlay};
-use crate::command::{Command, ViewCommand, Which};
-use crate::state::State;
 pub(crate) use input::has_focus;
 pub use input::leads_zoom;
+use tilescope_canvas::pane::Pane;
+use tilescope_canvas::sprites::Sprites;
+use tilescope_canvas::{hint, hover, overlay};
 use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 use tilescope_session::look::Look;
 use tilescope_ui::widgets::Known;
+use tilescope_workbench::command::{Command, ViewCommand, Which};
+use tilescope_workbench::state::State;
 
 /// The canvas between two frames.
 #[derive(Default)]

@@ -8,9 +8,9 @@ use tilescope_session::session::Session;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known};
 
-use crate::compare::{Comparison, contrast_of};
-use crate::state::{RunView, State, Verification};
 use tilescope_drawing::subject::Subject;
+use tilescope_workbench::compare::{Comparison, contrast_of};
+use tilescope_workbench::state::{RunView, State, Verification};
 
 /// Between two pictures, in screen points.
 const GUTTER: f32 = 3.0;

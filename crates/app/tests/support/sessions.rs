@@ -3,16 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
-use tilescope_app::clock::Clock;
-use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
-};
-use tilescope_app::draft::Field;
-use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_debugger::Listings;
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which,
+};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::files::{FileCommand, Purpose};
 
 use super::{opened, settle};
 

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use egui::Key;
 use egui_kittest::Harness;
-use tilescope_app::analysis::AnalysisCommand;
-use tilescope_app::analysis::brush::{Axis, Brush};
-use tilescope_app::command::{FormCommand, TimeCommand, WindowCommand};
-use tilescope_app::draft::{Choice, Field};
-use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layout::{Layout, Panel};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_core::Boundary;
+use tilescope_workbench::Command;
+use tilescope_workbench::analysis::AnalysisCommand;
+use tilescope_workbench::analysis::brush::{Axis, Brush};
+use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::{Layout, Panel};
 
 use crate::support::sessions::{apply, folder, go, notice, path_text};
 use crate::support::{find, focused, is_disabled, node, opened_at, session, settle, text};

@@ -4,22 +4,23 @@
 use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
-use tilescope_app::clock::Clock;
-use tilescope_app::command::{
-    AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which, WindowCommand,
-};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::device::Engine;
-use tilescope_app::draft::Field;
-use tilescope_app::layout::Panel;
-use tilescope_app::passes::placed::Rows;
-use tilescope_app::passes::{PassCommand, Side};
-use tilescope_app::{App, Command, State};
+use tilescope_app::App;
 use tilescope_core::{Fate, Stage};
 use tilescope_debugger::{Direction, Step};
 use tilescope_gpu::Spot;
 use tilescope_gpu::layout::Name;
 use tilescope_session::look::Look;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{
+    AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::passes::placed::Rows;
+use tilescope_workbench::passes::{PassCommand, Side};
+use tilescope_workbench::{Command, State};
 
 use crate::support::{find, is_disabled, node, opened, settle, text};
 

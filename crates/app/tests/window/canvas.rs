@@ -3,14 +3,17 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tilescope_app::command::{AppearanceCommand, TimeCommand, ViewCommand, Which, WindowCommand};
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_core::stages::blocks::Axis;
 use tilescope_core::{Fate, Moment, R};
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{
+    AppearanceCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::layout::Panel;
 
 /// Places in the default session's list of stages.
 const BLOCKS_STAGE: usize = 1;

@@ -3,13 +3,14 @@
 use egui::{Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tilescope_app::arrangement::{Arrangement, DrawerCommand};
-use tilescope_app::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
+use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::layout::Panel;
 
 use crate::support::{cursor, find, is_disabled, node, opened_at, settle};
 
@@ -251,7 +252,7 @@ fn sheets_and_notices_fit() {
         harness.run();
         let text =
             "A notice of many words that say what has happened, where, and what can be done. ";
-        harness.state_mut().state.messages.notice = Some(tilescope_app::state::Notice {
+        harness.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
             text: text.repeat(3),
             is_error: true,
         });

@@ -2,16 +2,17 @@
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
-use tilescope_app::clock::Clock;
-use tilescope_app::command::{FormCommand, TimeCommand, ViewCommand, Which, WindowCommand};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::draft::{Choice, Field};
-use tilescope_app::layout::Panel;
-use tilescope_app::state::RunView;
-use tilescope_app::{App, Command, State};
+use tilescope_app::App;
 use tilescope_core::{Boundary, SampleError, Stage};
 use tilescope_debugger::{Direction, Divergence, Step};
 use tilescope_session::jobs::Job;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which, WindowCommand};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::state::RunView;
+use tilescope_workbench::{Command, State};
 
 use crate::support::{is_disabled, node, opened, session, settle, text};
 
@@ -76,7 +77,7 @@ fn another_seed_is_sampled_verified_and_shares_no_sample() {
             .seed,
         1
     );
-    let tilescope_app::state::Verification::Done(verdict) = &side.verification else {
+    let tilescope_workbench::state::Verification::Done(verdict) = &side.verification else {
         panic!("the second run is not verified");
     };
     assert!(verdict.report.valid());
@@ -349,7 +350,7 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
     let line = tilescope_debugger::Listings::shipped()
         .find("eliminate.5")
         .expect("a line");
-    let set = tilescope_app::command::DebugCommand::ToggleBreakpoint(line);
+    let set = tilescope_workbench::command::DebugCommand::ToggleBreakpoint(line);
     apply(&mut harness, Command::Debug(set));
     apply(
         &mut harness,

@@ -3,18 +3,19 @@
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::clock::Clock;
-use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
-};
-use tilescope_app::draft::Field;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_core::Stage;
 use tilescope_debugger::{Kind, Listings};
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::layout::Panel;
 
 use crate::support::{
     cursor, debugger, find, is_disabled, last_kind, next_kind, node, opened, session, settle, text,

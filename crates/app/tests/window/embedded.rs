@@ -5,11 +5,12 @@ use egui::accesskit::{Live, Role};
 use egui::{Event, Key, Modifiers, Pos2, Rect, TouchDeviceId, TouchId, TouchPhase, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tilescope_app::canvas::hint::{self, Hint};
-use tilescope_app::command::{TimeCommand, ViewCommand, Which};
-use tilescope_app::embedding::Embedding;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
+use tilescope_canvas::hint::{self, Hint};
 use tilescope_ui::focus::{self, End};
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
+use tilescope_workbench::embedding::Embedding;
 
 use crate::support::{find, focused, node, opened_at, settle};
 
@@ -236,7 +237,7 @@ fn tab_leads_through_and_out_of_a_frame_both_ways() {
     backwards.reverse();
     assert_eq!(backwards, forwards);
     // With a notice over it, too.
-    player.state_mut().state.messages.notice = Some(tilescope_app::state::Notice {
+    player.state_mut().state.messages.notice = Some(tilescope_workbench::state::Notice {
         text: "Something went wrong.".to_owned(),
         is_error: true,
     });

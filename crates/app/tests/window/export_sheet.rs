@@ -4,10 +4,11 @@ use std::path::Path;
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::command::{AppearanceCommand, TimeCommand, WindowCommand};
-use tilescope_app::export::{ExportCommand, Kind};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_session::look::Look;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::export::{ExportCommand, Kind};
 
 use crate::support::{is_disabled, node, opened, settle, text};
 

@@ -4,18 +4,19 @@ use egui::epaint::ClippedShape;
 use egui::{Rect, Shape, Vec2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{
+use tilescope_app::App;
+use tilescope_debugger::{Direction, Listings, Target};
+use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::arrangement::DrawerCommand;
+use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::device::Engine;
-use tilescope_app::draft::Field;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
-use tilescope_debugger::{Direction, Listings, Target};
-use tilescope_session::selection::Selection;
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::layout::Panel;
 
 use crate::support::{find, node, opened_at, settle};
 

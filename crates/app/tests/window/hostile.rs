@@ -2,8 +2,8 @@
 //! at hand stays.
 
 use serde_json::{Value, json};
-use tilescope_app::Command;
-use tilescope_app::files::Purpose;
+use tilescope_workbench::Command;
+use tilescope_workbench::files::Purpose;
 
 use crate::support::opened;
 use crate::support::sessions::{apply, busy, folder, go, notice};
@@ -140,7 +140,7 @@ fn what_could_not_be_opened_again_is_not_saved() {
     let path = folder("too-much").join("notes.json");
     let mut harness = busy();
     let note = "n".repeat(10_001);
-    let note = tilescope_app::command::DebugCommand::Note(0, note);
+    let note = tilescope_workbench::command::DebugCommand::Note(0, note);
     apply(&mut harness, Command::Debug(note));
     go(&mut harness, Purpose::Save, &path);
     let (said, is_error) = notice(&harness);

@@ -7,10 +7,11 @@ use tilescope_debugger::Kind;
 use crate::support;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use tilescope_app::App;
 use tilescope_app::actions::Action;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_workbench::Command;
+use tilescope_workbench::command::WindowCommand;
+use tilescope_workbench::layout::Panel;
 
 use crate::support::{
     author, cursor, debugger, focused, last_kind, next_kind, node, opened, session, settle, text,

@@ -2,8 +2,8 @@
 
 use egui::{Key, Modifiers, OutputCommand};
 
-use tilescope_app::Command;
-use tilescope_app::command::LinkCommand;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::LinkCommand;
 
 use crate::support::{opened, settle};
 

@@ -2,11 +2,12 @@
 
 use egui::Color32;
 use egui_kittest::Harness;
-use tilescope_app::command::{AppearanceCommand, TimeCommand};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_core::Stage;
 use tilescope_drawing::palette::DARK;
 use tilescope_session::layers::Layer;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{AppearanceCommand, TimeCommand};
 
 use crate::support::{opened_at, session, settle};
 

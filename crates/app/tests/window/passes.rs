@@ -3,12 +3,12 @@
 
 use std::sync::{Arc, OnceLock, RwLock};
 
-use tilescope_app::passes::table::BufferTable;
-use tilescope_app::passes::{Badge, Fault, Line, PassCommand, Passes, Side};
 use tilescope_core::{Boundary, Insertion, Parameters, Stage};
 use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::jobs::Wake;
+use tilescope_workbench::passes::table::BufferTable;
+use tilescope_workbench::passes::{Badge, Fault, Line, PassCommand, Passes, Side};
 
 fn gpu() -> &'static Arc<Gpu> {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();

@@ -5,13 +5,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, RwLock};
 
 use egui_kittest::Harness;
-use tilescope_app::passes::{Badge, PassCommand, Passes, panel};
+use tilescope_app::show_passes;
 use tilescope_core::{Parameters, Stage};
 use tilescope_drawing::palette::Palette;
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::jobs::Wake;
 use tilescope_session::look::Look;
 use tilescope_ui::theme::install;
+use tilescope_workbench::passes::{Badge, PassCommand, Passes};
 
 use crate::support::{find, is_disabled, node, text};
 
@@ -61,7 +62,7 @@ fn begun(gate: &Arc<Gate>) -> Harness<'static, Shown> {
             |ui, shown: &mut Shown| {
                 install(ui.ctx(), tilescope_ui::theme::theme_of(shown.look));
                 let mut commands = Vec::new();
-                panel::show(ui, &shown.passes, Palette::of(shown.look), &mut commands);
+                show_passes(ui, &shown.passes, Palette::of(shown.look), &mut commands);
                 for command in commands {
                     shown.passes.apply(command);
                 }

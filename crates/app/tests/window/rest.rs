@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use egui_kittest::Harness;
-use tilescope_app::command::WindowCommand;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::WindowCommand;
+use tilescope_workbench::layout::Panel;
 
 use crate::support::{node, opened, settle};
 

@@ -3,25 +3,26 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
-use tilescope_app::analysis::AnalysisCommand;
-use tilescope_app::clock::Clock;
-use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
-    WindowCommand,
-};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::device::Engine;
-use tilescope_app::draft::{Choice, Field};
-use tilescope_app::export::{Entry, ExportCommand, Kind};
-use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layout::Panel;
-use tilescope_app::passes::{PassCommand, Side};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_core::{Boundary, Search, Stage};
 use tilescope_debugger::{Direction, Target};
 use tilescope_gpu::layout::Name;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::analysis::AnalysisCommand;
+use tilescope_workbench::clock::Clock;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
+};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::export::{Entry, ExportCommand, Kind};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::passes::{PassCommand, Side};
 
 use crate::analysis_panel::noise;
 use crate::sessions::pattern;

@@ -4,14 +4,15 @@ use std::path::{Path, PathBuf};
 
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use tilescope_app::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::draft::Field;
-use tilescope_app::files::{FileCommand, Purpose};
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::Panel;
 
 use crate::support::sessions::{apply, busy, folder, go, notice, path_text};
 use crate::support::{is_disabled, node, opened, session, settle, text};
@@ -258,9 +259,9 @@ fn one_block_and_the_fewest_samples_are_sessions_and_three_are_refused_with_the_
     // As few samples as there can be: a side of 6 r.
     apply(
         &mut harness,
-        Command::Form(FormCommand::Choose(tilescope_app::draft::Choice::Boundary(
-            tilescope_core::Boundary::Bounded,
-        ))),
+        Command::Form(FormCommand::Choose(
+            tilescope_workbench::draft::Choice::Boundary(tilescope_core::Boundary::Bounded),
+        )),
     );
     apply(
         &mut harness,

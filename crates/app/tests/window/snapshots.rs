@@ -2,18 +2,19 @@
 //! test --release -p tilescope-app --test snapshots` makes them anew; then look at what changed.
 
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults, try_image_snapshot_options};
-use tilescope_app::arrangement::DrawerCommand;
-use tilescope_app::command::{
-    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
-};
-use tilescope_app::compare::{CompareCommand, Rival};
-use tilescope_app::draft::Field;
-use tilescope_app::embedding::Embedding;
-use tilescope_app::layout::{Layout, Panel};
-use tilescope_app::{App, Command};
+use tilescope_app::App;
 use tilescope_debugger::{Direction, Listings, Target};
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
+use tilescope_workbench::Command;
+use tilescope_workbench::arrangement::DrawerCommand;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
+};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::embedding::Embedding;
+use tilescope_workbench::layout::{Layout, Panel};
 
 use crate::support::{find, opened_at, settle};
 

@@ -6,10 +6,10 @@ use tilescope_session::selection::Selection;
 use crate::support;
 use egui_kittest::Harness;
 use tilescope_app::App;
-use tilescope_app::canvas::touch::release_cancelled;
-use tilescope_app::command::{Command, ViewCommand, Which, WindowCommand};
-use tilescope_app::layout::Panel;
+use tilescope_canvas::touch::release_cancelled;
 use tilescope_drawing::camera::Camera;
+use tilescope_workbench::command::{Command, ViewCommand, Which, WindowCommand};
+use tilescope_workbench::layout::Panel;
 
 /// So long takes a frame, in seconds.
 const FRAME: f32 = 1.0 / 60.0;

@@ -1,15 +1,16 @@
 //! The window as a user meets it: clicked, typed into, looked at.
 
 use egui_kittest::Harness;
-use tilescope_app::command::{FormCommand, GpuCommand, WindowCommand};
-use tilescope_app::device::Engine;
-use tilescope_app::draft::{Choice, Field};
-use tilescope_app::export::ExportCommand;
-use tilescope_app::layout::Panel;
-use tilescope_app::{App, Command, tiles};
+use tilescope_app::{App, tiles};
 use tilescope_core::{Search, Stage};
 use tilescope_session::combination::CombineCommand;
 use tilescope_session::layers::Layer;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{FormCommand, GpuCommand, WindowCommand};
+use tilescope_workbench::device::Engine;
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::export::ExportCommand;
+use tilescope_workbench::layout::Panel;
 
 use crate::support::{find, is_disabled, node, opened, session, settle, text};
 

@@ -6,9 +6,9 @@ use tilescope_ui::widgets::heading;
 
 use super::plot::{Axis, Curve, Line, Plot};
 use super::{Sets, drag, picture as periodogram};
-use crate::analysis::AnalysisCommand;
-use crate::analysis::brush::{Axis as Along, Brush};
-use crate::analysis::measured::Measured;
+use tilescope_workbench::analysis::AnalysisCommand;
+use tilescope_workbench::analysis::brush::{Axis as Along, Brush};
+use tilescope_workbench::analysis::measured::Measured;
 
 /// How high charts are, in screen points.
 const HEIGHT: f32 = 168.0;

@@ -15,14 +15,14 @@ use tilescope_session::moment::Shown;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
-use crate::analysis::brush::{Axis, Brush, FIRST_PEAK};
-use crate::analysis::held::Held;
-use crate::analysis::measured::Measured;
-use crate::analysis::{Analysis, AnalysisCommand, name_of};
-use crate::command::Command;
-use crate::files::{FileCommand, Purpose};
-use crate::state::RunView;
 use plot::{Dragged, Line};
+use tilescope_workbench::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use tilescope_workbench::analysis::held::Held;
+use tilescope_workbench::analysis::measured::Measured;
+use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
+use tilescope_workbench::command::Command;
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::state::RunView;
 
 /// From this width on there are two columns.
 const TWO_COLUMNS: f32 = 620.0;
@@ -236,7 +236,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     entry(ui, Line::Solid, palette.accent, this).known_as("analysis.moment");
     let reference = &context.analysis.reference;
     let name = match reference {
-        crate::analysis::Reference::Failed(why) => format!("reference: {why}"),
+        tilescope_workbench::analysis::Reference::Failed(why) => format!("reference: {why}"),
         _ => format!("reference: {}", reference.name()),
     };
     entry(ui, Line::Dotted, palette.text, &name).known_as("analysis.reference");

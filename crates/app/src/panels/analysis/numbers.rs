@@ -7,7 +7,7 @@ use tilescope_session::words::{conflicts_in, counted, grouped};
 use tilescope_ui::widgets::Known;
 
 use super::Sets;
-use crate::analysis::measured::Measured;
+use tilescope_workbench::analysis::measured::Measured;
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;

@@ -7,9 +7,9 @@ use tilescope_drawing::palette::Palette;
 use tilescope_session::words::{counted, grouped};
 use tilescope_ui::widgets::Known;
 
-use crate::passes::model::Visit;
-use crate::passes::placed::{Counts, Rows};
-use crate::passes::{PassCommand, Passes};
+use tilescope_workbench::passes::model::Visit;
+use tilescope_workbench::passes::placed::{Counts, Rows};
+use tilescope_workbench::passes::{PassCommand, Passes};
 
 /// Shows the choice, and what it brings to the canvas.
 pub(super) fn show(

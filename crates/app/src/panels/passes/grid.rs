@@ -8,9 +8,9 @@ use egui::{
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
-use crate::passes::PassCommand;
-use crate::passes::shown::Shown;
-use crate::passes::table::{BufferTable, Side};
+use tilescope_workbench::passes::PassCommand;
+use tilescope_workbench::passes::shown::Shown;
+use tilescope_workbench::passes::table::{BufferTable, Side};
 
 /// The height of a row, in screen points.
 const ROW: f32 = 20.0;

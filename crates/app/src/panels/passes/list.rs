@@ -10,8 +10,8 @@ use tilescope_session::words::{counted, stage_name};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Known, verdict_mark};
 
-use crate::passes::model::{Badge, Line, PassEntry, duration_text};
-use crate::passes::{PassCommand, Passes};
+use tilescope_workbench::passes::model::{Badge, Line, PassEntry, duration_text};
+use tilescope_workbench::passes::{PassCommand, Passes};
 
 /// The height of a line, in screen points.
 const LINE: f32 = 23.0;

@@ -14,9 +14,9 @@ use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use self::list::{color, mark};
-use crate::passes::model::{PassEntry, Visit, access_text};
-use crate::passes::table::{BufferTable, Side};
-use crate::passes::{Badge, Fault, PassCommand, Passes};
+use tilescope_workbench::passes::model::{PassEntry, Visit, access_text};
+use tilescope_workbench::passes::table::{BufferTable, Side};
+use tilescope_workbench::passes::{Badge, Fault, PassCommand, Passes};
 
 /// The width of the list, in screen points.
 const LIST: f32 = 270.0;
@@ -234,7 +234,7 @@ fn numbers(ui: &mut Ui, passes: &Passes, entry: &PassEntry, palette: &Palette) {
         parts.push(counted(count as usize, "invocation", "invocations"));
     }
     parts.push(match report.seconds {
-        Some(seconds) => crate::passes::model::duration_text(seconds),
+        Some(seconds) => tilescope_workbench::passes::model::duration_text(seconds),
         None if passes.has_timestamps() => "not timed".to_owned(),
         None => NO_TIMES.to_owned(),
     });

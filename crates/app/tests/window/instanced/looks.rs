@@ -1,7 +1,7 @@
 //! How samples are drawn: colours, symbols, disks, and changes of them.
 
 use egui::{Color32, pos2, vec2};
-use tilescope_app::canvas::instanced::{Limits, PaintOptions, Symbols};
+use tilescope_canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::Boundary;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::{Look, Symbol};

@@ -2,7 +2,7 @@
 
 use egui::{Color32, Pos2, Rect, pos2, vec2};
 use egui_kittest::Harness;
-use tilescope_app::canvas::instanced::{InstancedCanvas, PaintOptions, Symbols};
+use tilescope_canvas::instanced::{InstancedCanvas, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Domain, Point, R};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::{Look, Symbol};

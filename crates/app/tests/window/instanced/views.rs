@@ -1,6 +1,6 @@
 //! Where samples are drawn: places, images across borders, what the view leaves out, crowds.
 
-use tilescope_app::canvas::instanced::{Limits, PaintOptions, Symbols};
+use tilescope_canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Point, R};
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::{Look, Symbol};

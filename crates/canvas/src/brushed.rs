@@ -1,0 +1,100 @@
+//! What is brushed, on the canvas: the edges of the pairs at the chosen distances, and the tint of samples by what they add
+//! to the power of the chosen frequencies. What is found is handed to it.
+
+use egui::Pos2;
+use tilescope_core::Stage;
+use tilescope_drawing::parts;
+use tilescope_drawing::scene::Scene;
+use tilescope_drawing::surface::Surface;
+use tilescope_session::words::{counted, grouped};
+
+use crate::pane::MadeFrom;
+use tilescope_drawing::brushed::Cause;
+
+/// The edges in view, as long as nothing changes that they follow from.
+#[derive(Default)]
+pub struct Edges {
+    made_from: Option<MadeFrom>,
+    ends: Vec<[Pos2; 2]>,
+    in_view: usize,
+    /// What is brushed, in short, and pairs that are not kept.
+    brushed: Option<String>,
+}
+
+impl Edges {
+    /// Brings the edges up to the moment and the view that are shown.
+    pub fn follow(&mut self, scene: &Scene<'_>, made_from: MadeFrom) {
+        if self.made_from.as_ref() == Some(&made_from) {
+            return;
+        }
+        self.made_from = Some(made_from);
+        (self.ends, self.in_view) = parts::pairs_in_view(scene);
+        let cause = scene.subject.causes.map(|found| &found.cause);
+        self.brushed = cause.filter(|_| scene.stage >= Stage::Tile).and_then(short);
+    }
+
+    /// Draws them.
+    pub fn draw(&self, scene: &Scene<'_>, surface: &mut impl Surface) {
+        parts::draw_pairs(scene, &self.ends, surface);
+    }
+
+    /// Returns what is brushed, and a remark about edges that are left out.
+    pub fn note(&self, crowded: bool) -> Option<String> {
+        if crowded && self.in_view > 0 {
+            return Some(
+                "Too many samples in view to join the brushed pairs by lines: zoom in.".to_owned(),
+            );
+        }
+        let brushed = self.brushed.as_ref()?;
+        if self.in_view > self.ends.len() {
+            return Some(format!(
+                "{brushed} {} in view: the {} nearest to the middle are drawn. Zoom in.",
+                grouped(self.in_view),
+                grouped(self.ends.len())
+            ));
+        }
+        Some(brushed.clone())
+    }
+}
+
+/// Says in short what is brushed, if that draws anything.
+fn short(cause: &Cause) -> Option<String> {
+    let text = match cause {
+        Cause::Pairs { total: 0, .. } | Cause::Shares { frequencies: 0, .. } => return None,
+        Cause::Pairs { total, pairs } if *total > pairs.len() as u64 => format!(
+            "Brushed: {} pairs; the {} lowest in the domain are kept.",
+            grouped(*total as usize),
+            grouped(pairs.len())
+        ),
+        Cause::Pairs { total, .. } => {
+            format!("Brushed: {}.", counted(*total as usize, "pair", "pairs"))
+        }
+        Cause::Shares { .. } => {
+            "Brushed frequencies tint the samples: red adds more than the mean, blue less."
+                .to_owned()
+        }
+    };
+    Some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tilescope_drawing::brushed::Pair;
+
+    #[test]
+    fn what_is_brushed_is_said_with_what_is_not_kept() {
+        let pair = Pair {
+            ids: [0, 1],
+            offset: [1.0, 0.0],
+        };
+        let pairs = |total, kept| Cause::Pairs {
+            total,
+            pairs: vec![pair; kept],
+        };
+        assert_eq!(short(&pairs(0, 0)), None);
+        assert_eq!(short(&pairs(2, 2)).unwrap(), "Brushed: 2 pairs.");
+        let cut = short(&pairs(1_000, 2)).unwrap();
+        assert!(cut.contains("the 2 lowest in the domain are kept"), "{cut}");
+    }
+}

@@ -1,0 +1,184 @@
+//! One picture of samples: a subject in a rectangle. What it remembers between frames are pictures and meshes that can be
+//! made again.
+
+use eframe::egui_wgpu::RenderState;
+use egui::{
+    Color32, ColorImage, Context, Painter, Rect, TextureHandle, TextureId, TextureOptions, Ui, vec2,
+};
+use tilescope_core::Stage;
+use tilescope_drawing::palette::Palette;
+use tilescope_drawing::parts;
+use tilescope_drawing::scene::Scene;
+use tilescope_session::layers::Layer;
+use tilescope_session::moment::Shown;
+
+use crate::UNIT;
+use crate::brushed::Edges;
+use crate::raster::{Coverage, Density, Frame};
+use crate::resident::Resident;
+use crate::sheet::Sheet;
+use crate::sprites::Sprites;
+use crate::stack::{Stack, note};
+use crate::strokes::Kept;
+use tilescope_drawing::looks::{Key, Looks, Swatches};
+use tilescope_drawing::subject::Subject;
+
+/// A picture between two frames.
+#[derive(Default)]
+pub struct Pane {
+    sprites: Sprites,
+    swatches: Swatches,
+    /// Without a GPU to draw on, or where it has no room, samples are drawn as meshes.
+    resident: Option<Resident>,
+    kept: Kept<(MadeFrom, bool)>,
+    gaps: Picture,
+    points: Picture,
+    edges: Edges,
+}
+
+/// What pictures and meshes follow from.
+pub type MadeFrom = (Frame, Key);
+
+impl Pane {
+    /// Draws samples by instancing on the device of `render_state` from now on.
+    pub fn draw_with(&mut self, render_state: &RenderState) {
+        self.resident = Some(Resident::new(render_state));
+    }
+
+    /// Draws the layers; returns a remark about what is left out at this scale.
+    pub fn paint(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        subject: &Subject<'_>,
+        palette: &Palette,
+    ) -> Option<String> {
+        let painter = ui.painter_at(rect);
+        let scene = Scene::new(rect, *subject, palette);
+        let mut sheet = Sheet::new(&painter, &mut self.sprites);
+        scene.ground(&mut sheet);
+        if scene.stage == Stage::Pattern {
+            parts::pattern(&scene, &mut sheet);
+        }
+        painter.extend(sheet.into_shapes());
+        if scene.stage == Stage::Pattern {
+            return None;
+        }
+        let frame = Frame {
+            camera: subject.camera,
+            viewport: rect,
+            pixels_per_point: ui.ctx().pixels_per_point(),
+        };
+        self.parts(&painter, &scene, frame)
+    }
+
+    fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: Frame) -> Option<String> {
+        let (subject, palette) = (&scene.subject, scene.palette);
+        let made_from = (frame, Key::of(subject, palette));
+        let triangulated = subject.geometry.of(&scene.shown).is_some();
+        let old = self.kept.follow((made_from, triangulated));
+        self.sprites.take_back(old);
+        self.swatches.follow(subject, palette);
+        let looks = Looks::new(subject, palette, &self.swatches);
+        self.edges.follow(scene, made_from);
+        let resident = self.resident.as_mut();
+        if scene.is_fine() && scene.has(Layer::Gaps) && scene.stage >= Stage::Eliminate {
+            let make = || coverage(&frame, &scene.shown).image(palette.gap, frame.pixels_per_point);
+            self.gaps.paint(painter, made_from, make);
+        }
+        let mut stack = Stack {
+            painter,
+            scene,
+            looks: &looks,
+            sprites: &mut self.sprites,
+            kept: &mut self.kept,
+            edges: &self.edges,
+            resident: resident.and_then(|resident| resident.follow(scene, &looks)),
+        };
+        let crowded = stack.is_crowded();
+        let points = &mut self.points;
+        if crowded {
+            stack.crowd(|| {
+                let make = || as_points(scene, &looks, &frame);
+                points.paint(painter, made_from, make);
+            });
+        } else {
+            stack.all();
+        }
+        let unmarked = crate::contrast::paint(painter, scene, crowded);
+        let draws_points = crowded && stack.draws_points();
+        let cut = self.edges.note(crowded);
+        unmarked
+            .or(cut)
+            .or_else(|| note(scene, crowded, draws_points))
+    }
+}
+
+/// A picture, as long as it is known, and what it was made from.
+#[derive(Default)]
+struct Picture(Option<(MadeFrom, TextureHandle)>);
+
+impl Picture {
+    /// Draws the picture, pixel on pixel, which `make` makes if anything changed.
+    fn paint(&mut self, painter: &Painter, made_from: MadeFrom, make: impl FnOnce() -> ColorImage) {
+        let texture = self.texture(painter.ctx(), made_from, make);
+        let frame = made_from.0;
+        let [width, height] = frame.size();
+        let size = vec2(width as f32, height as f32) / frame.pixels_per_point;
+        let rect = Rect::from_min_size(frame.viewport.min, size);
+        painter.image(texture, rect, UNIT, Color32::WHITE);
+    }
+
+    fn texture(
+        &mut self,
+        ctx: &Context,
+        made_from: MadeFrom,
+        make: impl FnOnce() -> ColorImage,
+    ) -> TextureId {
+        let options = TextureOptions::NEAREST;
+        let texture = match self.0.take() {
+            Some((before, texture)) if before == made_from => texture,
+            Some((_, mut texture)) => {
+                texture.set(make(), options);
+                texture
+            }
+            None => ctx.load_texture("pixels", make(), options),
+        };
+        self.0.insert((made_from, texture)).1.id()
+    }
+}
+
+/// Returns which pixels are covered at a moment, and which of them inserted samples of its iteration cover.
+fn coverage(frame: &Frame, shown: &Shown<'_>) -> Coverage {
+    let (session, stage) = (shown.session, shown.stage);
+    let mut coverage = Coverage::open(frame, session);
+    let inserted_now = match stage {
+        Stage::Iterate(k) => session.iteration(k),
+        _ => None,
+    };
+    let inserted_now = inserted_now.map_or(0..0, |iteration| iteration.inserted.clone());
+    let (low, high) = frame.camera.visible(frame.viewport);
+    let radius = frame.scale();
+    session.index.visit(low, high, 1.0, |seen| {
+        if shown.covers(seen.id) {
+            let before = !inserted_now.contains(&seen.id);
+            coverage.cover(frame.pixel_from_domain(seen.place), radius, before);
+        }
+    });
+    coverage
+}
+
+/// Returns a picture of all samples in view as points.
+fn as_points(scene: &Scene<'_>, looks: &Looks<'_>, frame: &Frame) -> ColorImage {
+    let mut density = Density::empty(frame);
+    scene
+        .session
+        .index
+        .visit(scene.low, scene.high, 0.0, |seen| {
+            let is_there = || scene.shown.covers(seen.id);
+            if !seen.image && is_there() {
+                density.add(frame.pixel_from_domain(seen.place), looks.color(seen.id));
+            }
+        });
+    density.image(1.1)
+}

@@ -1,0 +1,124 @@
+//! The samples of one picture on the GPU: uploaded when the session changes, recoloured when the moment or what is shown of
+//! it does. How they look is decided elsewhere.
+
+use eframe::egui_wgpu::RenderState;
+use egui::Painter;
+use tilescope_core::Stage;
+use tilescope_session::layers::Layer;
+
+use crate::instanced::{InstancedCanvas, PaintOptions, Symbols};
+use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::looks::{Key, Looks};
+use tilescope_drawing::scene::Scene;
+
+/// Moments more events apart than this are not compared event by event.
+const MOST_EVENTS: usize = 1_000;
+
+/// The samples of a picture on the GPU.
+pub struct Resident {
+    canvas: InstancedCanvas,
+    key: Option<Key>,
+    version: u64,
+    /// The session that the device cannot hold.
+    refused: Option<u64>,
+}
+
+impl Resident {
+    /// Returns an empty one on the device of `render_state`.
+    pub fn new(render_state: &RenderState) -> Self {
+        Self {
+            canvas: InstancedCanvas::new(render_state),
+            key: None,
+            version: 0,
+            refused: None,
+        }
+    }
+
+    /// Brings the GPU up to the moment that is shown. Returns nothing if it cannot hold the samples.
+    pub fn follow(&mut self, scene: &Scene<'_>, looks: &Looks<'_>) -> Option<&Self> {
+        let generation = scene.session.generation;
+        if self.refused == Some(generation) {
+            return None;
+        }
+        let run = scene.session.run();
+        let points = &run.samples.points;
+        if self
+            .canvas
+            .set_points(generation, points, &run.domain)
+            .is_err()
+        {
+            (self.refused, self.key) = (Some(generation), None);
+            return None;
+        }
+        let key = Key::of(&scene.subject, scene.palette);
+        let before = self.key.replace(key);
+        if before == Some(key) {
+            return Some(self);
+        }
+        self.version += 1;
+        match before.and_then(|before| changed(scene, before, key)) {
+            Some(ids) => {
+                let changes: Vec<(u32, Look)> = ids.map(|id| (id, looks.of(id))).collect();
+                self.canvas.change_looks(self.version, &changes);
+            }
+            None => {
+                self.canvas.set_looks(self.version, |id| looks.of(id));
+            }
+        }
+        Some(self)
+    }
+
+    /// Draws the disks, in a periodic domain with those that reach over its border.
+    pub fn disks(&self, painter: &Painter, scene: &Scene<'_>) {
+        self.layer(painter, scene, &PaintOptions::disks().with_images(true));
+    }
+
+    /// Returns whether samples in view are so many or so small that they are drawn as points.
+    pub fn shows_points(&self, painter: &Painter, scene: &Scene<'_>) -> bool {
+        let camera = scene.subject.camera;
+        self.canvas
+            .shows_points(painter, scene.rect, camera, &options(scene, Symbols::ALL))
+    }
+
+    /// Draws the symbols of samples, eliminated ones below the others; they are left out among points.
+    pub fn symbols(&self, painter: &Painter, scene: &Scene<'_>) {
+        let ghosts = scene.has(Layer::Eliminated) && scene.stage >= Stage::Eliminate;
+        if ghosts && !self.shows_points(painter, scene) {
+            let options = options(scene, Symbols::only(Symbol::Cross));
+            self.layer(painter, scene, &options);
+        }
+        let options = options(scene, Symbols::ALL.without(Symbol::Cross));
+        self.layer(painter, scene, &options);
+    }
+
+    fn layer(&self, painter: &Painter, scene: &Scene<'_>, options: &PaintOptions) {
+        let thinned = self
+            .canvas
+            .paint(painter, scene.rect, scene.subject.camera, options);
+        if thinned {
+            painter.ctx().request_repaint();
+        }
+    }
+}
+
+/// Returns the samples whose looks may differ between two moments, if they are few and known: those of the events
+/// between.
+fn changed<'a>(
+    scene: &Scene<'a>,
+    before: Key,
+    now: Key,
+) -> Option<impl Iterator<Item = u32> + use<'a>> {
+    let recording = scene.session.recording()?;
+    let events = before.span(now)?;
+    if events.len() > MOST_EVENTS {
+        return None;
+    }
+    let count = scene.session.run().samples.len() as u32;
+    let events = events.filter_map(|index| recording.event(index));
+    let ids = events.flat_map(tilescope_debugger::Event::samples);
+    Some(ids.filter(move |&id| id < count))
+}
+
+fn options(scene: &Scene<'_>, symbols: Symbols) -> PaintOptions {
+    PaintOptions::symbols(symbols, scene.subject.camera.scale).with_outline(scene.palette.domain)
+}

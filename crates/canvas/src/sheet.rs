@@ -1,0 +1,180 @@
+//! The canvas as what parts are drawn on: their lines, marks and disks as meshes, one for thousands.
+
+use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, StrokeKind, Vec2, pos2};
+use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
+
+use crate::sprites::{Sprite, Sprites};
+use crate::strokes::{Stamps, Strokes};
+
+/// Disks larger than this are drawn as circles, not as pictures, in screen points.
+const MAX_DISK_SPRITE: f32 = 160.0;
+/// Wider lines are drawn as such: the picture of a stroke would make their sides blurred.
+const WIDEST_SOFT: f32 = 2.0;
+/// How many kinds of stamps there are: disks, and every kind of mark.
+const STAMPS: usize = 7;
+
+/// Shapes of one part.
+pub struct Sheet<'a> {
+    painter: &'a Painter,
+    sprites: &'a mut Sprites,
+    shapes: Vec<Shape>,
+    /// Lines since the last shape of another kind.
+    strokes: Option<Strokes>,
+    /// Disks, then marks by kind.
+    stamps: [Option<Stamps>; STAMPS],
+}
+
+impl<'a> Sheet<'a> {
+    /// Returns an empty sheet. Letters are laid out with the fonts of `painter`.
+    pub fn new(painter: &'a Painter, sprites: &'a mut Sprites) -> Self {
+        Self {
+            painter,
+            sprites,
+            shapes: Vec::new(),
+            strokes: None,
+            stamps: [const { None }; STAMPS],
+        }
+    }
+
+    /// Returns what was drawn.
+    pub fn into_shapes(mut self) -> Vec<Shape> {
+        self.end_strokes();
+        let stamps = self.stamps.into_iter().flatten();
+        self.shapes.extend(stamps.map(Stamps::into_shape));
+        self.shapes
+    }
+
+    fn strokes(&mut self) -> &mut Strokes {
+        let (sprites, painter) = (&mut *self.sprites, self.painter);
+        self.strokes
+            .get_or_insert_with(|| Strokes::new(sprites, painter.ctx()))
+    }
+
+    fn end_strokes(&mut self) {
+        let strokes = self.strokes.take();
+        self.shapes.extend(strokes.map(Strokes::into_shape));
+    }
+
+    fn add(&mut self, shape: Shape) {
+        self.end_strokes();
+        self.shapes.push(shape);
+    }
+
+    fn stamps(&mut self, kind: usize, sprite: Sprite, radius: f32) -> &mut Stamps {
+        let (sprites, painter) = (&mut *self.sprites, self.painter);
+        self.stamps[kind].get_or_insert_with(|| Stamps::of(sprites, painter.ctx(), sprite, radius))
+    }
+
+    /// Returns a rectangle on whole pixels: between neighbours neither a gap nor a darker line shows.
+    fn snapped(&self, rect: Rect) -> Rect {
+        let pixels = self.painter.ctx().pixels_per_point();
+        let snap = |value: f32| (value * pixels).round() / pixels;
+        let corner = |at: Pos2| pos2(snap(at.x), snap(at.y));
+        Rect::from_min_max(corner(rect.min), corner(rect.max))
+    }
+}
+
+fn line(stroke: Stroke) -> egui::Stroke {
+    egui::Stroke::new(stroke.width, stroke.color)
+}
+
+impl Surface for Sheet<'_> {
+    fn rect(&mut self, rect: Rect, fill: Option<Color32>, stroke: Option<Stroke>) {
+        if let Some(fill) = fill {
+            let rect = match stroke {
+                Some(_) => rect,
+                None => self.snapped(rect),
+            };
+            self.add(Shape::rect_filled(rect, 0.0, fill));
+        }
+        if let Some(stroke) = stroke {
+            let kind = match fill {
+                Some(_) => StrokeKind::Outside,
+                None => StrokeKind::Middle,
+            };
+            self.add(Shape::rect_stroke(rect, 0.0, line(stroke), kind));
+        }
+    }
+
+    fn line(&mut self, ends: [Pos2; 2], stroke: Stroke) {
+        if stroke.width > WIDEST_SOFT {
+            self.shapes.push(Shape::line_segment(ends, line(stroke)));
+        } else {
+            self.strokes()
+                .segment(ends[0], ends[1], stroke.width, stroke.color);
+        }
+    }
+
+    fn dashes(&mut self, ends: [Pos2; 2], stroke: Stroke) {
+        self.strokes()
+            .dashes(ends[0], ends[1], stroke.width, stroke.color);
+    }
+
+    fn circle(&mut self, center: Pos2, radius: f32, fill: Option<Color32>, stroke: Option<Stroke>) {
+        let fill = fill.unwrap_or(Color32::TRANSPARENT);
+        let stroke = stroke.map_or(egui::Stroke::NONE, line);
+        let circle = egui::epaint::CircleShape {
+            center,
+            radius,
+            fill,
+            stroke,
+        };
+        self.add(circle.into());
+    }
+
+    fn arc(&mut self, center: Pos2, radius: f32, Arc { from, sweep }: Arc, stroke: Stroke) {
+        self.strokes()
+            .arc(center, radius, [from, sweep], stroke.width, stroke.color);
+    }
+
+    fn disk(&mut self, center: Pos2, radius: f32, color: Color32) {
+        if radius <= MAX_DISK_SPRITE {
+            self.stamps(0, Sprite::Disk, radius).add(center, color);
+            return;
+        }
+        let ring = Stroke::new(0.9, color.gamma_multiply(0.62));
+        self.circle(center, radius, Some(color.gamma_multiply(0.07)), Some(ring));
+    }
+
+    fn mark(&mut self, mark: Mark, center: Pos2, [radius, by]: [f32; 2], color: Color32) {
+        let sprite = match mark {
+            Mark::Cross => Sprite::Cross,
+            Mark::Dot => Sprite::Dot,
+            Mark::Diamond => Sprite::Diamond,
+            Mark::Detector => Sprite::Detector,
+            Mark::Triangle => Sprite::Triangle,
+            Mark::Halo => Sprite::Halo,
+        };
+        self.stamps(1 + mark as usize, sprite, radius)
+            .add_larger(center, by, color);
+    }
+
+    fn outline(&mut self, corners: &[Pos2], stroke: Stroke) {
+        self.add(Shape::closed_line(corners.to_vec(), line(stroke)));
+    }
+
+    fn tag(&mut self, tag: &Tag) {
+        let font = FontId::monospace(tag.size);
+        let galley = self.painter.layout_no_wrap(tag.text.clone(), font, tag.ink);
+        let place = tag.anchor.anchor_size(tag.pos, galley.size());
+        let ground = place.expand2(tag.padding);
+        self.add(Shape::rect_filled(ground, tag.rounding, tag.ground));
+        if let Some(border) = tag.border {
+            let kind = StrokeKind::Inside;
+            self.add(Shape::rect_stroke(ground, tag.rounding, line(border), kind));
+        }
+        self.add(Shape::galley(place.min, galley, tag.ink));
+    }
+
+    fn text_size(&self, text: &str, size: f32) -> Vec2 {
+        let font = FontId::monospace(size);
+        let galley = self
+            .painter
+            .layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+        galley.size()
+    }
+
+    fn reserve(&mut self, lines: usize) {
+        self.strokes().reserve(lines);
+    }
+}

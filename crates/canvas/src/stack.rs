@@ -1,0 +1,163 @@
+//! The parts of a frame from the ground up, and what draws each: the GPU where samples are on it, meshes else.
+
+use egui::Painter;
+use tilescope_core::Stage;
+use tilescope_drawing::MIN_DISK_SCALE;
+use tilescope_drawing::looks::Looks;
+use tilescope_drawing::parts::Part;
+use tilescope_drawing::scene::Scene;
+use tilescope_session::layers::Layer;
+
+use crate::MAX_SYMBOLS;
+use crate::brushed::Edges;
+use crate::resident::Resident;
+use crate::sheet::Sheet;
+use crate::sprites::Sprites;
+use crate::strokes::Kept;
+
+/// What is shown of a crowd. Samples, which may be no more than points, lie below lines.
+const OF_CROWD: [Part; 10] = [
+    Part::Tints,
+    Part::Band,
+    Part::Disks,
+    Part::Samples,
+    Part::Borders,
+    Part::Numbers,
+    Part::Seams,
+    Part::Tree,
+    Part::TreeNumbers,
+    Part::Selection,
+];
+
+/// Returns whether a part's shapes can be kept from frame to frame. Letters cannot: their glyphs may move.
+const fn is_kept(part: Part) -> bool {
+    !matches!(
+        part,
+        Part::Numbers | Part::TreeNumbers | Part::Step | Part::Selection
+    )
+}
+
+/// The parts of one frame.
+pub struct Stack<'a, K> {
+    pub painter: &'a Painter,
+    pub scene: &'a Scene<'a>,
+    pub looks: &'a Looks<'a>,
+    pub sprites: &'a mut Sprites,
+    pub kept: &'a mut Kept<K>,
+    /// The edges of brushed pairs.
+    pub edges: &'a Edges,
+    /// The samples on the GPU, if it has them.
+    pub resident: Option<&'a Resident>,
+}
+
+impl<K: PartialEq> Stack<'_, K> {
+    /// Returns whether there is more in view than can be shown symbol by symbol.
+    pub fn is_crowded(&self) -> bool {
+        let scene = self.scene;
+        let as_points = self
+            .resident
+            .is_some_and(|resident| resident.shows_points(self.painter, scene));
+        as_points || scene.session.index.count_in(scene.low, scene.high) > MAX_SYMBOLS
+    }
+
+    /// Returns whether a crowd's samples are drawn as points, if they are drawn.
+    pub fn draws_points(&self) -> bool {
+        let scene = self.scene;
+        self.resident.map_or_else(
+            || scene.has(Layer::Samples),
+            |resident| {
+                (scene.has(Layer::Samples) || scene.has(Layer::Inserted))
+                    && resident.shows_points(self.painter, scene)
+            },
+        )
+    }
+
+    /// Draws all parts.
+    pub fn all(&mut self) {
+        for part in Part::ALL {
+            self.part(part);
+        }
+    }
+
+    /// Draws what can be shown of a crowd; `points` is called where samples are to be drawn as a picture of points.
+    pub fn crowd(&mut self, points: impl FnOnce()) {
+        let mut points = Some(points);
+        for part in OF_CROWD {
+            match (part, self.resident) {
+                (Part::Disks, None) => {}
+                (Part::Samples, None) => {
+                    if let Some(points) = points.take().filter(|_| self.scene.has(Layer::Samples)) {
+                        points();
+                    }
+                }
+                _ => self.part(part),
+            }
+        }
+    }
+
+    fn part(&mut self, part: Part) {
+        let scene = self.scene;
+        if !part.is_on(scene) {
+            return;
+        }
+        let painter = &self.painter.with_clip_rect(part.clip(scene));
+        match (part, self.resident) {
+            (Part::Disks, Some(resident)) => return resident.disks(painter, scene),
+            (Part::Samples, Some(resident)) => return resident.symbols(painter, scene),
+            _ => {}
+        }
+        let (looks, edges) = (self.looks, self.edges);
+        let sprites = &mut *self.sprites;
+        let mut make = || {
+            let mut sheet = Sheet::new(painter, sprites);
+            match part {
+                Part::Pairs => edges.draw(scene, &mut sheet),
+                part => part.draw(scene, looks, &mut sheet),
+            }
+            sheet.into_shapes()
+        };
+        let shapes = if is_kept(part) {
+            self.kept.layer(part as usize, make)
+        } else {
+            make()
+        };
+        painter.extend(shapes);
+    }
+}
+
+/// Returns a remark about what is left out or simplified at this scale.
+pub fn note(scene: &Scene<'_>, crowded: bool, as_points: bool) -> Option<String> {
+    let has = |layer| scene.has(layer);
+    if crowded && as_points {
+        let others = if scene.session.has_stages() && has(Layer::Eliminated) {
+            ", eliminated ones left out"
+        } else {
+            ""
+        };
+        return Some(format!(
+            "Too many samples in view to tell apart: drawn as points{others}. Zoom in."
+        ));
+    }
+    if crowded && leaves_out(scene) {
+        let most = tilescope_session::words::grouped(MAX_SYMBOLS);
+        return Some(format!(
+            "More than {most} samples in view: conflicts, detectors, candidates and triangles are left out. Zoom in."
+        ));
+    }
+    let coarse = scene.subject.camera.scale < MIN_DISK_SCALE;
+    (coarse && (has(Layer::Disks) || has(Layer::Gaps)))
+        .then(|| format!("Disks and gaps appear from {MIN_DISK_SCALE} points per r: zoom in."))
+}
+
+/// Returns whether a layer is on that a crowd hides and that would show something at this stage.
+fn leaves_out(scene: &Scene<'_>) -> bool {
+    let has = |layer| scene.has(layer);
+    let by_stage = match scene.stage {
+        Stage::Tile => has(Layer::Conflicts),
+        Stage::Eliminate => has(Layer::Conflicts) || has(Layer::Detectors),
+        Stage::Iterate(_) => has(Layer::Detectors) || has(Layer::Candidates),
+        _ => false,
+    };
+    let net = [Layer::Delaunay, Layer::Voronoi, Layer::Circumcircles];
+    by_stage || scene.stage >= Stage::Tile && net.into_iter().any(has)
+}

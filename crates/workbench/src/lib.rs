@@ -1,0 +1,30 @@
+//! Everything a window of Tilescope shows, and every command that changes it, without a window.
+//!
+//! [`State`] is made of parts, and [`Command`]s alone change them: buttons, keys, links, pages and scripts issue the same
+//! ones. Begin with `state.rs`; `command.rs` lists what a user can do.
+
+pub mod analysis;
+pub mod arrangement;
+pub mod clock;
+pub mod command;
+pub mod compare;
+pub mod device;
+#[cfg(target_arch = "wasm32")]
+pub mod download;
+pub mod draft;
+pub mod embedding;
+pub mod export;
+pub mod files;
+pub mod finder;
+pub mod layout;
+pub mod link;
+pub mod passes;
+pub mod remote;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod script;
+pub mod state;
+pub mod view;
+pub mod worker;
+
+pub use command::Command;
+pub use state::State;

@@ -1,0 +1,62 @@
+//! Permalinks: a run and how it is looked at as the fragment of an address, readable and short. What is read may come
+//! from anywhere: each part counts by itself, within limits, and what does not is named. Nothing is sampled here.
+
+mod content;
+mod parameters;
+mod read;
+mod said;
+mod text;
+mod write;
+
+pub use content::{Content, Moment};
+pub use parameters::excess;
+pub use read::COLOURINGS;
+#[cfg(test)]
+pub use read::keys;
+pub use read::read;
+pub use said::Said;
+pub use said::quoted;
+pub use text::{name as choice_name, named as choice_named, slug};
+pub use write::layer_name;
+pub use write::{Link, write};
+
+/// The version of links that this program writes, and the newest that it knows.
+pub const VERSION: u32 = 1;
+
+/// The most characters of a fragment that this program writes.
+pub const MOST_CHARACTERS: usize = 8_000;
+
+/// The most bytes of a fragment that are read.
+pub const MOST_BYTES: usize = 65_536;
+
+/// As [`MOST_SAMPLES`], on a page.
+pub const MOST_SAMPLES_ON_A_PAGE: f64 = 200_000.0;
+
+/// As [`MOST_PATTERN_SIDE`], on a page.
+pub const MOST_PATTERN_SIDE_ON_A_PAGE: f64 = 500.0;
+
+/// The most samples expected of a run, a second run, a combination or a pattern that a link asks for.
+pub const MOST_SAMPLES: f64 = if cfg!(target_arch = "wasm32") {
+    MOST_SAMPLES_ON_A_PAGE
+} else {
+    2_000_000.0
+};
+
+/// The longest side of a pattern that a link asks for, in r: its pattern has at most [`MOST_SAMPLES`], too.
+pub const MOST_PATTERN_SIDE: f64 = if cfg!(target_arch = "wasm32") {
+    MOST_PATTERN_SIDE_ON_A_PAGE
+} else {
+    1_500.0
+};
+
+/// The most breakpoints of a link, and the most watches.
+pub const MOST_STOPS: usize = 32;
+
+/// The most bookmarks of a link.
+pub const MOST_BOOKMARKS: usize = 64;
+
+/// The most characters of a condition, a watch or a note in a link.
+pub const MOST_TEXT: usize = 200;
+
+/// The longest layout of a combination in a link, as characters of the link.
+pub const MOST_COMBINATION: usize = 4_000;

@@ -1,0 +1,390 @@
+//! Reads a link: each part by itself, whatever the others are. What is unknown, invalid or too much is named.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use tilescope_core::combine::file::{Layout as Combination, Place, Source};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
+use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
+use tilescope_session::combination::NINE;
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
+use tilescope_session::selection::Selection;
+use tilescope_session::words::grouped;
+
+use super::content::{Content, Moment};
+use super::parameters::{self, KEYS, VARIANT};
+use super::said::{Said, quoted};
+use super::text::{from_base64, items, named, numbers, pairs};
+use super::write::{LINKS, NINE_SETS, layer_name};
+use super::{
+    MOST_BOOKMARKS, MOST_BYTES, MOST_COMBINATION, MOST_SAMPLES, MOST_STOPS, MOST_TEXT, VERSION,
+};
+use crate::clock::Clock;
+use crate::layout;
+use crate::view::{is_near, sound_camera, speed};
+
+const OTHERS: [&str; 17] = [
+    "v",
+    "combine",
+    "at",
+    "stage",
+    "camera",
+    "layers",
+    "colouring",
+    "look",
+    "select",
+    "clock",
+    "speed",
+    "loop",
+    "b",
+    "break",
+    "watch",
+    "mark",
+    "layout",
+];
+
+/// Every colouring, in the sequence of their numbers in links.
+pub const COLOURINGS: [Colouring; 3] = [Colouring::Block, Colouring::Provenance, Colouring::Age];
+const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
+
+/// Reads a fragment, with its `#` or without, or a whole address: returns the nearest content that may be opened, and
+/// what became of the rest. Whatever the text is, this ends soon and asks for little memory.
+#[must_use]
+pub fn read(text: &str) -> (Content, Said) {
+    let mut reader = Reader {
+        pairs: HashMap::new(),
+        said: Said::default(),
+    };
+    reader.split(text);
+    reader.version();
+    let mut content = Content::default();
+    reader.run(&mut content);
+    reader.look(&mut content);
+    reader.selection(&mut content);
+    reader.second(&mut content);
+    reader.stops(&mut content);
+    (content, reader.said)
+}
+
+struct Reader {
+    pairs: HashMap<String, String>,
+    said: Said,
+}
+
+/// Returns every key, but those of a second run, which have `b.` before them.
+#[cfg(test)]
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    OTHERS.into_iter().chain(KEYS).chain([VARIANT])
+}
+
+/// Returns whether a link of this version may have this key.
+fn is_known(key: &str) -> bool {
+    let of_run = |key: &str| KEYS.contains(&key) || key == VARIANT;
+    OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
+}
+
+impl Reader {
+    fn split(&mut self, text: &str) {
+        let text = text.trim();
+        let text = text.split_once('#').map_or(text, |(_, fragment)| fragment);
+        let text = self.cut(text);
+        for (key, value) in pairs(text) {
+            let name = quoted(&key);
+            match self.pairs.entry(key) {
+                Entry::Occupied(_) => self
+                    .said
+                    .say(format!("\"{name}\" is there twice; the first one counts.")),
+                Entry::Vacant(place) if is_known(place.key()) => drop(place.insert(value)),
+                Entry::Vacant(_) => self
+                    .said
+                    .say(format!("\"{name}\" is unknown in links and was left out.")),
+            }
+        }
+    }
+
+    /// Returns what is read of a text, which ends between two parts.
+    fn cut<'a>(&mut self, text: &'a str) -> &'a str {
+        if text.len() <= MOST_BYTES {
+            return text;
+        }
+        self.said.say(format!(
+            "The link has {} bytes; what lies behind the first {} was left out.",
+            grouped(text.len()),
+            grouped(MOST_BYTES)
+        ));
+        let mut end = MOST_BYTES;
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        let start = &text[..end];
+        start.rfind('&').map_or("", |end| &start[..end])
+    }
+
+    fn version(&mut self) {
+        let Some(text) = self.pairs.get("v") else {
+            return;
+        };
+        let shown = quoted(text);
+        match text.parse::<u32>() {
+            Ok(VERSION) => {}
+            Ok(newer) if newer > VERSION => self.said.say(format!(
+                "The link is of version {newer}, and this program knows version {VERSION}; what it knows was read."
+            )),
+            _ => self.said.say(format!(
+                "The link says that its version is \"{shown}\"; it was read as version {VERSION}."
+            )),
+        }
+    }
+
+    /// Takes the value of a key as far as it makes sense.
+    fn take<T>(&mut self, key: &str, sense: impl FnOnce(&str) -> Option<T>) -> Option<T> {
+        let text = self.pairs.get(key)?;
+        let taken = sense(text);
+        if taken.is_none() {
+            let text = quoted(text);
+            self.said.say(format!(
+                "The link's {key} \"{text}\" makes no sense and was left out."
+            ));
+        }
+        taken
+    }
+
+    fn run(&mut self, content: &mut Content) {
+        content.combination = self.combination();
+        if content.combination.is_none() {
+            let texts = |key: &str| self.pairs.get(key).map(String::as_str);
+            content.parameters =
+                parameters::read(texts, &Parameters::default(), "", &mut self.said);
+        }
+        let at = self.take("at", |text| text.parse().ok());
+        let stage = self.take("stage", |text| {
+            (!text.is_empty() && text.len() <= MOST_TEXT).then(|| text.to_owned())
+        });
+        content.moment = match (at, stage) {
+            (Some(cursor), _) => Moment::Event(cursor),
+            (None, Some(stage)) => Moment::Stage(stage),
+            (None, None) => Moment::End,
+        };
+    }
+
+    fn combination(&mut self) -> Option<Combination> {
+        let text = self.pairs.get("combine")?;
+        let layout = combination(text);
+        if let Err(why) = &layout {
+            self.said
+                .say(format!("The link's combination was left out: {why}."));
+        }
+        layout.ok()
+    }
+
+    fn look(&mut self, content: &mut Content) {
+        content.camera = self.take("camera", |text| {
+            let [x, y, scale] = numbers(text)?;
+            sound_camera([x, y], scale)
+        });
+        if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
+            content.layers = self.layers(&layers);
+        }
+        if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
+            content.colouring = colouring;
+        }
+        if let Some(look) = self.take("look", |text| named(&Look::ALL, text)) {
+            content.look = look;
+        }
+        if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
+            content.clock = clock;
+        }
+        if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
+            content.speed = speed;
+        }
+        content.range = self.take("loop", |text| {
+            let (start, end) = text.split_once('-')?;
+            let range = [start.parse().ok()?, end.parse().ok()?];
+            (range[0] < range[1]).then_some(range)
+        });
+        if let Some(layout) = self.take("layout", layout::text::read) {
+            content.layout = layout;
+        }
+    }
+
+    /// Returns the layers of a list. Where none of those named exists, the usual ones are nearer to what was meant
+    /// than an empty canvas.
+    fn layers(&mut self, names: &str) -> Layers {
+        let (mut layers, mut are_unknown) = (Layers::none(), false);
+        for name in names.split(',').filter(|name| !name.is_empty()) {
+            let layer = Layer::ALL.into_iter().find(|&l| layer_name(l) == name);
+            match layer {
+                Some(layer) if !layers.has(layer) => layers.toggle(layer),
+                Some(_) => {}
+                None => {
+                    are_unknown = true;
+                    let name = quoted(name);
+                    self.said
+                        .say(format!("There is no layer \"{name}\"; it was left out."));
+                }
+            }
+        }
+        if are_unknown && layers == Layers::none() {
+            return Layers::default();
+        }
+        layers
+    }
+
+    fn selection(&mut self, content: &mut Content) {
+        let selection = self.take("select", |text| match text.split_once(':')? {
+            ("sample", id) => id.parse().ok().map(Selection::Sample),
+            ("place", place) => numbers(place)
+                .filter(|place| is_near(*place))
+                .map(Selection::Place),
+            _ => None,
+        });
+        content.selection = selection.unwrap_or(Selection::Nothing);
+    }
+
+    fn second(&mut self, content: &mut Content) {
+        let Some(names) = self.pairs.get("b") else {
+            if self.pairs.keys().any(|key| key.starts_with("b.")) {
+                self.said.say(
+                    "The link has parameters of a second run but none (\"b\"); they were left out."
+                        .to_owned(),
+                );
+            }
+            return;
+        };
+        if content.combination.is_some() {
+            // Its parameters say how they differ from those of a run.
+            content.parameters = Parameters::default();
+        }
+        let pairs = &self.pairs;
+        let texts = |key: &str| pairs.get(&format!("b.{key}")).map(String::as_str);
+        let second = parameters::read(texts, &content.parameters, " of run B", &mut self.said);
+        let mut links = [false; 3];
+        for name in names.split(',').filter(|name| !name.is_empty()) {
+            match LINKS.iter().position(|link| *link == name) {
+                Some(place) => links[place] = true,
+                None => self.said.say(format!(
+                    "Two runs cannot be linked by \"{}\"; it was left out.",
+                    quoted(name)
+                )),
+            }
+        }
+        content.second = Some((second, links));
+    }
+
+    fn stops(&mut self, content: &mut Content) {
+        content.breakpoints = self.list("break", "breakpoint", MOST_STOPS, breakpoint);
+        content.watches = self.list("watch", "watch", MOST_STOPS, short);
+        content.bookmarks = self.list("mark", "bookmark", MOST_BOOKMARKS, bookmark);
+        let marks = &mut content.bookmarks;
+        marks.sort_by(|a, b| (&a.run, a.event).cmp(&(&b.run, b.event)));
+        marks.dedup_by(|a, b| (&a.run, a.event) == (&b.run, b.event));
+    }
+
+    fn list<T>(
+        &mut self,
+        key: &str,
+        what: &str,
+        most: usize,
+        item: impl Fn(&str) -> Option<T>,
+    ) -> Vec<T> {
+        let Some(text) = self.pairs.get(key) else {
+            return Vec::new();
+        };
+        let texts = items(text);
+        if texts.len() > most {
+            self.said.say(format!(
+                "The link has {} of the kind \"{key}\"; the first {most} were read.",
+                grouped(texts.len())
+            ));
+        }
+        let mut taken = Vec::new();
+        for text in texts.iter().take(most) {
+            match item(text) {
+                Some(item) => taken.push(item),
+                None => self.said.say(format!(
+                    "The link's {what} \"{}\" makes no sense and was left out.",
+                    quoted(text)
+                )),
+            }
+        }
+        taken
+    }
+}
+
+fn short(text: &str) -> Option<String> {
+    (text.chars().count() <= MOST_TEXT).then(|| text.to_owned())
+}
+
+/// Reads the event with the note behind it; between them is the run and the anchor of one from another run.
+fn bookmark(text: &str) -> Option<Bookmark> {
+    let (place, note) = text.split_once(':').unwrap_or((text, ""));
+    let mut parts = place.split('@');
+    let event = parts.next()?.parse().ok()?;
+    let run = short(parts.next().unwrap_or_default())?;
+    let anchor = parts.next().map(|anchor| anchor.parse().ok());
+    Some(Bookmark {
+        event,
+        note: short(note)?,
+        run,
+        anchor: anchor.map_or(Some(None), |read| read.map(Some))?,
+    })
+    .filter(|_| parts.next().is_none())
+}
+
+fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
+    let (enabled, text) = match text.strip_prefix('!') {
+        Some(rest) => (false, rest),
+        None => (true, text),
+    };
+    let (line, condition) = text.split_once(':').unwrap_or((text, ""));
+    Listings::shipped().find(line)?;
+    let condition = short(condition)?;
+    Some(SavedBreakpoint {
+        line: line.to_owned(),
+        condition: (!condition.is_empty()).then_some(condition),
+        enabled,
+    })
+}
+
+fn combination(text: &str) -> Result<Combination, String> {
+    if text.len() > MOST_COMBINATION {
+        return Err(format!(
+            "its layout has {} characters, and a link's has at most {}",
+            grouped(text.len()),
+            grouped(MOST_COMBINATION)
+        ));
+    }
+    let json = match text {
+        NINE_SETS => NINE.as_bytes().to_vec(),
+        text => from_base64(text).ok_or("it is no base64 text")?,
+    };
+    let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
+    let placed = layout.placed().map_err(|error| error.to_string())?;
+    let expected = placed.expected + of_patterns(&placed.places);
+    if expected > MOST_SAMPLES {
+        return Err(format!(
+            "it and its patterns make about {expected:.0} samples, and a link may ask for {}",
+            grouped(MOST_SAMPLES as usize)
+        ));
+    }
+    let of_file = |source: &Source| matches!(source, Source::File { .. });
+    if placed.places.iter().any(|place| of_file(&place.source)) {
+        return Err("it has sets from files, which a link does not open".to_owned());
+    }
+    Ok(layout)
+}
+
+/// Returns about how many samples the different patterns have that pieces clip from.
+fn of_patterns(places: &[Place]) -> f64 {
+    let mut specs: Vec<PatternSpec> = Vec::new();
+    for place in places {
+        if let Source::Run { parameters, .. } = &place.source
+            && !specs.contains(&parameters.pattern)
+        {
+            specs.push(parameters.pattern);
+        }
+    }
+    let samples = specs.iter().map(|spec| spec.side * spec.side);
+    MAXIMAL_DENSITY * samples.sum::<f64>()
+}

@@ -1,0 +1,421 @@
+//! Requests of a page that embeds the window, as JSON: strict about what is asked, within the limits of links. Who may ask is
+//! the page's business; what is done is the state's.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use tilescope_core::{MAXIMAL_DENSITY, Parameters};
+
+use tilescope_debugger::{Direction, Target};
+use tilescope_session::layers::{Colouring, Layer, Layers};
+use tilescope_session::look::Look;
+use tilescope_session::words::grouped;
+
+use crate::clock::{Clock, SPEEDS};
+use crate::link::{
+    COLOURINGS, MOST_PATTERN_SIDE, MOST_SAMPLES, choice_name, choice_named, layer_name, quoted,
+};
+use crate::view::{FARTHEST, sound_camera};
+use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
+
+/// The longest request, in bytes.
+pub const MOST_BYTES: usize = 65_536;
+
+/// What there is to ask for, each with its fields.
+const REQUESTS: [(&str, &[&str]); 7] = [
+    ("state", &[]),
+    ("load", &["parameters", "link"]),
+    ("step", &["by", "unit"]),
+    ("seek", &["event", "stage", "part", "next", "previous"]),
+    ("view", &["camera", "layers", "colouring", "look"]),
+    ("play", &["speed"]),
+    ("pause", &[]),
+];
+
+/// What may be sought by name.
+const TARGETS: [(&str, Target); 6] = [
+    ("conflict", Target::Conflict),
+    ("elimination", Target::Elimination),
+    ("gap", Target::Gap),
+    ("insertion", Target::Insertion),
+    ("second-insertion", Target::SecondInsertion),
+    ("violation", Target::Violation),
+];
+
+/// How the canvas is to look; what is not said stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// The view of the domain.
+    pub camera: Option<Camera>,
+    /// Whether all of it is shown instead.
+    pub whole: bool,
+    /// The layers that are on.
+    pub layers: Option<Layers>,
+    /// What colours mean.
+    pub colouring: Option<Colouring>,
+    /// The look.
+    pub look: Option<Look>,
+}
+
+/// A request.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Asks for the state.
+    State,
+    /// Opens a link.
+    Link(String),
+    /// Samples with these parameters.
+    Parameters(Box<Parameters>),
+    /// Goes on or back by a tick.
+    Step {
+        /// Whether it goes on.
+        forwards: bool,
+        /// What a tick is.
+        unit: Clock,
+    },
+    /// Goes to the moment when so many events have happened.
+    SeekEvent(usize),
+    /// Goes to the end of the stage of this name.
+    SeekStage(String),
+    /// Goes to a part of the run, from 0 to 1.
+    SeekPart(f64),
+    /// Goes behind the next or previous event of this kind.
+    SeekTarget(Target, Direction),
+    /// Changes how the canvas looks.
+    View(Wanted),
+    /// Plays, at this speed if one is given.
+    Play(Option<f32>),
+    /// Stops playing.
+    Pause,
+}
+
+/// Why a request is refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RequestError {
+    /// It is too long.
+    #[error("the request has {bytes} bytes; at most {MOST_BYTES} are read")]
+    TooLong {
+        /// Its length.
+        bytes: usize,
+    },
+    /// It is no JSON object.
+    #[error("the request is no JSON object: {0}")]
+    NoObject(String),
+    /// It asks for something that there is not.
+    #[error("\"do\" is {found}; it must be one of {}", choices(REQUESTS.map(|(name, _)| name)))]
+    Unknown {
+        /// What it says.
+        found: String,
+    },
+    /// A field is not one of this request.
+    #[error("\"{action}\" has no field \"{field}\"")]
+    UnknownField {
+        /// The request.
+        action: &'static str,
+        /// The field.
+        field: String,
+    },
+    /// A field has a value that it cannot have.
+    #[error("\"{field}\" is {found}; it must be {wanted}")]
+    Value {
+        /// The field.
+        field: String,
+        /// Its value.
+        found: String,
+        /// What it may be.
+        wanted: String,
+    },
+    /// Not exactly one of several fields is there.
+    #[error("\"{action}\" wants exactly one of {fields}")]
+    OneOf {
+        /// The request.
+        action: &'static str,
+        /// The fields.
+        fields: &'static str,
+    },
+    /// A view that changes nothing.
+    #[error(
+        "\"view\" says nothing; it has the fields \"camera\", \"layers\", \"colouring\" and \"look\""
+    )]
+    Nothing,
+    /// The parameters cannot be sampled.
+    #[error("{0}")]
+    Parameters(String),
+    /// It cannot be done now.
+    #[error("{0}")]
+    Refused(String),
+}
+
+/// Reads a request.
+pub fn read(text: &str) -> Result<Request, RequestError> {
+    if text.len() > MOST_BYTES {
+        return Err(RequestError::TooLong { bytes: text.len() });
+    }
+    let fields: Map<String, Value> =
+        serde_json::from_str(text).map_err(|error| RequestError::NoObject(error.to_string()))?;
+    let action = fields.get("do").cloned().unwrap_or(Value::Null);
+    let known = |(name, _): &&(&str, &[&str])| action.as_str() == Some(*name);
+    let Some((name, known)) = REQUESTS.iter().find(known) else {
+        let found = shown(&action);
+        return Err(RequestError::Unknown { found });
+    };
+    only(name, &fields, known)?;
+    match *name {
+        "load" => load(&fields),
+        "step" => step(&fields),
+        "seek" => seek(&fields),
+        "view" => view(&fields),
+        "play" => Ok(Request::Play(fields.get("speed").map(speed).transpose()?)),
+        "pause" => Ok(Request::Pause),
+        _ => Ok(Request::State),
+    }
+}
+
+/// Returns names as a sentence lists them.
+fn choices<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names = names.into_iter().map(|name| format!("\"{name}\""));
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn shown(value: &Value) -> String {
+    quoted(&value.to_string())
+}
+
+fn wrong(field: &str, value: &Value, wanted: impl Into<String>) -> RequestError {
+    RequestError::Value {
+        field: field.to_owned(),
+        found: shown(value),
+        wanted: wanted.into(),
+    }
+}
+
+fn only(
+    action: &'static str,
+    fields: &Map<String, Value>,
+    known: &[&str],
+) -> Result<(), RequestError> {
+    let unknown = |field: &&String| *field != "do" && !known.contains(&field.as_str());
+    match fields.keys().find(unknown) {
+        Some(field) => Err(RequestError::UnknownField {
+            action,
+            field: quoted(field),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn speed(value: &Value) -> Result<f32, RequestError> {
+    let read = value.as_f64().map(|speed| speed as f32);
+    let (slowest, fastest) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+    read.filter(|speed| (slowest..=fastest).contains(speed))
+        .ok_or_else(|| wrong("speed", value, format!("from {slowest} to {fastest}")))
+}
+
+fn load(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    match (fields.get("link"), fields.get("parameters")) {
+        (Some(value), None) => match value.as_str() {
+            Some(link) => Ok(Request::Link(link.to_owned())),
+            None => Err(wrong("link", value, "a text")),
+        },
+        (None, Some(value)) => Ok(Request::Parameters(Box::new(parameters(value)?))),
+        _ => Err(RequestError::OneOf {
+            action: "load",
+            fields: "\"link\" and \"parameters\"",
+        }),
+    }
+}
+
+fn step(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    let forwards = match fields.get("by") {
+        None => true,
+        Some(by) if by.as_f64() == Some(1.0) => true,
+        Some(by) if by.as_f64() == Some(-1.0) => false,
+        Some(by) => return Err(wrong("by", by, "1 or -1")),
+    };
+    let unit = match fields.get("unit") {
+        None => Clock::Event,
+        Some(unit) => match unit.as_str() {
+            Some("event") => Clock::Event,
+            Some("line") => Clock::Line,
+            Some("stage") => Clock::Stage,
+            _ => return Err(wrong("unit", unit, "\"event\", \"line\" or \"stage\"")),
+        },
+    };
+    Ok(Request::Step { forwards, unit })
+}
+
+fn seek(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    match ["event", "stage", "part", "next", "previous"].map(|field| fields.get(field)) {
+        [None, None, None, Some(value), None] => Ok(Request::SeekTarget(
+            target("next", value)?,
+            Direction::Forwards,
+        )),
+        [None, None, None, None, Some(value)] => Ok(Request::SeekTarget(
+            target("previous", value)?,
+            Direction::Backwards,
+        )),
+        [Some(value), None, None, None, None] => {
+            let event = value.as_u64().and_then(|event| usize::try_from(event).ok());
+            let event = event.ok_or_else(|| wrong("event", value, "a whole number from 0 on"))?;
+            Ok(Request::SeekEvent(event))
+        }
+        [None, Some(value), None, None, None] => match value.as_str() {
+            Some(stage) => Ok(Request::SeekStage(stage.to_owned())),
+            None => Err(wrong("stage", value, "the name of a stage")),
+        },
+        [None, None, Some(value), None, None] => {
+            let part = value.as_f64().filter(|part| (0.0..=1.0).contains(part));
+            let part = part.ok_or_else(|| wrong("part", value, "from 0 to 1"))?;
+            Ok(Request::SeekPart(part))
+        }
+        _ => Err(RequestError::OneOf {
+            action: "seek",
+            fields: "\"event\", \"stage\", \"part\", \"next\" and \"previous\"",
+        }),
+    }
+}
+
+fn target(field: &str, value: &Value) -> Result<Target, RequestError> {
+    let named = |(name, _): &&(&str, Target)| value.as_str() == Some(*name);
+    let found = TARGETS.iter().find(named).map(|(_, target)| *target);
+    found.ok_or_else(|| {
+        let names = choices(TARGETS.map(|(name, _)| name));
+        wrong(field, value, format!("one of {names}"))
+    })
+}
+
+fn view(fields: &Map<String, Value>) -> Result<Request, RequestError> {
+    let camera = fields.get("camera").map(camera).transpose()?;
+    let wanted = Wanted {
+        whole: camera == Some(None),
+        camera: camera.flatten(),
+        layers: fields.get("layers").map(layers).transpose()?,
+        colouring: choice(fields, "colouring", &COLOURINGS)?,
+        look: choice(fields, "look", &Look::ALL)?,
+    };
+    if wanted == Wanted::default() {
+        return Err(RequestError::Nothing);
+    }
+    Ok(Request::View(wanted))
+}
+
+/// Returns one of several choices by its name in links.
+fn choice<T: Serialize + Copy>(
+    fields: &Map<String, Value>,
+    field: &str,
+    all: &[T],
+) -> Result<Option<T>, RequestError> {
+    let Some(value) = fields.get(field) else {
+        return Ok(None);
+    };
+    let found = value.as_str().and_then(|name| choice_named(all, name));
+    let wanted = || {
+        let names: Vec<String> = all.iter().map(choice_name).collect();
+        format!("one of {}", choices(names.iter().map(String::as_str)))
+    };
+    let found = found.ok_or_else(|| wrong(field, value, wanted()))?;
+    Ok(Some(found))
+}
+
+fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
+    if value.as_str() == Some(WHOLE) {
+        return Ok(None);
+    }
+    let numbers: Option<[f64; 3]> = Deserialize::deserialize(value).ok();
+    let camera = numbers.and_then(|[x, y, scale]| sound_camera([x, y], scale));
+    camera.map(Some).ok_or_else(|| {
+        let wanted = format!(
+            "\"{WHOLE}\" or [x, y, points of the screen for r], a place at most {FARTHEST} r away at a scale from {MIN_SCALE} to {MAX_SCALE}"
+        );
+        wrong("camera", value, wanted)
+    })
+}
+
+/// The camera that shows the whole domain, however large the frame is.
+pub const WHOLE: &str = "whole";
+
+fn layers(value: &Value) -> Result<Layers, RequestError> {
+    let mut layers = Layers::none();
+    let refuse = |value: &Value| {
+        let names = Layer::ALL.map(layer_name);
+        let names = choices(names.iter().map(String::as_str));
+        wrong("layers", value, format!("a list of some of {names}"))
+    };
+    for name in value.as_array().ok_or_else(|| refuse(value))? {
+        let is_meant = |layer: &Layer| name.as_str() == Some(&*layer_name(*layer));
+        let layer = Layer::ALL.into_iter().find(is_meant);
+        let layer = layer.ok_or_else(|| refuse(name))?;
+        if !layers.has(layer) {
+            layers.toggle(layer);
+        }
+    }
+    Ok(layers)
+}
+
+/// Returns the default session's parameters with those that are given; unlike a link's they are refused, not corrected.
+fn parameters(value: &Value) -> Result<Parameters, RequestError> {
+    let Some(given) = value.as_object() else {
+        return Err(wrong("parameters", value, "an object"));
+    };
+    let mut all = serde_json::to_value(Parameters::default()).unwrap_or_default();
+    lay_over(&mut all, given, "parameters")?;
+    let parameters = Parameters::deserialize(&all)
+        .map_err(|error| RequestError::Parameters(format!("the parameters: {error}")))?;
+    let domain = parameters
+        .validate_sequential()
+        .map_err(|error| RequestError::Parameters(error.to_string()))?;
+    let samples = domain.area_radii() * MAXIMAL_DENSITY;
+    if samples > MOST_SAMPLES {
+        let most = grouped(MOST_SAMPLES as usize);
+        return Err(RequestError::Parameters(format!(
+            "the radius {} makes about {samples:.0} samples; a page may ask for {most}",
+            parameters.radius
+        )));
+    }
+    if parameters.pattern.side > MOST_PATTERN_SIDE {
+        return Err(RequestError::Parameters(format!(
+            "the pattern's side is {} r; a page may ask for {MOST_PATTERN_SIDE} r",
+            parameters.pattern.side
+        )));
+    }
+    Ok(parameters)
+}
+
+fn lay_over(
+    all: &mut Value,
+    given: &Map<String, Value>,
+    action: &'static str,
+) -> Result<(), RequestError> {
+    for (field, value) in given {
+        let Some(place) = all.get_mut(field) else {
+            let field = quoted(field);
+            return Err(RequestError::UnknownField { action, field });
+        };
+        match (place.is_object(), value.as_object()) {
+            (true, Some(inner)) => lay_over(place, inner, "pattern")?,
+            (true, None) => return Err(wrong(field, value, "an object")),
+            (false, _) => {
+                // Numbers that are rounded on the way come as text.
+                let exact = value.as_str().filter(|_| field == "seed");
+                let exact = exact.and_then(|text| text.parse::<u64>().ok());
+                let value = &exact.map_or_else(|| value.clone(), Value::from);
+                let as_before = same_kind(place, value);
+                if !as_before {
+                    let wanted = format!("of the kind of {place}");
+                    return Err(wrong(field, value, wanted));
+                }
+                *place = value.clone();
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether two values are both numbers, both texts or both switches.
+fn same_kind(a: &Value, b: &Value) -> bool {
+    (a.is_number() && b.is_number())
+        || (a.is_string() && b.is_string())
+        || (a.is_boolean() && b.is_boolean())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,176 @@
+//! An export at work, and what is told of it when it ends.
+
+use tilescope_session::errand::{self, Errand};
+use tilescope_session::incoming::NamedBytes;
+use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::words::{counted, sentence};
+
+#[cfg(not(target_arch = "wasm32"))]
+use crate::export::ExportCommand;
+use crate::export::write::{What, WriteError, Written, render};
+use crate::export::{ExportForm, Order};
+use crate::files::{Delivery, packed};
+use crate::state::State;
+
+/// How an export ends.
+pub type Outcome = Result<Ended, WriteError>;
+
+/// Where the files of an export are.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub enum Ended {
+    /// On the disk.
+    #[cfg(not(target_arch = "wasm32"))]
+    Written(Written),
+    /// In memory, as one file that is to be downloaded.
+    Download(Written, NamedBytes),
+}
+
+/// Has the files of an order made and put where they are to go.
+#[derive(serde::Serialize, serde::Deserialize)]
+pub struct Delivering {
+    order: Order,
+    delivery: Delivery,
+}
+
+impl Errand for Delivering {
+    type Outcome = Outcome;
+    const NAME: &'static str = "export";
+
+    fn carry_out(self, monitor: &Monitor) -> Outcome {
+        deliver(&self.order, self.delivery, monitor)
+    }
+
+    fn given_up(_: &Monitor) -> Option<Outcome> {
+        Some(Err(WriteError::Cancelled))
+    }
+}
+
+/// Makes the files of an order and puts them where they are to go.
+fn deliver(order: &Order, delivery: Delivery, monitor: &Monitor) -> Outcome {
+    match delivery {
+        #[cfg(not(target_arch = "wasm32"))]
+        Delivery::Disk => crate::export::write::write(order, monitor).map(Ended::Written),
+        Delivery::Download => {
+            let made = render(order, monitor)?;
+            Ok(Ended::Download(made.written, packed(made.files)?))
+        }
+    }
+}
+
+impl State {
+    /// Writes what the sheet asks for. Where another file would be replaced, the first time only asks.
+    pub(super) fn start_export(&mut self) {
+        if self.files.exporting.is_some() {
+            return;
+        }
+        let order = match self.export_order() {
+            Ok(order) => order,
+            Err(refusal) => {
+                self.tell(format!("Nothing was exported. {refusal}"), true);
+                return;
+            }
+        };
+        let delivery = self.files.delivery;
+        let replaces = delivery != Delivery::Download;
+        if let Some(form) = self.files.export.as_mut().filter(|_| replaces) {
+            form.look();
+            if form.taken.is_some() && !form.asked {
+                form.asked = true;
+                return;
+            }
+        }
+        let delivering = Delivering { order, delivery };
+        self.files.exporting = Some(errand::start(&self.jobs.wake, delivering));
+    }
+
+    pub(in crate::state) fn poll_export(&mut self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(outcome) = self.files.browsing.as_ref().and_then(Job::poll) {
+            self.files.browsing = None;
+            match outcome {
+                Ok(Some(path)) => {
+                    let path = path.to_string_lossy().into_owned();
+                    self.apply_to_export(ExportCommand::Path(path));
+                }
+                Ok(None) => {}
+                Err(failure) => self.tell(sentence(&failure), true),
+            }
+        }
+        if let Some(outcome) = self.files.exporting.as_ref().and_then(Job::poll) {
+            self.files.exporting = None;
+            self.finish_export(outcome);
+        }
+    }
+
+    pub(in crate::state) fn finish_export(&mut self, outcome: Result<Outcome, String>) {
+        match outcome {
+            #[cfg(not(target_arch = "wasm32"))]
+            Ok(Ok(Ended::Written(written))) => self.exported(&written, None),
+            Ok(Ok(Ended::Download(written, file))) => {
+                self.exported(&written, Some(&file.name));
+                self.files.downloads.push(file);
+            }
+            Ok(Err(WriteError::Cancelled)) => {
+                self.tell(
+                    "The export was cancelled; no file was written.".to_owned(),
+                    false,
+                );
+            }
+            Ok(Err(error)) => {
+                let text = format!("Nothing was exported: {error}");
+                self.tell(sentence(&text), true);
+            }
+            Err(failure) => self.tell(sentence(&failure), true),
+        }
+        if let Some(form) = &mut self.files.export {
+            form.look();
+            form.asked = false;
+        }
+    }
+
+    fn exported(&mut self, written: &Written, download: Option<&str>) {
+        // Meanwhile the sheet may have been opened for another file.
+        let this = |form: &ExportForm| form.file() == written.path;
+        if self.files.export.as_ref().is_some_and(this) {
+            self.files.export = None;
+        }
+        let (text, is_error) = told(written, download);
+        self.tell(text, is_error);
+    }
+}
+
+/// Returns what to say of a file, and whether something is wrong with it; `download` is the name of the one file that is
+/// downloaded in place of it.
+fn told(written: &Written, download: Option<&str>) -> (String, bool) {
+    let place = written.path.display().to_string();
+    let verb = download.map_or("Wrote", |_| "Downloaded");
+    let to = match download {
+        Some(name) => format!("as {name}"),
+        None => format!("to {place}"),
+    };
+    match &written.what {
+        What::Samples {
+            certificate,
+            report,
+            warnings,
+            result,
+        } => {
+            let samples = counted(report.count, "sample", "samples");
+            let certificate = certificate.display();
+            let mut text = format!("{verb} {samples} {to}. Certificate: {certificate}.");
+            if report.valid() && !result {
+                text.push_str(" The set is conflict-free and maximal.");
+            }
+            for warning in warnings {
+                text.push(' ');
+                text.push_str(&sentence(&warning.to_string()));
+            }
+            (text, *result && !report.valid())
+        }
+        What::Picture => (format!("{verb} the picture {to}."), false),
+        What::Animation { frames } => {
+            let frames = counted(*frames, "frame", "frames");
+            (format!("{verb} {frames} {to}."), false)
+        }
+    }
+}

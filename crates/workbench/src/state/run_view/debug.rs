@@ -1,0 +1,316 @@
+//! The commands of the debugger: breakpoints, watches, bookmarks, what is selected and its history.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use tilescope_core::{Point, R};
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Stops, why};
+use tilescope_session::selection::Selection;
+
+use super::RunView;
+use crate::command::DebugCommand;
+
+use crate::state::effects::Context;
+use tilescope_session::errand::{self, Errand, Lent};
+use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::session::Session;
+
+/// Most events that a query or a history shows.
+pub const MOST_FOUND: usize = 100_000;
+
+/// The events that touched what is selected.
+#[derive(Default)]
+pub enum Found {
+    /// Nothing was asked.
+    #[default]
+    Nothing,
+    /// They are being looked for.
+    Pending(Job<Vec<usize>>),
+    /// Here they are, in sequence.
+    Events(Vec<usize>),
+    /// They could not be found, and why.
+    Failed(String),
+}
+
+impl Found {
+    /// Returns the events, once they are known.
+    #[must_use]
+    pub fn events(&self) -> &[usize] {
+        match self {
+            Self::Events(events) => events,
+            _ => &[],
+        }
+    }
+
+    /// Takes the events when they are there.
+    pub(in crate::state) fn poll(&mut self) {
+        if let Self::Pending(job) = self
+            && let Some(outcome) = job.poll()
+        {
+            *self = outcome.map_or_else(Self::Failed, Self::Events);
+        }
+    }
+
+    /// Returns why there are none, if something went wrong.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        match self {
+            Self::Failed(why) => Some(why),
+            _ => None,
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::state) fn settle(&mut self) {
+        if let Self::Pending(job) = self {
+            *self = job.wait().map_or_else(Self::Failed, Self::Events);
+        }
+    }
+}
+
+/// What the event browser looks for.
+#[derive(Default)]
+pub struct EventQuery {
+    /// As typed.
+    pub text: String,
+    /// What is wrong with it.
+    pub error: Option<String>,
+    /// The events that it means; none while the text is empty.
+    pub found: Found,
+}
+
+impl RunView {
+    pub(in crate::state) fn apply_to_debugger(&mut self, command: DebugCommand, context: &Context) {
+        let before = self.stage;
+        match command {
+            DebugCommand::Query(text) => self.look_for(text, context),
+            DebugCommand::SelectEvent(event) => self.select_event(event),
+            DebugCommand::ToggleEvent(event) => {
+                let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+                if let (Some(outline), Some(rows)) = (outline, &mut self.rows) {
+                    rows.toggle(outline, event);
+                }
+            }
+            command => {
+                if let Some(debugger) = &mut self.debugger {
+                    change(debugger, command);
+                }
+            }
+        }
+        self.follow_cursor();
+        self.moved(before);
+    }
+
+    /// Returns what the user has set, wherever it is kept.
+    pub(in crate::state) fn take_stops(&mut self) -> Stops {
+        match &mut self.debugger {
+            Some(debugger) => debugger.take_stops(),
+            None => std::mem::take(&mut self.stops),
+        }
+    }
+
+    /// Sets what the user had set; it is kept for a later run where this one has no events.
+    pub(in crate::state) fn put_stops(&mut self, stops: Stops, context: &mut Context) {
+        match &mut self.debugger {
+            Some(debugger) => {
+                if let Err(error) = debugger.put_stops(stops) {
+                    context.tell(tilescope_session::words::sentence(&error.to_string()), true);
+                }
+            }
+            None => self.stops = stops,
+        }
+    }
+
+    /// Takes up the debugger of a new session; breakpoints, watches and bookmarks stay.
+    pub(in crate::state) fn debug(&mut self, session: &Session, context: &mut Context) {
+        let stops = self.take_stops();
+        let debugger = |recording| Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+        self.debugger = session.recording().map(debugger);
+        self.put_stops(stops, context);
+        self.rows = session.outline.as_ref().map(OutlineRows::new);
+        (self.revealed, self.passes) = (usize::MAX, None);
+        self.history_found = Found::Nothing;
+        let text = std::mem::take(&mut self.query.text);
+        self.look_for(text, context);
+    }
+
+    /// Goes behind an event and everything that it holds; the tree stays as it is.
+    fn select_event(&mut self, event: usize) {
+        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+        if let Some(outline) = outline {
+            let end = outline.end(event);
+            self.jump(end);
+            self.revealed = end;
+        }
+    }
+
+    /// Opens the tree of events down to the last one, if the cursor was moved elsewhere than in the tree. For a window that
+    /// shows the tree.
+    pub(in crate::state) fn reveal(&mut self) {
+        let Some((cursor, _)) = self.cursor().filter(|(cursor, _)| *cursor != self.revealed) else {
+            return;
+        };
+        self.revealed = cursor;
+        let outline = self.session.as_ref().and_then(|s| s.outline.as_ref());
+        if let (Some(outline), Some(rows), Some(last)) =
+            (outline, &mut self.rows, cursor.checked_sub(1))
+        {
+            rows.expand_to(outline, last);
+        }
+    }
+
+    fn look(&self, aim: Aim, context: &Context) -> Found {
+        match &self.session {
+            Some(session) if self.debugger.is_some() => {
+                let session = Lent(Arc::clone(session));
+                Found::Pending(errand::start(&context.wake, Looking { session, aim }))
+            }
+            _ => Found::Nothing,
+        }
+    }
+
+    fn look_for(&mut self, text: String, context: &Context) {
+        let parsed = Query::parse(&text);
+        self.query.error = parsed.as_ref().err().map(ToString::to_string);
+        self.query.found = match parsed {
+            Ok(query) if query != Query::default() => self.look(Aim::Query(text.clone()), context),
+            _ => Found::Nothing,
+        };
+        self.query.text = text;
+    }
+
+    /// Returns whether the session at hand has what is to be selected.
+    #[must_use]
+    pub fn can_select(&self, selection: Selection) -> bool {
+        let Some(session) = &self.session else {
+            return false;
+        };
+        let size = session.size_radii();
+        match selection {
+            Selection::Nothing => true,
+            Selection::Sample(id) => (id as usize) < session.run().samples.len(),
+            Selection::Place(place) => (0..2).all(|k| (0.0..size[k]).contains(&place[k])),
+        }
+    }
+
+    /// Selects a sample, a place or nothing, and has its history looked up.
+    pub(in crate::state) fn pick(&mut self, selection: Selection, context: &Context) {
+        if !self.can_select(selection) {
+            return;
+        }
+        (self.selected, self.place) = match selection {
+            Selection::Nothing => (None, None),
+            Selection::Sample(id) => (Some(id), None),
+            Selection::Place(place) => (None, Some(place)),
+        };
+        self.history_found = match selection {
+            Selection::Nothing => Found::Nothing,
+            Selection::Sample(id) => self.look(Aim::Sample(id), context),
+            Selection::Place(place) => {
+                let units = place.map(|x| (x * f64::from(R)).round() as i32);
+                self.look(Aim::Place(Point::new(units[0], units[1])), context)
+            }
+        };
+    }
+}
+
+/// What events are looked for.
+#[derive(Serialize, Deserialize)]
+enum Aim {
+    /// Those that a query finds.
+    Query(String),
+    /// Those that touched a sample.
+    Sample(u32),
+    /// Those that concern a place.
+    Place(Point),
+}
+
+/// Has events of a session looked for.
+#[derive(Serialize, Deserialize)]
+pub struct Looking {
+    session: Lent,
+    aim: Aim,
+}
+
+impl Errand for Looking {
+    type Outcome = Vec<usize>;
+    const NAME: &'static str = "look";
+
+    fn carry_out(self, _: &Monitor) -> Self::Outcome {
+        let Some(recording) = self.session.recording() else {
+            return Vec::new();
+        };
+        match self.aim {
+            Aim::Query(text) => Query::parse(&text).map_or_else(
+                |_| Vec::new(),
+                |query| query.find_all(recording, MOST_FOUND),
+            ),
+            Aim::Sample(id) => why::history_of_sample(recording, id),
+            Aim::Place(point) => why::history_of_place(recording, point),
+        }
+    }
+}
+
+fn change(debugger: &mut Debugger, command: DebugCommand) {
+    match command {
+        DebugCommand::ToggleBreakpoint(line) => toggle(debugger, line),
+        DebugCommand::Condition(index, text) => replace_condition(debugger, index, &text),
+        DebugCommand::Enable(index, enabled) => debugger.enable_breakpoint(index, enabled),
+        DebugCommand::RemoveBreakpoint(index) => debugger.remove_breakpoint(index),
+        DebugCommand::Watch(text) => debugger.watches_mut().push(text),
+        DebugCommand::EditWatch(index, text) => {
+            if let Some(watch) = debugger.watches_mut().get_mut(index) {
+                *watch = text;
+            }
+        }
+        DebugCommand::RemoveWatch(index) => {
+            if index < debugger.watches_mut().len() {
+                debugger.watches_mut().remove(index);
+            }
+        }
+        DebugCommand::Bookmark => debugger.bookmark(),
+        DebugCommand::Note(index, text) => {
+            if let Some(mark) = debugger.bookmarks.get_mut(index) {
+                mark.note = text;
+            }
+        }
+        DebugCommand::RemoveBookmark(index) => {
+            if index < debugger.bookmarks.len() {
+                debugger.bookmarks.remove(index);
+            }
+        }
+        DebugCommand::Why => {
+            let Some(last) = debugger.state().cursor().checked_sub(1) else {
+                return;
+            };
+            if let Some(cause) = why::cause(debugger.recording(), last) {
+                debugger.jump(cause + 1);
+            }
+        }
+        DebugCommand::Query(_) | DebugCommand::SelectEvent(_) | DebugCommand::ToggleEvent(_) => {}
+    }
+}
+
+fn toggle(debugger: &mut Debugger, line: LineId) {
+    match debugger.breakpoints().iter().position(|b| b.line == line) {
+        Some(index) => debugger.remove_breakpoint(index),
+        None => debugger.add_breakpoint(line, ""),
+    }
+}
+
+/// Puts a condition in the place of another; the breakpoints behind it keep their places.
+fn replace_condition(debugger: &mut Debugger, index: usize, text: &str) {
+    let tail: Vec<_> = debugger.breakpoints().iter().skip(index).cloned().collect();
+    for _ in &tail {
+        debugger.remove_breakpoint(index);
+    }
+    for (offset, breakpoint) in tail.iter().enumerate() {
+        let condition = if offset == 0 {
+            text
+        } else {
+            &breakpoint.condition
+        };
+        debugger.add_breakpoint(breakpoint.line, condition);
+        debugger.enable_breakpoint(index + offset, breakpoint.enabled);
+    }
+}

@@ -1,0 +1,125 @@
+//! Where the breakpoints would stop a run: found out in the background whenever they change, for the timeline.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
+use tilescope_session::errand::{self, Errand, Lent};
+use tilescope_session::jobs::Monitor;
+
+use super::{Found, RunView};
+use crate::state::effects::Context;
+
+/// Most places that are marked.
+pub const MOST_HITS: usize = 20_000;
+
+/// After so many conditions that could not be computed there are none that can.
+const MOST_UNCLEAR: usize = 1_000;
+
+/// A generation, and the breakpoints that stop a run of it.
+type Key = (u64, Vec<(LineId, String)>);
+
+/// The places, as far as they are known.
+#[derive(Default)]
+pub struct Hits {
+    key: Option<Key>,
+    found: Found,
+}
+
+impl Hits {
+    /// Returns how many there are, in words, once they are known.
+    #[must_use]
+    pub fn said(&self) -> Option<String> {
+        match &self.found {
+            Found::Nothing => None,
+            Found::Pending(_) => Some("Being counted\u{2026}".to_owned()),
+            Found::Failed(why) => Some(why.clone()),
+            Found::Events(events) if events.len() == MOST_HITS => Some(format!(
+                "They stop a run {} times or more; the first are on the timeline.",
+                tilescope_session::words::grouped(MOST_HITS)
+            )),
+            Found::Events(events) => Some(format!(
+                "They stop a run {}.",
+                tilescope_session::words::counted(events.len(), "time", "times")
+            )),
+        }
+    }
+
+    /// Returns the events before which a run would stop, the first [`MOST_HITS`] of them.
+    #[must_use]
+    pub fn events(&self) -> &[usize] {
+        self.found.events()
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::state) fn settle(&mut self) {
+        self.found.settle();
+    }
+}
+
+impl RunView {
+    /// Has the places found out if the breakpoints have changed.
+    pub(in crate::state) fn want_hits(&mut self, context: &Context) {
+        self.hits.found.poll();
+        let (Some(session), Some(debugger)) = (&self.session, &self.debugger) else {
+            self.hits = Hits::default();
+            return;
+        };
+        let enabled = debugger.breakpoints().iter().filter(|b| b.enabled);
+        let stops = enabled.map(|b| (b.line, b.condition.as_str()));
+        let same = self.hits.key.as_ref().is_some_and(|(generation, known)| {
+            let known = known
+                .iter()
+                .map(|(line, condition)| (*line, condition.as_str()));
+            *generation == session.generation && known.eq(stops.clone())
+        });
+        if same {
+            return;
+        }
+        let stops: Vec<(LineId, String)> =
+            stops.map(|(line, text)| (line, text.to_owned())).collect();
+        self.hits.key = Some((session.generation, stops.clone()));
+        self.hits.found = if stops.is_empty() {
+            Found::Nothing
+        } else {
+            let session = Lent(Arc::clone(session));
+            Found::Pending(errand::start(&context.wake, Counting { session, stops }))
+        };
+    }
+}
+
+/// Has the stops of a session's run found.
+#[derive(Serialize, Deserialize)]
+pub struct Counting {
+    session: Lent,
+    stops: Vec<(LineId, String)>,
+}
+
+impl Errand for Counting {
+    type Outcome = Vec<usize>;
+    const NAME: &'static str = "hits";
+
+    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+        let recording = self.session.recording();
+        recording.map_or_else(Vec::new, |recording| hits(recording, &self.stops, monitor))
+    }
+}
+
+fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monitor) -> Vec<usize> {
+    let mut debugger = Debugger::new(Arc::clone(recording), DEFAULT_BUDGET);
+    for (line, condition) in stops {
+        debugger.add_breakpoint(*line, condition);
+    }
+    debugger.jump(0);
+    let go_on = || !monitor.is_cancelled();
+    let (mut found, mut unclear) = (Vec::new(), 0);
+    while found.len() < MOST_HITS && unclear < MOST_UNCLEAR && go_on() {
+        match debugger.run_while(Direction::Forwards, &go_on) {
+            Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
+            // A condition that cannot be computed stops a run, but is no hit.
+            Stop::BadCondition(..) => unclear += 1,
+            Stop::End => break,
+        }
+    }
+    found
+}

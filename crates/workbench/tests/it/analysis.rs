@@ -1,0 +1,312 @@
+//! The live analysis: its numbers are those of the analysis crate for the samples that stand at the moment, and it is
+//! measured only while somebody looks and rests.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use tilescope_analysis::measures::{PairCorrelation, Periodogram, PowerCurve, Spectrum};
+use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
+use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
+use tilescope_session::Session;
+use tilescope_workbench::analysis::brush::FIRST_PEAK;
+use tilescope_workbench::analysis::measured::{Measured, Part, Samples};
+use tilescope_workbench::analysis::{AnalysisCommand, MOST_KEPT};
+use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::{Command, State};
+
+use crate::exporting::{opened, settled};
+use crate::gate::Gate;
+
+fn go_on(_: tilescope_analysis::Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// A window that shows the analysis of a small session.
+fn analysing() -> State {
+    let mut state = opened();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    state.settle();
+    state
+}
+
+fn jump(state: &mut State, cursor: usize) {
+    state.apply(Command::Time(TimeCommand::Jump(cursor)));
+}
+
+fn measured(state: &State) -> Arc<Measured> {
+    let known = state.analysis.of(&state.shown().unwrap());
+    Arc::clone(&known.expect("measured").measured)
+}
+
+fn is_whole(state: &State) -> bool {
+    state.analysis.is_whole(&state.shown().unwrap())
+}
+
+/// The places of the samples that stand, in r, found sample by sample.
+fn standing(state: &State) -> (Vec<[f64; 2]>, Region) {
+    let shown = state.shown().unwrap();
+    let session = shown.session;
+    let stands = |id: &u32| matches!(shown.standing(*id), Standing::Tiled | Standing::Valid);
+    let all = 0..session.run().samples.len() as u32;
+    let points = all.filter(stands).map(|id| session.place(id)).collect();
+    let [width, height] = session.size_radii();
+    let boundary = if session.run().domain.is_periodic() {
+        Boundary::Periodic
+    } else {
+        Boundary::Bounded
+    };
+    let region = Region {
+        width,
+        height,
+        boundary,
+    };
+    (points, region)
+}
+
+fn assert_is_that_of_the_crate(state: &State) {
+    let (points, region) = standing(state);
+    let found = measured(state);
+    assert_eq!(found.samples, points.len());
+    let report = verify(&points, region, 1.0, &VerifyOptions::default(), &go_on).unwrap();
+    assert_eq!(found.verdict(), Some(&report));
+    let pairs = PairCorrelation::in_units_of(&points, region, 1.0, &go_on).unwrap();
+    assert_eq!(found.pairs.as_deref(), Some(&pairs));
+    let window = Spectrum::window(points.len() as f64, region);
+    let periodogram = Periodogram::of(&points, region, &window, &go_on).unwrap();
+    let spectrum = Spectrum::of(&periodogram).unwrap();
+    let known = found.spectrum.as_ref().unwrap();
+    assert_eq!(known.power(), spectrum.power());
+    assert_eq!(known.bands, spectrum.bands);
+    assert_eq!(known.anisotropy(), spectrum.anisotropy());
+    let curve = PowerCurve::of_samples(&points, region, &go_on).unwrap();
+    assert_eq!(found.curve.as_deref(), curve.as_ref());
+}
+
+#[test]
+fn every_moment_has_the_numbers_of_the_samples_that_stand_there() {
+    let mut state = analysing();
+    let mut before = Vec::new();
+    for cursor in [usize::MAX, 4_000, 1_500] {
+        jump(&mut state, cursor);
+        state.settle();
+        assert_is_that_of_the_crate(&state);
+        let found = measured(&state);
+        assert!(!before.contains(&found.samples), "the moment changed");
+        before.push(found.samples);
+    }
+    // In the middle of the tiling most of the domain is open; the finished run has no gap and no conflict.
+    assert!(measured(&state).verdict().unwrap().gaps > 0);
+    jump(&mut state, usize::MAX);
+    let report = measured(&state).verdict().unwrap().clone();
+    assert_eq!((report.conflicts, report.gaps), (0, 0));
+}
+
+#[test]
+fn going_back_takes_no_time_and_memory_is_bounded() {
+    let mut state = analysing();
+    jump(&mut state, 3_000);
+    state.settle();
+    let there = measured(&state);
+    jump(&mut state, usize::MAX);
+    assert!(is_whole(&state), "known without waiting");
+    jump(&mut state, 3_000);
+    assert!(Arc::ptr_eq(&there, &measured(&state)));
+    for step in 0..MOST_KEPT {
+        jump(&mut state, 3_100 + step);
+        state.settle();
+        assert!(is_whole(&state));
+    }
+    jump(&mut state, 3_000);
+    assert!(!is_whole(&state), "the oldest is forgotten");
+    jump(&mut state, 3_101);
+    assert!(is_whole(&state));
+}
+
+#[test]
+fn runs_that_keep_the_result_alone_and_runs_without_events_are_measured_too() {
+    let parameters = Parameters {
+        radius: 0.02,
+        leaf: 8.0,
+        ..Parameters::default()
+    };
+    let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
+    let counted = Sweep::run(&parameters, &pattern, &mut Unobserved).unwrap();
+    let staged = sample(&parameters, &mut Unobserved).unwrap();
+    let mut state = analysing();
+    for (generation, run) in [(1_000, counted), (1_001, staged)] {
+        let stages = run.stages().len();
+        state.show(Session::from_run(run, generation));
+        state.settle();
+        assert_is_that_of_the_crate(&state);
+        assert_eq!(state.cursor(), None);
+        state.apply(Command::Time(TimeCommand::ShowStage(stages - 2)));
+        state.settle();
+        if stages > 3 {
+            assert_is_that_of_the_crate(&state);
+        }
+    }
+}
+
+#[test]
+fn nothing_is_measured_while_nobody_looks_or_nothing_stands() {
+    let mut state = opened();
+    assert!(
+        state.analysis.last(&state.shown().unwrap()).is_none()
+            && state.analysis.progress().is_none()
+    );
+    assert!(state.analysis.reference.measured().is_none());
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    jump(&mut state, 0);
+    state.settle();
+    let why = state.analysis.failure(&state.shown().unwrap());
+    assert!(why.unwrap().starts_with("0 samples stand"), "{why:?}");
+    assert!(state.analysis.reference.measured().is_some());
+    // The next moment is not spoilt by that.
+    jump(&mut state, usize::MAX);
+    state.settle();
+    assert!(is_whole(&state));
+}
+
+/// A window whose jobs are held at a gate, at a moment that is being measured.
+fn held() -> (State, Arc<Gate>) {
+    let gate = Arc::new(Gate::default());
+    let wake = Arc::clone(&gate);
+    let mut state = settled(Arc::new(move || wake.pass()));
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    state.settle();
+    jump(&mut state, 3_000);
+    // The cursor is found to have moved, then to rest.
+    state.advance(0.0);
+    gate.close_after(1);
+    state.advance(0.0);
+    gate.wait_for_job();
+    assert!(state.analysis.progress().is_some());
+    (state, gate)
+}
+
+#[test]
+fn measuring_can_be_cancelled_and_taken_up_again() {
+    let (mut state, gate) = held();
+    state.apply(Command::Analysis(AnalysisCommand::Stop));
+    gate.open();
+    state.settle();
+    assert!(state.analysis.progress().is_none() && !is_whole(&state));
+    assert!(state.analysis.is_stopped(&state.shown().unwrap()));
+    state.apply(Command::Analysis(AnalysisCommand::Resume));
+    state.settle();
+    assert_is_that_of_the_crate(&state);
+}
+
+#[test]
+fn a_cursor_that_moves_on_leaves_its_moment_unmeasured_and_what_is_shown_is_named() {
+    let (mut state, gate) = held();
+    let whole = state
+        .analysis
+        .last(&state.shown().unwrap())
+        .expect("the end was measured")
+        .clone();
+    assert!(whole.name.ends_with("finish"), "{}", whole.name);
+    assert!(state.analysis.of(&state.shown().unwrap()).is_none());
+    jump(&mut state, 3_500);
+    gate.open();
+    state.settle();
+    assert_is_that_of_the_crate(&state);
+    let now = state.analysis.last(&state.shown().unwrap()).unwrap();
+    assert!(now.name.starts_with("event 3,500"), "{}", now.name);
+    jump(&mut state, 3_000);
+    assert!(state.analysis.of(&state.shown().unwrap()).is_none());
+}
+
+#[test]
+fn what_is_shown_faded_is_of_the_same_session() {
+    let mut state = analysing();
+    assert!(state.analysis.last(&state.shown().unwrap()).is_some());
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Radius,
+        "0.04".to_owned(),
+    )));
+    state.apply(Command::Run);
+    while state.runs.first.sampling.is_some() {
+        state.advance(0.0);
+    }
+    assert!(state.analysis.last(&state.shown().unwrap()).is_none());
+    state.settle();
+    assert!(state.analysis.last(&state.shown().unwrap()).is_some());
+}
+
+#[test]
+fn nothing_is_at_work_while_the_panel_is_hidden() {
+    let (mut state, gate) = held();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Parameters)));
+    state.advance(0.0);
+    assert!(state.analysis.progress().is_none());
+    gate.open();
+    state.settle();
+    assert!(state.analysis.of(&state.shown().unwrap()).is_none());
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    state.settle();
+    assert_is_that_of_the_crate(&state);
+}
+
+#[test]
+fn the_first_peak_of_the_reference_is_in_the_brush_that_is_called_so() {
+    let state = analysing();
+    let reference = state.analysis.reference.measured().expect("measured");
+    let power = reference.spectrum.as_ref().unwrap().power();
+    let peak = power.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    let [low, high] = FIRST_PEAK;
+    assert!((low..high).contains(&peak[0]), "{peak:?}");
+    assert!(peak[1] > 1.5);
+}
+
+#[test]
+fn the_spectrum_that_comes_first_sees_as_far_along_both_axes() {
+    for (width, height) in [(4.0, 1.0), (1.0, 4.0), (1.0, 1.0)] {
+        let region = Region {
+            width,
+            height,
+            boundary: Boundary::Periodic,
+        };
+        // A sheared lattice will do: only frequencies count.
+        let points = (0..20_000).map(|i| {
+            let i = f64::from(i);
+            [
+                (i * 0.618_033_988_75).fract() * width,
+                i / 20_000.0 * height,
+            ]
+        });
+        let set = Samples {
+            points: points.collect(),
+            region,
+            radius: 0.001,
+        };
+        let mut measured = Measured::nothing(&set);
+        measured.measure(Part::Rough, &set, &go_on).unwrap();
+        let [x, y] = measured.rough.unwrap().picture_reach;
+        assert!(
+            (0.55..0.7).contains(&x) && (0.55..0.7).contains(&y),
+            "{width}: {x} {y}"
+        );
+    }
+}
+
+#[test]
+fn parts_come_one_after_the_other() {
+    let mut state = opened();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
+    let mut seen = Vec::new();
+    let mut frames = 0;
+    while !is_whole(&state) {
+        state.advance(0.0);
+        let known = state.analysis.of(&state.shown().unwrap());
+        let missing = known.and_then(|known| known.measured.missing());
+        if let Some(part) = missing.filter(|part| seen.last() != Some(part)) {
+            seen.push(part);
+        }
+        frames += 1;
+        assert!(frames < 50_000_000, "it comes to an end");
+    }
+    assert_eq!(seen, [Part::Report, Part::Spectrum]);
+}

@@ -1,0 +1,227 @@
+//! Combinations that cannot be made or are cancelled, and saved ones: sentences say what is wrong, and the session at
+//! hand stays.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use tilescope_session::combination::{CombineCommand, NINE};
+use tilescope_workbench::command::{TimeCommand, Which};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::{Command, State};
+
+use crate::combining::{drop_file, drop_text, nine, open};
+use crate::exporting::{opened, settled, told};
+use crate::gate::Gate;
+
+#[test]
+fn a_combination_is_saved_as_its_layout_and_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("session.json");
+    let mut state = nine();
+    state.apply(Command::Time(TimeCommand::ShowStage(1)));
+    open(&mut state, Purpose::Save, &path);
+    assert!(
+        told(&state).starts_with("The session is in"),
+        "{}",
+        told(&state)
+    );
+    for drop in [false, true] {
+        let mut other = opened();
+        if drop {
+            drop_file(&mut other, &path);
+        } else {
+            open(&mut other, Purpose::Open, &path);
+        }
+        assert!(other.shows_combination(), "{}", told(&other));
+        assert_eq!(other.runs.first.stage, 1);
+        assert_eq!(other.saved_combination(), state.saved_combination());
+        assert!(other.verdict().unwrap().report.valid());
+    }
+    let saved: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    let mut state = opened();
+    for (change, said) in [
+        (("digest", json!("0123456789abcdef")), "0123456789abcdef"),
+        (("version", json!(99)), "version 99"),
+        (("colour", json!(1)), "unknown field `colour`"),
+    ] {
+        let mut changed = saved.clone();
+        changed[change.0] = change.1;
+        refused(&mut state, &path, &changed.to_string(), said);
+    }
+    let mut changed = saved.clone();
+    changed["combination"]["pieces"][3]["seed"] = json!(77);
+    refused(&mut state, &path, &changed.to_string(), "was saved with");
+    // A file that is named in a session is not read.
+    let mut changed = saved;
+    changed["combination"]["pieces"][3] = json!({ "file": "a.csv", "radius": 0.02 });
+    refused(
+        &mut state,
+        &path,
+        &changed.to_string(),
+        "pieces[3]: its set is in the file a.csv",
+    );
+}
+
+/// Opens what is refused: a sentence says why, and the session at hand stays.
+fn refused(state: &mut State, path: &Path, text: &str, said: &str) {
+    fs::write(path, text).unwrap();
+    let before = state.runs.first.session.as_ref().unwrap().generation;
+    for purpose in [Purpose::Open, Purpose::Combination] {
+        state.messages.notice = None;
+        open(state, purpose, path);
+        let notice = state.messages.notice.clone().expect(said);
+        assert!(
+            notice.is_error && notice.text.contains(said),
+            "{}",
+            notice.text
+        );
+        assert!(notice.text.contains("layout.json") || notice.text.contains("session.json"));
+        assert_eq!(
+            state.runs.first.session.as_ref().unwrap().generation,
+            before
+        );
+        assert!(
+            state.files.sheet.is_some(),
+            "the sheet stays for another try"
+        );
+    }
+}
+
+#[test]
+fn layouts_that_cannot_serve_are_refused_with_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layout.json");
+    let mut state = opened();
+    let with = |key: &str, value: Value| {
+        let mut layout: Value = serde_json::from_str(NINE).unwrap();
+        layout[key] = value;
+        layout.to_string()
+    };
+    let free = json!({ "version": 1, "radius": 0.05, "width": 3, "height": 2, "pieces": [
+        { "rect": [0, 0, 1.6, 2], "seed": 1 }, { "rect": [1.5, 0, 3, 2], "seed": 2 }] });
+    let many = vec![json!({ "seed": 1 }); 4097];
+    let mut file = json!(vec![json!({ "seed": 1 }); 9]);
+    file[4] = json!({ "file": "nowhere.csv" });
+    let mut afar = file.clone();
+    afar[4] = json!({ "file": "//machine/a.csv" });
+    for (text, said) in [
+        (free.to_string(), "pieces 0 and 1 overlap at (1.5, 0)"),
+        (with("radius", Value::Null), "invalid type: null"),
+        (with("radius", json!(-1)), "the radius is -1"),
+        (with("pieces", json!(many)), "at most 4096"),
+        (with("pieces", file), "pieces[4]: "),
+        (
+            with("pieces", afar),
+            "pieces[4]: //machine/a.csv: it lies on another machine",
+        ),
+        (
+            with("radius", json!(1e-3)),
+            "the window combines at most 2,000,000, and",
+        ),
+        (with("version", json!(7)), "version 7"),
+        (
+            NINE.replace("0.02", "NaN"),
+            "no layout of pieces: expected value",
+        ),
+        (NINE.replace("0.02", "1e999"), "number out of range"),
+    ] {
+        // To the sheet of sessions what is no JSON is no session.
+        if serde_json::from_str::<Value>(&text).is_ok() {
+            refused(&mut state, &path, &text, said);
+        } else {
+            fs::write(&path, &text).unwrap();
+            open(&mut state, Purpose::Combination, &path);
+            assert!(told(&state).contains(said), "{}", told(&state));
+        }
+    }
+    let missing = folder.path().join("nowhere.csv").display().to_string();
+    let mut layout: Value = serde_json::from_str(NINE).unwrap();
+    layout["pieces"][4] = json!({ "file": "nowhere.csv" });
+    drop_text(&mut state, &path, &layout.to_string());
+    assert!(told(&state).contains(&missing), "{}", told(&state));
+    // A text has no folder to read files from.
+    state.apply(Command::Combine(CombineCommand::Text(layout.to_string())));
+    state.settle();
+    assert!(told(&state).contains("files are read only with a layout that is in a file"));
+    state.apply(Command::Combine(CombineCommand::Text("[".to_owned())));
+    assert!(told(&state).contains("no layout of pieces"));
+    assert!(!state.shows_combination() && state.verdict().is_some());
+    // The good one is opened whatever came before.
+    drop_text(&mut state, &path, NINE);
+    assert!(state.shows_combination());
+}
+
+#[test]
+fn a_combination_is_cancelled_while_it_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("layout.json");
+    fs::write(&path, NINE).unwrap();
+    let gate = Arc::new(Gate::default());
+    let wake = Arc::clone(&gate);
+    let mut state = settled(Arc::new(move || wake.pass()));
+    let before = state.runs.first.session.as_ref().unwrap().generation;
+    let sheet = FileCommand::Dropped(vec![path.to_string_lossy().into_owned()]);
+    for (start, cancel) in [
+        (
+            Command::Combine(CombineCommand::Nine),
+            Command::Cancel(Which::First),
+        ),
+        (Command::File(sheet), Command::File(FileCommand::Cancel)),
+    ] {
+        state.messages.notice = None;
+        // In the middle of its sets, and of what is done with them.
+        for reports in [2, 11] {
+            gate.close_after(reports);
+            state.apply(start.clone());
+            gate.wait_for_job();
+            state.apply(cancel.clone());
+            gate.open();
+            state.settle();
+            let said = told(&state).to_lowercase();
+            assert!(said.contains("cancelled"), "{said}");
+            assert!(
+                !state
+                    .messages
+                    .notice
+                    .as_ref()
+                    .unwrap()
+                    .text
+                    .contains("fault")
+            );
+            assert_eq!(
+                state.runs.first.session.as_ref().unwrap().generation,
+                before
+            );
+            assert!(state.runs.first.sampling.is_none() && state.files.filing.is_none());
+        }
+    }
+    state.apply(Command::Combine(CombineCommand::Nine));
+    state.settle();
+    assert!(state.shows_combination());
+}
+
+#[test]
+fn a_set_is_read_up_to_a_limit_and_its_certificate_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let layout = json!({ "version": 1, "radius": 0.1, "columns": [2, 3], "rows": [2],
+        "pieces": [{ "file": "a.csv", "radius": 0.1 }, { "file": "a.csv", "radius": 0.1 }] });
+    let path = folder.path().join("layout.json");
+    let set = folder.path().join("a.csv");
+    let mut state = opened();
+    fs::File::create(&set)
+        .unwrap()
+        .set_len(100_000_001)
+        .unwrap();
+    refused(
+        &mut state,
+        &path,
+        &layout.to_string(),
+        "100,000,001 bytes; at most 100,000,000",
+    );
+    fs::write(&set, "0.5,0.5\n").unwrap();
+    let certificate = fs::File::create(folder.path().join("a.csv.certificate.json")).unwrap();
+    certificate.set_len(100_000_001).unwrap();
+    refused(&mut state, &path, &layout.to_string(), "bytes; at most");
+}

@@ -1,0 +1,216 @@
+//! Exports that leave no file: cancelled, refused, or waiting for an answer.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use emath::{Rect, pos2, vec2};
+use tilescope_formats::certificate_path;
+use tilescope_workbench::Command;
+use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
+use tilescope_workbench::export::{Entry, ExportCommand, Kind, MOST_FRAMES};
+
+use crate::exporting::{export, fill_in, opened, settled, told, write};
+use crate::gate::Gate;
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    entries.map(|entry| name(entry.unwrap())).collect()
+}
+
+#[test]
+fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
+    let gate = Arc::new(Gate::default());
+    let wake = Arc::clone(&gate);
+    let mut state = settled(Arc::new(move || wake.pass()));
+    state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_260))));
+    // How often the job reports before it is held: in the middle of each of them.
+    for (kind, name, reports, temporary) in [
+        (Kind::Animation, "film.gif", 4, 1),
+        (Kind::Animation, "film.apng", 4, 1),
+        (Kind::Picture, "picture.png", 2, 0),
+        (Kind::Picture, "picture.svg", 1, 0),
+        (Kind::Samples, "set.csv", 1, 1),
+    ] {
+        for before in [None, Some("what was there")] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join(name);
+            if let Some(text) = before {
+                fs::write(&path, text).unwrap();
+            }
+            fill_in(&mut state, kind, &path, &[]);
+            gate.close_after(reports);
+            export(&mut state, ExportCommand::Write);
+            if before.is_some() {
+                assert!(state.files.exporting.is_none());
+                export(&mut state, ExportCommand::Write);
+            }
+            gate.wait_for_job();
+            let there = usize::from(before.is_some()) + temporary;
+            assert_eq!(names(folder.path()).len(), there, "{name}: it is at work");
+            assert!(state.export_fraction().is_some());
+            export(&mut state, ExportCommand::Cancel);
+            gate.open();
+            state.settle();
+            assert!(told(&state).contains("cancelled"), "{}", told(&state));
+            assert!(state.files.export.is_some() && state.export_fraction().is_none());
+            match before {
+                None => assert_eq!(names(folder.path()), BTreeSet::new()),
+                Some(text) => {
+                    assert_eq!(names(folder.path()).len(), 1);
+                    assert_eq!(fs::read_to_string(&path).unwrap(), text);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_file_is_replaced_only_when_that_was_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    for (kind, name) in [(Kind::Picture, "it.svg"), (Kind::Result, "it.csv")] {
+        let path = folder.path().join(name);
+        // The certificate alone would be lost as well.
+        let there = match kind {
+            Kind::Result => certificate_path(&path),
+            _ => path.clone(),
+        };
+        fs::write(&there, "mine").unwrap();
+        fill_in(&mut state, kind, &path, &[]);
+        let form = state.files.export.clone().unwrap();
+        assert_eq!((form.taken.as_deref(), form.asked), (Some(&*there), false));
+        export(&mut state, ExportCommand::Write);
+        state.settle();
+        assert!(state.files.export.as_ref().unwrap().asked);
+        assert_eq!(fs::read_to_string(&there).unwrap(), "mine");
+        // Another name is another question.
+        let other = path.with_file_name("other").with_extension("csv");
+        let other = other.to_string_lossy().into_owned();
+        export(&mut state, ExportCommand::Path(other));
+        fill_in(&mut state, kind, &path, &[]);
+        assert!(!state.files.export.as_ref().unwrap().asked);
+        export(&mut state, ExportCommand::Write);
+        export(&mut state, ExportCommand::Write);
+        state.settle();
+        assert!(state.files.export.is_none(), "{}", told(&state));
+        assert_ne!(fs::read_to_string(&there).unwrap(), "mine");
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_with_value_and_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let mut state = opened();
+    let mut refused = |kind, path: &Path, entries: &[(Entry, &str)], parts: &[&str]| {
+        state.apply(Command::DismissNotice);
+        export(&mut state, ExportCommand::Close);
+        write(&mut state, kind, path, entries);
+        let notice = state.messages.notice.clone().expect("a refusal");
+        assert!(notice.is_error && state.files.export.is_some());
+        for part in parts {
+            assert!(notice.text.contains(part), "{}", notice.text);
+        }
+    };
+    for scale in ["0", "NaN", "1e9"] {
+        let quoted = format!("\"{scale}\"");
+        let entries = [(Entry::Scale, scale)];
+        refused(
+            Kind::Picture,
+            &path("a.png"),
+            &entries,
+            &[&quoted, "0.5 to 8"],
+        );
+        refused(
+            Kind::Animation,
+            &path("a.gif"),
+            &entries,
+            &[&quoted, "0.5 to 8"],
+        );
+    }
+    let limit = MOST_FRAMES.to_string();
+    let every = [(Entry::Every, "1")];
+    refused(Kind::Picture, &path("a.gif"), &[], &[".png .svg"]);
+    refused(Kind::Animation, &path("a.mp4"), &[], &[".gif .apng .png"]);
+    refused(Kind::Samples, &path("a.png"), &[], &[".csv"]);
+    refused(
+        Kind::Animation,
+        &path("a.gif"),
+        &[(Entry::Every, "0")],
+        &["\"0\"", "10,000,000"],
+    );
+    refused(
+        Kind::Animation,
+        &path("a.gif"),
+        &[(Entry::Delay, "1")],
+        &["\"1\"", "20"],
+    );
+    refused(Kind::Result, Path::new(" "), &[], &["Name a file"]);
+    // Folders that are missing, or no folders.
+    fs::write(path("file"), "no folder").unwrap();
+    for folder in ["missing", "file"] {
+        for (kind, name) in [
+            (Kind::Result, "a.csv"),
+            (Kind::Picture, "a.png"),
+            (Kind::Animation, "a.gif"),
+        ] {
+            refused(kind, &path(folder).join(name), &[], &[name]);
+        }
+    }
+    assert_eq!(names(folder.path()).len(), 1);
+    let mut state = opened();
+    state.apply(Command::Time(TimeCommand::Loop(Some(0..2_000))));
+    fill_in(&mut state, Kind::Animation, &path("a.gif"), &every);
+    let refusal = state.export_prospect().unwrap_err().to_string();
+    assert!(
+        refusal.contains("2,001 frames") && refusal.contains(&limit),
+        "{refusal}"
+    );
+    let enough = [(Entry::Every, "4")];
+    fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
+    assert!(state.export_prospect().unwrap().starts_with("501 frames"));
+    state.apply(Command::Time(TimeCommand::Loop(None)));
+    state.apply(Command::Time(TimeCommand::FirstStage));
+    let range = state.export_range().unwrap();
+    fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
+    let refusal = state.export_prospect().unwrap_err().to_string();
+    assert!(
+        refusal.contains(&format!("event 0 to event {}", range.end)),
+        "{refusal}"
+    );
+    // A canvas that is too large for the scale.
+    let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(5_000.0, 4_000.0));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
+    state.apply(Command::Time(TimeCommand::LastStage));
+    let eight = [(Entry::Scale, "8")];
+    fill_in(&mut state, Kind::Picture, &path("a.png"), &eight);
+    let refusal = state.export_prospect().unwrap_err().to_string();
+    assert!(refusal.contains("268,435,456 pixels"), "{refusal}");
+}
+
+#[test]
+fn the_sheet_stays_open_for_another_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let gate = Arc::new(Gate::default());
+    let wake = Arc::clone(&gate);
+    let mut state = settled(Arc::new(move || wake.pass()));
+    let first = folder.path().join("first.svg");
+    fill_in(&mut state, Kind::Picture, &first, &[]);
+    gate.close_after(1);
+    export(&mut state, ExportCommand::Write);
+    gate.wait_for_job();
+    let second = folder.path().join("second.svg");
+    fill_in(&mut state, Kind::Picture, &second, &[]);
+    // One export at a time.
+    export(&mut state, ExportCommand::Write);
+    gate.open();
+    state.settle();
+    assert!(first.exists() && !second.exists());
+    assert_eq!(state.files.export.as_ref().unwrap().file(), second);
+    export(&mut state, ExportCommand::Write);
+    state.settle();
+    assert!(second.exists() && state.files.export.is_none());
+}

@@ -1,0 +1,62 @@
+//! A window without widgets on a small session, and the export sheet filled in by commands.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use emath::{Rect, pos2, vec2};
+use tilescope_session::jobs::Wake;
+use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
+use tilescope_workbench::draft::Field;
+use tilescope_workbench::export::{Entry, ExportCommand, Kind};
+use tilescope_workbench::{Command, State};
+
+pub fn settled(wake: Wake) -> State {
+    let mut state = State::new(wake);
+    let canvas = Rect::from_min_size(pos2(200.0, 40.0), vec2(500.0, 400.0));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
+    for (field, text) in [(Field::Radius, "0.02"), (Field::Leaf, "8")] {
+        state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
+    }
+    state.settle();
+    state.apply(Command::Run);
+    state.settle();
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([25.0, 20.0], 30.0),
+    ));
+    while state.advance(0.5) {}
+    state.settle();
+    state
+}
+
+pub fn opened() -> State {
+    settled(Arc::new(|| {}))
+}
+
+pub fn export(state: &mut State, command: ExportCommand) {
+    state.apply(Command::Export(command));
+}
+
+/// Fills in the sheet and has it written.
+pub fn write(state: &mut State, kind: Kind, path: &Path, entries: &[(Entry, &str)]) {
+    fill_in(state, kind, path, entries);
+    export(state, ExportCommand::Write);
+    state.settle();
+}
+
+pub fn fill_in(state: &mut State, kind: Kind, path: &Path, entries: &[(Entry, &str)]) {
+    export(state, ExportCommand::Open(kind));
+    let path = path.to_string_lossy().into_owned();
+    export(state, ExportCommand::Path(path));
+    for &(entry, text) in entries {
+        export(state, ExportCommand::Type(entry, text.to_owned()));
+    }
+}
+
+pub fn told(state: &State) -> String {
+    state
+        .messages
+        .notice
+        .as_ref()
+        .map_or_else(String::new, |notice| notice.text.clone())
+}

@@ -1,0 +1,489 @@
+//! Files that are bytes: what a browser drops, chooses and downloads is what the native window reads from paths and
+//! writes to them.
+
+use crate::exporting;
+use std::fs;
+use std::path::Path;
+use tilescope_workbench::command::{FormCommand, TimeCommand};
+
+use tilescope_formats::{Overrides, certificate_path, check_bytes};
+use tilescope_session::incoming::NamedBytes;
+use tilescope_workbench::export::{Entry, ExportCommand, Kind, write};
+use tilescope_workbench::files::{Delivery, FileCommand, Purpose, packed};
+use tilescope_workbench::{Command, State};
+
+use crate::exporting::{fill_in, opened, told};
+
+fn file(state: &mut State, command: FileCommand) {
+    state.apply(Command::File(command));
+    state.settle();
+}
+
+fn named(path: &Path) -> NamedBytes {
+    let name = path.file_name().unwrap().to_string_lossy();
+    NamedBytes::new(name, fs::read(path).unwrap())
+}
+
+fn drop_bytes(state: &mut State, files: Vec<NamedBytes>) {
+    state.messages.notice = None;
+    file(state, FileCommand::DroppedBytes(files, Vec::new()));
+}
+
+fn choose(state: &mut State, purpose: Purpose, files: Vec<NamedBytes>) {
+    state.messages.notice = None;
+    file(state, FileCommand::Sheet(purpose));
+    file(state, FileCommand::Chosen(files));
+    file(state, FileCommand::Go);
+}
+
+fn open_path(state: &mut State, purpose: Purpose, path: &Path) {
+    state.messages.notice = None;
+    file(state, FileCommand::Sheet(purpose));
+    let path = path.to_string_lossy().into_owned();
+    file(state, FileCommand::Path(path));
+    file(state, FileCommand::Go);
+}
+
+/// A folder with a set, its certificate, a session that clips from the set, and the state that saved it.
+fn pattern_session() -> (tempfile::TempDir, State) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    let set = folder.path().join("own.csv");
+    exporting::write(&mut state, Kind::Result, &set, &[]);
+    open_path(&mut state, Purpose::Pattern, &set);
+    state.apply(Command::Run);
+    state.settle();
+    assert!(
+        state.runs.first.session.as_ref().unwrap().own.is_some(),
+        "{}",
+        told(&state)
+    );
+    open_path(&mut state, Purpose::Save, &folder.path().join("one.json"));
+    assert!(told(&state).starts_with("The session is in"));
+    (folder, state)
+}
+
+fn is_error(state: &State) -> bool {
+    state
+        .messages
+        .notice
+        .as_ref()
+        .is_some_and(|notice| notice.is_error)
+}
+
+#[test]
+fn a_session_and_its_pattern_are_opened_from_bytes_as_from_paths() {
+    let (folder, state) = pattern_session();
+    let [session, set] = ["one.json", "own.csv"].map(|name| folder.path().join(name));
+    let saved = state.saved().unwrap();
+    let mut by_path = opened();
+    open_path(&mut by_path, Purpose::Open, &session);
+    assert_eq!(by_path.saved().unwrap().digest, saved.digest);
+    let all = || vec![named(&set), named(&certificate_path(&set)), named(&session)];
+    // Whatever came first: a session goes before what it names.
+    for dropped in [true, false] {
+        let mut other = opened();
+        assert_ne!(other.saved().unwrap().digest, saved.digest);
+        if dropped {
+            drop_bytes(&mut other, all());
+        } else {
+            choose(&mut other, Purpose::Open, all());
+        }
+        assert!(!is_error(&other), "{}", told(&other));
+        assert!(other.files.sheet.is_none(), "the sheet is closed");
+        let opened = other.saved().unwrap();
+        assert_eq!(opened.digest, saved.digest);
+        let pattern = opened.pattern.unwrap();
+        assert_eq!(pattern.digest, saved.pattern.as_ref().unwrap().digest);
+        assert_eq!(pattern.path, "own.csv");
+        assert!(!told(&other).contains("not opened"), "{}", told(&other));
+    }
+    // Alone it is refused: nothing is read from the disk because bytes say so.
+    let mut other = opened();
+    let before = other.saved();
+    drop_bytes(&mut other, vec![named(&session)]);
+    assert!(is_error(&other) && told(&other).contains("did not come with the session"));
+    assert_eq!(other.saved(), before);
+}
+
+#[test]
+fn what_a_file_holds_decides_and_not_its_name() {
+    let (folder, state) = pattern_session();
+    let set = folder.path().join("own.csv");
+    let digest = state.saved().unwrap().digest;
+    let session = fs::read(folder.path().join("one.json")).unwrap();
+    // A session is one by any name, also behind the set that it clips from.
+    for name in ["lecture", "lecture.v2", "lecture.csv"] {
+        let named_so = NamedBytes::new(name, session.clone());
+        let mut other = opened();
+        let all = vec![named(&set), named(&certificate_path(&set)), named_so];
+        drop_bytes(&mut other, all);
+        assert!(!is_error(&other), "{name}: {}", told(&other));
+        assert_eq!(other.saved().unwrap().digest, digest, "{name}");
+        let path = folder.path().join(name);
+        fs::write(&path, &session).unwrap();
+        let mut other = opened();
+        let paths = [&set, &path].map(|path| path.to_string_lossy().into_owned());
+        file(&mut other, FileCommand::Dropped(paths.to_vec()));
+        assert_eq!(
+            other.saved().unwrap().digest,
+            digest,
+            "{name}: {}",
+            told(&other)
+        );
+    }
+    // A layout, a point set and an archive, too.
+    let layout = NamedBytes::new("sets", tilescope_session::combination::NINE.as_bytes());
+    let mut other = opened();
+    drop_bytes(&mut other, vec![layout]);
+    assert!(other.shows_combination(), "{}", told(&other));
+    let points = NamedBytes::new("points", fs::read(&set).unwrap());
+    let certificate = fs::read(certificate_path(&set)).unwrap();
+    let certificate = NamedBytes::new("points.certificate.json", certificate);
+    let both = vec![points, certificate];
+    let archive = NamedBytes::new("archive", packed(both.clone()).unwrap().bytes);
+    for files in [both, vec![archive]] {
+        let mut other = opened();
+        drop_bytes(&mut other, files);
+        assert!(other.form.own_pattern.is_some(), "{}", told(&other));
+    }
+}
+
+#[test]
+fn a_file_of_another_kind_is_called_what_it_is() {
+    let (folder, mut state) = pattern_session();
+    let [session, set] = ["one.json", "own.csv"].map(|name| folder.path().join(name));
+    for (purpose, path, said) in [
+        (Purpose::Open, &set, "point set"),
+        (Purpose::Pattern, &session, "saved session"),
+        (Purpose::Against, &session, "saved session"),
+        (Purpose::Combination, &session, "saved session"),
+    ] {
+        open_path(&mut state, purpose, path);
+        assert!(
+            is_error(&state) && told(&state).contains(said),
+            "{purpose:?}: {}",
+            told(&state)
+        );
+        file(&mut state, FileCommand::Close);
+    }
+}
+
+#[test]
+fn a_session_without_an_ending_is_saved_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    let path = |name: &str| folder.path().join(name);
+    for (typed, written) in [
+        ("lecture", "lecture.json"),
+        ("lecture.json", "lecture.json"),
+        ("lecture.session", "lecture.session"),
+    ] {
+        open_path(&mut state, Purpose::Save, &path(typed));
+        assert!(path(written).is_file(), "{typed}: {}", told(&state));
+        assert!(state.files.sheet.is_none(), "the sheet is closed");
+        assert_eq!(
+            state.runs.first.session_path.as_deref(),
+            path(written).to_str()
+        );
+        assert!(!path("lecture").exists());
+    }
+    // What would be replaced is asked for by the name that it has in the end.
+    fs::write(path("other.json"), "mine").unwrap();
+    open_path(&mut state, Purpose::Save, &path("other"));
+    assert!(state.files.sheet.as_ref().unwrap().asked);
+    assert_eq!(fs::read(path("other.json")).unwrap(), b"mine");
+}
+
+#[test]
+fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
+    let (folder, _) = pattern_session();
+    let set = folder.path().join("own.csv");
+    let mut by_path = opened();
+    open_path(&mut by_path, Purpose::Pattern, &set);
+    let expected = by_path
+        .form
+        .own_pattern
+        .as_ref()
+        .unwrap()
+        .file
+        .digest
+        .clone();
+    let both = || vec![named(&certificate_path(&set)), named(&set)];
+    for dropped in [true, false] {
+        let mut state = opened();
+        if dropped {
+            drop_bytes(&mut state, both());
+        } else {
+            choose(&mut state, Purpose::Pattern, both());
+        }
+        let own = state.form.own_pattern.as_ref().expect("a pattern");
+        assert_eq!(own.file.digest, expected);
+        assert!(told(&state).contains("The next run clips from"));
+    }
+    // Another set is another pattern.
+    let mut other = opened();
+    other.apply(Command::Form(FormCommand::Type(
+        tilescope_workbench::draft::Field::Seed,
+        "9".to_owned(),
+    )));
+    other.apply(Command::Run);
+    other.settle();
+    let path = folder.path().join("other.ply");
+    exporting::write(&mut other, Kind::Result, &path, &[]);
+    let files = vec![named(&path), named(&certificate_path(&path))];
+    drop_bytes(&mut other, files);
+    assert_ne!(
+        other.form.own_pattern.as_ref().unwrap().file.digest,
+        expected
+    );
+}
+
+#[test]
+fn a_set_that_is_no_pattern_is_held_against_the_run_wherever_it_is_dropped_from() {
+    let (folder, _) = pattern_session();
+    let set = folder.path().join("own.csv");
+    let bare = folder.path().join("bare.csv");
+    fs::copy(&set, &bare).unwrap();
+    let mut by_path = opened();
+    open_path(&mut by_path, Purpose::Against, &bare);
+    let expected = by_path.held().unwrap().unwrap().clone();
+    let path = bare.to_string_lossy().into_owned();
+    for from_path in [true, false] {
+        let mut state = opened();
+        if from_path {
+            file(&mut state, FileCommand::Dropped(vec![path.clone()]));
+        } else {
+            drop_bytes(&mut state, vec![named(&bare)]);
+        }
+        let held = state.held().expect("a file").unwrap().clone();
+        assert_eq!(held.measured, expected.measured);
+        assert!(state.form.own_pattern.is_none() && !is_error(&state));
+        let said = told(&state);
+        assert!(said.starts_with("bare.csv is held against this run"));
+        assert!(said.contains("has no certificate"), "{said}");
+    }
+    // A sheet asks for one thing and gets it or nothing.
+    let mut state = opened();
+    choose(&mut state, Purpose::Pattern, vec![named(&bare)]);
+    assert!(is_error(&state) && told(&state).contains("has no certificate"));
+    assert!(state.held().is_none() && state.files.sheet.is_some());
+    choose(&mut state, Purpose::Against, vec![named(&bare)]);
+    assert_eq!(
+        state.held().unwrap().unwrap().measured,
+        expected.measured,
+        "chosen"
+    );
+}
+
+#[test]
+fn a_layout_finds_its_sets_among_the_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("a.csv");
+    let mut state = opened();
+    exporting::write(&mut state, Kind::Result, &set, &[]);
+    let layout = folder.path().join("layout.json");
+    let text = serde_json::json!({ "version": 1, "radius": 0.02, "columns": [0.5, 0.5],
+        "rows": [1.0], "pieces": [{ "file": "a.csv" }, { "seed": 2 }] });
+    fs::write(&layout, text.to_string()).unwrap();
+    let stated = |state: &State| {
+        let session = state.runs.first.session.as_ref().unwrap();
+        let combination = session.combination.as_ref().expect("a combination");
+        let digest = tilescope_debugger::digest(session.run());
+        (digest, combination.stated.clone())
+    };
+    open_path(&mut state, Purpose::Combination, &layout);
+    assert!(!is_error(&state), "{}", told(&state));
+    let expected = stated(&state);
+    for dropped in [true, false] {
+        let mut other = opened();
+        let files = vec![named(&set), named(&certificate_path(&set)), named(&layout)];
+        if dropped {
+            drop_bytes(&mut other, files);
+        } else {
+            choose(&mut other, Purpose::Combination, files);
+        }
+        assert!(!is_error(&other), "{}", told(&other));
+        assert_eq!(stated(&other), expected);
+    }
+    let mut other = opened();
+    drop_bytes(&mut other, vec![named(&layout)]);
+    let said = told(&other);
+    assert!(
+        is_error(&other) && said.contains("a.csv: it did not come with the layout"),
+        "{said}"
+    );
+}
+
+/// Makes what the sheet asks for in memory.
+fn rendered(state: &State) -> Vec<NamedBytes> {
+    let order = state.export_order().unwrap();
+    let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
+    let job = tilescope_session::jobs::Job::start(&wake, move |monitor| {
+        write::render(&order, monitor).expect("files in memory")
+    });
+    job.wait().unwrap().files
+}
+
+#[test]
+fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = opened();
+    state.apply(Command::Time(TimeCommand::ShowStage(3)));
+    for (kind, name) in [
+        (Kind::Result, "a.csv"),
+        (Kind::Result, "a.json"),
+        (Kind::Result, "a.ply"),
+        (Kind::Result, "a.npy"),
+        (Kind::Samples, "moment.rps"),
+        (Kind::Picture, "a.png"),
+        (Kind::Picture, "a.svg"),
+        (Kind::Animation, "a.gif"),
+        (Kind::Animation, "a.apng"),
+    ] {
+        let path = folder.path().join(name);
+        let every = [(Entry::Every, "2000")];
+        let entries = &every[..usize::from(kind == Kind::Animation)];
+        fill_in(&mut state, kind, &path, entries);
+        let made = rendered(&state);
+        assert!(made == rendered(&state), "{name}: it is another one");
+        exporting::export(&mut state, ExportCommand::Write);
+        state.settle();
+        assert!(path.exists(), "{name}: {}", told(&state));
+        let mut written = vec![named(&path)];
+        let certificate = certificate_path(&path);
+        assert_eq!(certificate.exists(), kind.is_set());
+        if kind.is_set() {
+            written.push(named(&certificate));
+        }
+        assert!(made == written, "{name}: {made:?} for {written:?}");
+    }
+    // Another order gives other bytes.
+    let path = folder.path().join("b.npy");
+    fill_in(&mut state, Kind::Result, &path, &[]);
+    let double = rendered(&state);
+    let single = ExportCommand::Precision(tilescope_formats::Precision::Single);
+    exporting::export(&mut state, single);
+    assert!(double[0] != rendered(&state)[0]);
+}
+
+/// The files of an archive.
+fn unpacked(file: &NamedBytes) -> Vec<NamedBytes> {
+    let bytes = std::io::Cursor::new(&file.bytes);
+    let mut archive = zip::ZipArchive::new(bytes).expect("an archive");
+    (0..archive.len())
+        .map(|k| {
+            let mut entry = archive.by_index(k).unwrap();
+            let name = entry.name().unwrap().into_owned();
+            assert_eq!(entry.compression(), zip::CompressionMethod::Stored);
+            let mut bytes = Vec::new();
+            std::io::Read::read_to_end(&mut entry, &mut bytes).unwrap();
+            NamedBytes { name, bytes }
+        })
+        .collect()
+}
+
+#[test]
+fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
+    let folder = tempfile::tempdir().unwrap();
+    // What lies there already is no matter of a browser's.
+    let taken = folder.path().join("set.csv");
+    fs::write(&taken, "somebody else's").unwrap();
+    let mut state = opened();
+    state.files.delivery = Delivery::Download;
+    let mut archives = Vec::new();
+    for _ in 0..2 {
+        exporting::write(&mut state, Kind::Result, &taken, &[]);
+        let said = told(&state);
+        assert!(
+            said.starts_with("Downloaded ") && !is_error(&state),
+            "{said}"
+        );
+        assert!(said.contains("set.csv.zip") && said.contains("set.csv.certificate.json"));
+        assert!(state.files.export.is_none(), "the sheet is closed");
+        let mut downloads = state.take_downloads();
+        assert_eq!(downloads.len(), 1);
+        archives.push(downloads.pop().unwrap());
+    }
+    assert!(archives[0] == archives[1], "an archive knows no time");
+    assert_eq!(archives[0].name, "set.csv.zip");
+    let files = unpacked(&archives[0]);
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    assert_eq!(names, ["set.csv", "set.csv.certificate.json"]);
+    let control = |_| std::ops::ControlFlow::Continue(());
+    let checked = |data: &[u8]| {
+        let certificate = Some(files[1].bytes.as_slice());
+        check_bytes(
+            data,
+            "set.csv",
+            certificate,
+            &Overrides::default(),
+            &control,
+        )
+        .unwrap()
+    };
+    assert!(checked(&files[0].bytes).passed());
+    let mut altered = files[0].bytes.clone();
+    let digit = altered.iter().rposition(u8::is_ascii_digit).unwrap();
+    altered[digit] = if altered[digit] == b'7' { b'3' } else { b'7' };
+    assert!(!checked(&altered).passed());
+    assert_eq!(fs::read(&taken).unwrap(), b"somebody else's");
+    // What was downloaded is dropped as it came, and is a pattern then; from a path, too.
+    let mut other = opened();
+    drop_bytes(&mut other, vec![archives[0].clone()]);
+    let digest = other
+        .form
+        .own_pattern
+        .as_ref()
+        .expect("a pattern")
+        .file
+        .digest
+        .clone();
+    let path = folder.path().join(&archives[0].name);
+    fs::write(&path, &archives[0].bytes).unwrap();
+    let mut third = opened();
+    open_path(&mut third, Purpose::Pattern, &path);
+    assert_eq!(third.form.own_pattern.as_ref().unwrap().file.digest, digest);
+    // A picture is downloaded as it is.
+    exporting::write(&mut state, Kind::Picture, Path::new("view.svg"), &[]);
+    let downloads = state.take_downloads();
+    assert_eq!(downloads[0].name, "view.svg");
+    assert!(downloads[0].bytes.starts_with(b"<svg"));
+    assert!(state.take_downloads().is_empty(), "handed out once");
+    assert!(!Path::new("view.svg").exists());
+    assert!(packed(Vec::new()).is_err());
+}
+
+#[test]
+fn a_session_is_downloaded_as_it_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.json");
+    let mut state = opened();
+    open_path(&mut state, Purpose::Save, &path);
+    let written = fs::read(&path).unwrap();
+    state.files.delivery = Delivery::Download;
+    open_path(
+        &mut state,
+        Purpose::Save,
+        Path::new("some/folder/mine.json"),
+    );
+    assert_eq!(told(&state), "The session is downloaded as mine.json.");
+    let downloads = state.take_downloads();
+    assert_eq!(downloads.len(), 1);
+    assert_eq!(downloads[0].name, "mine.json");
+    assert!(downloads[0].bytes == written);
+    assert!(state.files.sheet.is_none());
+    // Nothing is typed that is to be opened; it is chosen.
+    file(&mut state, FileCommand::Sheet(Purpose::Open));
+    assert_eq!(state.files.sheet.as_ref().unwrap().path, "");
+    file(
+        &mut state,
+        FileCommand::Path(path.to_string_lossy().into_owned()),
+    );
+    file(&mut state, FileCommand::Go);
+    assert!(is_error(&state) && told(&state).contains("Browse"));
+    let mut other = opened();
+    other.files.delivery = Delivery::Download;
+    choose(&mut other, Purpose::Open, downloads);
+    assert_eq!(other.saved(), state.saved());
+}

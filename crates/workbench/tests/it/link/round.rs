@@ -1,0 +1,502 @@
+//! What a link holds is there again when it is opened.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
+use tilescope_debugger::{LineId, Listings, PatternFile};
+use tilescope_drawing::camera::Camera;
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::{Colouring, Layer};
+use tilescope_session::look::Look;
+use tilescope_session::recipe::OwnPattern;
+use tilescope_session::selection::Selection;
+use tilescope_workbench::clock::{Clock, SPEEDS};
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
+};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::link::{MOST_CHARACTERS, MOST_TEXT, read};
+use tilescope_workbench::{Command, State};
+
+use super::support::{Draws, digest, opened, said, settle, state};
+
+fn small(state: &mut State) {
+    for (field, text) in [(Field::Radius, "0.03"), (Field::Leaf, "12")] {
+        state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
+    }
+    state.apply(Command::Run);
+    settle(state);
+}
+
+#[test]
+fn the_default_session_needs_no_words() {
+    let mut state = state();
+    assert_eq!(state.link().fragment, "v=1");
+    assert_eq!(state.link().left_out, [""; 0]);
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Seed,
+        "7".to_owned(),
+    )));
+    assert_eq!(state.link().fragment, "v=1", "nothing was run yet");
+    state.apply(Command::Run);
+    settle(&mut state);
+    assert_eq!(state.link().fragment, "v=1&seed=7");
+}
+
+#[test]
+fn a_busy_session_is_there_again() {
+    let mut state = state();
+    small(&mut state);
+    let line = Listings::shipped().find("eliminate.5").expect("a line");
+    for command in [
+        Command::Debug(DebugCommand::ToggleBreakpoint(line)),
+        Command::Debug(DebugCommand::Condition(
+            0,
+            "distance < 0.4; #&=%".to_owned(),
+        )),
+        Command::Debug(DebugCommand::Watch("distance".to_owned())),
+        Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
+        Command::Time(TimeCommand::Jump(300)),
+        Command::Debug(DebugCommand::Bookmark),
+        Command::Debug(DebugCommand::Note(0, "here: \u{e9}; there".to_owned())),
+        Command::Time(TimeCommand::Jump(345)),
+        Command::Time(TimeCommand::Clock(Clock::Line)),
+        Command::Time(TimeCommand::Speed(8.0)),
+        Command::Time(TimeCommand::Loop(Some(100..400))),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Circumcircles)),
+        Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
+        Command::Appearance(AppearanceCommand::Look(Look::Light)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Events)),
+        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0], 9.0)),
+        Command::Compare(CompareCommand::Start(Rival::Order)),
+    ] {
+        state.apply(command);
+    }
+    settle(&mut state);
+    let link = state.link();
+    assert_eq!(link.left_out, [""; 0]);
+    let expected = "v=1&radius=0.03&leaf=12&at=345&camera=20,21,66.666667&layers=";
+    assert!(link.fragment.starts_with(expected), "{}", link.fragment);
+    let there = opened(&link.fragment);
+    assert_eq!(said(&there), "");
+    assert_eq!(there.link(), link);
+    assert_eq!(digest(&there), digest(&state));
+    let (a, b) = (state.saved().unwrap(), there.saved().unwrap());
+    assert_eq!((a.cursor, a.parameters), (b.cursor, b.parameters));
+    assert_eq!((a.breakpoints, a.watches), (b.breakpoints, b.watches));
+    assert_eq!(a.bookmarks, b.bookmarks);
+    let seconds = [&state, &there].map(|state| {
+        let (side, _) = state.runs.second.as_ref().expect("a second run");
+        side.session.as_ref().expect("made").digest().to_owned()
+    });
+    assert_eq!(seconds[0], seconds[1]);
+    assert_ne!(seconds[0], digest(&there), "another order, another set");
+    assert_eq!(
+        (there.runs.first.camera.center, there.appearance.look),
+        ([20.0, 21.0], Look::Light)
+    );
+}
+
+fn run_command(draws: &mut Draws) -> Command {
+    let number =
+        |draws: &mut Draws, low: f64, high: f64| (low + (high - low) * draws.part()).to_string();
+    match draws.below(14) {
+        0 => Command::Form(FormCommand::Type(Field::Seed, draws.next().to_string())),
+        1 => Command::Form(FormCommand::Type(Field::Radius, number(draws, 0.025, 0.06))),
+        2 => Command::Form(FormCommand::Type(Field::Width, number(draws, 0.8, 1.3))),
+        3 => Command::Form(FormCommand::Type(Field::Height, number(draws, 0.8, 1.3))),
+        4 => Command::Form(FormCommand::Type(Field::Leaf, number(draws, 6.0, 20.0))),
+        5 => Command::Form(FormCommand::Type(
+            Field::PatternSide,
+            number(draws, 30.0, 50.0),
+        )),
+        6 => Command::Form(FormCommand::Type(
+            Field::PatternSeed,
+            draws.below(9).to_string(),
+        )),
+        7 => Command::Form(FormCommand::Choose(Choice::Boundary(
+            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        ))),
+        8 => Command::Form(FormCommand::Choose(Choice::PatternBoundary(
+            *draws.of(&[Boundary::Periodic, Boundary::Bounded]),
+        ))),
+        9 => Command::Form(FormCommand::Choose(Choice::Dihedral(draws.below(2) == 0))),
+        10 => Command::Form(FormCommand::Choose(Choice::Order(*draws.of(&[
+            Order::Index,
+            Order::Random,
+            Order::PhaseGroup,
+        ])))),
+        11 => Command::Form(FormCommand::Choose(Choice::Insertion(
+            *draws.of(&[Insertion::Circumcentre, Insertion::Uniform]),
+        ))),
+        12 => Command::Form(FormCommand::Choose(Choice::Search(
+            *draws.of(&[Search::Complete, Search::TwoRadii]),
+        ))),
+        _ => Command::Form(FormCommand::Choose(Choice::Variant(
+            *draws.of(&[Variant::Staged, Variant::AsPrinted]),
+        ))),
+    }
+}
+
+fn view_command(draws: &mut Draws) -> Command {
+    match draws.below(19) {
+        0 => Command::Time(TimeCommand::Jump(draws.below(9_000))),
+        1 => Command::Time(TimeCommand::ShowStage(draws.below(6))),
+        2 => Command::Appearance(AppearanceCommand::ToggleLayer(*draws.of(&Layer::ALL))),
+        3 => Command::Appearance(AppearanceCommand::Colour(
+            *draws.of(&[Colouring::Block, Colouring::Provenance]),
+        )),
+        4 => Command::Appearance(AppearanceCommand::Look(*draws.of(&Look::ALL))),
+        5 => Command::Window(WindowCommand::OpenPanel(
+            *draws.of(&Panel::all().collect::<Vec<_>>()),
+        )),
+        6 => Command::View(
+            Which::First,
+            ViewCommand::FlyTo(
+                [30.0 * draws.part(), 30.0 * draws.part()],
+                1.0 + 20.0 * draws.part(),
+            ),
+        ),
+        7 => Command::View(
+            Which::First,
+            ViewCommand::Zoom(emath::pos2(100.0, 200.0), 0.2 + 3.0 * draws.part()),
+        ),
+        8 => Command::View(Which::First, ViewCommand::Fit),
+        9 => Command::View(
+            Which::First,
+            ViewCommand::Pick(Selection::Sample(draws.below(900) as u32)),
+        ),
+        10 => Command::View(
+            Which::First,
+            ViewCommand::Pick(Selection::Place([20.0 * draws.part(), 20.0 * draws.part()])),
+        ),
+        11 => Command::Time(TimeCommand::Clock(*draws.of(&Clock::ALL))),
+        12 => Command::Time(TimeCommand::Speed(*draws.of(&SPEEDS))),
+        13 => Command::Time(TimeCommand::LoopStart),
+        14 => Command::Debug(DebugCommand::ToggleBreakpoint(
+            LineId(draws.below(20) as u8),
+        )),
+        15 => Command::Debug(DebugCommand::Watch(draws.next().to_string() + " < p; &")),
+        16 => Command::Debug(DebugCommand::Bookmark),
+        17 => Command::Debug(DebugCommand::Note(
+            0,
+            "%zz \u{1f600}:;".repeat(draws.below(30)),
+        )),
+        _ => Command::Compare(CompareCommand::Start(*draws.of(&[
+            Rival::NextSeed,
+            Rival::Leaf,
+            Rival::Search,
+        ]))),
+    }
+}
+
+#[test]
+fn whatever_a_user_did_is_in_the_link() {
+    let mut draws = Draws(0x00ab_cdef_1234);
+    // It has opened the links before, so that what a link does not say must be taken back.
+    let mut there = state();
+    let mut seen = HashSet::new();
+    for round in 0..24 {
+        let mut state = state();
+        small(&mut state);
+        for _ in 0..draws.below(6) {
+            state.apply(run_command(&mut draws));
+        }
+        state.apply(Command::Run);
+        settle(&mut state);
+        for _ in 0..draws.below(30) {
+            state.apply(view_command(&mut draws));
+        }
+        settle(&mut state);
+        let link = state.link();
+        there.open_link(&link.fragment);
+        settle(&mut there);
+        assert_eq!(there.link().fragment, link.fragment, "round {round}");
+        assert_eq!(digest(&there), digest(&state), "{}", link.fragment);
+        assert_eq!(there.cursor(), state.cursor(), "{}", link.fragment);
+        seen.insert((link.fragment, digest(&there)));
+    }
+    assert!(seen.len() > 20, "the rounds differ: {}", seen.len());
+}
+
+#[test]
+fn a_link_to_the_run_at_hand_samples_nothing() {
+    let mut state = state();
+    let generation = state.runs.first.session.as_ref().unwrap().generation;
+    state.open_link("v=1&at=1234&select=sample:12");
+    assert!(state.runs.first.sampling.is_none());
+    assert_eq!(
+        state.runs.first.session.as_ref().unwrap().generation,
+        generation
+    );
+    assert_eq!(state.cursor().unwrap().0, 1234);
+    assert_eq!(state.runs.first.selected, Some(12));
+    state.open_link("v=1&seed=2&at=1234");
+    assert!(
+        state.runs.first.sampling.is_some(),
+        "another seed is another run"
+    );
+}
+
+#[test]
+fn a_run_that_the_user_starts_counts_instead() {
+    let mut state = state();
+    state.open_link("v=1&radius=0.02&at=77&look=light");
+    assert_eq!(
+        state.link().fragment,
+        "v=1&radius=0.02&at=77&look=light",
+        "it is on its way"
+    );
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Radius,
+        "0.04".to_owned(),
+    )));
+    state.apply(Command::Run);
+    settle(&mut state);
+    assert_eq!(state.link().fragment, "v=1&radius=0.04");
+    assert_eq!(state.appearance.look, Look::Dark);
+    // And without that run it would have counted.
+    assert_eq!(
+        opened("#v=1&radius=0.02&at=77&look=light").appearance.look,
+        Look::Light
+    );
+}
+
+#[test]
+fn a_cancelled_run_of_a_link_leaves_the_session_at_hand() {
+    let mut state = state();
+    state.open_link("v=1&radius=0.0007&at=77");
+    state.apply(Command::Cancel(Which::First));
+    settle(&mut state);
+    assert_eq!(state.link().fragment, "v=1");
+    assert!(said(&state).contains("Cancelled"), "{}", said(&state));
+}
+
+#[test]
+fn what_does_not_fit_is_left_out_and_told() {
+    let mut state = state();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Events)));
+    for line in 0..40 {
+        state.apply(Command::Debug(DebugCommand::ToggleBreakpoint(LineId(line))));
+        state.apply(Command::Debug(DebugCommand::Watch(format!("p + {line}"))));
+        state.apply(Command::Debug(DebugCommand::EditWatch(
+            0,
+            "x".repeat(MOST_TEXT + 1),
+        )));
+    }
+    let link = state.link();
+    assert!(link.fragment.contains("&layout="));
+    assert_eq!(link.left_out, ["8 of 40 breakpoints", "8 of 40 watches"]);
+    for k in 0..40 {
+        let long = DebugCommand::EditWatch(k, "\u{e9}".repeat(MOST_TEXT));
+        state.apply(Command::Debug(long));
+    }
+    for k in 0..80 {
+        state.apply(Command::Time(TimeCommand::Jump(100 * k)));
+        state.apply(Command::Debug(DebugCommand::Bookmark));
+        let note = "n".repeat(if k == 0 { 300 } else { 40 });
+        state.apply(Command::Debug(DebugCommand::Note(k, note)));
+    }
+    let link = state.link();
+    let len = link.fragment.len();
+    assert!((7_900..=MOST_CHARACTERS).contains(&len), "{len}");
+    let left = link.left_out.join("; ");
+    for part in [
+        "of 80 bookmarks",
+        "the ends of 1 note of",
+        "of 40 watches",
+        "the panel layout",
+    ] {
+        assert!(left.contains(part), "{left}");
+    }
+    let there = opened(&link.fragment);
+    assert_eq!(there.link().fragment, link.fragment);
+}
+
+#[test]
+fn combinations_are_in_links() {
+    let mut state = state();
+    state.apply(Command::Combine(CombineCommand::Nine));
+    settle(&mut state);
+    state.apply(Command::Time(TimeCommand::ShowStage(1)));
+    let link = state.link();
+    assert_eq!(link.fragment, "v=1&combine=nine&stage=tile");
+    let there = opened(&link.fragment);
+    assert_eq!((there.link(), digest(&there)), (link, digest(&state)));
+    let layout = r#"{"version": 1, "radius": 0.03, "columns": [0.5, 0.5], "rows": [1],
+        "pieces": [{"seed": 1, "method": "reference"}, {"seed": 2, "method": "reference"}]}"#;
+    state.apply(Command::Combine(CombineCommand::Text(layout.to_owned())));
+    settle(&mut state);
+    let link = state.link();
+    let there = opened(&link.fragment);
+    assert_eq!(said(&there), "");
+    assert_eq!((there.link(), digest(&there)), (link, digest(&state)));
+}
+
+#[test]
+fn a_pattern_from_a_file_is_not_in_the_link() {
+    let mut state = state();
+    let spec = PatternSpec {
+        side: 30.0,
+        seed: 99,
+        ..PatternSpec::default()
+    };
+    let pattern = Pattern::of_spec(&spec, &mut tilescope_core::Unobserved).unwrap();
+    let (path, digest) = ("own.csv".to_owned(), "0".repeat(16));
+    let file = PatternFile { path, digest };
+    state.form.own_pattern = Some(OwnPattern {
+        file,
+        pattern: Arc::clone(&pattern),
+    });
+    state.apply(Command::Run);
+    settle(&mut state);
+    let link = state.link();
+    assert_eq!(link.left_out, ["the pattern, which comes from a file"]);
+    // The run that the parameters describe is another one, and is sampled.
+    state.open_link(&link.fragment);
+    assert!(state.runs.first.sampling.is_some() && state.form.own_pattern.is_none());
+}
+
+#[test]
+fn links_are_copied_with_the_address_of_their_page() {
+    let mut state = state();
+    state.apply(Command::Link(LinkCommand::Copy));
+    assert_eq!(state.links.copied.take().as_deref(), Some("#v=1"));
+    assert!(
+        said(&state).contains("tilescope --link"),
+        "{}",
+        said(&state)
+    );
+    state.links.base = Some("https://lecture.example/tilescope/".to_owned());
+    state.apply(Command::Link(LinkCommand::Copy));
+    let copied = state.links.copied.take().unwrap();
+    assert_eq!(copied, "https://lecture.example/tilescope/#v=1");
+    assert_eq!(said(&state), "The link is copied.");
+    state.apply(Command::Link(LinkCommand::Open(copied + "&look=light")));
+    assert_eq!(state.appearance.look, Look::Light);
+}
+
+#[test]
+fn undo_brings_back_what_a_link_replaced() {
+    let mut state = state();
+    state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Watches)));
+    let before = state.link();
+    state.open_link("v=1&layers=disks");
+    assert_ne!(state.link(), before);
+    state.apply(Command::Undo);
+    assert_eq!(state.link(), before);
+}
+
+#[test]
+fn a_camera_on_the_pattern_ends_with_it() {
+    let mut state = state();
+    state.runs.first.camera = Camera::default();
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([10.0, 10.0], 9.0),
+    ));
+    settle(&mut state);
+    state.apply(Command::Time(TimeCommand::FirstStage));
+    let link = state.link();
+    let there = opened(&link.fragment);
+    assert_eq!(there.link(), link);
+    let fitted = (there.runs.first.camera.center[0] - 10.0).abs() > 1.0;
+    assert!(fitted, "the pattern is fitted");
+}
+
+/// A value for every key, each other than what a link means that does not say it.
+const EVERYTHING: &[(&str, &str)] = &[
+    ("v", "1"),
+    ("seed", "7"),
+    ("width", "1.5"),
+    ("height", "0.7"),
+    ("radius", "0.02"),
+    ("boundary", "bounded"),
+    ("leaf", "12"),
+    ("pattern", "33.3"),
+    ("pattern-boundary", "bounded"),
+    ("pattern-seed", "3"),
+    ("dihedral", "yes"),
+    ("order", "phase-group"),
+    ("insertion", "uniform"),
+    ("search", "two-radii"),
+    ("at", "345"),
+    ("camera", "20.5,-1.25,66.6"),
+    ("layers", "disks,kd-tree,circumcircles"),
+    ("colouring", "age"),
+    ("look", "light"),
+    ("select", "place:12.5,3"),
+    ("clock", "line"),
+    ("speed", "8"),
+    ("loop", "100-400"),
+    ("b", "cameras,clocks"),
+    ("b.seed", "8"),
+    ("break", "!eliminate.5:distance < 0.4 + 1;tile.1"),
+    ("watch", "p + 1;distance;50%"),
+    ("mark", "5:a\\;b: c & \u{e9}%2C;9"),
+    (
+        "layout",
+        "VHT_peba-1950T_cg-6050VT_lsx-4400T_viwk-5600-2000-8740t1260-",
+    ),
+];
+
+/// Escapes every byte that is neither letter nor digit, as the strictest do.
+fn escape(text: &str) -> String {
+    let escape = |byte: u8| match byte {
+        byte if byte.is_ascii_alphanumeric() => char::from(byte).to_string(),
+        byte => format!("%{byte:02x}"),
+    };
+    text.bytes().map(escape).collect()
+}
+
+#[test]
+fn links_mean_the_same_however_they_are_encoded() {
+    let join = |pairs: &[String], with: &str| pairs.join(with);
+    // As this program writes them: what separates parts of a value stands as it is.
+    let separators = ",:;!";
+    let written: Vec<String> = EVERYTHING
+        .iter()
+        .map(|(key, value)| {
+            let escaped = |c: char| match c {
+                c if separators.contains(c) => c.to_string(),
+                c => escape(c.encode_utf8(&mut [0; 4])),
+            };
+            format!("{key}={}", value.chars().map(escaped).collect::<String>())
+        })
+        .collect();
+    let (content, dropped) = read(&join(&written, "&"));
+    assert_eq!(dropped.text(), "");
+    let (center, scale) = ([20.5, -1.25], 66.6);
+    assert_eq!(content.camera, Some(Camera { center, scale }));
+    assert_eq!(content.watches, ["p + 1", "distance", "50%"]);
+    assert_eq!(
+        content.breakpoints[0].condition.as_deref(),
+        Some("distance < 0.4 + 1")
+    );
+    assert_eq!(content.bookmarks[0].note, "a;b: c & \u{e9}%2C", "once");
+    assert_eq!(content.bookmarks.len(), 2);
+    let strict: Vec<String> = EVERYTHING
+        .iter()
+        .map(|(key, value)| format!("{key}={}", escape(value)))
+        .collect();
+    let form: Vec<String> = strict.iter().map(|pair| pair.replace("%20", "+")).collect();
+    for (pairs, with) in [
+        (&strict, "&"),
+        (&form, "&"),
+        (&written, "&amp;"),
+        (&form, "&amp;"),
+    ] {
+        let (encoded, dropped) = read(&join(pairs, with));
+        assert_eq!(dropped.text(), "", "{with}");
+        assert_eq!(encoded, content, "{with}");
+    }
+    // Each by itself, so that no one is lost behind another.
+    for (k, (key, _)) in EVERYTHING.iter().enumerate() {
+        assert_eq!(read(&strict[k]), read(&written[k]), "{key}");
+    }
+}

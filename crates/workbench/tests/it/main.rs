@@ -1,0 +1,16 @@
+//! What a window shows and does, without a window and without a graphics driver.
+
+mod analysis;
+mod analysis_brush;
+mod combine;
+mod combine_refusals;
+mod combining;
+mod export;
+mod export_refusals;
+mod exporting;
+mod files_in_memory;
+mod files_refused;
+mod gate;
+mod link;
+mod runs;
+mod script;

@@ -1,0 +1,334 @@
+//! What stays, and what comes back, when another run takes the place of the one at hand.
+
+use tilescope_core::Order;
+use tilescope_debugger::{Listings, Marked};
+use tilescope_session::combination::CombineCommand;
+use tilescope_session::layers::Layer;
+use tilescope_session::selection::Selection;
+use tilescope_workbench::command::{
+    AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
+    WindowCommand,
+};
+use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::files::{FileCommand, Purpose};
+use tilescope_workbench::layout::Panel;
+use tilescope_workbench::{Command, State};
+
+use crate::exporting::opened;
+
+fn apply(state: &mut State, command: Command) {
+    state.apply(command);
+    state.settle();
+}
+
+fn run_with(state: &mut State, field: Field, text: &str) {
+    apply(
+        state,
+        Command::Form(FormCommand::Type(field, text.to_owned())),
+    );
+    apply(state, Command::Run);
+}
+
+fn debug(state: &mut State, command: DebugCommand) {
+    apply(state, Command::Debug(command));
+}
+
+/// A state with a bookmark, its note, a breakpoint with a condition, and a watch.
+fn lecture() -> State {
+    let mut state = opened();
+    let line = Listings::shipped().find("eliminate.5").unwrap();
+    apply(&mut state, Command::Time(TimeCommand::Jump(3_000)));
+    for command in [
+        DebugCommand::Bookmark,
+        DebugCommand::Note(0, "here".to_owned()),
+        DebugCommand::ToggleBreakpoint(line),
+        DebugCommand::Condition(0, "distance < 0.4".to_owned()),
+        DebugCommand::Watch("distance".to_owned()),
+    ] {
+        debug(&mut state, command);
+    }
+    let last = state.cursor().unwrap().1;
+    apply(&mut state, Command::Time(TimeCommand::Jump(last)));
+    debug(&mut state, DebugCommand::Bookmark);
+    debug(&mut state, DebugCommand::Note(1, "the end".to_owned()));
+    state
+}
+
+fn marks(state: &State) -> Vec<(Marked, String)> {
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let marks = debugger.bookmarks.iter();
+    marks
+        .map(|mark| (debugger.marked(mark), mark.note.clone()))
+        .collect()
+}
+
+/// What is set, apart from bookmarks.
+fn stops(state: &State) -> (Vec<String>, Vec<String>) {
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let conditions = debugger.breakpoints().iter().map(|b| b.condition.clone());
+    (conditions.collect(), debugger.watches().to_vec())
+}
+
+#[test]
+fn bookmarks_and_notes_survive_other_parameters_and_come_back_exactly() {
+    let mut state = lecture();
+    let (set, others) = (marks(&state), stops(&state));
+    let seed = state.form.draft.text(Field::Seed).to_owned();
+    assert!(matches!(set[0].0, Marked::Here(3_000)));
+    run_with(&mut state, Field::Seed, "7");
+    let there = marks(&state);
+    assert_eq!(there.len(), 2);
+    let end = state.cursor().unwrap().1;
+    assert!(matches!(there[0].0, Marked::Like(_)));
+    assert_eq!(there[1], (Marked::Like(end), "the end".to_owned()));
+    assert_eq!(stops(&state), others);
+    // A run without events has no place for them, and a combination none either.
+    apply(&mut state, Command::Combine(CombineCommand::Nine));
+    assert!(state.runs.first.debugger.is_none());
+    run_with(&mut state, Field::Seed, &seed);
+    assert_eq!((marks(&state), stops(&state)), (set, others));
+}
+
+#[test]
+fn bookmarks_of_other_runs_are_in_sessions_and_links() {
+    let mut state = lecture();
+    run_with(&mut state, Field::Radius, "0.08");
+    debug(&mut state, DebugCommand::Bookmark);
+    let set = state
+        .runs
+        .first
+        .debugger
+        .as_ref()
+        .unwrap()
+        .bookmarks
+        .clone();
+    assert_eq!(set.len(), 3);
+    assert!(
+        marks(&state)
+            .iter()
+            .any(|(place, _)| *place == Marked::Nowhere)
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lecture.json");
+    let path = path.to_string_lossy().into_owned();
+    for (purpose, state) in [(Purpose::Save, &mut state), (Purpose::Open, &mut opened())] {
+        for command in [
+            FileCommand::Sheet(purpose),
+            FileCommand::Path(path.clone()),
+            FileCommand::Go,
+        ] {
+            apply(state, Command::File(command));
+        }
+        assert_eq!(
+            state.runs.first.debugger.as_ref().unwrap().bookmarks,
+            set,
+            "{purpose:?}"
+        );
+    }
+    let link = state.link();
+    let mut there = opened();
+    apply(
+        &mut there,
+        Command::Link(LinkCommand::Open(link.fragment.clone())),
+    );
+    assert_eq!(there.messages.notice, None);
+    assert_eq!(there.runs.first.debugger.as_ref().unwrap().bookmarks, set);
+    assert_eq!(there.link(), link);
+}
+
+#[test]
+fn bookmarks_go_with_the_user_when_two_runs_change_places() {
+    let mut state = lecture();
+    let set = marks(&state);
+    let start = CompareCommand::Start(Rival::NextSeed);
+    apply(&mut state, Command::Compare(start));
+    apply(&mut state, Command::Compare(CompareCommand::Swap));
+    assert_eq!(marks(&state).len(), set.len());
+    // The run that they were set in is gone; they are not.
+    apply(&mut state, Command::Compare(CompareCommand::Close));
+    assert_eq!(marks(&state)[1].1, "the end");
+}
+
+#[test]
+fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
+    let mut state = opened();
+    debug(&mut state, DebugCommand::Query("kind:insert".to_owned()));
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Sample(40)),
+    ));
+    apply(&mut state, Command::Time(TimeCommand::Loop(Some(100..400))));
+    apply(&mut state, Command::Run);
+    assert_eq!(state.runs.first.selected, Some(40));
+    assert!(!state.runs.first.history_found.events().is_empty());
+    assert_eq!(state.time.playback.range, Some(100..400));
+    // In another run the sample is another one, and a place is a place.
+    let place = [20.5, 20.25];
+    run_with(&mut state, Field::Seed, "7");
+    assert_eq!(
+        (state.runs.first.selected, state.time.playback.range.clone()),
+        (None, None)
+    );
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::Pick(Selection::Place(place)),
+    ));
+    run_with(&mut state, Field::Seed, "8");
+    assert_eq!(state.runs.first.place, Some(place));
+    run_with(&mut state, Field::Radius, "0.05");
+    assert_eq!(state.runs.first.place, None);
+    // The events found are those of this run.
+    let debugger = state.runs.first.debugger.as_ref().unwrap();
+    let found = state.runs.first.query.found.events();
+    let inserted = |&event: &usize| {
+        let event = debugger.recording().event(event);
+        event.is_some_and(|event| event.kind() == tilescope_debugger::Kind::Insert)
+    };
+    assert!(!found.is_empty() && found.iter().all(inserted));
+}
+
+/// The radius of the panel, the one of the run shown, and whether the window says that they differ.
+fn radii(state: &State) -> (String, String, bool) {
+    let run = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .run()
+        .parameters
+        .radius;
+    let typed = state.form.draft.text(Field::Radius).to_owned();
+    (typed, run.to_string(), state.run_remark().is_some())
+}
+
+fn agreed(radius: &str) -> (String, String, bool) {
+    (radius.to_owned(), radius.to_owned(), false)
+}
+
+#[test]
+fn undoing_a_run_brings_parameters_and_run_back_together() {
+    let mut state = opened();
+    let first = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .digest()
+        .to_owned();
+    for text in ["0.0", "0.04"] {
+        apply(
+            &mut state,
+            Command::Form(FormCommand::Type(Field::Radius, text.to_owned())),
+        );
+    }
+    apply(
+        &mut state,
+        Command::Form(FormCommand::Choose(Choice::Order(Order::Index))),
+    );
+    let remark = state.run_remark().unwrap();
+    assert!(remark.contains("radius") && remark.contains("order") && !remark.contains("seed"));
+    apply(&mut state, Command::Run);
+    assert_eq!(radii(&state), agreed("0.04"));
+    let second = state
+        .runs
+        .first
+        .session
+        .as_ref()
+        .unwrap()
+        .digest()
+        .to_owned();
+    // What is looked at is no step.
+    for command in [
+        Command::Window(WindowCommand::OpenPanel(Panel::Bookmarks)),
+        Command::Window(WindowCommand::OpenPanel(Panel::Watches)),
+        Command::Appearance(AppearanceCommand::ToggleLayer(Layer::Disks)),
+    ] {
+        apply(&mut state, command);
+    }
+    let looked_at = (state.window.layout.clone(), state.appearance.layers);
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.02"));
+    assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), first);
+    assert_eq!(state.form.draft.parameters.order, Order::default());
+    apply(&mut state, Command::Redo);
+    assert_eq!(radii(&state), agreed("0.04"));
+    assert_eq!(state.runs.first.session.as_ref().unwrap().digest(), second);
+    assert_eq!(
+        (state.window.layout.clone(), state.appearance.layers),
+        looked_at
+    );
+}
+
+#[test]
+fn what_was_typed_and_not_run_is_undone_by_itself() {
+    let mut state = opened();
+    run_with(&mut state, Field::Radius, "0.03");
+    apply(
+        &mut state,
+        Command::Form(FormCommand::Type(Field::Radius, "0.05".to_owned())),
+    );
+    let differs = |typed: &str, run: &str| (typed.to_owned(), run.to_owned(), true);
+    assert_eq!(radii(&state), differs("0.05", "0.03"));
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.03"));
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.02"));
+    for expected in [agreed("0.03"), differs("0.05", "0.03")] {
+        apply(&mut state, Command::Redo);
+        assert_eq!(radii(&state), expected);
+    }
+    // What cannot be read is not in the run either.
+    apply(
+        &mut state,
+        Command::Form(FormCommand::Type(Field::Radius, "0.03x".to_owned())),
+    );
+    assert!(radii(&state).2);
+}
+
+#[test]
+fn a_run_that_is_not_waited_for_is_undone_with_its_parameters() {
+    let mut state = opened();
+    for text in ["0.03", "0.025"] {
+        state.apply(Command::Form(FormCommand::Type(
+            Field::Radius,
+            text.to_owned(),
+        )));
+        state.apply(Command::Run);
+    }
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.02"));
+    apply(&mut state, Command::Redo);
+    assert_eq!(radii(&state), agreed("0.025"));
+    // Undone while it is at work.
+    state.apply(Command::Form(FormCommand::Type(
+        Field::Radius,
+        "0.03".to_owned(),
+    )));
+    state.apply(Command::Run);
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.025"));
+    apply(&mut state, Command::Redo);
+    assert_eq!(radii(&state), agreed("0.03"));
+}
+
+#[test]
+fn a_combination_or_a_link_is_undone_with_the_run_that_it_replaced() {
+    let mut state = opened();
+    run_with(&mut state, Field::Radius, "0.03");
+    apply(&mut state, Command::Combine(CombineCommand::Nine));
+    assert!(state.run_remark().is_some());
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.03"));
+    apply(
+        &mut state,
+        Command::Link(LinkCommand::Open("v=1&radius=0.05&leaf=8".to_owned())),
+    );
+    assert_eq!(radii(&state), agreed("0.05"));
+    apply(&mut state, Command::Undo);
+    assert_eq!(radii(&state), agreed("0.03"));
+    apply(&mut state, Command::Redo);
+    assert_eq!(radii(&state), agreed("0.05"));
+}
