@@ -8,7 +8,7 @@ use tilescope_drawing::scene::Scene;
 use tilescope_drawing::surface::Surface;
 use tilescope_session::words::{counted, grouped};
 
-use crate::pane::MadeFrom;
+use crate::raster::MadeFrom;
 use tilescope_drawing::brushed::Cause;
 
 /// The edges in view, as long as nothing changes that they follow from.

@@ -14,7 +14,7 @@ use tilescope_session::moment::Shown;
 
 use crate::UNIT;
 use crate::brushed::Edges;
-use crate::raster::{Coverage, Density, Frame};
+use crate::raster::{Coverage, Density, Frame, MadeFrom};
 use crate::resident::Resident;
 use crate::sheet::Sheet;
 use crate::sprites::Sprites;
@@ -35,9 +35,6 @@ pub struct Pane {
     points: Picture,
     edges: Edges,
 }
-
-/// What pictures and meshes follow from.
-pub type MadeFrom = (Frame, Key);
 
 impl Pane {
     /// Draws samples by instancing on the device of `render_state` from now on.

@@ -17,6 +17,9 @@ pub struct Frame {
     pub pixels_per_point: f32,
 }
 
+/// What pictures and meshes follow from.
+pub type MadeFrom = (Frame, tilescope_drawing::looks::Key);
+
 impl Frame {
     /// Returns the pixels of a row and of a column.
     #[must_use]
