@@ -54,7 +54,7 @@ pub use pattern::{PackedError, Pattern, Symmetry, Variant as PatternVariant};
 pub use pattern_making::{READY_MADE, ReadyMade};
 pub use progress::{Observer, Progress, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
-pub use record::{Moment, Recorder, Unrecorded, Verdict};
+pub use record::{Recorder, RunEvent, Unrecorded, Verdict};
 pub use reference::reference_sample;
 pub use run::{Iteration, Run, Standing, Summary};
 pub use samples::{Fate, Origin, Sampled, Samples, Source};

@@ -1,4 +1,4 @@
-//! What a run does, moment by moment, for whoever records it. A recorder hears of everything and
+//! What a run does, event by event, for whoever records it. A recorder hears of everything and
 //! changes nothing; the one that hears nothing, [`Unrecorded`], costs nothing, since engines ask
 //! [`Recorder::ENABLED`] before they gather what only a recording needs.
 
@@ -29,7 +29,7 @@ pub enum Verdict {
 
 /// One thing that a run does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Moment {
+pub enum RunEvent {
     /// A stage begins.
     Begin(Stage),
     /// A node of the KD-tree is cut.
@@ -202,8 +202,8 @@ pub trait Recorder {
     /// Whether anything is heard at all.
     const ENABLED: bool = true;
 
-    /// Called at every moment, in sequence. Samples that a moment names exist when it is heard.
-    fn record(&mut self, moment: Moment);
+    /// Called at every event, in sequence. Samples that an event names exist by then.
+    fn record(&mut self, run_event: RunEvent);
 }
 
 /// The recorder that hears nothing.
@@ -215,5 +215,5 @@ impl Recorder for Unrecorded {
 
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "nothing must be left of it")]
-    fn record(&mut self, _: Moment) {}
+    fn record(&mut self, _: RunEvent) {}
 }

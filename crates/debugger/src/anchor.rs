@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::{Moment, Stage};
+use tilescope_core::{RunEvent, Stage};
 
 use crate::kind::Kind;
 use crate::recording::Recording;
@@ -85,9 +85,9 @@ impl Recording {
         let mut stages: Vec<(Stage, Range<usize>)> = Vec::new();
         for &begin in self.begins() {
             let begin = begin as usize;
-            let stage = match self.event(begin).and_then(crate::Event::moment) {
-                Some(Moment::Begin(stage)) => stage,
-                Some(Moment::Iteration { number, .. }) => Stage::Iterate(number),
+            let stage = match self.event(begin).and_then(crate::Event::run_event) {
+                Some(RunEvent::Begin(stage)) => stage,
+                Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
                 _ => continue,
             };
             if let Some((last, events)) = stages.last_mut() {

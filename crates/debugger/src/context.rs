@@ -2,7 +2,7 @@
 //! It follows from the last few events alone and never holds a set.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Moment, Point, Stage, Verdict};
+use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
 use crate::event::Event;
 
@@ -56,25 +56,25 @@ pub struct Context {
 impl Context {
     /// Moves over an event, whose index is `index`.
     pub fn apply(&mut self, event: &Event, index: u32) {
-        let Some(moment) = event.moment() else {
+        let Some(run_event) = event.run_event() else {
             return;
         };
-        match moment {
-            Moment::Begin(stage) => self.enter(stage, self.iteration),
-            Moment::Iteration { number, .. } => self.enter(Stage::Iterate(number), number),
-            Moment::Clip { block } => self.block = Some(block),
-            Moment::Tiled { sample, .. }
-            | Moment::Take { sample, .. }
-            | Moment::Detect { sample }
-            | Moment::Keep { sample, rest: true } => self.take(sample),
-            Moment::Call { iteration, .. } => self.iteration = iteration,
-            Moment::Test { other, .. } => self.other = Some(other),
-            Moment::Rank { .. } => {
+        match run_event {
+            RunEvent::Begin(stage) => self.enter(stage, self.iteration),
+            RunEvent::Iteration { number, .. } => self.enter(Stage::Iterate(number), number),
+            RunEvent::Clip { block } => self.block = Some(block),
+            RunEvent::Tiled { sample, .. }
+            | RunEvent::Take { sample, .. }
+            | RunEvent::Detect { sample }
+            | RunEvent::Keep { sample, rest: true } => self.take(sample),
+            RunEvent::Call { iteration, .. } => self.iteration = iteration,
+            RunEvent::Test { other, .. } => self.other = Some(other),
+            RunEvent::Rank { .. } => {
                 (self.sample, self.search, self.examined) = (None, None, None);
             }
-            Moment::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
-            Moment::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
-            _ => self.look(moment, index),
+            RunEvent::Insert { sample, .. } if self.search.is_none() => self.sample = Some(sample),
+            RunEvent::Dart { point, verdict, .. } => self.dart = Some((point, verdict)),
+            _ => self.look(run_event, index),
         }
     }
 
@@ -88,9 +88,9 @@ impl Context {
     }
 
     /// Notes a search or an examined place.
-    fn look(&mut self, moment: Moment, event: u32) {
-        match moment {
-            Moment::Search {
+    fn look(&mut self, run_event: RunEvent, event: u32) {
+        match run_event {
+            RunEvent::Search {
                 centre,
                 radius,
                 found,
@@ -103,7 +103,7 @@ impl Context {
                     event,
                 });
             }
-            Moment::Candidate {
+            RunEvent::Candidate {
                 detector,
                 sites,
                 offset,

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use tilescope_core::{Moment, Stage};
+use tilescope_core::{RunEvent, Stage};
 
 use crate::event::Event;
 use crate::recording::{Recording, STRIDE};
@@ -82,9 +82,9 @@ pub fn phases(recording: &Recording) -> Vec<Phase> {
 }
 
 fn stage(event: &Event) -> Option<Stage> {
-    match event.moment()? {
-        Moment::Begin(stage) => Some(stage),
-        Moment::Iteration { number, .. } => Some(Stage::Iterate(number)),
+    match event.run_event()? {
+        RunEvent::Begin(stage) => Some(stage),
+        RunEvent::Iteration { number, .. } => Some(Stage::Iterate(number)),
         _ => None,
     }
 }

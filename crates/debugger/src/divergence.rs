@@ -6,7 +6,7 @@ mod runs;
 pub use runs::first_divergence_of_runs;
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Domain, Moment, Point, Stage, Verdict};
+use tilescope_core::{Domain, Point, RunEvent, Stage, Verdict};
 
 use crate::event::Event;
 use crate::recording::Recording;
@@ -124,7 +124,7 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
     if x.line() != y.line() {
         return false;
     }
-    match (x.moment(), y.moment()) {
+    match (x.run_event(), y.run_event()) {
         (Some(x), Some(y)) => placed(a, x) == placed(b, y),
         _ => x == y,
     }
@@ -132,16 +132,16 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
 
 type Places = [Option<Point>; 5];
 
-/// Returns a moment without ids, and the places that they stand for.
-fn placed(recording: &Recording, moment: Moment) -> (Moment, Places) {
-    let mut places = of_block(recording, moment);
-    let mut bare = moment;
+/// Returns an event without ids, and the places that they stand for.
+fn placed(recording: &Recording, run_event: RunEvent) -> (RunEvent, Places) {
+    let mut places = of_block(recording, run_event);
+    let mut bare = run_event;
     let mut at = 0;
     strip(&mut bare, &mut |id: &mut u32| {
         places[at] = recording.point(*id);
         (*id, at) = (0, at + 1);
     });
-    if let Moment::Candidate { sites, .. } = bare {
+    if let RunEvent::Candidate { sites, .. } = bare {
         let first_after = match sites {
             Sites::Three(_) => 4,
             Sites::Border(_) => 3,
@@ -153,32 +153,32 @@ fn placed(recording: &Recording, moment: Moment) -> (Moment, Places) {
     (bare, places)
 }
 
-/// Takes all ids of samples out of a moment.
-fn strip(moment: &mut Moment, take: &mut impl FnMut(&mut u32)) {
-    match moment {
-        Moment::Tiled { sample, .. }
-        | Moment::Take { sample, .. }
-        | Moment::Keep { sample, .. }
-        | Moment::Detect { sample }
-        | Moment::Search { centre: sample, .. }
-        | Moment::NoGap { sample }
-        | Moment::Call { pivot: sample, .. }
-        | Moment::Pairs { pivot: sample, .. }
-        | Moment::Pass { by: sample, .. }
-        | Moment::Insert { sample, .. } => take(sample),
-        Moment::Test {
+/// Takes all ids of samples out of an event.
+fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
+    match run_event {
+        RunEvent::Tiled { sample, .. }
+        | RunEvent::Take { sample, .. }
+        | RunEvent::Keep { sample, .. }
+        | RunEvent::Detect { sample }
+        | RunEvent::Search { centre: sample, .. }
+        | RunEvent::NoGap { sample }
+        | RunEvent::Call { pivot: sample, .. }
+        | RunEvent::Pairs { pivot: sample, .. }
+        | RunEvent::Pass { by: sample, .. }
+        | RunEvent::Insert { sample, .. } => take(sample),
+        RunEvent::Test {
             pivot: a, other: b, ..
         }
-        | Moment::Eliminate { sample: a, by: b }
-        | Moment::Mark {
+        | RunEvent::Eliminate { sample: a, by: b }
+        | RunEvent::Mark {
             sample: a,
             because: b,
         } => {
             take(a);
             take(b);
         }
-        Moment::Dart { verdict, .. } => nobody(verdict, take),
-        Moment::Candidate {
+        RunEvent::Dart { verdict, .. } => nobody(verdict, take),
+        RunEvent::Candidate {
             detector,
             sites,
             verdict,
@@ -210,19 +210,19 @@ fn anywhere(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
 }
 
 /// Returns the corners of a node or a block, where it is cut or its clip begins.
-fn of_block(recording: &Recording, moment: Moment) -> Places {
+fn of_block(recording: &Recording, run_event: RunEvent) -> Places {
     let run = recording.run();
-    let (corners, third) = match moment {
-        Moment::Split { index, .. } => {
+    let (corners, third) = match run_event {
+        RunEvent::Split { index, .. } => {
             let split = run.blocks.splits.get(index as usize);
             let plane = split.map(|split| Point::new(split.axis as i32, split.plane));
             (split.map(|split| split.rect), plane)
         }
-        Moment::Leaf { block } => {
+        RunEvent::Leaf { block } => {
             let leaf = run.blocks.leaves.get(block as usize);
             (leaf.map(|leaf| leaf.rect), None)
         }
-        Moment::Clip { block } => {
+        RunEvent::Clip { block } => {
             let tile = run.tiles.get(block as usize);
             let symmetry = tile.map(|tile| Point::new(i32::from(tile.symmetry.0), 0));
             return [tile.map(|tile| tile.start), symmetry, None, None, None];

@@ -1,10 +1,10 @@
-//! Events: the moments of a run in 24 bytes each, with the line of pseudocode that each executes.
-//! Packing loses nothing: an event gives back the moment that it was made from.
+//! Events: what happens in a run, in 24 bytes each, with the line of pseudocode that each executes.
+//! Packing loses nothing: an event gives back the run event that it was made from.
 //! It never looks at the run.
 
 mod packing;
 
-use tilescope_core::Moment;
+use tilescope_core::RunEvent;
 
 use crate::kind::Kind;
 use crate::lines::Lines;
@@ -13,7 +13,7 @@ use crate::listing::LineId;
 /// No sample, block or event.
 pub const NONE: u32 = u32::MAX;
 
-/// A moment, packed.
+/// An event of a run, packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
     kind: Kind,
@@ -50,11 +50,11 @@ impl Event {
         })
     }
 
-    /// Returns the event of a moment in a run of `variant`.
+    /// Returns the packed form of an event in a run of `variant`.
     #[must_use]
-    pub fn new(moment: &Moment, lines: &Lines) -> Self {
-        let mut event = packing::pack(moment);
-        event.line = lines.of(moment).0;
+    pub fn new(run_event: &RunEvent, lines: &Lines) -> Self {
+        let mut event = packing::pack(run_event);
+        event.line = lines.of(run_event).0;
         event
     }
 
@@ -137,9 +137,9 @@ impl Event {
         sample != NONE && self.samples().contains(&sample)
     }
 
-    /// Returns the moment, or `None` for a notice of thinning.
+    /// Returns what it was packed from, or `None` for a notice of thinning.
     #[must_use]
-    pub fn moment(&self) -> Option<Moment> {
+    pub fn run_event(&self) -> Option<RunEvent> {
         packing::unpack(self)
     }
 }

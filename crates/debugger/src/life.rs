@@ -1,6 +1,6 @@
 //! How samples stand, and which events changed them. It holds no positions and no tape.
 
-use tilescope_core::Moment;
+use tilescope_core::RunEvent;
 
 use crate::event::NONE;
 
@@ -48,19 +48,19 @@ pub(crate) const UNBORN: Life = Life {
     marked: NONE,
 };
 
-/// Writes down what a moment does to a sample's life.
-pub(crate) fn note_change(lives: &mut [Life], moment: Moment, index: u32) {
-    match moment {
-        Moment::Tiled { sample, inside, .. } => {
+/// Writes down what an event does to a sample's life.
+pub(crate) fn note_change(lives: &mut [Life], run_event: RunEvent, index: u32) {
+    match run_event {
+        RunEvent::Tiled { sample, inside, .. } => {
             let life = &mut lives[sample as usize];
             life.born = index;
             if !inside {
                 life.lost = index;
             }
         }
-        Moment::Keep { sample, .. } => lives[sample as usize].kept = index,
-        Moment::Eliminate { sample, .. } => lives[sample as usize].lost = index,
-        Moment::Insert { sample, .. } => {
+        RunEvent::Keep { sample, .. } => lives[sample as usize].kept = index,
+        RunEvent::Eliminate { sample, .. } => lives[sample as usize].lost = index,
+        RunEvent::Insert { sample, .. } => {
             let life = &mut lives[sample as usize];
             (life.born, life.kept) = (index, index);
         }

@@ -1,9 +1,9 @@
-//! Which line of pseudocode each moment executes. One table, by variant; a test elsewhere shows that
+//! Which line of pseudocode each event executes. One table, by variant; a test elsewhere shows that
 //! every line of the listings is reached by some run.
 //! It knows ids only, never texts.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Insertion, Moment, Parameters, Stage, Variant, Verdict};
+use tilescope_core::{Insertion, Parameters, RunEvent, Stage, Variant, Verdict};
 
 use crate::listing::{LineId, Listings};
 
@@ -14,7 +14,7 @@ pub(crate) enum Program {
     Printed,
 }
 
-/// Finds the lines of a run's moments.
+/// Finds the lines of a run's events.
 #[derive(Clone)]
 pub struct Lines {
     program: Program,
@@ -63,36 +63,36 @@ impl Lines {
         }
     }
 
-    /// Returns the line that a moment executes.
+    /// Returns the line that an event executes.
     #[must_use]
-    pub fn of(&self, moment: &Moment) -> LineId {
-        let (name, number) = self.name(moment);
+    pub fn of(&self, run_event: &RunEvent) -> LineId {
+        let (name, number) = self.name(run_event);
         let start = self.starts.iter().find(|(other, _)| *other == name);
         LineId(start.map_or(0, |(_, start)| start + number - 1))
     }
 
-    fn name(&self, moment: &Moment) -> (&'static str, u8) {
-        match *moment {
-            Moment::Begin(stage) => self.begin(stage),
-            Moment::Split { turned, .. } => ("blocks", if turned { 3 } else { 2 }),
-            Moment::Leaf { .. } => ("blocks", 4),
-            Moment::Clip { .. } => ("tile", 2),
-            Moment::Tiled { inside, .. } => ("tile", if inside { 3 } else { 4 }),
-            Moment::Finish { .. } => ("finish", 2),
-            Moment::Candidate { sites, verdict, .. } => self.candidate(sites, verdict),
-            Moment::Rank { .. } => ("insert", 1),
-            Moment::Pass { .. } => ("insert", 2),
-            Moment::NoGap { .. } => ("detect", 4),
-            Moment::Pairs { .. } => ("gaps", 1),
-            Moment::Dart { ranked: false, .. } => ("darts", 2),
-            Moment::Dart {
+    fn name(&self, run_event: &RunEvent) -> (&'static str, u8) {
+        match *run_event {
+            RunEvent::Begin(stage) => self.begin(stage),
+            RunEvent::Split { turned, .. } => ("blocks", if turned { 3 } else { 2 }),
+            RunEvent::Leaf { .. } => ("blocks", 4),
+            RunEvent::Clip { .. } => ("tile", 2),
+            RunEvent::Tiled { inside, .. } => ("tile", if inside { 3 } else { 4 }),
+            RunEvent::Finish { .. } => ("finish", 2),
+            RunEvent::Candidate { sites, verdict, .. } => self.candidate(sites, verdict),
+            RunEvent::Rank { .. } => ("insert", 1),
+            RunEvent::Pass { .. } => ("insert", 2),
+            RunEvent::NoGap { .. } => ("detect", 4),
+            RunEvent::Pairs { .. } => ("gaps", 1),
+            RunEvent::Dart { ranked: false, .. } => ("darts", 2),
+            RunEvent::Dart {
                 ranked: true,
                 verdict,
                 ..
             } => ("darts", if verdict == Verdict::Accepted { 4 } else { 3 }),
-            Moment::Cut { .. } => ("darts", 6),
-            _ if self.program == Program::Printed => printed(moment),
-            _ => self.staged(moment),
+            RunEvent::Cut { .. } => ("darts", 6),
+            _ if self.program == Program::Printed => printed(run_event),
+            _ => self.staged(run_event),
         }
     }
 
@@ -119,44 +119,44 @@ impl Lines {
         }
     }
 
-    fn staged(&self, moment: &Moment) -> (&'static str, u8) {
+    fn staged(&self, run_event: &RunEvent) -> (&'static str, u8) {
         let darts = self.program == Program::Darts;
-        match *moment {
-            Moment::Take { .. } => ("eliminate", 2),
-            Moment::Keep { rest, .. } => ("eliminate", if rest { 6 } else { 3 }),
-            Moment::Test { .. } => ("eliminate", 4),
-            Moment::Eliminate { .. } => ("eliminate", 5),
-            Moment::Mark { .. } => ("eliminate", 7),
-            Moment::Iteration { .. } => (if darts { "darts" } else { "detect" }, 1),
-            Moment::Detect { .. } => ("detect", 2),
-            Moment::Insert { .. } if darts => ("darts", 5),
-            Moment::Insert { .. } => ("insert", 3),
-            Moment::IterationEnd { .. } if darts => ("darts", 7),
-            Moment::IterationEnd { inserted, .. } => ("insert", if inserted > 0 { 4 } else { 5 }),
+        match *run_event {
+            RunEvent::Take { .. } => ("eliminate", 2),
+            RunEvent::Keep { rest, .. } => ("eliminate", if rest { 6 } else { 3 }),
+            RunEvent::Test { .. } => ("eliminate", 4),
+            RunEvent::Eliminate { .. } => ("eliminate", 5),
+            RunEvent::Mark { .. } => ("eliminate", 7),
+            RunEvent::Iteration { .. } => (if darts { "darts" } else { "detect" }, 1),
+            RunEvent::Detect { .. } => ("detect", 2),
+            RunEvent::Insert { .. } if darts => ("darts", 5),
+            RunEvent::Insert { .. } => ("insert", 3),
+            RunEvent::IterationEnd { .. } if darts => ("darts", 7),
+            RunEvent::IterationEnd { inserted, .. } => ("insert", if inserted > 0 { 4 } else { 5 }),
             _ => ("detect", 3),
         }
     }
 }
 
-const fn printed(moment: &Moment) -> (&'static str, u8) {
-    match *moment {
-        Moment::Take { .. } => ("printed", 2),
-        Moment::Keep { rest: false, .. } => ("printed", 3),
-        Moment::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
-        Moment::Search { radius, .. } if radius == tilescope_core::R => ("printed", 5),
-        Moment::Test { .. } => ("printed", 6),
-        Moment::Eliminate { .. } => ("printed", 7),
-        Moment::Search { radius, .. }
+const fn printed(run_event: &RunEvent) -> (&'static str, u8) {
+    match *run_event {
+        RunEvent::Take { .. } => ("printed", 2),
+        RunEvent::Keep { rest: false, .. } => ("printed", 3),
+        RunEvent::Mark { sample, because } => ("printed", if sample == because { 4 } else { 9 }),
+        RunEvent::Search { radius, .. } if radius == tilescope_core::R => ("printed", 5),
+        RunEvent::Test { .. } => ("printed", 6),
+        RunEvent::Eliminate { .. } => ("printed", 7),
+        RunEvent::Search { radius, .. }
             if radius == tilescope_core::stages::detect::DETECTOR_REACH =>
         {
             ("printed", 8)
         }
-        Moment::Search { .. } => ("printed", 14),
-        Moment::Keep { .. } => ("printed", 11),
-        Moment::Iteration { .. } => ("printed", 12),
-        Moment::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),
-        Moment::Detect { .. } => ("printed", 13),
-        Moment::IterationEnd { inserted, .. } => ("printed", if inserted > 0 { 16 } else { 17 }),
+        RunEvent::Search { .. } => ("printed", 14),
+        RunEvent::Keep { .. } => ("printed", 11),
+        RunEvent::Iteration { .. } => ("printed", 12),
+        RunEvent::Call { iteration, .. } => ("printed", if iteration == 1 { 10 } else { 15 }),
+        RunEvent::Detect { .. } => ("printed", 13),
+        RunEvent::IterationEnd { inserted, .. } => ("printed", if inserted > 0 { 16 } else { 17 }),
         _ => ("gaps", 5),
     }
 }

@@ -2,7 +2,7 @@
 //! Moves only find cursors; the state follows.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Moment, Origin, R};
+use tilescope_core::{Origin, R, RunEvent};
 
 use crate::event::Event;
 use crate::index;
@@ -142,7 +142,7 @@ pub fn matches_target(recording: &Recording, index: usize, event: &Event, target
     match target {
         Target::Line(line) => event.line() == line,
         Target::Kind(kind) => event.kind() == kind,
-        Target::Conflict => matches!(event.moment(), Some(Moment::Test { covers: true, .. })),
+        Target::Conflict => matches!(event.run_event(), Some(RunEvent::Test { covers: true, .. })),
         Target::Elimination => event.kind() == Kind::Eliminate,
         Target::Gap => Recording::is_gap(event),
         Target::Insertion => event.kind() == Kind::Insert,
@@ -153,7 +153,7 @@ pub fn matches_target(recording: &Recording, index: usize, event: &Event, target
 }
 
 fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
-    let Some(Moment::Insert { sample, .. }) = event.moment() else {
+    let Some(RunEvent::Insert { sample, .. }) = event.run_event() else {
         return false;
     };
     let origins = &recording.run().samples.origins;

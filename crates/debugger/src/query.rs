@@ -2,7 +2,7 @@
 //! Events are numbered from 1, so that the number of the last event is how many have happened.
 //! A query never changes anything; what is wrong with it is said with the word.
 
-use tilescope_core::{Moment, Origin, Verdict};
+use tilescope_core::{Origin, RunEvent, Verdict};
 
 use crate::context::Context;
 use crate::event::Event;
@@ -168,7 +168,7 @@ impl Comparison {
 /// inserted sample lies.
 #[must_use]
 pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
-    if let Some(Moment::Leaf { block } | Moment::Clip { block }) = event.moment() {
+    if let Some(RunEvent::Leaf { block } | RunEvent::Clip { block }) = event.run_event() {
         return Some(block);
     }
     let sample = event.samples()[0];
@@ -188,7 +188,9 @@ pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
 /// Returns the name of the verdict of an event that examines a place.
 #[must_use]
 pub fn verdict_name(event: &Event) -> Option<&'static str> {
-    let (Moment::Candidate { verdict, .. } | Moment::Dart { verdict, .. }) = event.moment()? else {
+    let (RunEvent::Candidate { verdict, .. } | RunEvent::Dart { verdict, .. }) =
+        event.run_event()?
+    else {
         return None;
     };
     Some(match verdict {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{
-    Domain, Fate, Moment, Observer, Parameters, Pattern, Point, Run, SampleError, SampleGrid,
+    Domain, Fate, Observer, Parameters, Pattern, Point, Run, RunEvent, SampleError, SampleGrid,
     Sequential, Verdict, sample_recorded,
 };
 
@@ -113,27 +113,27 @@ impl Recording {
             }
             context.apply(event, index);
             tally.add(event);
-            if let Some(moment) = event.moment() {
-                self.note(moment, index);
+            if let Some(run_event) = event.run_event() {
+                self.note(run_event, index);
             }
         }
         self.tape = tape;
         self.gaps.sort_unstable();
     }
 
-    fn note(&mut self, moment: Moment, index: u32) {
-        match moment {
-            Moment::Begin(_) | Moment::Iteration { .. } => self.begins.push(index),
-            Moment::Split { .. } => self.splits.push(index),
-            Moment::Leaf { .. } => self.leaves.push(index),
-            Moment::Clip { .. } => self.clips.push(index),
-            Moment::Candidate {
+    fn note(&mut self, run_event: RunEvent, index: u32) {
+        match run_event {
+            RunEvent::Begin(_) | RunEvent::Iteration { .. } => self.begins.push(index),
+            RunEvent::Split { .. } => self.splits.push(index),
+            RunEvent::Leaf { .. } => self.leaves.push(index),
+            RunEvent::Clip { .. } => self.clips.push(index),
+            RunEvent::Candidate {
                 sites,
                 verdict: Verdict::Accepted,
                 ..
             } => self.gaps.push((sites, index)),
-            Moment::Mark { sample, .. } => self.lives[sample as usize].marked = index,
-            _ => note_change(&mut self.lives, moment, index),
+            RunEvent::Mark { sample, .. } => self.lives[sample as usize].marked = index,
+            _ => note_change(&mut self.lives, run_event, index),
         }
     }
 
@@ -281,8 +281,8 @@ impl Recording {
     /// Returns the place that an event examines or changes, or `None` where it has none in the domain.
     #[must_use]
     pub fn place(&self, event: &Event) -> Option<Point> {
-        match event.moment()? {
-            Moment::Candidate {
+        match event.run_event()? {
+            RunEvent::Candidate {
                 detector, offset, ..
             } => {
                 let at = self.point(detector)?;
@@ -290,8 +290,8 @@ impl Recording {
                 self.domain()
                     .wrap(x + i64::from(offset[0]), y + i64::from(offset[1]))
             }
-            Moment::Pass { point, .. } | Moment::Dart { point, .. } => Some(point),
-            Moment::Cut { cell, .. } => Some(cell),
+            RunEvent::Pass { point, .. } | RunEvent::Dart { point, .. } => Some(point),
+            RunEvent::Cut { cell, .. } => Some(cell),
             _ => self.point(event.samples()[0]),
         }
     }
@@ -313,9 +313,9 @@ impl Recording {
     /// Returns whether an event accepts a place as lying in a gap.
     #[must_use]
     pub fn is_gap(event: &Event) -> bool {
-        match event.moment() {
-            Some(Moment::Candidate { verdict, .. }) => verdict == Verdict::Accepted,
-            Some(Moment::Dart {
+        match event.run_event() {
+            Some(RunEvent::Candidate { verdict, .. }) => verdict == Verdict::Accepted,
+            Some(RunEvent::Dart {
                 ranked, verdict, ..
             }) => ranked && verdict == Verdict::Accepted,
             _ => false,

@@ -5,7 +5,7 @@ mod gaps;
 mod short;
 
 use tilescope_core::stages::blocks::Axis;
-use tilescope_core::{Fate, Insertion, Moment, Origin, Point, R, Rect, Run, Stage, Variant};
+use tilescope_core::{Fate, Insertion, Origin, Point, R, Rect, Run, RunEvent, Stage, Variant};
 
 use crate::event::NONE;
 use crate::recording::Recording;
@@ -20,8 +20,8 @@ pub fn sentence(recording: &Recording, index: usize) -> String {
         return "The run has ended.".to_owned();
     };
     let words = Words(recording);
-    let mut text = match event.moment() {
-        Some(moment) => words.moment(moment, index),
+    let mut text = match event.run_event() {
+        Some(run_event) => words.run_event(run_event, index),
         None => left_out(event.left_out().unwrap_or(0)),
     };
     if let Some(first) = text.get(..1).map(str::to_ascii_uppercase) {
@@ -96,34 +96,36 @@ impl Words<'_> {
         }
     }
 
-    fn moment(&self, moment: Moment, index: usize) -> String {
-        match moment {
-            Moment::Begin(stage) => self.begin(stage),
-            Moment::Split { .. } | Moment::Leaf { .. } | Moment::Clip { .. } => self.tree(moment),
-            Moment::Tiled { .. }
-            | Moment::Take { .. }
-            | Moment::Keep { .. }
-            | Moment::Test { .. }
-            | Moment::Eliminate { .. }
-            | Moment::Mark { .. } => self.change(moment, index),
-            Moment::Iteration { .. }
-            | Moment::IterationEnd { .. }
-            | Moment::Rank { .. }
-            | Moment::Finish { .. } => self.round(moment),
-            Moment::Candidate {
+    fn run_event(&self, run_event: RunEvent, index: usize) -> String {
+        match run_event {
+            RunEvent::Begin(stage) => self.begin(stage),
+            RunEvent::Split { .. } | RunEvent::Leaf { .. } | RunEvent::Clip { .. } => {
+                self.tree(run_event)
+            }
+            RunEvent::Tiled { .. }
+            | RunEvent::Take { .. }
+            | RunEvent::Keep { .. }
+            | RunEvent::Test { .. }
+            | RunEvent::Eliminate { .. }
+            | RunEvent::Mark { .. } => self.change(run_event, index),
+            RunEvent::Iteration { .. }
+            | RunEvent::IterationEnd { .. }
+            | RunEvent::Rank { .. }
+            | RunEvent::Finish { .. } => self.round(run_event),
+            RunEvent::Candidate {
                 detector,
                 sites,
                 offset,
                 verdict,
             } => self.candidate(detector, sites, offset, verdict),
-            Moment::Insert { sample, iteration } => self.insertion(sample, iteration),
-            Moment::Dart {
+            RunEvent::Insert { sample, iteration } => self.insertion(sample, iteration),
+            RunEvent::Dart {
                 point,
                 ranked,
                 verdict,
             } => self.dart(point, ranked, verdict),
-            Moment::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
-            _ => self.search(moment),
+            RunEvent::Cut { cell, side, kept } => gaps::cut(cell, side, kept),
+            _ => self.search(run_event),
         }
     }
 
@@ -157,11 +159,11 @@ impl Words<'_> {
         }
     }
 
-    fn tree(&self, moment: Moment) -> String {
+    fn tree(&self, run_event: RunEvent) -> String {
         let blocks = &self.0.run().blocks;
-        match moment {
-            Moment::Split { index, turned } => self.split(index, turned),
-            Moment::Leaf { block } => match blocks.leaves.get(block as usize) {
+        match run_event {
+            RunEvent::Split { index, turned } => self.split(index, turned),
+            RunEvent::Leaf { block } => match blocks.leaves.get(block as usize) {
                 Some(leaf) => format!(
                     "block {} is a leaf of the KD-tree, {}",
                     grouped(block.into()),
@@ -169,7 +171,7 @@ impl Words<'_> {
                 ),
                 None => format!("block {} is a leaf of the KD-tree", grouped(block.into())),
             },
-            Moment::Clip { block } => {
+            RunEvent::Clip { block } => {
                 let tile = self.0.run().tiles.get(block as usize);
                 let samples = tile.map_or(0, |tile| tile.samples.len() as u64);
                 let block = grouped(block.into());
@@ -199,17 +201,17 @@ impl Words<'_> {
         format!("a node, {node}, is cut across {axis} at {plane}{reason}")
     }
 
-    fn change(&self, moment: Moment, index: usize) -> String {
-        match moment {
-            Moment::Tiled { sample, inside, .. } => self.tiled(sample, inside),
-            Moment::Take { sample, valid } => self.take(sample, valid),
-            Moment::Keep { sample, rest: true } => {
+    fn change(&self, run_event: RunEvent, index: usize) -> String {
+        match run_event {
+            RunEvent::Tiled { sample, inside, .. } => self.tiled(sample, inside),
+            RunEvent::Take { sample, valid } => self.take(sample, valid),
+            RunEvent::Keep { sample, rest: true } => {
                 format!("{} is kept, since nothing contests it", self.sample(sample))
             }
-            Moment::Keep { sample, .. } => {
+            RunEvent::Keep { sample, .. } => {
                 format!("{} is kept and claims its disk", self.sample(sample))
             }
-            Moment::Test {
+            RunEvent::Test {
                 pivot,
                 other,
                 covers,
@@ -222,17 +224,17 @@ impl Words<'_> {
                     format!("{a} does not cover {b}, {apart} away")
                 }
             }
-            Moment::Eliminate { sample, by } => {
+            RunEvent::Eliminate { sample, by } => {
                 let (winner, loser) = (self.sample(by), self.sample(sample));
                 format!(
                     "{winner} eliminates {loser}, {} away",
                     self.apart(by, sample)
                 )
             }
-            Moment::Mark { sample, because } if sample == because => {
+            RunEvent::Mark { sample, because } if sample == because => {
                 format!("{} stays and becomes a gap detector", self.sample(sample))
             }
-            Moment::Mark { sample, because } => self.mark(sample, because, index),
+            RunEvent::Mark { sample, because } => self.mark(sample, because, index),
             _ => String::new(),
         }
     }
@@ -275,9 +277,9 @@ impl Words<'_> {
         format!("{name} becomes a gap detector: {lost}, {apart} away, {gone}")
     }
 
-    fn round(&self, moment: Moment) -> String {
-        match moment {
-            Moment::Iteration { number, detectors } => {
+    fn round(&self, run_event: RunEvent) -> String {
+        match run_event {
+            RunEvent::Iteration { number, detectors } => {
                 let noun = match self.0.run().parameters.insertion {
                     Insertion::Uniform if self.0.run().parameters.variant == Variant::Staged => {
                         "active cell"
@@ -287,16 +289,16 @@ impl Words<'_> {
                 let (number, who) = (grouped(number.into()), count(detectors.into(), noun));
                 format!("iteration {number} begins with {who}")
             }
-            Moment::IterationEnd { number, inserted } => {
+            RunEvent::IterationEnd { number, inserted } => {
                 let (number, what) = (grouped(number.into()), count(inserted.into(), "sample"));
                 format!("iteration {number} ends: it inserted {what}")
             }
-            Moment::Rank { candidates } => {
+            RunEvent::Rank { candidates } => {
                 let verb = if candidates == 1 { "is" } else { "are" };
                 let candidates = count(candidates.into(), "candidate");
                 format!("{candidates} {verb} put in random order")
             }
-            Moment::Finish { count: number } => {
+            RunEvent::Finish { count: number } => {
                 format!("the result is there: {}", count(number.into(), "sample"))
             }
             _ => String::new(),

@@ -1,7 +1,7 @@
 //! The state at a cursor: how every sample stands, how many of each there are, and what is current.
 //! It moves by applying and undoing events, and jumps by what the recording knows of each sample.
 
-use tilescope_core::Moment;
+use tilescope_core::RunEvent;
 
 use crate::context::Context;
 use crate::event::Event;
@@ -179,15 +179,17 @@ fn first_inserted(recording: &Recording) -> u32 {
 
 /// Returns the sample that an event changes, and how it stands then.
 fn change(event: &Event) -> Option<(u32, Status)> {
-    match event.moment()? {
-        Moment::Tiled {
+    match event.run_event()? {
+        RunEvent::Tiled {
             sample,
             inside: true,
             ..
         } => Some((sample, Status::Undecided)),
-        Moment::Tiled { sample, .. } => Some((sample, Status::Dropped)),
-        Moment::Keep { sample, .. } | Moment::Insert { sample, .. } => Some((sample, Status::Kept)),
-        Moment::Eliminate { sample, .. } => Some((sample, Status::Eliminated)),
+        RunEvent::Tiled { sample, .. } => Some((sample, Status::Dropped)),
+        RunEvent::Keep { sample, .. } | RunEvent::Insert { sample, .. } => {
+            Some((sample, Status::Kept))
+        }
+        RunEvent::Eliminate { sample, .. } => Some((sample, Status::Eliminated)),
         _ => None,
     }
 }

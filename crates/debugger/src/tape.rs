@@ -4,7 +4,7 @@
 
 pub(crate) mod portable;
 
-use tilescope_core::{Moment, Parameters, Recorder};
+use tilescope_core::{Parameters, Recorder, RunEvent};
 
 use crate::event::Event;
 use crate::lines::Lines;
@@ -133,8 +133,8 @@ impl Tape {
 }
 
 impl Recorder for Tape {
-    fn record(&mut self, moment: Moment) {
-        self.push(Event::new(&moment, &self.lines));
+    fn record(&mut self, run_event: RunEvent) {
+        self.push(Event::new(&run_event, &self.lines));
     }
 }
 

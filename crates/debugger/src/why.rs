@@ -1,7 +1,7 @@
 //! Why: the event that caused an event, and so on up to the split of the KD-tree; and the history of a
 //! sample or a place. Everything is read from the recording.
 
-use tilescope_core::{Moment, Origin, Point, R, Rect};
+use tilescope_core::{Origin, Point, R, Rect, RunEvent};
 
 use crate::event::{Event, NONE};
 use crate::kind::Kind;
@@ -15,34 +15,34 @@ pub const PLACE_REACH: i32 = R / 8;
 /// phase, an iteration, the first split.
 #[must_use]
 pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
-    let moment = recording.event(index)?.moment();
+    let run_event = recording.event(index)?.run_event();
     let life = |sample: u32| recording.life(sample);
-    let found = match moment? {
-        Moment::Split { index: split, .. } => parent_split(recording, split),
-        Moment::Leaf { block } => split_of_block(recording, block),
-        Moment::Clip { block } => at(recording.leaves(), block),
-        Moment::Tiled { block, .. } => at(recording.clips(), block),
-        Moment::Take { sample, .. } => Some(life(sample)?.born),
-        Moment::Keep { sample, rest } if rest => Some(life(sample)?.born),
-        Moment::Keep { .. } => recording.last_of(Kind::Take, index).map(|i| i as u32),
-        Moment::Test { pivot, .. } => Some(life(pivot)?.kept),
-        Moment::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
-        Moment::Mark { sample, because } if sample == because => Some(life(sample)?.kept),
-        Moment::Mark { because, .. } => Some(life(because)?.lost),
-        Moment::Detect { sample } => Some(marked_or_born(recording, sample, index)),
-        Moment::Search { centre, .. } => cause_of_search(recording, centre, index),
-        Moment::NoGap { .. } | Moment::Call { .. } => {
+    let found = match run_event? {
+        RunEvent::Split { index: split, .. } => parent_split(recording, split),
+        RunEvent::Leaf { block } => split_of_block(recording, block),
+        RunEvent::Clip { block } => at(recording.leaves(), block),
+        RunEvent::Tiled { block, .. } => at(recording.clips(), block),
+        RunEvent::Take { sample, .. } => Some(life(sample)?.born),
+        RunEvent::Keep { sample, rest } if rest => Some(life(sample)?.born),
+        RunEvent::Keep { .. } => recording.last_of(Kind::Take, index).map(|i| i as u32),
+        RunEvent::Test { pivot, .. } => Some(life(pivot)?.kept),
+        RunEvent::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
+        RunEvent::Mark { sample, because } if sample == because => Some(life(sample)?.kept),
+        RunEvent::Mark { because, .. } => Some(life(because)?.lost),
+        RunEvent::Detect { sample } => Some(marked_or_born(recording, sample, index)),
+        RunEvent::Search { centre, .. } => cause_of_search(recording, centre, index),
+        RunEvent::NoGap { .. } | RunEvent::Call { .. } => {
             recording.last_of(Kind::Search, index).map(|i| i as u32)
         }
-        Moment::Pairs { .. } => recording.last_of(Kind::Call, index).map(|i| i as u32),
-        Moment::Candidate { .. } => recording.context(index).search.map(|search| search.event),
-        Moment::Pass { by, .. } => Some(life(by)?.born),
-        Moment::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
-        Moment::Rank { .. }
-        | Moment::IterationEnd { .. }
-        | Moment::Dart { .. }
-        | Moment::Cut { .. } => recording.last_of(Kind::Iteration, index).map(|i| i as u32),
-        Moment::Begin(_) | Moment::Iteration { .. } | Moment::Finish { .. } => None,
+        RunEvent::Pairs { .. } => recording.last_of(Kind::Call, index).map(|i| i as u32),
+        RunEvent::Candidate { .. } => recording.context(index).search.map(|search| search.event),
+        RunEvent::Pass { by, .. } => Some(life(by)?.born),
+        RunEvent::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
+        RunEvent::Rank { .. }
+        | RunEvent::IterationEnd { .. }
+        | RunEvent::Dart { .. }
+        | RunEvent::Cut { .. } => recording.last_of(Kind::Iteration, index).map(|i| i as u32),
+        RunEvent::Begin(_) | RunEvent::Iteration { .. } | RunEvent::Finish { .. } => None,
     };
     found
         .map(|event| event as usize)

@@ -1,6 +1,6 @@
 //! How much of the KD-tree there is at a moment.
 
-use tilescope_core::{Moment, Stage};
+use tilescope_core::{RunEvent, Stage};
 use tilescope_session::moment::Shown;
 
 /// How many splits and leaves there are at a moment.
@@ -28,9 +28,9 @@ impl Made {
             (made.splits, made.leaves) = (0, 0);
             let tape = debugger.recording().tape();
             for (_, event) in tape.from(0).take(shown.cursor()) {
-                match event.moment() {
-                    Some(Moment::Split { .. }) => made.splits += 1,
-                    Some(Moment::Leaf { .. }) => made.leaves += 1,
+                match event.run_event() {
+                    Some(RunEvent::Split { .. }) => made.splits += 1,
+                    Some(RunEvent::Leaf { .. }) => made.leaves += 1,
                     _ => {}
                 }
             }

@@ -115,9 +115,9 @@ impl Geometry {
 
 /// Returns the places of the samples that cover their disks, in r.
 fn covering(shown: &Shown<'_>) -> Vec<[f64; 2]> {
-    let points = &shown.session.run().samples.points;
-    let ids = (0..points.len() as u32).filter(|&id| shown.covers(id));
-    ids.map(|id| shown.session.place(id)).collect()
+    let covering = shown.moment().covering(shown.session);
+    let places = covering.into_iter();
+    places.map(|(_, id)| shown.session.place(id)).collect()
 }
 
 /// Returns the region of a session, in r.

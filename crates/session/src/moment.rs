@@ -1,8 +1,9 @@
-//! The moment that is shown: a session after some of its events, or after a stage where there are none.
-//! It answers how samples stand; it never moves.
+//! Moments: a session after some of its events, or after a stage where there are none. They answer how samples stand; they
+//! never move.
 
 use std::sync::Arc;
 
+use serde_json::{Value, json};
 use tilescope_core::{Fate, Origin, Point, Stage, Standing};
 use tilescope_debugger::{Context, Debugger, Event, Status};
 
@@ -10,6 +11,103 @@ use crate::errand::Lent;
 use crate::session::Session;
 
 /// A moment of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Moment {
+    /// The stage that is current.
+    pub stage: Stage,
+    /// How many events have happened, where there are events.
+    pub cursor: Option<usize>,
+}
+
+impl Moment {
+    /// Returns the moment of a session with events when `cursor` of them have happened.
+    #[must_use]
+    pub fn at(session: &Session, cursor: usize) -> Self {
+        Self {
+            stage: session.stages[session.stage_at(cursor)],
+            cursor: Some(cursor),
+        }
+    }
+
+    /// Returns the end of a stage, which is given by its place in the session's list.
+    #[must_use]
+    pub fn after(session: &Session, place: usize) -> Self {
+        Self {
+            stage: session.stages[place],
+            cursor: session.stage_end(place),
+        }
+    }
+
+    /// Returns how a sample stands.
+    #[must_use]
+    pub fn standing(&self, session: &Session, id: u32) -> Standing {
+        let run = session.run();
+        let Some((recording, cursor)) = session.recording().zip(self.cursor) else {
+            return run.standing(id, self.stage);
+        };
+        match recording.status(id, cursor) {
+            Status::Absent => Standing::Absent,
+            Status::Undecided => Standing::Tiled,
+            Status::Kept => Standing::Valid,
+            Status::Dropped => Standing::Dropped,
+            Status::Eliminated => match run.samples.fates[id as usize] {
+                Fate::Eliminated { by } => Standing::Eliminated { by },
+                _ => Standing::Dropped,
+            },
+        }
+    }
+
+    /// Returns whether a sample covers its disk: it is there, and nothing has eliminated it.
+    #[must_use]
+    pub fn covers(&self, session: &Session, id: u32) -> bool {
+        let standing = self.standing(session, id);
+        matches!(standing, Standing::Tiled | Standing::Valid)
+    }
+
+    /// Returns the samples that cover their disks, with their places.
+    #[must_use]
+    pub fn covering(&self, session: &Session) -> Vec<(Point, u32)> {
+        let points = &session.run().samples.points;
+        let all = points.iter().copied().zip(0..);
+        all.filter(|&(_, id)| self.covers(session, id)).collect()
+    }
+
+    /// Returns the samples that cover their disks, in the order of results.
+    #[must_use]
+    pub fn samples(&self, session: &Session) -> Vec<u32> {
+        let covering = self.covering(session);
+        let keyed = covering.iter().map(|(point, id)| (point.canonical(), *id));
+        let mut keyed: Vec<(u64, u32)> = keyed.collect();
+        keyed.sort_unstable();
+        keyed.into_iter().map(|(_, id)| id).collect()
+    }
+
+    /// Returns whether any sample covers its disk.
+    #[must_use]
+    pub fn has_samples(&self, session: &Session) -> bool {
+        let ids = 0..session.run().samples.len() as u32;
+        self.stage >= Stage::Tile && ids.into_iter().any(|id| self.covers(session, id))
+    }
+
+    /// Returns whether a stage is whole at this moment.
+    #[must_use]
+    pub fn ends_stage(&self, session: &Session) -> bool {
+        self.cursor
+            .is_none_or(|cursor| session.stage_end(session.stage_at(cursor)) == Some(cursor))
+    }
+
+    /// Returns what files say about the moment.
+    #[must_use]
+    pub fn description(&self, session: &Session) -> Value {
+        json!({
+            "stage": self.stage.to_string(),
+            "cursor": self.cursor,
+            "events": session.recording().map(|recording| recording.len()),
+        })
+    }
+}
+
+/// The moment that is shown.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// The session.
@@ -21,36 +119,25 @@ pub struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
+    /// Returns the moment without what it is of.
+    #[must_use]
+    pub fn moment(&self) -> Moment {
+        Moment {
+            stage: self.stage,
+            cursor: self.debugger.map(|debugger| debugger.state().cursor()),
+        }
+    }
+
     /// Returns how a sample stands.
     #[must_use]
     pub fn standing(&self, id: u32) -> Standing {
-        let Some(debugger) = self.debugger else {
-            return self.session.run().standing(id, self.stage);
-        };
-        match debugger.state().statuses()[id as usize] {
-            Status::Absent => Standing::Absent,
-            Status::Undecided => Standing::Tiled,
-            Status::Kept => Standing::Valid,
-            Status::Dropped => Standing::Dropped,
-            Status::Eliminated => match self.session.run().samples.fates[id as usize] {
-                Fate::Eliminated { by } => Standing::Eliminated { by },
-                _ => Standing::Dropped,
-            },
-        }
+        self.moment().standing(self.session, id)
     }
 
     /// Returns whether a sample covers its disk: it is there, and nothing has eliminated it.
     #[must_use]
     pub fn covers(&self, id: u32) -> bool {
-        matches!(self.standing(id), Standing::Tiled | Standing::Valid)
-    }
-
-    /// Returns the samples that cover their disks, with their places.
-    #[must_use]
-    pub fn covering(&self) -> Vec<(Point, u32)> {
-        let points = &self.session.run().samples.points;
-        let all = points.iter().copied().zip(0..);
-        all.filter(|&(_, id)| self.covers(id)).collect()
+        self.moment().covers(self.session, id)
     }
 
     /// Returns how many events have happened; for a session without events, the stage's number.
@@ -71,9 +158,7 @@ impl<'a> Shown<'a> {
     /// Returns whether the moment is the end of a stage, where its picture is whole.
     #[must_use]
     pub fn ends_stage(&self) -> bool {
-        let cursor = self.cursor();
-        self.debugger.is_none()
-            || self.session.stage_end(self.session.stage_at(cursor)) == Some(cursor)
+        self.moment().ends_stage(self.session)
     }
 
     /// Returns what is current.
@@ -110,26 +195,20 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// A moment that can be taken to another thread.
+/// A moment with its session, which can be taken to another thread.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Still {
     session: Lent,
-    stage: Stage,
-    /// Which samples cover their disks; for sessions without events the stage says it.
-    covers: Option<Vec<bool>>,
+    moment: Moment,
 }
 
 impl Still {
-    /// Takes the moment `shown` of `session`.
+    /// Takes a moment of `session`.
     #[must_use]
-    pub fn of(session: &Arc<Session>, shown: &Shown<'_>) -> Self {
-        let all = 0..session.run().samples.len() as u32;
+    pub fn of(session: &Arc<Session>, moment: Moment) -> Self {
         Self {
             session: Lent(Arc::clone(session)),
-            stage: shown.stage,
-            covers: shown
-                .debugger
-                .map(|_| all.map(|id| shown.covers(id)).collect()),
+            moment,
         }
     }
 
@@ -142,15 +221,6 @@ impl Still {
     /// Returns the samples that cover their disks, with their places.
     #[must_use]
     pub fn covering(&self) -> Vec<(Point, u32)> {
-        let shown = Shown {
-            session: &self.session,
-            debugger: None,
-            stage: self.stage,
-        };
-        let Some(covers) = &self.covers else {
-            return shown.covering();
-        };
-        let points = self.session.run().samples.points.iter().copied().zip(0..);
-        points.filter(|&(_, id)| covers[id as usize]).collect()
+        self.moment.covering(&self.session)
     }
 }

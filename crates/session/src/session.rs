@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
-    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Moment, Origin, Parameters, R, Run, SampleError,
+    Fate, Insertion, Iteration, MAXIMAL_DENSITY, Origin, Parameters, R, Run, RunEvent, SampleError,
     SampleGrid, Stage, Standing, Summary, Sweep, Variant, covers_offset,
 };
 use tilescope_debugger::{Outline, Recording};
@@ -177,6 +177,13 @@ impl Session {
         }
     }
 
+    /// Returns the place of a stage in the list, else of the last one before it.
+    #[must_use]
+    pub fn place_of(&self, stage: Stage) -> usize {
+        let place = self.stages.iter().rposition(|&other| other <= stage);
+        place.unwrap_or(0)
+    }
+
     /// Returns the stage, as its place in the list, that is current when `cursor` events have happened.
     #[must_use]
     pub fn stage_at(&self, cursor: usize) -> usize {
@@ -325,7 +332,7 @@ impl Session {
 fn last_iteration(recording: &Recording) -> Option<Iteration> {
     let run = recording.run();
     let number = run.iterations.len() as u32 + 1;
-    let begins = |event: &tilescope_debugger::Event| matches!(event.moment(), Some(Moment::Iteration { number: other, .. }) if other == number);
+    let begins = |event: &tilescope_debugger::Event| matches!(event.run_event(), Some(RunEvent::Iteration { number: other, .. }) if other == number);
     recording
         .tape()
         .before(recording.len())
@@ -363,9 +370,9 @@ fn last_iteration(recording: &Recording) -> Option<Iteration> {
 fn stage_starts(recording: &Recording, stages: &[Stage]) -> Vec<usize> {
     let mut starts = Vec::with_capacity(stages.len());
     for (index, event) in recording.tape().from(0) {
-        let begun = match event.moment() {
-            Some(Moment::Begin(stage)) => stage,
-            Some(Moment::Iteration { number, .. }) => Stage::Iterate(number),
+        let begun = match event.run_event() {
+            Some(RunEvent::Begin(stage)) => stage,
+            Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
             _ => continue,
         };
         if stages.get(starts.len() + 1) == Some(&begun) {

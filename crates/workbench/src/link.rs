@@ -8,7 +8,7 @@ mod said;
 mod text;
 mod write;
 
-pub use content::{Content, Moment};
+pub use content::{Content, NamedMoment};
 pub use parameters::excess;
 pub use read::COLOURINGS;
 #[cfg(test)]

@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT;
 use tilescope_app::App;
 use tilescope_core::stages::blocks::Axis;
-use tilescope_core::{Fate, Moment, R};
+use tilescope_core::{Fate, R, RunEvent};
 use tilescope_session::layers::{Colouring, Layer};
 use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
@@ -256,7 +256,7 @@ fn the_tree_shows_the_splits_that_were_made() {
         let recording = debugger(harness);
         let mut events = recording.recording().tape().from(0);
         let found = events.find(|(_, event)| {
-            matches!(event.moment(), Some(Moment::Split { index, .. }) if index == wanted)
+            matches!(event.run_event(), Some(RunEvent::Split { index, .. }) if index == wanted)
         });
         found.expect("that split").0 + 1
     };

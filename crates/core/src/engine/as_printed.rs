@@ -12,7 +12,7 @@ use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, covers_offset};
 use crate::parameters::Search;
 use crate::progress::Meter;
-use crate::record::{Moment, Recorder, Verdict};
+use crate::record::{Recorder, RunEvent, Verdict};
 use crate::run::Iteration;
 use crate::samples::{Fate, Origin, Samples, Sites};
 use crate::stages::detect::{Border, DETECTOR_REACH, Reach, clamped};
@@ -68,11 +68,11 @@ impl AsPrinted {
         for &pivot in contested {
             let sample = pivot;
             let valid = is_valid(samples.fates[pivot as usize]);
-            recorder.record(Moment::Take { sample, valid });
+            recorder.record(RunEvent::Take { sample, valid });
             if valid {
                 samples.fates[pivot as usize] = Fate::Kept;
                 let rest = false;
-                recorder.record(Moment::Keep { sample, rest });
+                recorder.record(RunEvent::Keep { sample, rest });
                 self.mark(pivot, pivot, recorder);
                 self.claim(samples, pivot, recorder);
             }
@@ -101,17 +101,17 @@ impl AsPrinted {
             .filter(|&id| self.is_detector[id as usize] && samples.fates[id as usize] == Fate::Kept)
             .collect();
         meter.set_total(detectors.len() as u64);
-        recorder.record(Moment::Iteration {
+        recorder.record(RunEvent::Iteration {
             number: iteration,
             detectors: detectors.len() as u32,
         });
         for &detector in &detectors {
             let at = samples.points[detector as usize];
             let radius = Reach::new(&self.domain, self.search, at).search;
-            recorder.record(Moment::Detect { sample: detector });
+            recorder.record(RunEvent::Detect { sample: detector });
             let buffer = self.radius_search(samples, at, radius);
             record_search(detector, radius, &buffer, recorder);
-            recorder.record(Moment::Call {
+            recorder.record(RunEvent::Call {
                 pivot: detector,
                 iteration,
             });
@@ -133,13 +133,13 @@ impl AsPrinted {
         record_search(pivot, R, &conflicts, recorder);
         for conflict in conflicts {
             if conflict.id != pivot {
-                recorder.record(Moment::Test {
+                recorder.record(RunEvent::Test {
                     pivot,
                     other: conflict.id,
                     covers: true,
                 });
                 samples.fates[conflict.id as usize] = Fate::Eliminated { by: pivot };
-                recorder.record(Moment::Eliminate {
+                recorder.record(RunEvent::Eliminate {
                     sample: conflict.id,
                     by: pivot,
                 });
@@ -150,7 +150,7 @@ impl AsPrinted {
 
     fn mark<T: Recorder>(&mut self, sample: u32, because: u32, recorder: &mut T) {
         if T::ENABLED && !self.is_detector[sample as usize] {
-            recorder.record(Moment::Mark { sample, because });
+            recorder.record(RunEvent::Mark { sample, because });
         }
         self.is_detector[sample as usize] = true;
     }
@@ -173,7 +173,7 @@ impl AsPrinted {
                 .domain
                 .difference(at, samples.points[member.id as usize]);
         }
-        recorder.record(Moment::Call {
+        recorder.record(RunEvent::Call {
             pivot,
             iteration: 1,
         });
@@ -190,7 +190,7 @@ impl AsPrinted {
         recorder: &mut T,
     ) {
         let others: Vec<Member> = buffer.iter().copied().filter(|m| m.id != pivot).collect();
-        recorder.record(Moment::Pairs {
+        recorder.record(RunEvent::Pairs {
             pivot,
             others: others.len() as u32,
         });
@@ -244,7 +244,7 @@ impl AsPrinted {
     ) {
         let examined = self.examine(samples, samples.points[pivot as usize], centre);
         if T::ENABLED {
-            recorder.record(Moment::Candidate {
+            recorder.record(RunEvent::Candidate {
                 detector: pivot,
                 sites,
                 offset: clamped(centre),
@@ -256,7 +256,7 @@ impl AsPrinted {
             self.grid.insert(sample, point);
             self.is_detector.push(true);
             samples.push(point, Origin::Inserted { iteration, sites }, Fate::Kept);
-            recorder.record(Moment::Insert { sample, iteration });
+            recorder.record(RunEvent::Insert { sample, iteration });
         }
     }
 
@@ -315,7 +315,7 @@ impl AsPrinted {
 }
 
 fn record_search<T: Recorder>(centre: u32, radius: i32, found: &[Member], recorder: &mut T) {
-    recorder.record(Moment::Search {
+    recorder.record(RunEvent::Search {
         centre,
         radius,
         found: found.len() as u32,

@@ -11,7 +11,7 @@ use crate::parameters::{Insertion, Parameters, Variant};
 use crate::pattern::Pattern;
 use crate::progress::{Meter, Observer};
 use crate::random::Key;
-use crate::record::{Moment, Recorder, Unrecorded};
+use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::run::{Iteration, Run};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stage::Stage;
@@ -45,7 +45,7 @@ pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Ru
     Sequential::new(parameters, pattern)?.finish(observer)
 }
 
-/// Returns what [`sample`] returns and lets `recorder` hear of every moment of it. Recording changes nothing.
+/// Returns what [`sample`] returns and tells `recorder` of every event of it. Recording changes nothing.
 pub fn sample_recorded<T: Recorder>(
     parameters: &Parameters,
     observer: &mut dyn Observer,
@@ -166,7 +166,7 @@ impl Sequential {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<(), SampleError> {
-        recorder.record(Moment::Begin(Stage::Blocks));
+        recorder.record(RunEvent::Begin(Stage::Blocks));
         let meter = Meter::begin(observer, Stage::Blocks, 1)?;
         let leaf = self.run.parameters.leaf_units()?;
         self.run.blocks = split_recorded(&self.run.domain, leaf, self.key, recorder);
@@ -178,7 +178,7 @@ impl Sequential {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<(), SampleError> {
-        recorder.record(Moment::Begin(Stage::Tile));
+        recorder.record(RunEvent::Begin(Stage::Tile));
         let Run {
             domain,
             blocks,
@@ -205,7 +205,7 @@ impl Sequential {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<(), SampleError> {
-        recorder.record(Moment::Begin(Stage::Eliminate));
+        recorder.record(RunEvent::Begin(Stage::Eliminate));
         let run = &mut self.run;
         let Parameters {
             order,
@@ -260,7 +260,7 @@ impl Sequential {
                 detectors,
             } => {
                 let meter = Meter::begin(observer, Stage::Iterate(k), detectors.len() as u64)?;
-                recorder.record(Moment::Iteration {
+                recorder.record(RunEvent::Iteration {
                     number: k,
                     detectors: detectors.len() as u32,
                 });
@@ -288,7 +288,7 @@ impl Sequential {
                 printed.second_loop(k, &mut run.samples, meter, recorder)?
             }
         };
-        recorder.record(Moment::IterationEnd {
+        recorder.record(RunEvent::IterationEnd {
             number: k,
             inserted: iteration.inserted.len() as u32,
         });
@@ -304,7 +304,7 @@ impl Sequential {
         observer: &mut dyn Observer,
         recorder: &mut T,
     ) -> Result<(), SampleError> {
-        recorder.record(Moment::Begin(Stage::Finish));
+        recorder.record(RunEvent::Begin(Stage::Finish));
         let samples = &self.run.samples;
         let meter = Meter::begin(observer, Stage::Finish, 1)?;
         let mut keyed: Vec<(u64, u32)> = (0..)
@@ -313,7 +313,7 @@ impl Sequential {
             .map(|(id, _): (u32, _)| (samples.points[id as usize].canonical(), id))
             .collect();
         keyed.sort_unstable();
-        recorder.record(Moment::Finish {
+        recorder.record(RunEvent::Finish {
             count: keyed.len() as u32,
         });
         self.run.result = keyed.into_iter().map(|(_, id)| id).collect();
@@ -364,7 +364,7 @@ pub(crate) fn uniform<T: Recorder>(
     recorder: &mut T,
 ) -> Result<Iteration, SampleError> {
     let cells: Vec<_> = process.active_cells().collect();
-    recorder.record(Moment::Iteration {
+    recorder.record(RunEvent::Iteration {
         number: k,
         detectors: cells.len() as u32,
     });

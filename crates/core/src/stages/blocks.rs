@@ -3,7 +3,7 @@
 
 use crate::lattice::{Domain, Point, Rect};
 use crate::random::{Key, Stream, below};
-use crate::record::{Moment, Recorder, Unrecorded};
+use crate::record::{Recorder, RunEvent, Unrecorded};
 
 /// An axis of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -79,13 +79,13 @@ pub(crate) fn split_recorded<T: Recorder>(
     while let Some(node) = stack.pop() {
         match node.cut(leaf) {
             None => {
-                recorder.record(Moment::Leaf {
+                recorder.record(RunEvent::Leaf {
                     block: blocks.leaves.len() as u32,
                 });
                 blocks.leaves.push(node.block);
             }
             Some(cut) => {
-                recorder.record(Moment::Split {
+                recorder.record(RunEvent::Split {
                     index: blocks.splits.len() as u32,
                     turned: cut.axis != node.axis,
                 });

@@ -13,7 +13,7 @@ use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
 use crate::progress::{Meter, Observer};
 use crate::random::{Key, Stream};
-use crate::record::{Moment, Recorder, Unrecorded, Verdict};
+use crate::record::{Recorder, RunEvent, Unrecorded, Verdict};
 use crate::stage::Stage;
 use crate::stages::disks::{Cell, DiskGrid, tiling_cells};
 
@@ -130,7 +130,7 @@ impl DartProcess {
         let mut accepted = Vec::new();
         for dart in darts {
             let covered = self.disks.covers(dart.point);
-            recorder.record(Moment::Dart {
+            recorder.record(RunEvent::Dart {
                 point: dart.point,
                 ranked: true,
                 verdict: verdict(true, covered),
@@ -139,7 +139,7 @@ impl DartProcess {
                 // A grid cell of a conflict-free set never fills up.
                 let fits = self.disks.insert(dart.point);
                 debug_assert!(fits, "the set is conflict-free");
-                recorder.record(Moment::Insert {
+                recorder.record(RunEvent::Insert {
                     sample: first + accepted.len() as u32,
                     iteration,
                 });
@@ -169,7 +169,7 @@ impl DartProcess {
             for (rank, point) in cell_darts(key, Cell { min, side }) {
                 let inside = domain.contains(point);
                 let covered = inside && self.disks.covers(point);
-                recorder.record(Moment::Dart {
+                recorder.record(RunEvent::Dart {
                     point,
                     ranked: false,
                     verdict: verdict(inside, covered),
@@ -202,7 +202,7 @@ impl DartProcess {
             let before = next.len();
             self.disks
                 .uncovered_quarters(Cell { min, side }, &mut near, &mut next);
-            recorder.record(Moment::Cut {
+            recorder.record(RunEvent::Cut {
                 cell: min,
                 side,
                 kept: (next.len() - before) as u32,

@@ -26,7 +26,7 @@ use crate::circumcentre::{Offset, circumcentre, on_line};
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, Point, R, R_SQUARED};
 use crate::parameters::Search;
-use crate::record::{Moment, Recorder, Unrecorded, Verdict};
+use crate::record::{Recorder, RunEvent, Unrecorded, Verdict};
 use crate::samples::{Fate, Samples};
 use crate::stages::voronoi::RelaxedCell;
 
@@ -100,7 +100,7 @@ pub(crate) fn first_detectors_recorded<T: Recorder>(
             survivors.any_near(point, DETECTOR_REACH, |near| {
                 if norm_squared((near.offset.0.into(), near.offset.1.into())) <= limit {
                     if T::ENABLED && !is_detector[near.id as usize] {
-                        recorder.record(Moment::Mark {
+                        recorder.record(RunEvent::Mark {
                             sample: near.id,
                             because,
                         });
@@ -167,7 +167,7 @@ impl<'a> Detection<'a> {
         out: &mut Vec<Candidate>,
         recorder: &mut T,
     ) {
-        recorder.record(Moment::Detect { sample: id });
+        recorder.record(RunEvent::Detect { sample: id });
         self.reach = Reach::new(&self.domain, self.search, at);
         self.start_cell(at);
         if T::ENABLED {
@@ -176,12 +176,12 @@ impl<'a> Detection<'a> {
         // Most detectors have no gap, and their neighbours within 2r prove it.
         self.clip_cell(id, at, 2 * R);
         if self.cell.is_covered() {
-            recorder.record(Moment::NoGap { sample: id });
+            recorder.record(RunEvent::NoGap { sample: id });
             return;
         }
         self.clip_cell(id, at, 2 * self.reach.radius);
         if self.cell.is_covered() {
-            recorder.record(Moment::NoGap { sample: id });
+            recorder.record(RunEvent::NoGap { sample: id });
             return;
         }
         let own = Site { offset: (0, 0), id };
@@ -211,7 +211,7 @@ impl<'a> Detection<'a> {
             found += u32::from(norm_squared(offset) <= limit);
             false
         });
-        recorder.record(Moment::Search {
+        recorder.record(RunEvent::Search {
             centre,
             radius,
             found,
@@ -345,7 +345,7 @@ fn record_candidate<T: Recorder>(
     recorder: &mut T,
 ) {
     if T::ENABLED {
-        recorder.record(Moment::Candidate {
+        recorder.record(RunEvent::Candidate {
             detector,
             sites,
             offset: clamped(centre),

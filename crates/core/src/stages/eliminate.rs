@@ -5,7 +5,7 @@ use crate::error::SampleError;
 use crate::grid::SampleGrid;
 use crate::lattice::{Domain, R, covers_offset};
 use crate::progress::Meter;
-use crate::record::{Moment, Recorder};
+use crate::record::{Recorder, RunEvent};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stages::blocks::Blocks;
 use crate::stages::order::Ranking;
@@ -44,24 +44,24 @@ pub(crate) fn eliminate<T: Recorder>(
     }
     for &id in contested {
         let valid = samples.fates[id as usize] == Fate::Undecided;
-        recorder.record(Moment::Take { sample: id, valid });
+        recorder.record(RunEvent::Take { sample: id, valid });
         if valid {
             samples.fates[id as usize] = Fate::Kept;
             let rest = false;
-            recorder.record(Moment::Keep { sample: id, rest });
+            recorder.record(RunEvent::Keep { sample: id, rest });
             grid.any_near(samples.points[id as usize], R, |near| {
                 let fate = &mut samples.fates[near.id as usize];
                 if *fate == Fate::Undecided {
                     let covers = covers_offset(near.offset.0, near.offset.1);
                     let (pivot, other) = (id, near.id);
-                    recorder.record(Moment::Test {
+                    recorder.record(RunEvent::Test {
                         pivot,
                         other,
                         covers,
                     });
                     if covers {
                         *fate = Fate::Eliminated { by: id };
-                        recorder.record(Moment::Eliminate {
+                        recorder.record(RunEvent::Eliminate {
                             sample: near.id,
                             by: id,
                         });
@@ -81,7 +81,7 @@ pub(crate) fn keep_rest<T: Recorder>(samples: &mut Samples, recorder: &mut T) {
     for (fate, sample) in samples.fates.iter_mut().zip(0..) {
         if *fate == Fate::Undecided {
             *fate = Fate::Kept;
-            recorder.record(Moment::Keep { sample, rest: true });
+            recorder.record(RunEvent::Keep { sample, rest: true });
         }
     }
 }

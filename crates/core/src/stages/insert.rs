@@ -4,7 +4,7 @@
 use crate::grid::SampleGrid;
 use crate::lattice::{R, covers_offset};
 use crate::random::{Key, Stream};
-use crate::record::{Moment, Recorder, Unrecorded};
+use crate::record::{Recorder, RunEvent, Unrecorded};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stages::detect::Candidate;
 
@@ -44,7 +44,7 @@ pub(crate) fn insert_recorded<T: Recorder>(
     key: Key,
     recorder: &mut T,
 ) -> std::ops::Range<u32> {
-    recorder.record(Moment::Rank {
+    recorder.record(RunEvent::Rank {
         candidates: candidates.len() as u32,
     });
     let key = key.derive(Stream::Iteration, iteration);
@@ -61,7 +61,7 @@ pub(crate) fn insert_recorded<T: Recorder>(
             covers_offset(near.offset.0, near.offset.1)
         });
         if covered {
-            recorder.record(Moment::Pass {
+            recorder.record(RunEvent::Pass {
                 point: candidate.point,
                 by,
             });
@@ -73,7 +73,7 @@ pub(crate) fn insert_recorded<T: Recorder>(
                 sites: candidate.sites,
             };
             samples.push(candidate.point, origin, Fate::Kept);
-            recorder.record(Moment::Insert {
+            recorder.record(RunEvent::Insert {
                 sample: id,
                 iteration,
             });

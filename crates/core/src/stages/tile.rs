@@ -6,7 +6,7 @@ use crate::lattice::{Domain, Point, R, Rect};
 use crate::pattern::{Pattern, Symmetry, Variant};
 use crate::progress::Meter;
 use crate::random::{Stream, below};
-use crate::record::{Moment, Recorder};
+use crate::record::{Recorder, RunEvent};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stages::blocks::{Block, Blocks};
 
@@ -52,14 +52,14 @@ pub(crate) fn tile<T: Recorder>(
         variant.clip(start, width, height, |x, y, id| clip.push((y, x, id)));
         // A seam of the repeated pattern may break the order within a row.
         clip.sort_unstable();
-        recorder.record(Moment::Clip { block: index });
+        recorder.record(RunEvent::Clip { block: index });
         let first = samples.len() as u32;
         for &(y, x, pattern) in &clip {
             let x = i64::from(block.rect.min.x) - i64::from(R) + i64::from(x);
             let y = i64::from(block.rect.min.y) - i64::from(R) + i64::from(y);
             place(domain, &block.rect, (x, y), index, pattern, samples);
             if T::ENABLED {
-                recorder.record(Moment::Tiled {
+                recorder.record(RunEvent::Tiled {
                     sample: samples.len() as u32 - 1,
                     block: index,
                     inside: samples.fates.last() != Some(&Fate::Dropped),

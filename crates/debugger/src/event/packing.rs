@@ -1,14 +1,14 @@
-//! How moments become events and events moments: five words, a few bits and nothing lost.
+//! How events are packed and unpacked: five words, a few bits and nothing lost.
 //! It never looks at the run.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Moment, Point, Stage, Verdict};
+use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
 use super::{Event, NONE};
 use crate::kind::Kind;
 
-/// Returns the moment of an event, or `None` for a notice of thinning.
-pub(super) fn unpack(event: &Event) -> Option<Moment> {
+/// Returns what an event was packed from, or `None` for a notice of thinning.
+pub(super) fn unpack(event: &Event) -> Option<RunEvent> {
     Some(match event.kind {
         Kind::Begin | Kind::Split | Kind::Leaf | Kind::Clip | Kind::Tiled => event.tiling(),
         Kind::Take | Kind::Keep | Kind::Test | Kind::Eliminate | Kind::Mark => event.elimination(),
@@ -32,17 +32,17 @@ impl Event {
         self.tags == 1
     }
 
-    fn tiling(&self) -> Moment {
+    fn tiling(&self) -> RunEvent {
         let [a, b, ..] = self.words;
         match self.kind {
-            Kind::Begin => Moment::Begin(stage(self.tags, a)),
-            Kind::Split => Moment::Split {
+            Kind::Begin => RunEvent::Begin(stage(self.tags, a)),
+            Kind::Split => RunEvent::Split {
                 index: a,
                 turned: self.flag(),
             },
-            Kind::Leaf => Moment::Leaf { block: a },
-            Kind::Clip => Moment::Clip { block: a },
-            _ => Moment::Tiled {
+            Kind::Leaf => RunEvent::Leaf { block: a },
+            Kind::Clip => RunEvent::Clip { block: a },
+            _ => RunEvent::Tiled {
                 sample: a,
                 block: b,
                 inside: self.flag(),
@@ -50,86 +50,86 @@ impl Event {
         }
     }
 
-    fn elimination(&self) -> Moment {
+    fn elimination(&self) -> RunEvent {
         let [a, b, ..] = self.words;
         match self.kind {
-            Kind::Take => Moment::Take {
+            Kind::Take => RunEvent::Take {
                 sample: a,
                 valid: self.flag(),
             },
-            Kind::Keep => Moment::Keep {
+            Kind::Keep => RunEvent::Keep {
                 sample: a,
                 rest: self.flag(),
             },
-            Kind::Test => Moment::Test {
+            Kind::Test => RunEvent::Test {
                 pivot: a,
                 other: b,
                 covers: self.flag(),
             },
-            Kind::Eliminate => Moment::Eliminate { sample: a, by: b },
-            _ => Moment::Mark {
+            Kind::Eliminate => RunEvent::Eliminate { sample: a, by: b },
+            _ => RunEvent::Mark {
                 sample: a,
                 because: b,
             },
         }
     }
 
-    fn detection(&self) -> Moment {
+    fn detection(&self) -> RunEvent {
         let [a, b, c, ..] = self.words;
         match self.kind {
-            Kind::Iteration => Moment::Iteration {
+            Kind::Iteration => RunEvent::Iteration {
                 number: a,
                 detectors: b,
             },
-            Kind::Detect => Moment::Detect { sample: a },
-            Kind::Search => Moment::Search {
+            Kind::Detect => RunEvent::Detect { sample: a },
+            Kind::Search => RunEvent::Search {
                 centre: a,
                 radius: b as i32,
                 found: c,
             },
-            Kind::NoGap => Moment::NoGap { sample: a },
-            Kind::Call => Moment::Call {
+            Kind::NoGap => RunEvent::NoGap { sample: a },
+            Kind::Call => RunEvent::Call {
                 pivot: a,
                 iteration: b,
             },
-            Kind::Pairs => Moment::Pairs {
+            Kind::Pairs => RunEvent::Pairs {
                 pivot: a,
                 others: b,
             },
-            _ => Moment::IterationEnd {
+            _ => RunEvent::IterationEnd {
                 number: a,
                 inserted: b,
             },
         }
     }
 
-    fn insertion(&self) -> Moment {
+    fn insertion(&self) -> RunEvent {
         let [a, b, c, d, _] = self.words;
         match self.kind {
-            Kind::Rank => Moment::Rank { candidates: a },
-            Kind::Pass => Moment::Pass {
+            Kind::Rank => RunEvent::Rank { candidates: a },
+            Kind::Pass => RunEvent::Pass {
                 point: point(a, b),
                 by: c,
             },
-            Kind::Insert => Moment::Insert {
+            Kind::Insert => RunEvent::Insert {
                 sample: a,
                 iteration: b,
             },
-            Kind::Dart => Moment::Dart {
+            Kind::Dart => RunEvent::Dart {
                 point: point(a, b),
                 ranked: self.is_ranked(),
                 verdict: verdict(self.tags, c),
             },
-            Kind::Cut => Moment::Cut {
+            Kind::Cut => RunEvent::Cut {
                 cell: point(a, b),
                 side: c as i32,
                 kept: d,
             },
-            _ => Moment::Finish { count: a },
+            _ => RunEvent::Finish { count: a },
         }
     }
 
-    fn candidate(&self) -> Moment {
+    fn candidate(&self) -> RunEvent {
         let [a, b, c, d, e] = self.words;
         let sites = match (self.tags >> 3) & 3 {
             0 => Sites::Three([a, b, c]),
@@ -146,7 +146,7 @@ impl Event {
             }
             _ => [d as i32, e as i32],
         };
-        Moment::Candidate {
+        RunEvent::Candidate {
             detector: self.words[usize::from(self.tags >> 5)],
             sites,
             offset,
@@ -185,96 +185,100 @@ const fn two(kind: Kind, a: u32, b: u32) -> Event {
     plain(kind, [a, b, 0, 0, 0])
 }
 
-/// What a part of [`pack`] returns for moments that are not its own: never.
+/// What a part of [`pack`] returns for events that are not its own: never.
 const fn nothing() -> Event {
     plain(Kind::Candidate, [NONE; 5])
 }
 
-/// Returns the event of a moment, without its line.
-pub(super) fn pack(moment: &Moment) -> Event {
-    match moment {
-        Moment::Begin(_)
-        | Moment::Split { .. }
-        | Moment::Leaf { .. }
-        | Moment::Clip { .. }
-        | Moment::Tiled { .. }
-        | Moment::Take { .. }
-        | Moment::Keep { .. }
-        | Moment::Test { .. }
-        | Moment::Eliminate { .. }
-        | Moment::Mark { .. } => pack_tiled(moment),
-        Moment::Iteration { .. }
-        | Moment::Detect { .. }
-        | Moment::Search { .. }
-        | Moment::NoGap { .. }
-        | Moment::Call { .. }
-        | Moment::Pairs { .. }
-        | Moment::Rank { .. }
-        | Moment::Insert { .. }
-        | Moment::IterationEnd { .. }
-        | Moment::Finish { .. } => pack_filling(moment),
-        Moment::Pass { .. } | Moment::Dart { .. } | Moment::Cut { .. } => pack_place(moment),
-        Moment::Candidate { .. } => pack_candidate(moment),
+/// Returns the packed event, without its line.
+pub(super) fn pack(run_event: &RunEvent) -> Event {
+    match run_event {
+        RunEvent::Begin(_)
+        | RunEvent::Split { .. }
+        | RunEvent::Leaf { .. }
+        | RunEvent::Clip { .. }
+        | RunEvent::Tiled { .. }
+        | RunEvent::Take { .. }
+        | RunEvent::Keep { .. }
+        | RunEvent::Test { .. }
+        | RunEvent::Eliminate { .. }
+        | RunEvent::Mark { .. } => pack_tiled(run_event),
+        RunEvent::Iteration { .. }
+        | RunEvent::Detect { .. }
+        | RunEvent::Search { .. }
+        | RunEvent::NoGap { .. }
+        | RunEvent::Call { .. }
+        | RunEvent::Pairs { .. }
+        | RunEvent::Rank { .. }
+        | RunEvent::Insert { .. }
+        | RunEvent::IterationEnd { .. }
+        | RunEvent::Finish { .. } => pack_filling(run_event),
+        RunEvent::Pass { .. } | RunEvent::Dart { .. } | RunEvent::Cut { .. } => {
+            pack_place(run_event)
+        }
+        RunEvent::Candidate { .. } => pack_candidate(run_event),
     }
 }
 
 /// Packs what happens before gaps are looked for.
-fn pack_tiled(moment: &Moment) -> Event {
-    match *moment {
-        Moment::Begin(stage) => {
+fn pack_tiled(run_event: &RunEvent) -> Event {
+    match *run_event {
+        RunEvent::Begin(stage) => {
             let (tags, k) = stage_tags(stage);
             Event {
                 tags,
                 ..one(Kind::Begin, k)
             }
         }
-        Moment::Split { index, turned } => flagged(Kind::Split, index, 0, turned),
-        Moment::Leaf { block } => one(Kind::Leaf, block),
-        Moment::Clip { block } => one(Kind::Clip, block),
-        Moment::Tiled {
+        RunEvent::Split { index, turned } => flagged(Kind::Split, index, 0, turned),
+        RunEvent::Leaf { block } => one(Kind::Leaf, block),
+        RunEvent::Clip { block } => one(Kind::Clip, block),
+        RunEvent::Tiled {
             sample,
             block,
             inside,
         } => flagged(Kind::Tiled, sample, block, inside),
-        Moment::Take { sample, valid } => flagged(Kind::Take, sample, 0, valid),
-        Moment::Keep { sample, rest } => flagged(Kind::Keep, sample, 0, rest),
-        Moment::Test {
+        RunEvent::Take { sample, valid } => flagged(Kind::Take, sample, 0, valid),
+        RunEvent::Keep { sample, rest } => flagged(Kind::Keep, sample, 0, rest),
+        RunEvent::Test {
             pivot,
             other,
             covers,
         } => flagged(Kind::Test, pivot, other, covers),
-        Moment::Eliminate { sample, by } => two(Kind::Eliminate, sample, by),
-        Moment::Mark { sample, because } => two(Kind::Mark, sample, because),
+        RunEvent::Eliminate { sample, by } => two(Kind::Eliminate, sample, by),
+        RunEvent::Mark { sample, because } => two(Kind::Mark, sample, because),
         _ => nothing(),
     }
 }
 
 /// Packs what happens while gaps are filled.
-fn pack_filling(moment: &Moment) -> Event {
-    match *moment {
-        Moment::Iteration { number, detectors } => two(Kind::Iteration, number, detectors),
-        Moment::Detect { sample } => one(Kind::Detect, sample),
-        Moment::Search {
+fn pack_filling(run_event: &RunEvent) -> Event {
+    match *run_event {
+        RunEvent::Iteration { number, detectors } => two(Kind::Iteration, number, detectors),
+        RunEvent::Detect { sample } => one(Kind::Detect, sample),
+        RunEvent::Search {
             centre,
             radius,
             found,
         } => plain(Kind::Search, [centre, radius as u32, found, 0, 0]),
-        Moment::NoGap { sample } => one(Kind::NoGap, sample),
-        Moment::Call { pivot, iteration } => two(Kind::Call, pivot, iteration),
-        Moment::Pairs { pivot, others } => two(Kind::Pairs, pivot, others),
-        Moment::Rank { candidates } => one(Kind::Rank, candidates),
-        Moment::Insert { sample, iteration } => two(Kind::Insert, sample, iteration),
-        Moment::IterationEnd { number, inserted } => two(Kind::IterationEnd, number, inserted),
-        Moment::Finish { count } => one(Kind::Finish, count),
+        RunEvent::NoGap { sample } => one(Kind::NoGap, sample),
+        RunEvent::Call { pivot, iteration } => two(Kind::Call, pivot, iteration),
+        RunEvent::Pairs { pivot, others } => two(Kind::Pairs, pivot, others),
+        RunEvent::Rank { candidates } => one(Kind::Rank, candidates),
+        RunEvent::Insert { sample, iteration } => two(Kind::Insert, sample, iteration),
+        RunEvent::IterationEnd { number, inserted } => two(Kind::IterationEnd, number, inserted),
+        RunEvent::Finish { count } => one(Kind::Finish, count),
         _ => nothing(),
     }
 }
 
 /// Packs what happens at a place that is no sample's.
-fn pack_place(moment: &Moment) -> Event {
-    match *moment {
-        Moment::Pass { point, by } => plain(Kind::Pass, [point.x as u32, point.y as u32, by, 0, 0]),
-        Moment::Dart {
+fn pack_place(run_event: &RunEvent) -> Event {
+    match *run_event {
+        RunEvent::Pass { point, by } => {
+            plain(Kind::Pass, [point.x as u32, point.y as u32, by, 0, 0])
+        }
+        RunEvent::Dart {
             point,
             ranked,
             verdict,
@@ -287,7 +291,7 @@ fn pack_place(moment: &Moment) -> Event {
                 ..plain(Kind::Dart, words)
             }
         }
-        Moment::Cut { cell, side, kept } => plain(
+        RunEvent::Cut { cell, side, kept } => plain(
             Kind::Cut,
             [cell.x as u32, cell.y as u32, side as u32, kept, 0],
         ),
@@ -296,13 +300,13 @@ fn pack_place(moment: &Moment) -> Event {
 }
 
 /// Packs an examined place. Offsets that come with another sample's id are within reach, below 2^19 units.
-fn pack_candidate(moment: &Moment) -> Event {
-    let &Moment::Candidate {
+fn pack_candidate(run_event: &RunEvent) -> Event {
+    let &RunEvent::Candidate {
         detector,
         sites,
         offset: [x, y],
         verdict,
-    } = moment
+    } = run_event
     else {
         return nothing();
     };

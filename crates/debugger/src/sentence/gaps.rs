@@ -2,16 +2,18 @@
 //! It reads the recording only.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Moment, Origin, Point, Verdict};
+use tilescope_core::{Origin, Point, RunEvent, Verdict};
 
 use super::{Words, count, fraction, grouped, place, radii};
 use crate::event::NONE;
 
 impl Words<'_> {
-    pub(super) fn search(&self, moment: Moment) -> String {
-        match moment {
-            Moment::Detect { sample } => format!("{} begins to look for gaps", self.sample(sample)),
-            Moment::Search {
+    pub(super) fn search(&self, run_event: RunEvent) -> String {
+        match run_event {
+            RunEvent::Detect { sample } => {
+                format!("{} begins to look for gaps", self.sample(sample))
+            }
+            RunEvent::Search {
                 centre,
                 radius,
                 found,
@@ -23,25 +25,25 @@ impl Words<'_> {
                     self.sample(centre)
                 )
             }
-            Moment::NoGap { sample } => {
+            RunEvent::NoGap { sample } => {
                 format!(
                     "the neighbours of {} leave no gap around it",
                     self.sample(sample)
                 )
             }
-            Moment::Call { pivot, iteration } => {
+            RunEvent::Call { pivot, iteration } => {
                 let iteration = grouped(iteration.into());
                 let pivot = self.sample(pivot);
                 format!(
                     "gaps around {pivot} are about to be found and filled, in iteration {iteration}"
                 )
             }
-            Moment::Pairs { pivot, others } => {
+            RunEvent::Pairs { pivot, others } => {
                 let pairs = u64::from(others) * u64::from(others.saturating_sub(1)) / 2;
                 let (pairs, pivot) = (count(pairs, "pair"), self.sample(pivot));
                 format!("{pivot} is about to form triangles with {pairs} of its test buffer")
             }
-            Moment::Pass { point, by } => self.pass(point, by),
+            RunEvent::Pass { point, by } => self.pass(point, by),
             _ => String::new(),
         }
     }

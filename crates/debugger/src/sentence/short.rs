@@ -2,7 +2,7 @@
 //! It reads the recording only.
 
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Moment, Verdict};
+use tilescope_core::{RunEvent, Verdict};
 
 use super::{Words, count, fraction, grouped, place, radii, size};
 use crate::event::NONE;
@@ -16,8 +16,8 @@ pub fn short(recording: &Recording, index: usize) -> String {
         return "end".to_owned();
     };
     let words = Words(recording);
-    match event.moment() {
-        Some(moment) => words.short(moment),
+    match event.run_event() {
+        Some(run_event) => words.short(run_event),
         None => format!(
             "{} left out",
             count(event.left_out().unwrap_or(0).into(), "test")
@@ -33,17 +33,17 @@ fn number(id: u32) -> String {
 }
 
 impl Words<'_> {
-    fn short(&self, moment: Moment) -> String {
-        match moment {
-            Moment::Begin(stage) => format!("begin: {stage}"),
-            Moment::Split { index, .. } => match self.0.run().blocks.splits.get(index as usize) {
+    fn short(&self, run_event: RunEvent) -> String {
+        match run_event {
+            RunEvent::Begin(stage) => format!("begin: {stage}"),
+            RunEvent::Split { index, .. } => match self.0.run().blocks.splits.get(index as usize) {
                 Some(split) => format!("cut a node, {}", size(&split.rect)),
                 None => "cut a node".to_owned(),
             },
-            Moment::Leaf { block } => format!("block {}", number(block)),
-            Moment::Clip { block } => format!("clip for block {}", number(block)),
-            Moment::Iteration { number: k, .. } => format!("iteration {}", number(k)),
-            Moment::IterationEnd {
+            RunEvent::Leaf { block } => format!("block {}", number(block)),
+            RunEvent::Clip { block } => format!("clip for block {}", number(block)),
+            RunEvent::Iteration { number: k, .. } => format!("iteration {}", number(k)),
+            RunEvent::IterationEnd {
                 number: k,
                 inserted,
             } => format!(
@@ -51,41 +51,41 @@ impl Words<'_> {
                 number(k),
                 number(inserted)
             ),
-            Moment::Rank { candidates } => {
+            RunEvent::Rank { candidates } => {
                 format!("order {}", count(candidates.into(), "candidate"))
             }
-            Moment::Finish { count: n } => format!("result: {}", count(n.into(), "sample")),
-            Moment::Candidate { sites, verdict, .. } => short_candidate(sites, verdict),
-            Moment::Dart { point, verdict, .. } => {
+            RunEvent::Finish { count: n } => format!("result: {}", count(n.into(), "sample")),
+            RunEvent::Candidate { sites, verdict, .. } => short_candidate(sites, verdict),
+            RunEvent::Dart { point, verdict, .. } => {
                 format!("dart at {}: {}", place(point), outcome(verdict))
             }
-            Moment::Cut { side, kept, .. } => {
+            RunEvent::Cut { side, kept, .. } => {
                 format!(
                     "cut a cell of {}: {}",
                     fraction(side),
                     count(kept.into(), "quarter")
                 )
             }
-            Moment::Pass { by, .. } => format!("pass over a candidate: {} covers it", number(by)),
-            _ => self.short_of_sample(moment),
+            RunEvent::Pass { by, .. } => format!("pass over a candidate: {} covers it", number(by)),
+            _ => self.short_of_sample(run_event),
         }
     }
 
-    fn short_of_sample(&self, moment: Moment) -> String {
-        match moment {
-            Moment::Tiled { sample, inside, .. } => {
+    fn short_of_sample(&self, run_event: RunEvent) -> String {
+        match run_event {
+            RunEvent::Tiled { sample, inside, .. } => {
                 format!(
                     "{} {}",
                     if inside { "tile" } else { "drop" },
                     number(sample)
                 )
             }
-            Moment::Take { sample, valid } => {
+            RunEvent::Take { sample, valid } => {
                 let lost = if valid { "" } else { ": eliminated before" };
                 format!("take {}{lost}", number(sample))
             }
-            Moment::Keep { sample, .. } => format!("keep {}", number(sample)),
-            Moment::Test {
+            RunEvent::Keep { sample, .. } => format!("keep {}", number(sample)),
+            RunEvent::Test {
                 pivot,
                 other,
                 covers,
@@ -94,19 +94,19 @@ impl Words<'_> {
                 let apart = self.apart(pivot, other);
                 format!("{} {verb} {}, {apart}", number(pivot), number(other))
             }
-            Moment::Eliminate { sample, by } => {
+            RunEvent::Eliminate { sample, by } => {
                 let apart = self.apart(by, sample);
                 format!("{} eliminates {}, {apart}", number(by), number(sample))
             }
-            Moment::Mark { sample, .. } => format!("mark {} as a detector", number(sample)),
-            _ => Self::short_of_search(moment),
+            RunEvent::Mark { sample, .. } => format!("mark {} as a detector", number(sample)),
+            _ => Self::short_of_search(run_event),
         }
     }
 
-    fn short_of_search(moment: Moment) -> String {
-        match moment {
-            Moment::Detect { sample } => format!("detector {}", number(sample)),
-            Moment::Search {
+    fn short_of_search(run_event: RunEvent) -> String {
+        match run_event {
+            RunEvent::Detect { sample } => format!("detector {}", number(sample)),
+            RunEvent::Search {
                 centre,
                 radius,
                 found,
@@ -118,16 +118,16 @@ impl Words<'_> {
                     number(centre)
                 )
             }
-            Moment::NoGap { sample } => format!("no gap around {}", number(sample)),
-            Moment::Call { pivot, .. } => format!("fill gaps around {}", number(pivot)),
-            Moment::Pairs { pivot, others } => {
+            RunEvent::NoGap { sample } => format!("no gap around {}", number(sample)),
+            RunEvent::Call { pivot, .. } => format!("fill gaps around {}", number(pivot)),
+            RunEvent::Pairs { pivot, others } => {
                 format!(
                     "pairs of {} with {}",
                     count(others.into(), "sample"),
                     number(pivot)
                 )
             }
-            Moment::Insert { sample, .. } => format!("insert {}", number(sample)),
+            RunEvent::Insert { sample, .. } => format!("insert {}", number(sample)),
             _ => String::new(),
         }
     }

@@ -1,7 +1,7 @@
 //! Where two runs part, with runs that differ in one known thing.
 
 use tilescope_core::{
-    Fate, Moment, Parameters, PatternSpec, Point, Run, Search, Stage, Unobserved, sample,
+    Fate, Parameters, PatternSpec, Point, Run, RunEvent, Search, Stage, Unobserved, sample,
     sample_recorded,
 };
 use tilescope_debugger::{
@@ -277,7 +277,7 @@ fn a_recording_that_goes_on_is_named() {
     let parameters = variants()[0];
     let mut tape = Tape::new(&parameters, DEFAULT_BUDGET);
     let run = sample_recorded(&parameters, &mut Unobserved, &mut tape).unwrap();
-    tilescope_core::Recorder::record(&mut tape, Moment::Finish { count: 0 });
+    tilescope_core::Recorder::record(&mut tape, RunEvent::Finish { count: 0 });
     tape.seal();
     let longer = Recording::of(run, tape);
     let found = first_divergence(&longer, &whole);

@@ -1,7 +1,9 @@
 //! Indices, the tree of events and counts give what plain scans of the tape give.
 
 use proptest::prelude::*;
-use tilescope_core::{Boundary, Insertion, Moment, Parameters, Point, R, Stage, Variant, Verdict};
+use tilescope_core::{
+    Boundary, Insertion, Parameters, Point, R, RunEvent, Stage, Variant, Verdict,
+};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Debugger, Density, Direction, Kind, LineId, Listings, Outline, OutlineRows,
     Recording, Stop, Target, density, moves, phases, why,
@@ -77,15 +79,15 @@ proptest! {
     }
 }
 
-/// The counts, written down again from the moments.
+/// The counts, written down again from the events.
 fn counted(recording: &Recording, start: usize, end: usize) -> Density {
     let mut counts = Density::default();
     for (_, event) in recording.tape().from(start).take(end - start) {
-        let count = match event.moment() {
-            Some(Moment::Test { covers: false, .. }) => &mut counts.tests,
-            Some(Moment::Test { .. } | Moment::Eliminate { .. }) => &mut counts.conflicts,
-            Some(Moment::Insert { .. }) => &mut counts.insertions,
-            Some(Moment::Candidate { verdict, .. } | Moment::Dart { verdict, .. })
+        let count = match event.run_event() {
+            Some(RunEvent::Test { covers: false, .. }) => &mut counts.tests,
+            Some(RunEvent::Test { .. } | RunEvent::Eliminate { .. }) => &mut counts.conflicts,
+            Some(RunEvent::Insert { .. }) => &mut counts.insertions,
+            Some(RunEvent::Candidate { verdict, .. } | RunEvent::Dart { verdict, .. })
                 if verdict != Verdict::Accepted =>
             {
                 &mut counts.tests
@@ -235,7 +237,7 @@ fn a_second_dart_is_within_two_radii_of_an_earlier_one() {
     let (mut second, mut far) = (0, 0);
     for index in 0..recording.len() {
         let event = recording.event(index).unwrap();
-        let Some(Moment::Insert { sample, .. }) = event.moment() else {
+        let Some(RunEvent::Insert { sample, .. }) = event.run_event() else {
             continue;
         };
         let place = recording.point(sample).unwrap();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use tilescope_core::{Moment, Parameters, R, Search};
+use tilescope_core::{Parameters, R, RunEvent, Search};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Direction, Kind, Listings, NONE, Recording, Target, grouped, moves, sentence,
     short,
@@ -61,7 +61,8 @@ fn a_number_within_another_is_no_name() {
 fn an_elimination_says_who_whom_and_how_far() {
     let recording = record(&variants()[0], DEFAULT_BUDGET);
     let index = moves::run_to(&recording, 0, Target::Elimination, Direction::Forwards).unwrap();
-    let Some(Moment::Eliminate { sample, by }) = recording.event(index).unwrap().moment() else {
+    let Some(RunEvent::Eliminate { sample, by }) = recording.event(index).unwrap().run_event()
+    else {
         panic!("an elimination");
     };
     let block = |id: u32| {
@@ -120,7 +121,7 @@ fn a_line_says_how_far_the_run_looks() {
             let recording = record(&parameters, DEFAULT_BUDGET);
             let events = recording.tape().from(0);
             for (_, event) in events.filter(|(_, event)| event.kind() == Kind::Search) {
-                let Some(Moment::Search { radius, .. }) = event.moment() else {
+                let Some(RunEvent::Search { radius, .. }) = event.run_event() else {
                     panic!("a search");
                 };
                 let line = Listings::shipped().line(event.line()).unwrap();

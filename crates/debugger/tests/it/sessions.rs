@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::{Moment, Origin, R, Unobserved};
+use tilescope_core::{Origin, R, RunEvent, Unobserved};
 use tilescope_debugger::{
     DEFAULT_BUDGET, Debugger, Direction, Kind, Listings, Query, Recording, Session, SessionError,
     Status, Step, Stop, Target, moves, why,
@@ -213,7 +213,8 @@ fn every_change_has_a_chain_of_causes_up_to_a_split() {
 fn an_eliminated_samples_history_tells_its_life() {
     let recording = record(&variants()[0], DEFAULT_BUDGET);
     let lost = moves::run_to(&recording, 0, Target::Elimination, FORWARDS).unwrap();
-    let Some(Moment::Eliminate { sample, by }) = recording.event(lost).unwrap().moment() else {
+    let Some(RunEvent::Eliminate { sample, by }) = recording.event(lost).unwrap().run_event()
+    else {
         panic!("an elimination");
     };
     let history = why::history_of_sample(&recording, sample);

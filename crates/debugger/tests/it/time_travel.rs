@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Fate, Moment, Parameters, Point, Stage, Unobserved, Verdict, sample};
+use tilescope_core::{Fate, Parameters, Point, RunEvent, Stage, Unobserved, Verdict, sample};
 use tilescope_debugger::{DEFAULT_BUDGET, Event, Kind, Lines, Listings, Recording, State, Status};
 
 use crate::support::{record, variants};
@@ -193,9 +193,9 @@ proptest! {
             _ => (Verdict::NotNearest { nearer: by }, near),
         };
         let (sites, detector) = (sites[arity], ids[own.min(arity)]);
-        let moment = Moment::Candidate { detector, sites, offset, verdict };
-        let event = Event::new(&moment, &Lines::new(&variants()[0]));
-        prop_assert_eq!(event.moment(), Some(moment));
+        let run_event = RunEvent::Candidate { detector, sites, offset, verdict };
+        let event = Event::new(&run_event, &Lines::new(&variants()[0]));
+        prop_assert_eq!(event.run_event(), Some(run_event));
     }
 }
 
@@ -203,51 +203,51 @@ proptest! {
 fn packing_loses_nothing() {
     let lines = Lines::new(&variants()[0]);
     let point = Point::new(-3, i32::MAX);
-    for moment in [
-        Moment::Begin(Stage::Iterate(7)),
-        Moment::Split {
+    for run_event in [
+        RunEvent::Begin(Stage::Iterate(7)),
+        RunEvent::Split {
             index: 3,
             turned: true,
         },
-        Moment::Tiled {
+        RunEvent::Tiled {
             sample: 9,
             block: 2,
             inside: false,
         },
-        Moment::Test {
+        RunEvent::Test {
             pivot: 1,
             other: 2,
             covers: true,
         },
-        Moment::Mark {
+        RunEvent::Mark {
             sample: 4,
             because: 5,
         },
-        Moment::Search {
+        RunEvent::Search {
             centre: 1,
             radius: 131_088,
             found: 44,
         },
-        Moment::Call {
+        RunEvent::Call {
             pivot: 8,
             iteration: 2,
         },
-        Moment::Pass { point, by: 6 },
-        Moment::Dart {
+        RunEvent::Pass { point, by: 6 },
+        RunEvent::Dart {
             point,
             ranked: true,
             verdict: Verdict::Covered { by: u32::MAX },
         },
-        Moment::Cut {
+        RunEvent::Cut {
             cell: point,
             side: 4,
             kept: 3,
         },
-        Moment::IterationEnd {
+        RunEvent::IterationEnd {
             number: 2,
             inserted: 0,
         },
     ] {
-        assert_eq!(Event::new(&moment, &lines).moment(), Some(moment));
+        assert_eq!(Event::new(&run_event, &lines).run_event(), Some(run_event));
     }
 }

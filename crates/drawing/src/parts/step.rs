@@ -4,7 +4,7 @@
 use ecolor::Color32;
 use emath::{Align2, vec2};
 use tilescope_core::stages::detect::Sites;
-use tilescope_core::{Moment, Verdict};
+use tilescope_core::{RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined};
 use tilescope_session::units::radii;
 
@@ -82,11 +82,11 @@ fn ring(scene: &Scene<'_>) -> f32 {
 /// Draws the pair that was compared, and a heavy ring about what changed.
 fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     let palette = scene.palette;
-    let Some(moment) = scene.shown.last_event().and_then(Event::moment) else {
+    let Some(moment) = scene.shown.last_event().and_then(Event::run_event) else {
         return;
     };
     let (compared, changed) = match moment {
-        Moment::Test {
+        RunEvent::Test {
             pivot,
             other,
             covers,
@@ -98,13 +98,13 @@ fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
             };
             (Some(([pivot, other], color)), None)
         }
-        Moment::Eliminate { sample, by } => {
+        RunEvent::Eliminate { sample, by } => {
             let color = palette.conflict;
             (Some(([by, sample], color)), Some((sample, color)))
         }
-        Moment::Insert { sample, .. } => (None, Some((sample, palette.inserted))),
-        Moment::Mark { sample, .. } => (None, Some((sample, palette.detector))),
-        Moment::Keep { sample, .. } | Moment::Tiled { sample, .. } => {
+        RunEvent::Insert { sample, .. } => (None, Some((sample, palette.inserted))),
+        RunEvent::Mark { sample, .. } => (None, Some((sample, palette.detector))),
+        RunEvent::Keep { sample, .. } | RunEvent::Tiled { sample, .. } => {
             (None, Some((sample, palette.accent)))
         }
         _ => (None, None),

@@ -3,7 +3,7 @@
 
 use emath::{Align2, Pos2, Rect, vec2};
 use tilescope_core::stages::blocks::{Axis, Split};
-use tilescope_core::{Moment, Stage};
+use tilescope_core::{RunEvent, Stage};
 use tilescope_debugger::Event;
 use tilescope_session::units::radii;
 
@@ -41,8 +41,8 @@ fn width(split: &Split) -> f32 {
 }
 
 pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
-    let just_made = match scene.shown.last_event().and_then(Event::moment) {
-        Some(Moment::Split { index, .. }) => index as usize + 1,
+    let just_made = match scene.shown.last_event().and_then(Event::run_event) {
+        Some(RunEvent::Split { index, .. }) => index as usize + 1,
         _ => 0,
     };
     // Beside samples the tree steps back.

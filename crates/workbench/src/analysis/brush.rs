@@ -143,7 +143,7 @@ impl Marks {
         if known || refused || self.work.is_some() {
             return;
         }
-        let still = Still::of(session, shown);
+        let still = Still::of(session, shown.moment());
         let causing = Causing { still, brush: of.1 };
         self.work = Some((of, errand::start(wake, causing)));
     }

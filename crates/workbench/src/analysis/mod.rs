@@ -204,7 +204,7 @@ impl Analysis {
             };
             (part, errand::start(wake, going_on))
         } else {
-            let beginning = Beginning(Still::of(session, shown));
+            let beginning = Beginning(Still::of(session, shown.moment()));
             (Part::Pairs, errand::start(wake, beginning))
         };
         self.work = Some(Work {

@@ -68,10 +68,10 @@ impl Differences {
         }
         let few = a.session.run().samples.len() + b.session.run().samples.len() <= MOST_AT_ONCE;
         if few {
-            self.ready = Some((key, between(a.covering(), b.covering())));
+            self.ready = Some((key, between(covering(a), covering(b))));
             return;
         }
-        let differing = Differing([Still::of(first, a), Still::of(second, b)]);
+        let differing = Differing([Still::of(first, a.moment()), Still::of(second, b.moment())]);
         self.work = Some((key, errand::start(wake, differing)));
     }
 
@@ -140,6 +140,10 @@ pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> D
     difference.first.extend(first[i..].iter().map(|a| a.1));
     difference.second.extend(second[j..].iter().map(|b| b.1));
     difference
+}
+
+fn covering(shown: &Shown<'_>) -> Vec<(Point, u32)> {
+    shown.moment().covering(shown.session)
 }
 
 #[cfg(test)]

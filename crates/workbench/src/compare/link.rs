@@ -1,19 +1,9 @@
 //! Which moment of one run corresponds to a moment of another: the same event as long as the two are the same, then the
 //! same share of the same stage.
 
-use tilescope_core::Stage;
 use tilescope_debugger::Divergence;
-
+use tilescope_session::moment::Moment;
 use tilescope_session::session::Session;
-
-/// A moment of a session: the place of its stage, and its cursor where there are events.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct At {
-    /// The place of the stage in the session's list.
-    pub stage: usize,
-    /// How many events have happened.
-    pub cursor: Option<usize>,
-}
 
 /// Returns the cursors up to which two runs are the same, event by event, by what is known of where they part. Where tests
 /// were left out of a tape nothing is known of single events.
@@ -38,11 +28,16 @@ pub fn common(a: &Session, b: &Session, divergence: Option<&Divergence>) -> Opti
 /// Returns the moment of `to` that corresponds to the moment `at` of `from`. `common` are the cursors up to which
 /// the two are the same, if that is known.
 #[must_use]
-pub fn corresponding(from: &Session, at: At, to: &Session, common: Option<[usize; 2]>) -> At {
-    let stage = corresponding_stage(from.stages[at.stage], to);
+pub fn corresponding(
+    from: &Session,
+    at: Moment,
+    to: &Session,
+    common: Option<[usize; 2]>,
+) -> Moment {
+    let stage = to.place_of(at.stage);
     let end = to.stage_end(stage);
     let (Some(cursor), Some(end)) = (at.cursor, end) else {
-        return At { stage, cursor: end };
+        return Moment::after(to, stage);
     };
     // Behind the events at which they part both are still at the same place of their ways.
     if let Some([a, b]) = common
@@ -52,7 +47,7 @@ pub fn corresponding(from: &Session, at: At, to: &Session, common: Option<[usize
         return behind(to, cursor);
     }
     let [a, b] = common.map_or([0; 2], |both| both.map(|at| at.saturating_add(1)));
-    if to.stages[stage] != from.stages[at.stage] {
+    if to.stages[stage] != at.stage {
         // Never back behind where they part.
         return behind(to, end.max(b));
     }
@@ -63,7 +58,7 @@ pub fn corresponding(from: &Session, at: At, to: &Session, common: Option<[usize
         let end = session.stage_end(stage).unwrap_or(0);
         (start.unwrap_or(0).max(least.min(end)), end)
     };
-    let (low, high) = bounds(from, at.stage, a);
+    let (low, high) = bounds(from, from.place_of(at.stage), a);
     let (first, last) = bounds(to, stage, b);
     let share = cursor.saturating_sub(low) as f64 / (high - low).max(1) as f64;
     let cursor = first + ((last - first) as f64 * share.min(1.0)).round() as usize;
@@ -71,21 +66,10 @@ pub fn corresponding(from: &Session, at: At, to: &Session, common: Option<[usize
 }
 
 /// Returns the moment of a session when so many events have happened, or all of them.
-fn behind(session: &Session, cursor: usize) -> At {
+fn behind(session: &Session, cursor: usize) -> Moment {
     let last = session.stages.len() - 1;
     let cursor = session
         .stage_end(last)
         .map_or(cursor, |end| cursor.min(end));
-    At {
-        stage: session.stage_at(cursor),
-        cursor: Some(cursor),
-    }
-}
-
-/// Returns the place of a stage in a session's list, else of the last one before it.
-fn corresponding_stage(stage: Stage, to: &Session) -> usize {
-    to.stages
-        .iter()
-        .rposition(|&other| other <= stage)
-        .unwrap_or(0)
+    Moment::at(session, cursor)
 }

@@ -7,13 +7,14 @@ mod drawing;
 pub mod form;
 pub mod frames;
 pub mod picture;
+mod provenance;
 pub mod refusal;
-pub mod still;
-mod surface;
+pub mod surface;
 pub mod write;
 
 use std::path::{Path, PathBuf};
 use tilescope_drawing::brushed::Cause;
+use tilescope_session::moment::Moment;
 
 use tilescope_formats::{Format, Precision};
 
@@ -22,7 +23,6 @@ pub use form::{Entry, ExportForm};
 pub use frames::MOST_FRAMES;
 pub use picture::View;
 pub use refusal::Refusal;
-pub use still::Still;
 use tilescope_session::errand::Lent;
 
 /// What can be written.
@@ -160,14 +160,14 @@ pub enum Content {
     /// Samples: the result, or those of a moment.
     Samples {
         /// The moment, if not the result.
-        moment: Option<Still>,
+        moment: Option<Moment>,
         /// Number type of the coordinates, where the format leaves the choice.
         precision: Precision,
     },
     /// A picture.
     Picture {
         /// The moment.
-        moment: Still,
+        moment: Moment,
         /// What of it is seen.
         view: View,
         /// The causes of what is brushed.

@@ -12,15 +12,15 @@ use tilescope_figures::{
     Anchor, Font, Group, MAX_PIXELS, MAX_SIDE, Scene, Shape, Text, fitted, text_width,
 };
 use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::{Moment, Shown};
 use tilescope_session::selection::Selection;
 use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
 use super::drawing::{empty_domain, groups};
+use super::provenance::provenance;
 use super::refusal::Refusal;
-use super::still::{Still, provenance};
 use super::surface::{color, rect};
 use tilescope_drawing::brushed::Found;
 use tilescope_drawing::camera::Camera;
@@ -117,7 +117,7 @@ const CAPTION: f64 = 0.044;
 
 /// Returns the picture of a moment, with the run's parameters in its metadata.
 #[must_use]
-pub fn scene(session: &Session, moment: &Still, view: &View, causes: Option<&Found>) -> Scene {
+pub fn scene(session: &Session, moment: &Moment, view: &View, causes: Option<&Found>) -> Scene {
     let mut scene = drawn(session, moment, view, causes, true);
     scene.metadata = provenance(session);
     let shown = moment.description(session).to_string();
@@ -145,12 +145,12 @@ pub fn described(view: &View) -> String {
 
 /// Returns a frame of an animation: a moment between events, on the run's own domain also before the first.
 pub(super) fn frame(session: &Session, cursor: usize, view: &View) -> Scene {
-    drawn(session, &Still::at(session, cursor), view, None, false)
+    drawn(session, &Moment::at(session, cursor), view, None, false)
 }
 
 fn drawn(
     session: &Session,
-    moment: &Still,
+    moment: &Moment,
     view: &View,
     causes: Option<&Found>,
     has_pattern: bool,

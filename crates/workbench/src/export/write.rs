@@ -19,7 +19,7 @@ use tilescope_formats::{
 use tilescope_formats::{export, write_through, write_whole};
 
 use super::picture::{described, frame, scene};
-use super::still::{method, parameter_map, point_set, provenance};
+use super::provenance::{method, parameter_map, point_set, provenance};
 use super::{Content, Order, extension};
 use crate::clock::Clock;
 use tilescope_session::incoming::NamedBytes;

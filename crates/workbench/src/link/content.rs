@@ -12,9 +12,9 @@ use crate::layout::Layout;
 use crate::view::View;
 use tilescope_drawing::camera::Camera;
 
-/// A moment of a run.
+/// How a link names a moment of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Moment {
+pub enum NamedMoment {
     /// The end.
     #[default]
     End,
@@ -32,7 +32,7 @@ pub struct Content {
     /// The layout of the combination that is shown in the place of a run.
     pub combination: Option<Combination>,
     /// The moment.
-    pub moment: Moment,
+    pub moment: NamedMoment,
     /// The view of the domain; none shows all of it.
     pub camera: Option<Camera>,
     /// The layers that are on.
@@ -68,7 +68,7 @@ impl Default for Content {
         Self {
             parameters: Parameters::default(),
             combination: None,
-            moment: Moment::End,
+            moment: NamedMoment::End,
             camera: None,
             layers: Layers::default(),
             colouring: Colouring::default(),

@@ -12,7 +12,7 @@ use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 
-use super::content::{Content, Moment};
+use super::content::{Content, NamedMoment};
 use super::parameters::{self, KEYS, VARIANT};
 use super::said::{Said, quoted};
 use super::text::{from_base64, items, named, numbers, pairs};
@@ -162,9 +162,9 @@ impl Reader {
             (!text.is_empty() && text.len() <= MOST_TEXT).then(|| text.to_owned())
         });
         content.moment = match (at, stage) {
-            (Some(cursor), _) => Moment::Event(cursor),
-            (None, Some(stage)) => Moment::Stage(stage),
-            (None, None) => Moment::End,
+            (Some(cursor), _) => NamedMoment::Event(cursor),
+            (None, Some(stage)) => NamedMoment::Stage(stage),
+            (None, None) => NamedMoment::End,
         };
     }
 

@@ -7,7 +7,7 @@ use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 use tilescope_session::words::counted;
 
-use super::content::{Content, Moment};
+use super::content::{Content, NamedMoment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rounded, slug};
 use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
@@ -77,9 +77,9 @@ impl Writer {
             None => self.parameters("", &content.parameters, &Parameters::default()),
         }
         match &content.moment {
-            Moment::End => {}
-            Moment::Event(cursor) => self.put("at", cursor.to_string()),
-            Moment::Stage(stage) => self.put("stage", escaped(stage)),
+            NamedMoment::End => {}
+            NamedMoment::Event(cursor) => self.put("at", cursor.to_string()),
+            NamedMoment::Stage(stage) => self.put("stage", escaped(stage)),
         }
     }
 

@@ -16,6 +16,7 @@ use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::Gpu;
 
 use tilescope_session::jobs::{Job, Wake};
+use tilescope_session::moment::Moment;
 use tilescope_session::words::sentence;
 
 pub use device::Fault;
@@ -91,8 +92,8 @@ pub struct Passes {
     shown: Shown,
     /// Whether the rows shown are on the canvas, too.
     is_on_canvas: bool,
-    /// The moment of the timeline at which the passes were dealt with last: stage and cursor.
-    moment: Option<(usize, Option<usize>)>,
+    /// The moment of the timeline at which the passes were dealt with last.
+    moment: Option<Moment>,
     notice: Option<String>,
     /// Why the list is not whole.
     unlisted: Option<String>,
@@ -313,12 +314,12 @@ impl Passes {
     }
 
     /// Notes the moment of the timeline at which the passes were dealt with.
-    pub const fn note_moment(&mut self, moment: (usize, Option<usize>)) {
-        self.moment = Some(moment);
+    pub const fn note_moment(&mut self, moment: Option<Moment>) {
+        self.moment = moment;
     }
 
     /// Returns the moment of the timeline at which the passes were dealt with last.
-    pub const fn moment(&self) -> Option<(usize, Option<usize>)> {
+    pub const fn moment(&self) -> Option<Moment> {
         self.moment
     }
 

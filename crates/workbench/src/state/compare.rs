@@ -8,11 +8,12 @@ use tilescope_session::recipe::Recipe;
 
 use super::{RunView, State};
 use crate::command::{ViewCommand, Which};
-use crate::compare::link::{At, common, corresponding};
+use crate::compare::link::{common, corresponding};
 use crate::compare::{CompareCommand, Comparison, Rival};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
 use tilescope_drawing::subject::{Contrast, Subject};
+use tilescope_session::moment::Moment;
 
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
@@ -189,8 +190,8 @@ impl State {
         }
     }
 
-    fn second_at(&self) -> Option<At> {
-        self.runs.second.as_ref()?.0.at()
+    fn second_at(&self) -> Option<Moment> {
+        self.runs.second.as_ref()?.0.moment()
     }
 
     fn follow_second(&mut self) {
@@ -218,7 +219,8 @@ impl State {
         if !comparison.linked_clocks {
             return;
         }
-        let (Some(at), Some((side, comparison))) = (self.runs.first.at(), &self.runs.second) else {
+        let (Some(at), Some((side, comparison))) = (self.runs.first.moment(), &self.runs.second)
+        else {
             return;
         };
         let (Some(first), Some(second)) = (&self.runs.first.session, &side.session) else {

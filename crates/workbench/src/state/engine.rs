@@ -112,7 +112,8 @@ impl State {
     pub fn buffers_on_canvas(&self) -> Option<OnCanvas<'_>> {
         let passes = self.runs.first.passes.as_ref()?;
         let is_seen = self.window.shows(Panel::Passes) && self.appearance.look != Look::Projector;
-        let is_then = passes.moment() == Some(self.runs.first.moment());
+        let now = self.runs.first.moment();
+        let is_then = now.is_some() && passes.moment() == now;
         let is_meant = is_seen || is_then || self.time.playback.clock == Clock::Pass;
         passes.on_canvas().filter(|_| is_meant)
     }

@@ -10,7 +10,7 @@ use super::State;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MOST_DRAWN;
 use crate::export::{
-    Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, Still, View,
+    Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, View,
 };
 
 impl State {
@@ -70,29 +70,17 @@ impl State {
         }
     }
 
-    /// Returns the moment that is shown, to be kept while the window goes on.
-    #[must_use]
-    pub fn still(&self) -> Option<Still> {
-        let session = self.runs.first.session.as_ref()?;
-        Some(match self.cursor() {
-            Some((cursor, _)) => Still::at(session, cursor),
-            None => Still {
-                cursor: None,
-                stage: *session.stages.get(self.runs.first.stage)?,
-            },
-        })
-    }
-
     /// Returns why nothing of a kind can be exported now, whatever the sheet says.
     #[must_use]
     pub fn kind_refusal(&self, kind: Kind) -> Option<Refusal> {
-        let (Some(session), Some(still)) = (&self.runs.first.session, self.still()) else {
+        let (Some(session), Some(moment)) = (&self.runs.first.session, self.runs.first.moment())
+        else {
             return Some(Refusal::NoSession);
         };
         match kind {
             Kind::Animation if session.combination.is_some() => Some(Refusal::Combination),
             Kind::Animation if session.recording().is_none() => Some(Refusal::NoEvents),
-            Kind::Samples if !still.has_samples(session) => Some(Refusal::NoSamples),
+            Kind::Samples if !moment.has_samples(session) => Some(Refusal::NoSamples),
             _ => None,
         }
     }
@@ -230,9 +218,11 @@ impl State {
     /// Returns what the sheet asks for.
     pub fn export_order(&self) -> Result<Order, Refusal> {
         self.export_prospect()?;
-        let (Some(form), Some(session), Some(moment)) =
-            (&self.files.export, &self.runs.first.session, self.still())
-        else {
+        let (Some(form), Some(session), Some(moment)) = (
+            &self.files.export,
+            &self.runs.first.session,
+            self.runs.first.moment(),
+        ) else {
             return Err(Refusal::NoSession);
         };
         let content = match form.kind {

@@ -9,7 +9,7 @@ use super::State;
 use super::undo::Part;
 use crate::command::Which;
 use crate::draft::Draft;
-use crate::link::{self, Content, Link, Moment, Said, slug};
+use crate::link::{self, Content, Link, NamedMoment, Said, slug};
 
 /// A link whose run is being made.
 pub(super) struct Arriving {
@@ -92,16 +92,16 @@ impl State {
         }
     }
 
-    fn linked_moment(&self) -> Moment {
+    fn linked_moment(&self) -> NamedMoment {
         let Some(session) = &self.runs.first.session else {
-            return Moment::End;
+            return NamedMoment::End;
         };
         match self.cursor() {
-            Some((cursor, len)) if cursor < len => Moment::Event(cursor),
+            Some((cursor, len)) if cursor < len => NamedMoment::Event(cursor),
             None if self.runs.first.stage + 1 < session.stages.len() => {
-                Moment::Stage(slug(&stage_name(session.stages[self.runs.first.stage])))
+                NamedMoment::Stage(slug(&stage_name(session.stages[self.runs.first.stage])))
             }
-            _ => Moment::End,
+            _ => NamedMoment::End,
         }
     }
 
@@ -259,26 +259,26 @@ impl State {
         self.tell(text, true);
     }
 
-    fn take_moment(&mut self, moment: &Moment, said: &mut Said) {
+    fn take_moment(&mut self, moment: &NamedMoment, said: &mut Said) {
         let len = self.cursor().map(|(_, len)| len);
         let place = match moment {
-            Moment::Stage(name) => self.stage_named(name),
+            NamedMoment::Stage(name) => self.stage_named(name),
             _ => None,
         };
         let missed = match (moment, len, place) {
-            (Moment::Event(cursor), Some(len), _) if *cursor <= len => {
+            (NamedMoment::Event(cursor), Some(len), _) if *cursor <= len => {
                 return self.runs.first.jump(*cursor);
             }
-            (Moment::Stage(_), _, Some(place)) => return self.runs.first.show_stage(place),
-            (Moment::End, ..) => None,
-            (Moment::Event(cursor), Some(len), _) => Some(format!(
+            (NamedMoment::Stage(_), _, Some(place)) => return self.runs.first.show_stage(place),
+            (NamedMoment::End, ..) => None,
+            (NamedMoment::Event(cursor), Some(len), _) => Some(format!(
                 "The link asked for event {cursor} of a run of {}",
                 grouped(len)
             )),
-            (Moment::Event(_), None, _) => {
+            (NamedMoment::Event(_), None, _) => {
                 Some("The link asked for an event, and this run has none".to_owned())
             }
-            (Moment::Stage(name), ..) => {
+            (NamedMoment::Stage(name), ..) => {
                 Some(format!("This run has no stage \"{}\"", link::quoted(name)))
             }
         };

@@ -8,12 +8,11 @@ use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::jobs::Job;
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::{Moment, Shown};
 use tilescope_session::session::{MakeError, Session};
 use tilescope_session::verification::{Sight, Verdict};
 
 use super::{Appearance, Verification};
-use crate::compare::link::At;
 use crate::passes::Passes;
 use tilescope_drawing::camera::{Camera, Flight};
 use tilescope_drawing::subject::{Contrast, Subject};
@@ -130,6 +129,12 @@ impl RunView {
         })
     }
 
+    /// Returns the moment that is shown, to be kept while the window goes on.
+    #[must_use]
+    pub fn moment(&self) -> Option<Moment> {
+        self.shown().map(|shown| shown.moment())
+    }
+
     /// Returns what is selected.
     #[must_use]
     pub fn selection(&self) -> Selection {
@@ -178,16 +183,6 @@ impl RunView {
             geometry: &self.geometry,
             contrast,
             causes: None,
-        })
-    }
-
-    /// Returns where its time stands, as far as another run can follow.
-    pub(super) fn at(&self) -> Option<At> {
-        self.session.as_ref()?;
-        let debugger = self.debugger.as_ref();
-        Some(At {
-            stage: self.stage,
-            cursor: debugger.map(|debugger| debugger.state().cursor()),
         })
     }
 }

@@ -111,7 +111,7 @@ fn one_goes_through_its_stages() {
 /// The segments and rectangles of a group of the picture of the moment.
 fn drawn(state: &State, name: &str) -> usize {
     let view = state.export_view(Kind::Picture).unwrap();
-    let still = state.still().unwrap();
+    let still = state.runs.first.moment().unwrap();
     let scene = picture::scene(
         state.runs.first.session.as_ref().unwrap(),
         &still,

@@ -19,11 +19,6 @@ impl RunView {
         }
     }
 
-    /// Returns the stage and the cursor shown.
-    pub(in crate::state) fn moment(&self) -> (usize, Option<usize>) {
-        (self.stage, self.cursor().map(|(cursor, _)| cursor))
-    }
-
     /// Carries out a command of the passes; the timeline follows to the last stage that is whole behind
     /// the chosen pass.
     pub(in crate::state) fn apply_to_passes(

@@ -8,8 +8,8 @@ use tilescope_session::words::{counted, grouped};
 
 use super::RunView;
 use crate::clock::Clock;
-use crate::compare::link::At;
 use crate::state::effects::Context;
+use tilescope_session::moment::Moment;
 
 impl RunView {
     /// Returns how much of what there is at this moment, and which moment it is.
@@ -145,10 +145,11 @@ impl RunView {
     }
 
     /// Goes where another run stands.
-    pub(in crate::state) fn go_to(&mut self, at: At) {
-        match at.cursor {
-            Some(cursor) if self.debugger.is_some() => self.jump(cursor),
-            _ => self.set_stage(at.stage),
+    pub(in crate::state) fn go_to(&mut self, moment: Moment) {
+        match (moment.cursor, &self.session) {
+            (Some(cursor), _) if self.debugger.is_some() => self.jump(cursor),
+            (_, Some(session)) => self.set_stage(session.place_of(moment.stage)),
+            (_, None) => {}
         }
         self.forget_unseen();
     }

@@ -1,6 +1,6 @@
 //! Time: the camera when play leaves the pattern, what runs to an event show, and what is counted at moments.
 
-use tilescope_core::{Boundary, Insertion, Moment, Stage, Variant};
+use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Variant};
 use tilescope_debugger::{Direction, Target, moves};
 use tilescope_session::sentence::happened;
 
@@ -173,10 +173,10 @@ fn recount(state: &State) -> (usize, usize) {
     let (cursor, _) = state.cursor().unwrap();
     let (mut blocks, mut samples) = (0, 0);
     for (_, event) in session.recording().unwrap().tape().from(0).take(cursor) {
-        match event.moment() {
-            Some(Moment::Leaf { .. }) => blocks += 1,
-            Some(Moment::Tiled { inside: true, .. } | Moment::Insert { .. }) => samples += 1,
-            Some(Moment::Eliminate { .. }) => samples -= 1,
+        match event.run_event() {
+            Some(RunEvent::Leaf { .. }) => blocks += 1,
+            Some(RunEvent::Tiled { inside: true, .. } | RunEvent::Insert { .. }) => samples += 1,
+            Some(RunEvent::Eliminate { .. }) => samples -= 1,
             _ => {}
         }
     }
@@ -234,9 +234,9 @@ fn the_timeline_has_the_iterations_of_the_tree() {
         // Roots of the tree are the stages behind the first, one for one and where these begin.
         let roots: Vec<Stage> = outline
             .roots()
-            .map(|root| match recording.event(root).unwrap().moment() {
-                Some(Moment::Begin(stage)) => stage,
-                Some(Moment::Iteration { number, .. }) => Stage::Iterate(number),
+            .map(|root| match recording.event(root).unwrap().run_event() {
+                Some(RunEvent::Begin(stage)) => stage,
+                Some(RunEvent::Iteration { number, .. }) => Stage::Iterate(number),
                 other => panic!("{other:?} is a root"),
             })
             .collect();
@@ -246,8 +246,8 @@ fn the_timeline_has_the_iterations_of_the_tree() {
         }
         // The detectors of every iteration are as many as its event says.
         for root in outline.roots() {
-            let moment = recording.event(root).unwrap().moment();
-            if let Some(Moment::Iteration { number, detectors }) = moment {
+            let moment = recording.event(root).unwrap().run_event();
+            if let Some(RunEvent::Iteration { number, detectors }) = moment {
                 let iteration = session.iteration(number).unwrap();
                 let found = iteration.detectors.len().max(iteration.cells.len());
                 assert_eq!(found, detectors as usize, "{number}");

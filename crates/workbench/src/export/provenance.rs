@@ -1,0 +1,84 @@
+//! Sets of samples that are exported, and what files say of their run.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+use tilescope_core::{Fate, Origin, Run};
+use tilescope_debugger::{digest, pattern_digest};
+use tilescope_formats::{PointSet, Provenance};
+use tilescope_session::session::Session;
+
+/// Returns samples of a run by id, with where each comes from.
+#[must_use]
+pub fn point_set(run: &Run, ids: &[u32]) -> PointSet {
+    let samples = &run.samples;
+    let provenance = |&id: &u32| match samples.origins[id as usize] {
+        Origin::Tiled { block, pattern, .. } => Provenance::tiled(block, pattern),
+        Origin::Inserted { iteration, .. } => Provenance::inserted(iteration),
+    };
+    debug_assert!(
+        ids.iter()
+            .all(|&id| samples.fates[id as usize] != Fate::Dropped)
+    );
+    let user = |&id: &u32| run.domain.user_from_lattice(samples.points[id as usize]);
+    PointSet {
+        points: ids.iter().map(user).collect(),
+        provenance: Some(ids.iter().map(provenance).collect()),
+    }
+}
+
+/// Returns how a session's set was made, as certificates name it.
+#[must_use]
+pub const fn method(session: &Session) -> &'static str {
+    match session.combination {
+        Some(_) => "combined",
+        None => "kdrt",
+    }
+}
+
+/// Returns the parameters of a session by name, for its certificate: a combination's are its layout. A pattern from a file stands there by the file's
+/// name and its digest.
+#[must_use]
+pub fn parameter_map(session: &Session) -> BTreeMap<String, Value> {
+    if let Some(combination) = &session.combination {
+        return BTreeMap::from([("layout".to_owned(), combination.stated.clone())]);
+    }
+    let mut map: BTreeMap<String, Value> = match serde_json::to_value(session.run().parameters) {
+        Ok(Value::Object(map)) => map.into_iter().collect(),
+        _ => BTreeMap::new(),
+    };
+    if let Some(own) = &session.own {
+        let path = std::path::Path::new(&own.file.path);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let pattern = json!({ "file": name, "pattern_digest": own.file.digest });
+        map.insert("pattern".to_owned(), pattern);
+    }
+    map
+}
+
+/// Returns what pictures of a session say about it, by key: the parameters, the digests with which a run can be told
+/// to be the same again, and the program.
+#[must_use]
+pub fn provenance(session: &Session) -> Vec<(String, String)> {
+    let run = session.run();
+    // A combination clips from no pattern.
+    let pattern = session.combination.is_none();
+    let recording = json!({
+        "digest": digest(run),
+        "pattern_digest": pattern.then(|| pattern_digest(&run.pattern)),
+        "samples": run.result.len(),
+        "events": session.recording().map(|recording| recording.len()),
+        "engine": session.engine,
+    });
+    let parameters = json!(parameter_map(session));
+    [
+        (
+            "Version",
+            format!("tilescope {}", env!("CARGO_PKG_VERSION")),
+        ),
+        ("Parameters", parameters.to_string()),
+        ("Recording", recording.to_string()),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .to_vec()
+}
