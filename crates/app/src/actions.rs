@@ -25,7 +25,7 @@ use tilescope_workbench::command::{
 };
 use tilescope_workbench::finder::Finder;
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::state::State;
+use tilescope_workbench::state::{RunView, State, Time};
 
 /// The menus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -366,15 +366,14 @@ fn camera(list: &mut List, state: &State) {
 
 /// Returns why time cannot go forwards, and why not backwards.
 #[must_use]
-pub fn time_refusals(state: &State) -> [Option<&'static str>; 2] {
-    let Some(session) = &state.runs.first.session else {
+pub fn time_refusals(run: &RunView, time: &Time) -> [Option<&'static str>; 2] {
+    let Some(session) = &run.session else {
         return [Some(NO_SESSION); 2];
     };
-    let (at, last) = state
-        .time
-        .pass_tick(&state.runs.first)
-        .or_else(|| state.cursor())
-        .unwrap_or((state.runs.first.stage, session.stages.len() - 1));
+    let (at, last) = time
+        .pass_tick(run)
+        .or_else(|| run.cursor())
+        .unwrap_or((run.stage, session.stages.len() - 1));
     [
         (at == last).then_some("This is the end of the run."),
         (at == 0).then_some("This is the start of the run."),

@@ -10,7 +10,7 @@ use tilescope_workbench::state::State;
 
 /// Adds the actions of the menu.
 pub(super) fn add(list: &mut List, state: &State) {
-    let [at_end, at_start] = time_refusals(state);
+    let [at_end, at_start] = time_refusals(&state.runs.first, &state.time);
     let no_session = state.runs.first.session.is_none().then_some(NO_SESSION);
     let no_events = state
         .runs

@@ -11,9 +11,10 @@ use tilescope_ui::focus;
 use tilescope_ui::theme::FINGER;
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
-use super::context::PanelContext;
+use super::context::{PanelContext, TimeContext};
 use super::{layers, show_panel, timeline, toolbar};
 use crate::panes::Canvas;
+use crate::panes::CanvasContext;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::layout::Panel;
@@ -68,7 +69,7 @@ fn column(room: Rect, state: &State) -> Rect {
 /// Returns how high the controls of time are.
 fn controls(ctx: &Context, room: Rect, state: &State) -> f32 {
     let width = column(room, state).width() - 2.0 * TIME_MARGIN.x;
-    timeline::compact_height(ctx, state, is_low(room), width)
+    timeline::compact_height(ctx, &TimeContext::of(state), is_low(room), width)
 }
 
 impl Places {
@@ -213,7 +214,8 @@ impl Shown<'_> {
             vec2(0.0, 0.0),
             Color32::TRANSPARENT,
             |ui| {
-                self.canvas.show(ui, self.state, self.commands);
+                self.canvas
+                    .show(ui, &CanvasContext::of(self.state), self.commands);
             },
         );
     }
@@ -222,7 +224,12 @@ impl Shown<'_> {
     fn below(&mut self, ui: &mut Ui, places: &Places) {
         let fill = Palette::of(self.state.appearance.look).panel;
         part(ui, "time", places.controls, TIME_MARGIN, fill, |ui| {
-            timeline::show_compact(ui, self.state, places.is_low, self.commands);
+            timeline::show_compact(
+                ui,
+                &TimeContext::of(self.state),
+                places.is_low,
+                self.commands,
+            );
         });
         part(ui, "tabs", places.tabs, vec2(8.0, 4.0), fill, |ui| {
             tabs(ui, self.state, self.commands);
@@ -285,7 +292,9 @@ fn drawer(
         Panel::Canvas => scrolled(ui, &mut |ui, commands| {
             layers::show(ui, &PanelContext::of(state), commands);
         }),
-        Panel::Timeline => scrolled(ui, &mut |ui, commands| timeline::more(ui, state, commands)),
+        Panel::Timeline => scrolled(ui, &mut |ui, commands| {
+            timeline::more(ui, &TimeContext::of(state), commands)
+        }),
         _ => show_panel(ui, panel, state, canvas, commands),
     }
 }

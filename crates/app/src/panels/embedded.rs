@@ -6,9 +6,11 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::{Icon, Known, icon_button};
 
 use super::compact::part;
+use super::context::TimeContext;
 use super::notice;
 use super::timeline::{PLAYER_MARGIN, Player};
 use crate::panes::Canvas;
+use crate::panes::CanvasContext;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::state::State;
@@ -28,7 +30,9 @@ pub fn show(
     let room = ui.available_rect_before_wrap();
     let player = (embedding == Embedding::Player).then(|| Player::of(room.size()));
     let width = room.width() - 2.0 * PLAYER_MARGIN.x;
-    let height = player.map_or(0.0, |player| player.height(ui.ctx(), state, width));
+    let height = player.map_or(0.0, |player| {
+        player.height(ui.ctx(), &TimeContext::of(state), width)
+    });
     let (above, below) = room.split_top_bottom_at_y(room.bottom() - height);
     // In this sequence the Tab key goes through it, too.
     part(
@@ -38,7 +42,7 @@ pub fn show(
         Vec2::ZERO,
         Color32::TRANSPARENT,
         |ui| {
-            canvas.show(ui, state, commands);
+            canvas.show(ui, &CanvasContext::of(state), commands);
         },
     );
     if state.runs.first.session.is_some() && !state.runs.first.is_fitted() {
@@ -46,7 +50,7 @@ pub fn show(
     }
     if let Some(player) = player {
         part(ui, "player", below, PLAYER_MARGIN, palette.panel, |ui| {
-            player.show(ui, state, commands);
+            player.show(ui, &TimeContext::of(state), commands);
         });
     }
     // A canvas alone shows what went wrong, and nothing else but itself.

@@ -34,8 +34,9 @@ use egui::{
 
 use crate::panels::analysis::AnalysisContext;
 use crate::panels::common::scrolled;
-use crate::panels::context::PanelContext;
+use crate::panels::context::{PanelContext, TimeContext};
 use crate::panes::Canvas;
+use crate::panes::CanvasContext;
 pub use embedded::show as show_embedded;
 pub use passes::show as show_passes;
 pub use registry::{least_size, show_panel, timeline_height};
@@ -73,14 +74,14 @@ pub fn show_projector(
     let palette = Palette::of(state.appearance.look);
     let frame = Frame::new().fill(palette.panel);
     let width = ui.available_width() - 2.0 * 14.0;
-    let height = timeline::height(ui.ctx(), state, width) + pseudocode::NEXT_LINE;
+    let height = timeline::height(ui.ctx(), &TimeContext::of(state), width) + pseudocode::NEXT_LINE;
     egui::Panel::bottom("projector")
         .exact_size(height + 2.0 * 8.0)
         .frame(frame.inner_margin(Margin::symmetric(14, 8)))
         .show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             pseudocode::next_line(ui, &PanelContext::of(state));
-            timeline::show(ui, state, commands);
+            timeline::show(ui, &TimeContext::of(state), commands);
         });
     if state.analyses() {
         let side = Frame::new().fill(palette.panel);
@@ -93,9 +94,9 @@ pub fn show_projector(
                 });
             });
     }
-    CentralPanel::no_frame()
-        .frame(Frame::new())
-        .show(ui, |ui| canvas.show(ui, state, commands));
+    CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
+        canvas.show(ui, &CanvasContext::of(state), commands)
+    });
     leave_projector(ui, palette, commands);
 }
 

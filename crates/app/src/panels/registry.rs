@@ -1,4 +1,4 @@
-//! Every panel: the room around it, and what of the state it is shown from. No panel but the canvas and the timeline sees the
+//! Every panel: the room around it, and what of the state it is shown from. No panel sees the
 //! whole state.
 
 use egui::{Frame, Margin, ScrollArea, Ui, Vec2, vec2};
@@ -9,7 +9,7 @@ use tilescope_ui::widgets::Known;
 use super::analysis::AnalysisContext;
 use super::common::scrolled;
 use super::compare::CompareContext;
-use super::context::PanelContext;
+use super::context::{PanelContext, TimeContext};
 use super::parameters::FormContext;
 use super::{
     analysis, bookmarks, compare, events, inspector, layers, legend, parameters, pseudocode,
@@ -17,6 +17,7 @@ use super::{
 };
 use crate::actions::keys_of;
 use crate::panes::Canvas;
+use crate::panes::CanvasContext;
 use tilescope_workbench::command::{Command, TimeCommand};
 use tilescope_workbench::compare::Rival;
 use tilescope_workbench::device::Engine;
@@ -60,7 +61,12 @@ fn row(panel: Panel) -> (Room, Show) {
         Panel::Pseudocode => (Whole, Run(pseudocode::show)),
         Panel::Events => (Whole, Run(events::show)),
         Panel::Canvas => (Whole, Run(layers::show)),
-        Panel::Timeline => (Whole, Parts(timeline::show)),
+        Panel::Timeline => (
+            Whole,
+            Parts(|ui, state, commands| {
+                timeline::show(ui, &TimeContext::of(state), commands);
+            }),
+        ),
         Panel::Bookmarks => (
             Scrolled,
             Parts(|ui, state, commands| {
@@ -166,7 +172,7 @@ pub fn show_panel(
             egui::Panel::top("layers")
                 .frame(chips)
                 .show(ui, |ui| show.call(ui, state, commands));
-            canvas.show(ui, state, commands);
+            canvas.show(ui, &CanvasContext::of(state), commands);
         }
         (Panel::Timeline, _) => {
             filled(ui, frame.inner_margin(TIMELINE_MARGIN), |ui| {
@@ -205,7 +211,7 @@ const TIMELINE_MARGIN: Margin = Margin::symmetric(16, 8);
 /// Returns how high the tile of the timeline is at least, `width` wide.
 pub fn timeline_height(ctx: &egui::Context, state: &State, width: f32) -> f32 {
     let margin = TIMELINE_MARGIN.sum();
-    timeline::height(ctx, state, width - margin.x) + margin.y
+    timeline::height(ctx, &TimeContext::of(state), width - margin.x) + margin.y
 }
 
 fn filled(ui: &mut Ui, frame: Frame, add: impl FnOnce(&mut Ui)) {

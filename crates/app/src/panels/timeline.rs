@@ -5,18 +5,17 @@ use egui::{
     Align, Button, Color32, ComboBox, Context, FontId, Layout, RichText, Role, TextStyle, Ui, Vec2,
     WidgetInfo, vec2,
 };
-use tilescope_drawing::palette::Palette;
 use tilescope_session::sentence::happened;
 use tilescope_session::words::grouped;
 use tilescope_ui::theme::{FINGER, is_for_fingers};
 use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
+use super::context::TimeContext;
 use super::track;
 use crate::actions::time_refusals;
 use tilescope_workbench::arrangement::Arrangement;
 use tilescope_workbench::clock::{Clock, SPEEDS};
 use tilescope_workbench::command::{Command, TimeCommand};
-use tilescope_workbench::state::State;
 
 /// From this width on there is room beside the sentence.
 const WIDE: f32 = 760.0;
@@ -45,20 +44,20 @@ fn text_height(ctx: &Context, text: &str, size: f32, width: f32) -> f32 {
 }
 
 /// Returns the room that the whole sentence takes, at least that of [`SPECIMEN`].
-fn sentence_height(ctx: &Context, state: &State, size: f32, width: f32) -> f32 {
+fn sentence_height(ctx: &Context, context: &TimeContext<'_>, size: f32, width: f32) -> f32 {
     let height = |text: &str| text_height(ctx, text, size, width);
     height(SPECIMEN)
-        .max(height(&happened(state.shown().as_ref())))
+        .max(height(&happened(context.run.shown().as_ref())))
         .ceil()
 }
 
 /// Returns the room that counts take beside the sentence, whatever the moment.
-fn room_beside(ctx: &Context, state: &State, width: f32) -> f32 {
-    let (Some(session), true) = (&state.runs.first.session, width >= WIDE) else {
+fn room_beside(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
+    let (Some(session), true) = (&context.run.session, width >= WIDE) else {
         return 0.0;
     };
     let most = grouped(session.summary.tiled.max(session.summary.count));
-    let place = match state.cursor() {
+    let place = match context.run.cursor() {
         Some((_, len)) => format!("event {0} of {0}", grouped(len)),
         None => "stage 9 of 9".to_owned(),
     };
@@ -70,23 +69,23 @@ fn room_beside(ctx: &Context, state: &State, width: f32) -> f32 {
 
 /// Returns how high the panel is that shows everything in `width`.
 #[must_use]
-pub fn height(ctx: &Context, state: &State, width: f32) -> f32 {
-    let width = width - room_beside(ctx, state, width);
+pub fn height(ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
+    let width = width - room_beside(ctx, context, width);
     let track = if is_for_fingers(ctx) {
         track::COMPACT_HEIGHT
     } else {
         track::HEIGHT
     };
-    sentence_height(ctx, state, SIZE, width).max(LINE) + ABOVE_CONTROLS + track
+    sentence_height(ctx, context, SIZE, width).max(LINE) + ABOVE_CONTROLS + track
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     ui.spacing_mut().item_spacing.y = 0.0;
     let room = ui.available_width();
-    let beside = room_beside(ui.ctx(), state, room);
-    let height = sentence_height(ui.ctx(), state, SIZE, room - beside).max(LINE);
+    let beside = room_beside(ui.ctx(), context, room);
+    let height = sentence_height(ui.ctx(), context, SIZE, room - beside).max(LINE);
     ui.allocate_ui_with_layout(
         vec2(room, height),
         Layout::left_to_right(Align::Center),
@@ -94,10 +93,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.set_min_size(vec2(room, height));
             ui.spacing_mut().item_spacing.x = 0.0;
             // What happened comes before how much of it there is.
-            sentence(ui, state, SIZE, vec2(room - beside, height), usize::MAX);
+            sentence(ui, context, SIZE, vec2(room - beside, height), usize::MAX);
             if beside > 0.0 {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let text = RichText::new(state.runs.first.told().join("   ")).monospace();
+                    let text = RichText::new(context.run.told().join("   ")).monospace();
                     ui.label(text.color(palette.muted)).known_as("counts");
                 });
             }
@@ -105,22 +104,23 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     );
     ui.add_space(ABOVE_CONTROLS);
     ui.horizontal(|ui| {
-        controls(ui, state, true, commands);
+        controls(ui, context, true, commands);
         ui.add_space(6.0);
-        clock(ui, state, 72.0, commands);
-        speed(ui, state, commands);
+        clock(ui, context, 72.0, commands);
+        speed(ui, context, commands);
         ui.add_space(14.0);
-        track::show(ui, state, commands);
+        track::show(ui, context, commands);
     });
 }
 
 /// Shows what happened, in so many lines at most.
-fn sentence(ui: &mut Ui, state: &State, size: f32, room: Vec2, lines: usize) {
+fn sentence(ui: &mut Ui, context: &TimeContext<'_>, size: f32, room: Vec2, lines: usize) {
     ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
         ui.set_min_size(room);
-        let color = Palette::of(state.appearance.look).text;
+        let color = context.palette.text;
         let font = FontId::proportional(size);
-        let mut text = LayoutJob::simple(happened(state.shown().as_ref()), font, color, room.x);
+        let mut text =
+            LayoutJob::simple(happened(context.run.shown().as_ref()), font, color, room.x);
         // A pointer that rests on it shows the rest.
         text.wrap.max_rows = lines;
         let galley = ui.painter().layout_job(text);
@@ -140,44 +140,49 @@ const APART: f32 = 4.0;
 /// Returns how high the controls of a small window are, `width` wide. Where the sentence would take room from the canvas or
 /// an open panel it has two lines, on a low window one.
 #[must_use]
-pub fn compact_height(ctx: &Context, state: &State, is_low: bool, width: f32) -> f32 {
-    let sentence = compact_sentence(ctx, state, is_low, width);
+pub fn compact_height(ctx: &Context, context: &TimeContext<'_>, is_low: bool, width: f32) -> f32 {
+    let sentence = compact_sentence(ctx, context, is_low, width);
     12.0 + sentence + FINGER + 2.0 + track::COMPACT_HEIGHT + 2.0 * APART
 }
 
 /// Returns whether a small window has room for the whole sentence: beside the canvas, where no panel is open.
-fn is_whole(state: &State) -> bool {
-    state.window.drawer.open.is_none() && state.window.drawer.arrangement == Arrangement::Landscape
+fn is_whole(context: &TimeContext<'_>) -> bool {
+    context.drawer.open.is_none() && context.drawer.arrangement == Arrangement::Landscape
 }
 
-fn compact_sentence(ctx: &Context, state: &State, is_low: bool, width: f32) -> f32 {
-    if is_whole(state) {
-        return sentence_height(ctx, state, COMPACT_SIZE, width);
+fn compact_sentence(ctx: &Context, context: &TimeContext<'_>, is_low: bool, width: f32) -> f32 {
+    if is_whole(context) {
+        return sentence_height(ctx, context, COMPACT_SIZE, width);
     }
     if is_low { LINE } else { 2.0 * LINE }
 }
 
 /// Shows the sentence, the controls and the track below each other, large enough for fingers.
-pub fn show_compact(ui: &mut Ui, state: &State, is_low: bool, commands: &mut Vec<Command>) {
+pub fn show_compact(
+    ui: &mut Ui,
+    context: &TimeContext<'_>,
+    is_low: bool,
+    commands: &mut Vec<Command>,
+) {
     ui.spacing_mut().item_spacing.y = APART;
     let width = ui.available_width();
-    let room = vec2(width, compact_sentence(ui.ctx(), state, is_low, width));
+    let room = vec2(width, compact_sentence(ui.ctx(), context, is_low, width));
     // What does not fit is in the panel of the clocks.
-    let lines = match (is_whole(state), is_low) {
+    let lines = match (is_whole(context), is_low) {
         (true, _) => usize::MAX,
         (false, true) => 1,
         (false, false) => 2,
     };
-    sentence(ui, state, COMPACT_SIZE, room, lines);
+    sentence(ui, context, COMPACT_SIZE, room, lines);
     ui.horizontal(|ui| {
-        controls(ui, state, true, commands);
+        controls(ui, context, true, commands);
         ui.add_space(6.0);
         // Where it would be cut off, the panel of the clocks has it.
         if ui.available_width() >= CLOCK {
-            clock(ui, state, ui.available_width().min(110.0), commands);
+            clock(ui, context, ui.available_width().min(110.0), commands);
         }
     });
-    track::show(ui, state, commands);
+    track::show(ui, context, commands);
 }
 
 /// How a player shows the sentence, the controls and the track below its canvas.
@@ -219,64 +224,67 @@ impl Player {
 
     /// Returns how high they are together, `width` wide between the margins.
     #[must_use]
-    pub fn height(self, ctx: &Context, state: &State, width: f32) -> f32 {
-        let sentence = sentence_height(ctx, state, PLAYER_SIZE, width);
+    pub fn height(self, ctx: &Context, context: &TimeContext<'_>, width: f32) -> f32 {
+        let sentence = sentence_height(ctx, context, PLAYER_SIZE, width);
         let row = APART + FINGER + 4.0;
         2.0 * PLAYER_MARGIN.y
             + match self {
-                Self::Wide => height(ctx, state, width),
+                Self::Wide => height(ctx, context, width),
                 Self::Narrow => sentence + row + APART + track::COMPACT_HEIGHT,
                 Self::Small => sentence + row,
             }
     }
 
     /// Shows them.
-    pub fn show(self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    pub fn show(self, ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
         if self == Self::Wide {
-            show(ui, state, commands);
+            show(ui, context, commands);
             return;
         }
         ui.spacing_mut().item_spacing.y = APART;
         let width = ui.available_width();
-        let room = vec2(width, sentence_height(ui.ctx(), state, PLAYER_SIZE, width));
-        sentence(ui, state, PLAYER_SIZE, room, usize::MAX);
+        let room = vec2(
+            width,
+            sentence_height(ui.ctx(), context, PLAYER_SIZE, width),
+        );
+        sentence(ui, context, PLAYER_SIZE, room, usize::MAX);
         let with_ends = self == Self::Narrow && ui.available_width() >= ALL_BUTTONS - 24.0;
         ui.horizontal(|ui| {
-            controls(ui, state, with_ends, commands);
+            controls(ui, context, with_ends, commands);
             ui.add_space(6.0);
             if self == Self::Small {
-                track::show(ui, state, commands);
+                track::show(ui, context, commands);
                 return;
             }
-            clock(ui, state, 64.0, commands);
+            clock(ui, context, 64.0, commands);
             if ui.available_width() >= SPEED {
-                speed(ui, state, commands);
+                speed(ui, context, commands);
             }
         });
         if self == Self::Narrow {
-            track::show(ui, state, commands);
+            track::show(ui, context, commands);
         }
     }
 }
 
 /// Shows what a small window has no room for beside its controls: the whole sentence, counts, speed, the line and the loop.
-pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    ui.label(RichText::new(happened(state.shown().as_ref())).size(14.5))
+pub fn more(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    ui.label(RichText::new(happened(context.run.shown().as_ref())).size(14.5))
         .known_as("status-whole");
-    for (k, text) in state.runs.first.told().into_iter().enumerate() {
+    for (k, text) in context.run.told().into_iter().enumerate() {
         ui.label(RichText::new(text).monospace().color(palette.muted))
             .known_as(format_args!("counts-{k}"));
     }
     ui.add_space(4.0);
-    speed(ui, state, commands);
+    speed(ui, context, commands);
     ui.horizontal_wrapped(|ui| {
         for (name, command) in [
             ("Loop from here", TimeCommand::LoopStart),
             ("Loop up to here", TimeCommand::LoopEnd),
             ("No loop", TimeCommand::Loop(None)),
         ] {
-            let button = ui.add_enabled(state.runs.first.debugger.is_some(), Button::new(name));
+            let button = ui.add_enabled(context.run.debugger.is_some(), Button::new(name));
             button.known_as(Kebab(&command));
             let button = button.on_disabled_hover_text("There are no events to go round.");
             if button.clicked() {
@@ -287,21 +295,20 @@ pub fn more(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// The buttons that move time; where there is no room for them, those to the ends are left to the track.
-fn controls(ui: &mut Ui, state: &State, with_ends: bool, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
-    let no_session = state
-        .runs
-        .first
+fn controls(ui: &mut Ui, context: &TimeContext<'_>, with_ends: bool, commands: &mut Vec<Command>) {
+    let palette = context.palette;
+    let no_session = context
+        .run
         .session
         .is_none()
         .then_some("There is no session yet.");
-    let [at_end, at_start] = time_refusals(state);
-    let (play, play_name) = if state.time.playback.is_playing() {
+    let [at_end, at_start] = time_refusals(context.run, context.time);
+    let (play, play_name) = if context.time.playback.is_playing() {
         (Icon::Pause, "Pause (Space)")
     } else {
         (Icon::Play, "Play (Space)")
     };
-    let clock = state.time.playback.clock.name();
+    let clock = context.time.playback.clock.name();
     ui.spacing_mut().item_spacing.x = 2.0;
     for (icon, name, refusal, command) in [
         (
@@ -353,14 +360,14 @@ fn capital(name: &str) -> String {
 }
 
 /// What a tick is.
-fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
-    let playback = &state.time.playback;
+fn clock(ui: &mut Ui, context: &TimeContext<'_>, width: f32, commands: &mut Vec<Command>) {
+    let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("clock")
         .width(width)
         .selected_text(playback.clock.name());
     let response = chosen.show_ui(ui, |ui| {
         for clock in Clock::ALL {
-            let refusal = state.runs.first.clock_refusal(clock);
+            let refusal = context.run.clock_refusal(clock);
             let button = Button::selectable(playback.clock == clock, clock.name());
             let response = ui.add_enabled(refusal.is_none(), button);
             response.known_as(format_args!("clock.{}", Kebab(clock)));
@@ -377,8 +384,8 @@ fn clock(ui: &mut Ui, state: &State, width: f32, commands: &mut Vec<Command>) {
 }
 
 /// How fast time runs.
-fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let playback = &state.time.playback;
+fn speed(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let playback = &context.time.playback;
     let chosen = ComboBox::from_id_salt("speed")
         .width(58.0)
         .selected_text(format!("{}\u{d7}", playback.speed));
@@ -402,6 +409,7 @@ fn speed(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 mod tests {
     use super::*;
     use tilescope_session::sentence::stage_sentence;
+    use tilescope_workbench::State;
 
     #[test]
     fn the_sentences_fit_into_the_smallest_player() {

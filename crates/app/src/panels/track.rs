@@ -15,8 +15,8 @@ use tilescope_session::words::stage_name;
 use tilescope_ui::theme::is_for_fingers;
 use tilescope_ui::widgets::{Kebab, Known};
 
+use crate::panels::context::TimeContext;
 use tilescope_workbench::command::{Command, TimeCommand};
-use tilescope_workbench::state::State;
 
 /// No segment is narrower, in screen points.
 const LEAST_WIDTH: f32 = 54.0;
@@ -83,8 +83,8 @@ fn cursor_at(segments: &[Segment], x: f32) -> usize {
 }
 
 /// Shows the track.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let palette = Palette::of(state.appearance.look);
+pub fn show(ui: &mut Ui, context: &TimeContext<'_>, commands: &mut Vec<Command>) {
+    let palette = context.palette;
     let height = if is_for_fingers(ui.ctx()) {
         COMPACT_HEIGHT
     } else {
@@ -92,30 +92,30 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let size = vec2((ui.available_width() - 8.0).max(80.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
-    let Some(session) = &state.runs.first.session else {
+    let Some(session) = &context.run.session else {
         return;
     };
     let segments = segments(session, rect.left() + 4.0, rect.right() - 4.0);
-    let cursor = state.cursor().map_or(state.runs.first.stage, |(at, _)| at);
+    let cursor = context.run.cursor().map_or(context.run.stage, |(at, _)| at);
     response.widget_info(|| WidgetInfo::slider(true, cursor as f64, "Moment"));
     response.known_as("moment");
     if response.dragged()
         && let Some(pos) = response.interact_pointer_pos()
     {
         let target = cursor_at(&segments, pos.x);
-        match state.cursor() {
+        match context.run.cursor() {
             Some(_) => commands.push(Command::Time(TimeCommand::Jump(target))),
             None => commands.push(Command::Time(TimeCommand::ShowStage(target))),
         }
     }
     for segment in &segments {
-        show_segment(ui, state, segment, rect, commands);
+        show_segment(ui, context, segment, rect, commands);
     }
     let painter = ui.painter_at(rect.expand(6.0));
     if let Some(recording) = session.recording() {
         density(&painter, recording, &segments, rect, palette);
     }
-    marks(&painter, state, &segments, rect, palette);
+    marks(&painter, context, &segments, rect, palette);
     let x = x_of(&segments, cursor);
     let ends = [pos2(x, rect.top() - 2.0), pos2(x, rect.top() + BAR + 4.0)];
     painter.line_segment(ends, Stroke::new(2.0, palette.halo));
@@ -129,17 +129,17 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn show_segment(
     ui: &Ui,
-    state: &State,
+    context: &TimeContext<'_>,
     segment: &Segment,
     rect: Rect,
     commands: &mut Vec<Command>,
 ) {
-    let palette = Palette::of(state.appearance.look);
-    let name = match &state.runs.first.session {
+    let palette = context.palette;
+    let name = match &context.run.session {
         Some(session) => name_in(session, segment.stage),
         None => stage_name(segment.stage),
     };
-    let current = segment.place == state.runs.first.stage;
+    let current = segment.place == context.run.stage;
     let bar = Rect::from_min_max(
         pos2(segment.left + 1.0, rect.top()),
         pos2(segment.right - 1.0, rect.top() + BAR),
@@ -221,9 +221,15 @@ fn density(
 }
 
 /// Draws where the breakpoints would stop a run.
-fn hits(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
+fn hits(
+    painter: &Painter,
+    context: &TimeContext<'_>,
+    segments: &[Segment],
+    rect: Rect,
+    palette: &Palette,
+) {
     let mut last = f32::NEG_INFINITY;
-    for &event in state.runs.first.hits.events() {
+    for &event in context.run.hits.events() {
         let x = x_of(segments, event);
         // Two marks on one pixel look like one.
         if x - last >= 1.0 {
@@ -235,8 +241,14 @@ fn hits(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pale
 }
 
 /// Draws bookmarks, hits of breakpoints and the range of the loop.
-fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, palette: &Palette) {
-    if let Some(range) = &state.time.playback.range {
+fn marks(
+    painter: &Painter,
+    context: &TimeContext<'_>,
+    segments: &[Segment],
+    rect: Rect,
+    palette: &Palette,
+) {
+    if let Some(range) = &context.time.playback.range {
         let ends = [range.start, range.end].map(|cursor| x_of(segments, cursor));
         let band = Rect::from_min_max(
             pos2(ends[0], rect.top() - 3.0),
@@ -248,10 +260,10 @@ fn marks(painter: &Painter, state: &State, segments: &[Segment], rect: Rect, pal
             painter.line_segment(line, Stroke::new(1.5, palette.candidate));
         }
     }
-    let Some(debugger) = &state.runs.first.debugger else {
+    let Some(debugger) = &context.run.debugger else {
         return;
     };
-    hits(painter, state, segments, rect, palette);
+    hits(painter, context, segments, rect, palette);
     for mark in &debugger.bookmarks {
         let place = debugger.marked(mark);
         let Some(cursor) = place.cursor() else {

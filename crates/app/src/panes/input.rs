@@ -9,11 +9,11 @@ use egui::{
 use tilescope_core::Standing;
 use tilescope_session::selection::Selection;
 
+use super::CanvasContext;
 use tilescope_canvas::hint::{self, Hint};
 use tilescope_canvas::touch::{Hand, Touch};
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::command::ViewCommand;
-use tilescope_workbench::state::State;
 
 /// How near to a sample the pointer picks it, in screen points.
 const PICK_POINTS: f64 = 14.0;
@@ -27,20 +27,14 @@ pub fn handle(
     ui: &Ui,
     response: &Response,
     subject: &Subject<'_>,
-    state: &State,
+    context: &CanvasContext<'_>,
     commands: &mut Vec<ViewCommand>,
 ) -> Option<Pos2> {
     let touch = Touch::follow(ui, response);
     if touch.hand == Hand::Cancelled {
         return None;
     }
-    move_view(
-        ui,
-        response,
-        &touch,
-        state.window.embedding.is_some(),
-        commands,
-    );
+    move_view(ui, response, &touch, context.is_embedded, commands);
     let is_picked = pick(response, subject, &touch, commands);
     keys(ui, response, commands);
     let flies = response.double_clicked() && touch.hand != Hand::Gesture;
@@ -48,7 +42,7 @@ pub fn handle(
         let place = subject.camera.domain_from_screen(response.rect, pos);
         commands.push(ViewCommand::FlyToBlock(place));
     }
-    inspect_later(ui, response, is_picked, flies, state, commands);
+    inspect_later(ui, response, is_picked, flies, context, commands);
     response.hover_pos().filter(|_| touch.hand == Hand::Mouse)
 }
 
@@ -59,7 +53,7 @@ fn inspect_later(
     response: &Response,
     is_picked: bool,
     flies: bool,
-    state: &State,
+    context: &CanvasContext<'_>,
     commands: &mut Vec<ViewCommand>,
 ) {
     let id = Id::unique("picked at").with(response.id);
@@ -72,7 +66,7 @@ fn inspect_later(
     let Some(at) = at else {
         return;
     };
-    let wait = if state.window.drawer.arrangement.is_compact() {
+    let wait = if context.is_compact {
         ui.options(|options| options.input_options.max_double_click_delay)
     } else {
         0.0

@@ -18,7 +18,39 @@ use tilescope_drawing::subject::Subject;
 use tilescope_session::look::Look;
 use tilescope_ui::widgets::Known;
 use tilescope_workbench::command::{Command, ViewCommand, Which};
-use tilescope_workbench::state::State;
+use tilescope_workbench::passes::OnCanvas;
+use tilescope_workbench::state::{Runs, State};
+
+/// What the canvas is shown from.
+pub struct CanvasContext<'a> {
+    palette: &'static Palette,
+    look: Look,
+    runs: &'a Runs,
+    /// What is seen of the first run, and of the second.
+    subjects: [Option<Subject<'a>>; 2],
+    /// The rows of a buffer of the GPU, where they are to be seen.
+    rows: Option<OnCanvas<'a>>,
+    /// Whether the window is part of another page.
+    is_embedded: bool,
+    /// Whether panels take a part of the canvas when they open.
+    is_compact: bool,
+}
+
+impl<'a> CanvasContext<'a> {
+    /// Returns what the canvas of a window is shown from.
+    #[must_use]
+    pub fn of(state: &'a State) -> Self {
+        Self {
+            palette: Palette::of(state.appearance.look),
+            look: state.appearance.look,
+            runs: &state.runs,
+            subjects: [state.subject(), state.second_subject()],
+            rows: state.buffers_on_canvas(),
+            is_embedded: state.window.embedding.is_some(),
+            is_compact: state.window.drawer.arrangement.is_compact(),
+        }
+    }
+}
 
 /// The canvas between two frames.
 #[derive(Default)]
@@ -40,51 +72,50 @@ impl Canvas {
     }
 
     /// Shows the canvas in all the space that `ui` has left.
-    pub fn show(&mut self, ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    pub fn show(&mut self, ui: &mut Ui, context: &CanvasContext<'_>, commands: &mut Vec<Command>) {
         let size = ui.available_size().max(vec2(1.0, 1.0));
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-        let subject = state.subject();
-        let Some((second, comparison)) = &state.runs.second else {
+        let subject = context.subjects[0];
+        let Some((second, comparison)) = &context.runs.second else {
             let side = Side {
                 which: Which::First,
                 rect,
                 name: "Canvas of samples",
                 subject,
             };
-            side.show(ui, state, &mut self.first, &mut self.marks, commands)
+            side.show(ui, context, &mut self.first, &mut self.marks, commands)
                 .known_as("canvas");
             return;
         };
-        ui.painter()
-            .rect_filled(rect, 0.0, Palette::of(state.appearance.look).line);
+        ui.painter().rect_filled(rect, 0.0, context.palette.line);
         let [left, right] = titles::halves(rect);
         let left = Side {
-            rect: titles::heading(ui, left, state, &titles::first_title(state)),
+            rect: titles::heading(ui, left, context, &titles::first_title(context)),
             which: Which::First,
             name: "Canvas of run A",
             subject,
         };
-        left.show(ui, state, &mut self.first, &mut self.marks, commands)
+        left.show(ui, context, &mut self.first, &mut self.marks, commands)
             .known_as("canvas-a");
         if let Some(device) = self.device.take() {
             self.second.draw_with(&device);
         }
-        let subject = state.second_subject();
+        let subject = context.subjects[1];
         let right = Side {
-            rect: titles::heading(ui, right, state, &titles::second_title(state, second)),
+            rect: titles::heading(ui, right, context, &titles::second_title(context, second)),
             which: Which::Second,
             name: "Canvas of run B",
             subject,
         };
         right
-            .show(ui, state, &mut self.second, &mut self.marks, commands)
+            .show(ui, context, &mut self.second, &mut self.marks, commands)
             .known_as("canvas-b");
         titles::echo(
             ui,
             [left.rect, right.rect],
             [&left.subject, &right.subject],
             comparison,
-            state,
+            context,
         );
     }
 }
@@ -101,7 +132,7 @@ impl Side<'_> {
     fn show(
         &self,
         ui: &mut Ui,
-        state: &State,
+        context: &CanvasContext<'_>,
         pane: &mut Pane,
         marks: &mut Sprites,
         commands: &mut Vec<Command>,
@@ -109,11 +140,11 @@ impl Side<'_> {
         let rect = self.rect;
         let response = ui.interact(rect, ui.scope_id().with(self.name), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, self.name));
-        let run = state.runs.get(self.which);
+        let run = context.runs.get(self.which);
         if run.is_some_and(|run| run.viewport != rect) {
             commands.push(Command::View(self.which, ViewCommand::Viewport(rect)));
         }
-        let palette = Palette::of(state.appearance.look);
+        let palette = context.palette;
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, palette.outside);
         let Some(subject) = &self.subject else {
@@ -122,12 +153,12 @@ impl Side<'_> {
             return response;
         };
         let mut moves = Vec::new();
-        let pointer = input::handle(ui, &response, subject, state, &mut moves);
+        let pointer = input::handle(ui, &response, subject, context, &mut moves);
         let moves = moves.into_iter();
         commands.extend(moves.map(|command| Command::View(self.which, command)));
         let note = pane.paint(ui, rect, subject, palette);
         let rows = match self.which {
-            Which::First => state.buffers_on_canvas(),
+            Which::First => context.rows,
             Which::Second => None,
         };
         let note = match rows {
@@ -138,7 +169,7 @@ impl Side<'_> {
         overlay::cursor(&painter, rect, subject, pointer, palette);
         overlay::note(&painter, rect, subject, note.as_deref(), palette);
         hint::show(&painter, rect, palette);
-        let brief = state.appearance.look == Look::Projector;
+        let brief = context.look == Look::Projector;
         if pointer.is_some() {
             hover::show(ui, &painter, &response, subject, palette, brief);
         }

@@ -1,8 +1,8 @@
 //! Two runs side by side: where their pictures go, what stands above each, and the pointer's place on the other picture.
 //! What differs is handed to it.
 
+use super::CanvasContext;
 use egui::{Color32, FontId, Rect, Stroke, Ui, vec2};
-use tilescope_drawing::palette::Palette;
 use tilescope_session::sentence::happened;
 use tilescope_session::session::Session;
 use tilescope_ui::theme::semibold;
@@ -10,7 +10,7 @@ use tilescope_ui::widgets::{Kebab, Known};
 
 use tilescope_drawing::subject::Subject;
 use tilescope_workbench::compare::{Comparison, contrast_of};
-use tilescope_workbench::state::{RunView, State, Verification};
+use tilescope_workbench::state::{RunView, Verification};
 
 /// Between two pictures, in screen points.
 const GUTTER: f32 = 3.0;
@@ -40,27 +40,30 @@ pub struct Title {
 }
 
 /// Returns the title of the first run.
-pub fn first_title(state: &State) -> Title {
-    let subject = state.subject();
-    let other = state
+pub fn first_title(context: &CanvasContext<'_>) -> Title {
+    let subject = context.subjects[0];
+    let other = context
         .runs
         .second
         .as_ref()
         .and_then(|(side, _)| side.session.as_deref());
-    let own = state.runs.first.session.as_deref();
+    let own = context.runs.first.session.as_deref();
     title(
         "A",
         own,
         other,
         subject.as_ref(),
-        &state.runs.first.verification,
+        &context.runs.first.verification,
     )
 }
 
 /// Returns the title of the second run.
-pub fn second_title(state: &State, side: &RunView) -> Title {
-    let subject = state.second_subject();
-    let (own, other) = (side.session.as_deref(), state.runs.first.session.as_deref());
+pub fn second_title(context: &CanvasContext<'_>, side: &RunView) -> Title {
+    let subject = context.subjects[1];
+    let (own, other) = (
+        side.session.as_deref(),
+        context.runs.first.session.as_deref(),
+    );
     title("B", own, other, subject.as_ref(), &side.verification)
 }
 
@@ -119,8 +122,8 @@ fn verdict(verification: &Verification) -> &'static str {
 }
 
 /// Draws a title in the upper part of `rect`; returns the rest.
-pub fn heading(ui: &Ui, rect: Rect, state: &State, title: &Title) -> Rect {
-    let palette = Palette::of(state.appearance.look);
+pub fn heading(ui: &Ui, rect: Rect, context: &CanvasContext<'_>, title: &Title) -> Rect {
+    let palette = context.palette;
     let (mut above, mut below) = (rect, rect);
     above.max.y = rect.min.y + HEADING;
     below.min.y = above.max.y;
@@ -160,7 +163,7 @@ pub fn echo(
     rects: [Rect; 2],
     subjects: [&Option<Subject<'_>>; 2],
     comparison: &Comparison,
-    state: &State,
+    context: &CanvasContext<'_>,
 ) {
     let Some(pointer) = ui.input(|input| input.pointer.hover_pos()) else {
         return;
@@ -178,10 +181,7 @@ pub fn echo(
         let place = from.camera.domain_from_screen(rects[here], pointer);
         let at = to.camera.screen_from_domain(rects[there], place);
         let painter = ui.painter_at(rects[there]);
-        let stroke = Stroke::new(
-            1.2,
-            Palette::of(state.appearance.look).halo.gamma_multiply(0.7),
-        );
+        let stroke = Stroke::new(1.2, context.palette.halo.gamma_multiply(0.7));
         for side in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
             for way in [-1.0, 1.0] {
                 painter.line_segment([at + way * side * 0.35, at + way * side], stroke);

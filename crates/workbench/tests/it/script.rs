@@ -1,7 +1,10 @@
 //! Sessions carried out by text alone.
 
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 
+use serde_json::{Value, json};
+use tilescope_workbench::Command;
 use tilescope_workbench::script::{ScriptError, carry_out, read, run};
 
 #[test]
@@ -48,4 +51,94 @@ fn the_state_is_printed_after_each_command_or_after_the_last() {
     };
     assert_eq!(printed(true), ["pattern", "blocks"]);
     assert_eq!(printed(false), ["blocks"]);
+}
+
+/// Commands that ask the system for a dialog, which a machine without a screen has not.
+const DIALOGS: [&str; 2] = ["file.browse", "export.browse"];
+
+/// Returns what serde expects at a place of a command: the names of a group's commands, if a group is there.
+fn names(command: &Value) -> Vec<String> {
+    let error = serde_json::from_value::<Command>(command.clone()).unwrap_err();
+    let text = error.to_string();
+    let Some((_, listed)) = text.split_once("unknown variant `?`, expected ") else {
+        return Vec::new();
+    };
+    let quoted = listed.split('`').skip(1).step_by(2);
+    quoted.map(str::to_owned).collect()
+}
+
+/// Returns a command of this path whose last name is unknown.
+fn asking(path: &[&str]) -> Value {
+    let mut value = json!("?");
+    for name in path.iter().rev() {
+        value = match *name {
+            "view" => json!({"view": ["first", value]}),
+            name => json!({ name: value }),
+        };
+    }
+    value
+}
+
+/// Returns the paths of all commands, and those of the commands of a script.
+fn all_and_used(script: &[Value]) -> [BTreeSet<String>; 2] {
+    let mut all = BTreeSet::new();
+    for group in names(&json!("?")) {
+        let own = names(&asking(&[&group]));
+        if own.is_empty() || group == "cancel" {
+            all.insert(group);
+            continue;
+        }
+        for name in own {
+            let path = format!("{group}.{name}");
+            let inner = match path.as_str() {
+                "window.drawer" => names(&asking(&[&group, &name])),
+                _ => Vec::new(),
+            };
+            if inner.is_empty() {
+                all.insert(path);
+            } else {
+                all.extend(inner.iter().map(|inner| format!("{path}.{inner}")));
+            }
+        }
+    }
+    let name_of = |value: &Value| match value {
+        Value::String(name) => name.clone(),
+        Value::Object(map) => map.keys().next().unwrap().clone(),
+        other => panic!("{other}"),
+    };
+    let path_of = |value: &Value| {
+        let group = name_of(value);
+        let inner = match group.as_str() {
+            "view" => &value["view"][1],
+            "cancel" => return group,
+            group => &value[group],
+        };
+        match inner {
+            Value::Null => group,
+            inner if group == "window" && inner.get("drawer").is_some() => {
+                format!("window.drawer.{}", name_of(&inner["drawer"]))
+            }
+            inner => format!("{group}.{}", name_of(inner)),
+        }
+    };
+    [all, script.iter().map(path_of).collect()]
+}
+
+#[test]
+fn every_command_is_carried_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = include_str!("every_command.json");
+    let script: Vec<Value> = serde_json::from_str(text).unwrap();
+    let [mut all, used] = all_and_used(&script);
+    for dialog in DIALOGS {
+        assert!(all.remove(dialog), "{dialog}");
+    }
+    assert!(all.len() > 110, "{}", all.len());
+    assert_eq!(used, all);
+    let text = text.replace("FOLDER", folder.path().to_str().unwrap());
+    let Ok(state) = carry_out(read(&text).unwrap(), |_| Ok::<_, Infallible>(()));
+    assert!(state.shows_combination());
+    for file in ["session.json", "set.csv", "set.csv.certificate.json"] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
 }
