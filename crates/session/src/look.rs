@@ -1,16 +1,20 @@
 //! The looks of a window: light, dark, and for a projector. What they look like is not known here.
 
-/// A look of the window.
+/// A look of the window. The aliases are how earlier versions saved it.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
+#[serde(rename_all = "kebab-case")]
 pub enum Look {
     /// Light on dark.
     #[default]
+    #[serde(alias = "Dark")]
     Dark,
     /// Dark on light.
+    #[serde(alias = "Light")]
     Light,
     /// Dark on light at nearly twice the size, with the canvas, the sentence, the controls and the line alone.
+    #[serde(alias = "Projector")]
     Projector,
 }
 

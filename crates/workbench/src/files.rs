@@ -25,6 +25,7 @@ use tilescope_session::jobs::Job;
 
 /// What a file is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Purpose {
     /// To keep the session.
     Save,

@@ -13,36 +13,51 @@ pub mod text;
 
 pub use old::OldLayout;
 
-/// A panel of the window. What it shows is in the registry of `panels`; all else is a row of [`ROWS`].
+/// A panel of the window. What it shows is in the registry of `panels`; all else is a row of [`ROWS`]. The aliases are how earlier versions saved it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Panel {
     /// The parameters of the next run.
+    #[serde(alias = "Parameters")]
     Parameters,
     /// The layers and the picture.
+    #[serde(alias = "Canvas")]
     Canvas,
     /// What happened, and the clocks.
+    #[serde(alias = "Timeline")]
     Timeline,
     /// The selected sample or place and its history.
+    #[serde(alias = "Inspector")]
     Inspector,
     /// The listings, with breakpoints.
+    #[serde(alias = "Pseudocode")]
     Pseudocode,
     /// What each stage left behind.
+    #[serde(alias = "Statistics")]
     Statistics,
     /// The verdict.
+    #[serde(alias = "Verification")]
     Verification,
     /// The events around the moment, and those that a query finds.
+    #[serde(alias = "Events")]
     Events,
     /// Events to come back to.
+    #[serde(alias = "Bookmarks")]
     Bookmarks,
     /// Watched expressions, and the conditions of breakpoints.
+    #[serde(alias = "Watches")]
     Watches,
     /// What is measured of the moment.
+    #[serde(alias = "Analysis")]
     Analysis,
     /// The second run beside the first.
+    #[serde(alias = "Compare")]
     Compare,
     /// The passes of the GPU.
+    #[serde(alias = "Passes")]
     Passes,
     /// What symbols mean.
+    #[serde(alias = "Legend")]
     Legend,
 }
 

@@ -23,6 +23,7 @@ pub const FIRST_PEAK: [f64; 2] = [1.0, 1.3];
 
 /// What a range is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Axis {
     /// Frequencies, as nu.
     Frequency,
