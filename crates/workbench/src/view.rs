@@ -2,47 +2,52 @@
 //! What is read may come from anywhere: each part counts only if it makes sense.
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_debugger::MAX_SAMPLES;
-use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_session::look::Look;
+use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 
-use crate::clock::{Clock, SPEEDS};
+use crate::clock::{Playback, SPEEDS};
+use crate::compare::Comparison;
 use crate::layout::{Layout, OldLayout, text};
+use crate::state::Appearance;
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// Farther from the origin than this, in r, there is no domain.
 pub const FARTHEST: f64 = 200_000.0;
 
-/// What is saved. A part that is missing stays as it is.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// How a session is looked at: parts of the state.
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// The view of the domain.
+    /// The view of the domain; none shows all of it, however large the window is.
     pub camera: Option<Camera>,
-    /// Whether it shows the whole domain, however large the window is.
-    pub fitted: Option<bool>,
-    /// The layers that are on.
-    pub layers: Option<Layers>,
-    /// What colours mean.
-    pub colouring: Option<Colouring>,
-    /// The look.
-    pub look: Option<Look>,
+    /// How moments are drawn.
+    pub appearance: Appearance,
     /// Where the panels stand.
-    pub layout: Option<Layout>,
+    pub layout: Layout,
     /// What is selected.
-    pub selection: Option<Selection>,
-    /// What a tick is.
-    pub clock: Option<Clock>,
-    /// How fast time runs.
-    pub speed: Option<f32>,
-    /// The cursors between which play goes round.
-    pub range: Option<[usize; 2]>,
+    pub selection: Selection,
+    /// How time runs.
+    pub playback: Playback,
     /// What the run beside this one is made from.
     pub second: Option<Parameters>,
     /// Whether cameras move together, clocks run together, and differences are marked.
-    pub links: Option<[bool; 3]>,
+    pub links: [bool; 3],
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            camera: None,
+            appearance: Appearance::default(),
+            layout: Layout::default(),
+            selection: Selection::Nothing,
+            playback: Playback::default(),
+            second: None,
+            links: Comparison::default().links(),
+        }
+    }
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -62,69 +67,73 @@ impl View {
     /// Returns what is written.
     #[must_use]
     pub fn to_json(&self) -> Value {
+        let Appearance {
+            layers,
+            colouring,
+            look,
+            ..
+        } = &self.appearance;
+        let names = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
         let mut map = Map::new();
-        let mut put = |name: &str, value: Option<Value>| {
-            if let Some(value) = value {
-                map.insert(name.to_owned(), value);
-            }
+        let mut put = |name: &str, value: Value| {
+            map.insert(name.to_owned(), value);
         };
-        let camera = self.camera.map(|camera| SavedCamera {
-            center: camera.center,
-            scale: camera.scale,
-        });
-        put("camera", json(camera.as_ref()));
-        let names = |layers: Layers| -> Vec<&str> {
-            let on = Layer::ALL.into_iter().filter(|layer| layers.has(*layer));
-            on.map(Layer::name).collect()
-        };
-        put("fitted", json(self.fitted.as_ref()));
-        put("layers", json(self.layers.map(names).as_ref()));
-        put("colouring", json(self.colouring.as_ref()));
-        put("look", json(self.look.as_ref()));
-        put("layout", json(self.layout.as_ref()));
-        let selection = self.selection.and_then(|selection| match selection {
-            Selection::Nothing => None,
-            Selection::Sample(id) => Some(SavedSelection::Sample(id)),
-            Selection::Place(place) => Some(SavedSelection::Place(place)),
-        });
-        put("selection", json(selection.as_ref()));
-        put("clock", json(self.clock.as_ref()));
-        put("speed", json(self.speed.as_ref()));
-        put("range", json(self.range.as_ref()));
-        put("second", json(self.second.as_ref()));
-        put("links", json(self.links.as_ref()));
+        if let Some(Camera { center, scale }) = self.camera {
+            put("camera", json!(SavedCamera { center, scale }));
+        }
+        put("fitted", json!(self.camera.is_none()));
+        put("layers", json!(names.map(Layer::name).collect::<Vec<_>>()));
+        put("colouring", json!(colouring));
+        put("look", json!(look));
+        put("layout", json!(self.layout));
+        match self.selection {
+            Selection::Nothing => {}
+            Selection::Sample(id) => put("selection", json!(SavedSelection::Sample(id))),
+            Selection::Place(place) => put("selection", json!(SavedSelection::Place(place))),
+        }
+        put("clock", json!(self.playback.clock_of_events()));
+        put("speed", json!(self.playback.speed));
+        if let Some(range) = &self.playback.range {
+            put("range", json!([range.start, range.end]));
+        }
+        if let Some(second) = &self.second {
+            put("second", json!(second));
+            put("links", json!(self.links));
+        }
         Value::Object(map)
     }
 
-    /// Returns what a saved view means, and the names of the parts that make no sense.
+    /// Returns what a saved view means where the view is `now`, and the names of the parts that make no sense. What is
+    /// missing or makes no sense stays as it is now; there is no second run but one that is said.
     #[must_use]
-    pub fn from_json(value: &Value) -> (Self, Vec<&'static str>) {
+    pub fn from_json(value: &Value, now: &Self) -> (Self, Vec<&'static str>) {
         let mut parts = Parts {
             value,
             dropped: Vec::new(),
         };
-        let view = Self {
-            camera: parts.take("camera", camera),
-            fitted: parts.take("fitted", Some),
-            layers: parts.take("layers", layers),
-            colouring: parts.take("colouring", Some),
-            look: parts.take("look", Some),
-            layout: parts.take("layout", layout),
-            selection: parts.take("selection", selection),
-            clock: parts.take("clock", Some),
-            speed: parts.take("speed", speed),
-            range: parts.take("range", |range: [usize; 2]| {
-                (range[0] < range[1]).then_some(range)
-            }),
-            second: parts.take("second", second),
-            links: parts.take("links", Some),
-        };
+        let mut view = now.clone();
+        let camera = parts.take("camera", camera);
+        match parts.take("fitted", Some) {
+            Some(true) => view.camera = None,
+            _ => view.camera = camera.or(view.camera),
+        }
+        parts.set(&mut view.appearance.layers, "layers", layers);
+        parts.set(&mut view.appearance.colouring, "colouring", Some);
+        parts.set(&mut view.appearance.look, "look", Some);
+        parts.set(&mut view.layout, "layout", layout);
+        parts.set(&mut view.selection, "selection", selection);
+        if let Some(clock) = parts.take("clock", Some) {
+            view.playback.choose(clock);
+        }
+        parts.set(&mut view.playback.speed, "speed", speed);
+        let range = parts.take("range", |[start, end]: [usize; 2]| {
+            (start < end).then_some(start..end)
+        });
+        view.playback.range = range.or(view.playback.range);
+        view.second = parts.take("second", second);
+        parts.set(&mut view.links, "links", Some);
         (view, parts.dropped)
     }
-}
-
-fn json<T: Serialize>(value: Option<&T>) -> Option<Value> {
-    serde_json::to_value(value?).ok()
 }
 
 struct Parts<'a> {
@@ -144,6 +153,18 @@ impl Parts<'_> {
             self.dropped.push(name);
         }
         taken
+    }
+
+    /// Replaces a value by the saved one, if that makes sense.
+    fn set<S: DeserializeOwned, T>(
+        &mut self,
+        value: &mut T,
+        name: &'static str,
+        sense: impl FnOnce(S) -> Option<T>,
+    ) {
+        if let Some(taken) = self.take(name, sense) {
+            *value = taken;
+        }
     }
 }
 
@@ -204,41 +225,48 @@ pub fn speed(speed: f32) -> Option<f32> {
 
 #[cfg(test)]
 mod tests {
+    use tilescope_session::layers::Colouring;
+    use tilescope_session::look::Look;
+
     use super::*;
-    use serde_json::json;
+    use crate::clock::Clock;
 
     fn view() -> View {
-        let mut layers = Layers::default();
-        layers.toggle(Layer::Disks);
-        View {
+        let mut view = View {
             camera: Some(Camera {
                 center: [3.25, -1.5],
                 scale: 12.0,
             }),
-            layers: Some(layers),
-            colouring: Some(Colouring::Provenance),
-            look: Some(Look::Light),
-            layout: Some(Layout::default()),
-            selection: Some(Selection::Place([2.0, 3.0])),
-            clock: Some(Clock::Line),
-            speed: Some(8.0),
-            range: Some([10, 20]),
+            selection: Selection::Place([2.0, 3.0]),
             second: Some(Parameters {
                 seed: 9,
                 ..Parameters::default()
             }),
-            fitted: Some(false),
-            links: Some([true, false, true]),
-        }
+            links: [true, false, true],
+            ..View::default()
+        };
+        view.appearance.layers.toggle(Layer::Disks);
+        view.appearance.colouring = Colouring::Provenance;
+        view.appearance.look = Look::Light;
+        view.playback.choose(Clock::Line);
+        view.playback.speed = 8.0;
+        view.playback.range = Some(10..20);
+        view
     }
 
     #[test]
     fn what_is_written_is_read() {
         let text = serde_json::to_string(&view().to_json()).unwrap();
-        let (back, dropped) = View::from_json(&serde_json::from_str(&text).unwrap());
+        let (back, dropped) =
+            View::from_json(&serde_json::from_str(&text).unwrap(), &View::default());
         assert_eq!(back, view());
         assert_eq!(dropped, [""; 0]);
-        assert_eq!(View::from_json(&Value::Null), (View::default(), vec![]));
+        // What is not said stays, but for the second run.
+        let alone = View {
+            second: None,
+            ..back.clone()
+        };
+        assert_eq!(View::from_json(&Value::Null, &back), (alone, vec![]));
     }
 
     #[test]
@@ -255,7 +283,7 @@ mod tests {
             "clock": "event",
             "unknown": [1, 2, 3],
         });
-        let (view, dropped) = View::from_json(&broken);
+        let (view, dropped) = View::from_json(&broken, &View::default());
         let expected = [
             "camera",
             "colouring",
@@ -266,16 +294,17 @@ mod tests {
             "second",
         ];
         assert_eq!(dropped, expected);
-        assert_eq!(view.clock, Some(Clock::Event));
+        assert_eq!(view.playback.clock, Clock::Event);
         // Twenty million samples are too many for a file to ask for.
         let large = Parameters {
             radius: 0.000_18,
             ..Parameters::default()
         };
         assert!(large.validate_sequential().is_ok());
-        let (view_of_large, dropped) = View::from_json(&json!({ "second": large }));
+        let (view_of_large, dropped) =
+            View::from_json(&json!({ "second": large }), &View::default());
         assert_eq!((view_of_large.second, dropped), (None, vec!["second"]));
-        let layers = view.layers.unwrap();
+        let layers = view.appearance.layers;
         assert!(layers.has(Layer::Samples) && !layers.has(Layer::Blocks));
     }
 }

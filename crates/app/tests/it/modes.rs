@@ -53,7 +53,7 @@ fn the_projector_mode_returns_to_the_look_before() {
     assert!(!escape(&mut state), "there is nothing to leave");
     // A saved view may begin with it.
     let mut view = state.view();
-    view.look = Some(Look::Projector);
+    view.appearance.look = Look::Projector;
     state.apply(Command::Appearance(AppearanceCommand::Look(Look::Light)));
     state.look_as(&view);
     assert_eq!(state.appearance.look, Look::Projector);

@@ -161,6 +161,23 @@ enum Parting {
 }
 
 impl Comparison {
+    /// Returns whether cameras move together, clocks run together, and differences are marked.
+    #[must_use]
+    pub const fn links(&self) -> [bool; 3] {
+        [
+            self.linked_cameras,
+            self.linked_clocks,
+            self.shows_differences,
+        ]
+    }
+
+    /// Links cameras and clocks and marks differences, or not.
+    pub const fn link(&mut self, [cameras, clocks, differences]: [bool; 3]) {
+        self.linked_cameras = cameras;
+        self.linked_clocks = clocks;
+        self.shows_differences = differences;
+    }
+
     /// Returns where two sessions part, once it is known.
     #[must_use]
     pub fn divergence(&self, a: &Session, b: &Session) -> Option<&Divergence> {

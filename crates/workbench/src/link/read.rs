@@ -179,32 +179,32 @@ impl Reader {
     }
 
     fn look(&mut self, content: &mut Content) {
-        content.camera = self.take("camera", |text| {
+        content.view.camera = self.take("camera", |text| {
             let [x, y, scale] = numbers(text)?;
             sound_camera([x, y], scale)
         });
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
-            content.layers = self.layers(&layers);
+            content.view.appearance.layers = self.layers(&layers);
         }
         if let Some(colouring) = self.take("colouring", |text| named(&COLOURINGS, text)) {
-            content.colouring = colouring;
+            content.view.appearance.colouring = colouring;
         }
         if let Some(look) = self.take("look", |text| named(&Look::ALL, text)) {
-            content.look = look;
+            content.view.appearance.look = look;
         }
         if let Some(clock) = self.take("clock", |text| named(&CLOCKS, text)) {
-            content.clock = clock;
+            content.view.playback.choose(clock);
         }
         if let Some(speed) = self.take("speed", |text| speed(text.parse().ok()?)) {
-            content.speed = speed;
+            content.view.playback.speed = speed;
         }
-        content.range = self.take("loop", |text| {
+        content.view.playback.range = self.take("loop", |text| {
             let (start, end) = text.split_once('-')?;
-            let range = [start.parse().ok()?, end.parse().ok()?];
-            (range[0] < range[1]).then_some(range)
+            let (start, end) = (start.parse().ok()?, end.parse().ok()?);
+            (start < end).then_some(start..end)
         });
         if let Some(layout) = self.take("layout", layout::text::read) {
-            content.layout = layout;
+            content.view.layout = layout;
         }
     }
 
@@ -239,7 +239,7 @@ impl Reader {
                 .map(Selection::Place),
             _ => None,
         });
-        content.selection = selection.unwrap_or(Selection::Nothing);
+        content.view.selection = selection.unwrap_or(Selection::Nothing);
     }
 
     fn second(&mut self, content: &mut Content) {
@@ -269,7 +269,7 @@ impl Reader {
                 )),
             }
         }
-        content.second = Some((second, links));
+        (content.view.second, content.view.links) = (Some(second), links);
     }
 
     fn stops(&mut self, content: &mut Content) {

@@ -1,5 +1,6 @@
 //! Writes a link: what differs from a link that says nothing, in a fixed sequence, as much as there is room for.
 
+use std::ops::Range;
 use tilescope_core::Parameters;
 use tilescope_debugger::{Bookmark, SavedBreakpoint};
 use tilescope_session::combination::NINE;
@@ -107,20 +108,20 @@ impl Writer {
 
     fn look(&mut self, content: &Content) {
         let first = Content::default();
-        if let Some(Camera { center, scale }) = content.camera {
+        if let Some(Camera { center, scale }) = content.view.camera {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
         }
-        if content.layers != first.layers {
-            self.put("layers", names(content.layers));
+        if content.view.appearance.layers != first.view.appearance.layers {
+            self.put("layers", names(content.view.appearance.layers));
         }
-        if content.colouring != first.colouring {
-            self.put("colouring", name(&content.colouring));
+        if content.view.appearance.colouring != first.view.appearance.colouring {
+            self.put("colouring", name(&content.view.appearance.colouring));
         }
-        if content.look != first.look {
-            self.put("look", name(&content.look));
+        if content.view.appearance.look != first.view.appearance.look {
+            self.put("look", name(&content.view.appearance.look));
         }
-        match content.selection {
+        match content.view.selection {
             Selection::Nothing => {}
             Selection::Sample(id) => self.put("select", format!("sample:{id}")),
             Selection::Place(place) => {
@@ -128,19 +129,19 @@ impl Writer {
                 self.put("select", format!("place:{x},{y}"));
             }
         }
-        if content.clock != first.clock {
-            self.put("clock", name(&content.clock));
+        if content.view.playback.clock_of_events() != first.view.playback.clock {
+            self.put("clock", name(&content.view.playback.clock_of_events()));
         }
-        if content.speed.to_bits() != first.speed.to_bits() {
-            self.put("speed", content.speed.to_string());
+        if content.view.playback.speed.to_bits() != first.view.playback.speed.to_bits() {
+            self.put("speed", content.view.playback.speed.to_string());
         }
-        if let Some([start, end]) = content.range {
+        if let Some(Range { start, end }) = &content.view.playback.range {
             self.put("loop", format!("{start}-{end}"));
         }
     }
 
     fn second(&mut self, content: &Content) {
-        let Some((parameters, links)) = &content.second else {
+        let (Some(parameters), links) = (&content.view.second, &content.view.links) else {
             return;
         };
         let names: Vec<&str> = LINKS
@@ -234,8 +235,8 @@ impl Writer {
 
     /// The layout is the first that gives way.
     fn panels(&mut self, content: &Content) {
-        let first = layout::text::written(&Content::default().layout);
-        let layout = layout::text::written(&content.layout);
+        let first = layout::text::written(&Content::default().view.layout);
+        let layout = layout::text::written(&content.view.layout);
         if layout == first {
             return;
         }

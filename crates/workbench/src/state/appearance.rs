@@ -6,6 +6,7 @@ use tilescope_session::look::Look;
 use crate::command::AppearanceCommand;
 
 /// How moments are drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Appearance {
     /// The layers shown.
     pub layers: Layers,
@@ -50,6 +51,12 @@ impl Appearance {
                 self.motion_chosen = Some(self.reduced_motion);
             }
         }
+    }
+
+    /// Takes up layers, colouring and look of another appearance.
+    pub(super) fn take(&mut self, other: &Self) {
+        (self.layers, self.colouring) = (other.layers, other.colouring);
+        self.choose_look(other.look);
     }
 
     /// Returns what the user chose of motion, if anything.

@@ -6,7 +6,7 @@ use crate::command::FormCommand;
 use crate::draft::Draft;
 
 /// What the next run is made from.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Form {
     /// The parameters as typed.
     pub draft: Draft,

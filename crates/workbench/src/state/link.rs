@@ -1,5 +1,6 @@
 //! Permalinks of what is at hand, and opening them: the run is made first, then the moment, the view and the rest are taken up.
 
+use tilescope_core::Parameters;
 use tilescope_debugger::{Bookmark, Stops};
 use tilescope_session::recipe::Recipe;
 use tilescope_session::selection::Selection;
@@ -33,29 +34,17 @@ impl State {
     }
 
     fn content(&self, left_out: &mut Vec<String>) -> Content {
-        let view = self.view();
-        let fitted = view.fitted == Some(true);
-        let flight = self
-            .runs
-            .first
-            .flight
-            .as_ref()
-            .filter(|_| self.runs.first.before_pattern.is_none());
-        let flight = flight.map(tilescope_drawing::camera::Flight::destination);
-        let first = Content::default();
+        let mut view = self.view();
+        if self.runs.first.before_pattern.is_none() {
+            let flight = self.runs.first.flight.as_ref();
+            let destination = flight.map(tilescope_drawing::camera::Flight::destination);
+            view.camera = view.camera.map(|camera| destination.unwrap_or(camera));
+        }
+        view.second = self.linked_second(view.second, left_out);
         let mut content = Content {
             moment: self.linked_moment(),
-            camera: flight.or(view.camera).filter(|_| !fitted),
-            layers: view.layers.unwrap_or(first.layers),
-            colouring: view.colouring.unwrap_or(first.colouring),
-            look: view.look.unwrap_or(first.look),
-            selection: view.selection.unwrap_or(Selection::Nothing),
-            clock: view.clock.unwrap_or(first.clock),
-            speed: view.speed.unwrap_or(first.speed),
-            range: view.range,
-            second: self.linked_second(&view, left_out),
-            layout: view.layout.unwrap_or(first.layout),
-            ..first
+            view,
+            ..Content::default()
         };
         if let Some(debugger) = &self.runs.first.debugger {
             content.breakpoints = debugger.saved_breakpoints();
@@ -107,16 +96,15 @@ impl State {
 
     fn linked_second(
         &self,
-        view: &crate::view::View,
+        made: Option<Parameters>,
         left_out: &mut Vec<String>,
-    ) -> Option<(tilescope_core::Parameters, [bool; 3])> {
+    ) -> Option<Parameters> {
         let (side, _) = self.runs.second.as_ref()?;
-        let asked = side.asked.filter(|_| side.session.is_none());
-        let second = view.second.or(asked);
+        let second = made.or(side.asked.filter(|_| side.session.is_none()));
         if second.is_none() {
             left_out.push("run B, which takes part of a file or is a combination".to_owned());
         }
-        Some((second?, view.links?))
+        second
     }
 
     pub(super) fn copy_link(&mut self) {
@@ -238,7 +226,7 @@ impl State {
         self.runs.first.sight = None;
         self.take_moment(&content.moment, said);
         self.take_linked_stops(content, said);
-        for part in self.look_as(&content.view()) {
+        for part in self.look_as(&content.view) {
             said.say(format!(
                 "The link's {part} does not fit this run and was left out."
             ));

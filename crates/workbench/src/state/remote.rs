@@ -15,7 +15,6 @@ use crate::command::{Command, TimeCommand, Which};
 use crate::draft::Draft;
 use crate::link::{choice_name, layer_name, slug};
 use crate::remote::{self, Request, RequestError, Wanted};
-use crate::view::View;
 use tilescope_drawing::camera::Camera;
 
 const NO_EVENTS: &str = "this session has no events; seek a stage";
@@ -162,8 +161,7 @@ impl State {
 
     /// Returns how the canvas looks, in the words of the request that changes it.
     fn told_view(&self) -> Value {
-        let View { camera, fitted, .. } = self.view();
-        let camera = camera.filter(|_| fitted != Some(true));
+        let camera = self.view().camera;
         let numbers = |camera: Camera| json!([camera.center[0], camera.center[1], camera.scale]);
         let on = Layer::ALL
             .into_iter()

@@ -427,7 +427,6 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         // Of a link, a session or a page that embeds it.
         let mut view = state.view();
         view.camera = crate::view::sound_camera([10.0, 10.0], tilescope_drawing::camera::MIN_SCALE);
-        view.fitted = None;
         assert!(view.camera.is_some());
         state.look_as(&view);
         // A view's camera is of the domain: the pattern is fitted.

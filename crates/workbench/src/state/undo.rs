@@ -2,12 +2,11 @@
 //! none: it runs backwards by itself. What only looks at a run (tabs, layers, colours, the camera) is not remembered.
 
 use tilescope_core::combine::file::Layout as Combination;
-use tilescope_session::layers::{Colouring, Layers};
-use tilescope_session::recipe::{OwnPattern, Recipe};
+use tilescope_session::recipe::Recipe;
 
-use super::State;
+use super::{Appearance, Form, State};
 use crate::command::{Command, FormCommand, Which, WindowCommand};
-use crate::draft::{Draft, Field};
+use crate::draft::Field;
 use crate::files::FileCommand;
 use crate::layout::Layout;
 
@@ -37,11 +36,9 @@ pub(super) enum Part {
 /// What can be undone.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Memento {
-    draft: Draft,
-    own_pattern: Option<OwnPattern>,
+    form: Form,
     made: Option<Made>,
-    layers: Layers,
-    colouring: Colouring,
+    appearance: Appearance,
     layout: Layout,
 }
 
@@ -90,11 +87,9 @@ impl State {
 
     pub(super) fn memento(&self) -> Memento {
         Memento {
-            draft: self.form.draft.clone(),
-            own_pattern: self.form.own_pattern.clone(),
+            form: self.form.clone(),
             made: self.made(),
-            layers: self.appearance.layers,
-            colouring: self.appearance.colouring,
+            appearance: self.appearance.clone(),
             layout: self.window.layout.clone(),
         }
     }
@@ -149,8 +144,7 @@ impl State {
             .iter()
             .find(|change| change.part == Part::Form);
         if let Some(typed) = typed {
-            before.draft = typed.memento.draft.clone();
-            before.own_pattern.clone_from(&typed.memento.own_pattern);
+            before.form = typed.memento.form.clone();
         }
         let mut place = 0;
         past.retain(|change| {
@@ -200,15 +194,13 @@ impl State {
     fn recall(&mut self, part: Part, memento: Memento) {
         self.history.typing = None;
         if part != Part::Layout {
-            self.form.draft = memento.draft;
-            self.form.own_pattern = memento.own_pattern;
+            self.form = memento.form;
         }
         if matches!(part, Part::Layout | Part::Everything) {
             self.window.layout = memento.layout;
         }
         if part == Part::Everything {
-            (self.appearance.layers, self.appearance.colouring) =
-                (memento.layers, memento.colouring);
+            self.appearance.take(&memento.appearance);
         }
         if matches!(part, Part::Run | Part::Everything) {
             self.make_again(memento.made);

@@ -16,80 +16,53 @@ impl State {
             let made = session.own.is_none() && session.combination.is_none();
             made.then_some(session.run().parameters)
         });
+        let first = &self.runs.first;
+        // The pattern has a domain of its own, and its camera ends with it.
+        let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
+        let links = self.runs.second.as_ref();
         View {
-            // The pattern has a domain of its own, and its camera ends with it.
-            camera: Some(
-                self.runs
-                    .first
-                    .before_pattern
-                    .map_or(self.runs.first.camera, |(camera, _)| camera),
-            ),
-            fitted: Some(
-                self.runs
-                    .first
-                    .before_pattern
-                    .map_or(self.runs.first.fitted, |(_, fitted)| fitted),
-            ),
-            layers: Some(self.appearance.layers),
-            colouring: Some(self.appearance.colouring),
-            look: Some(self.appearance.look),
-            layout: Some(self.window.layout.clone()),
-            selection: Some(self.runs.first.selection())
-                .filter(|selection| *selection != Selection::Nothing),
-            // The passes of the GPU are not saved.
-            clock: Some(self.time.playback.clock_of_events()),
-            speed: Some(self.time.playback.speed),
-            range: self
-                .time
-                .playback
-                .range
-                .as_ref()
-                .map(|range| [range.start, range.end]),
+            camera: (!fitted).then_some(camera),
+            appearance: self.appearance.clone(),
+            layout: self.window.layout.clone(),
+            selection: first.selection(),
+            playback: self.time.playback.clone(),
             second,
-            links: self.runs.second.as_ref().map(|(_, comparison)| {
-                [
-                    comparison.linked_cameras,
-                    comparison.linked_clocks,
-                    comparison.shows_differences,
-                ]
-            }),
+            links: links.map_or_else(
+                || View::default().links,
+                |(_, comparison)| comparison.links(),
+            ),
         }
     }
 
-    /// Takes up how a session was looked at; what is not said stays. Returns the names of the parts that the session at
-    /// hand does not allow.
+    /// Takes up how a session was looked at. Returns the names of the parts that the session at hand does not allow.
     pub fn look_as(&mut self, view: &View) -> Vec<&'static str> {
         let mut dropped = Vec::new();
-        if let Some(camera) = view.camera {
-            let fitted = view.fitted == Some(true);
-            self.runs
-                .first
-                .take_camera((!fitted).then_some(camera), camera);
+        let camera = self.runs.first.camera;
+        let camera = view.camera.unwrap_or(camera);
+        self.runs.first.take_camera(view.camera, camera);
+        self.appearance.take(&view.appearance);
+        self.window.layout.clone_from(&view.layout);
+        // The passes of the GPU are not saved.
+        let clock = view.playback.clock_of_events();
+        if self.runs.first.clock_refusal(clock).is_none() {
+            self.time.playback.choose(clock);
+        } else {
+            dropped.push("clock");
         }
-        self.appearance.layers = view.layers.unwrap_or(self.appearance.layers);
-        self.appearance.colouring = view.colouring.unwrap_or(self.appearance.colouring);
-        self.appearance
-            .choose_look(view.look.unwrap_or(self.appearance.look));
-        if let Some(layout) = &view.layout {
-            self.window.layout.clone_from(layout);
-        }
-        if let Some(clock) = view.clock {
-            if self.runs.first.clock_refusal(clock).is_none() {
-                self.time.playback.choose(clock);
-            } else {
-                dropped.push("clock");
-            }
-        }
-        self.time.playback.speed = view.speed.unwrap_or(self.time.playback.speed);
-        if let Some([start, end]) = view.range {
+        self.time.playback.speed = view.playback.speed;
+        if let Some(range) = &view.playback.range {
             match self.cursor() {
-                Some((_, len)) if end <= len => self.time.playback.range = Some(start..end),
+                Some((_, len)) if range.end <= len => {
+                    self.time.playback.range = Some(range.clone());
+                }
                 _ => dropped.push("range"),
             }
         }
-        if let Some(selection) = view.selection {
-            if self.runs.first.can_select(selection) {
-                self.on(Which::First, |run, context| run.pick(selection, context));
+        if view.selection != Selection::Nothing {
+            if self.runs.first.can_select(view.selection) {
+                self.on(Which::First, |run, context| {
+                    run.pick(view.selection, context);
+                });
             } else {
                 dropped.push("selection");
             }
@@ -108,12 +81,8 @@ impl State {
             own: None,
         };
         self.compare_with(recipe, self.gpu.engine);
-        if let (Some([cameras, clocks, marks]), Some((_, comparison))) =
-            (view.links, &mut self.runs.second)
-        {
-            comparison.linked_cameras = cameras;
-            comparison.linked_clocks = clocks;
-            comparison.shows_differences = marks;
+        if let Some((_, comparison)) = &mut self.runs.second {
+            comparison.link(view.links);
         }
     }
 }

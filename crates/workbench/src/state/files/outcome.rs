@@ -192,7 +192,7 @@ impl State {
         self.show(opened.session);
         self.runs.first.debugger = Some(debugger);
         self.runs.first.follow_cursor();
-        let (view, mut dropped) = View::from_json(&opened.saved.view);
+        let (view, mut dropped) = View::from_json(&opened.saved.view, &self.view());
         dropped.extend(self.look_as(&view));
         self.forget_changes();
         self.opened_from(opened.path, &dropped);
@@ -215,7 +215,7 @@ impl State {
             let last = session.stages.len() - 1;
             self.runs.first.set_stage(saved.stage.min(last));
         }
-        let (view, mut dropped) = View::from_json(&saved.view);
+        let (view, mut dropped) = View::from_json(&saved.view, &self.view());
         dropped.extend(self.look_as(&view));
         self.forget_changes();
         self.opened_from(combined.path, &dropped);

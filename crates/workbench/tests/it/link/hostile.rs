@@ -21,7 +21,7 @@ fn check_parameters(p: &Parameters) {
 fn check(text: &str) -> Content {
     let (content, said) = read(text);
     check_parameters(&content.parameters);
-    if let Some((second, _)) = &content.second {
+    if let Some(second) = &content.view.second {
         check_parameters(second);
     }
     if let Some(layout) = &content.combination {
@@ -36,7 +36,7 @@ fn check(text: &str) -> Content {
             .into_iter()
             .all(|text| text.chars().count() <= MOST_TEXT)
     );
-    assert!(content.layout.is_whole());
+    assert!(content.view.layout.is_whole());
     assert!(said.text().len() < 4_000, "a notice, no book");
     let link = write(&content);
     assert!(link.fragment.len() <= MOST_CHARACTERS);
@@ -48,7 +48,7 @@ fn check(text: &str) -> Content {
 
 /// Whether it is waited for: two million samples, or a pattern of as many, take a while.
 fn is_quick(content: &Content) -> bool {
-    let second = content.second.map(|(second, _)| second);
+    let second = content.view.second;
     [content.parameters].into_iter().chain(second).all(|p| {
         let domain = p.validate().expect("parameters");
         domain.area_radii() < 50_000.0 && p.pattern.side <= 200.0
@@ -286,10 +286,10 @@ const VALUES: [&str; 40] = [
 
 #[test]
 fn a_link_of_unknown_layers_shows_the_usual_ones() {
-    let layers = |text: &str| read(text).0.layers;
+    let layers = |text: &str| read(text).0.view.appearance.layers;
     assert_eq!(
         layers("v=1&layers=fireworks,tinsel"),
-        Content::default().layers
+        Content::default().view.appearance.layers
     );
     assert!(!layers("v=1&layers=").has(Layer::Samples));
     let known = layers("v=1&layers=fireworks,disks");
@@ -324,7 +324,7 @@ fn what_is_changed_in_a_link_by_a_hair_is_harmless() {
                  b.seed=8&break=eliminate.5:distance%20%3C%201&mark=5:here&layout=VHT_peba-1950T_cg-6050VT_lsx-4400T_viwk-5600-2000-8740t1260-";
     let (content, said) = read(whole);
     assert_eq!(said.text(), "");
-    assert!(content.second.is_some() && content.bookmarks.len() == 1);
+    assert!(content.view.second.is_some() && content.bookmarks.len() == 1);
     let mut draws = Draws(77);
     let mut damaged = 0;
     for _ in 0..5_000 {

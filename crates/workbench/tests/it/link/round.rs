@@ -472,7 +472,7 @@ fn links_mean_the_same_however_they_are_encoded() {
     let (content, dropped) = read(&join(&written, "&"));
     assert_eq!(dropped.text(), "");
     let (center, scale) = ([20.5, -1.25], 66.6);
-    assert_eq!(content.camera, Some(Camera { center, scale }));
+    assert_eq!(content.view.camera, Some(Camera { center, scale }));
     assert_eq!(content.watches, ["p + 1", "distance", "50%"]);
     assert_eq!(
         content.breakpoints[0].condition.as_deref(),
