@@ -4,6 +4,7 @@
 //! ones. Begin with `state.rs`; `command.rs` lists what a user can do.
 
 pub mod analysis;
+pub mod appearance;
 pub mod arrangement;
 pub mod clock;
 pub mod command;

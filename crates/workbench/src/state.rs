@@ -4,9 +4,9 @@
 use tilescope_core::Stage;
 
 use crate::analysis::Analysis;
+pub use crate::appearance::Appearance;
 use crate::command::{Command, LinkCommand, ViewCommand, Which};
 use crate::layout::Panel;
-pub use appearance::Appearance;
 use effects::{Context, Effect};
 pub use form::Form;
 pub use gpu::GpuState;
@@ -314,7 +314,6 @@ impl State {
 
 mod analysis;
 mod announce;
-mod appearance;
 mod combine;
 mod compare;
 mod effects;

@@ -8,10 +8,10 @@ use tilescope_debugger::MAX_SAMPLES;
 use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 
+use crate::appearance::Appearance;
 use crate::clock::{Playback, SPEEDS};
 use crate::compare::Comparison;
 use crate::layout::{Layout, OldLayout, text};
-use crate::state::Appearance;
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// Farther from the origin than this, in r, there is no domain.

@@ -4,7 +4,8 @@
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_session::recipe::Recipe;
 
-use super::{Appearance, Form, State};
+use super::{Form, State};
+use crate::appearance::Appearance;
 use crate::command::{Command, FormCommand, Which, WindowCommand};
 use crate::draft::Field;
 use crate::files::FileCommand;

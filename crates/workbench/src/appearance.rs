@@ -15,7 +15,7 @@ pub struct Appearance {
     /// Light, dark or for a projector; [`Self::choose_look`] changes it.
     pub look: Look,
     /// The look to which the projector mode returns.
-    pub(super) look_before: Look,
+    pub(crate) look_before: Look,
     /// Whether the camera jumps instead of flying.
     pub reduced_motion: bool,
     /// What the user chose of that; the system's wish counts otherwise.
@@ -36,7 +36,7 @@ impl Default for Appearance {
 }
 
 impl Appearance {
-    pub(super) fn apply(&mut self, command: AppearanceCommand) {
+    pub(crate) fn apply(&mut self, command: AppearanceCommand) {
         match command {
             AppearanceCommand::ToggleLayer(layer) => self.layers.toggle(layer),
             AppearanceCommand::Colour(colouring) => self.colouring = colouring,
@@ -54,7 +54,7 @@ impl Appearance {
     }
 
     /// Takes up layers, colouring and look of another appearance.
-    pub(super) fn take(&mut self, other: &Self) {
+    pub(crate) fn take(&mut self, other: &Self) {
         (self.layers, self.colouring) = (other.layers, other.colouring);
         self.choose_look(other.look);
     }
@@ -66,13 +66,13 @@ impl Appearance {
     }
 
     /// Takes up what the user chose earlier.
-    pub(super) fn choose_motion(&mut self, chosen: Option<bool>) {
+    pub(crate) fn choose_motion(&mut self, chosen: Option<bool>) {
         self.motion_chosen = chosen.or(self.motion_chosen);
         self.reduced_motion = chosen.unwrap_or(self.reduced_motion);
     }
 
     /// Takes up what the system prefers, which counts until the user chooses.
-    pub(super) fn prefer_reduced_motion(&mut self, reduced: bool) {
+    pub(crate) fn prefer_reduced_motion(&mut self, reduced: bool) {
         self.reduced_motion = self.motion_chosen.unwrap_or(reduced);
     }
 
