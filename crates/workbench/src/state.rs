@@ -6,8 +6,10 @@ use tilescope_core::Stage;
 use crate::analysis::Analysis;
 pub use crate::appearance::Appearance;
 use crate::command::{Command, LinkCommand, ViewCommand, Which};
+use crate::export::ExportCommand;
 use crate::layout::Panel;
 use effects::{Context, Effect};
+pub use export::{ExportSource, Exports};
 pub use form::Form;
 pub use gpu::GpuState;
 pub use page::PageStart;
@@ -215,7 +217,14 @@ impl State {
             }
             Command::View(Which::First, command) => self.apply_to_view(command),
             Command::View(Which::Second, command) => self.apply_to_second_view(command),
-            Command::Export(command) => self.apply_to_export(command),
+            Command::Export(command) => {
+                if matches!(command, ExportCommand::Open(_)) {
+                    self.files.sheet = None;
+                }
+                self.in_exports(|exports, source, delivery, context| {
+                    exports.apply(command, source, delivery, context);
+                });
+            }
             Command::Link(LinkCommand::Copy) => self.copy_link(),
             Command::Link(LinkCommand::Open(text)) => self.open_link(&text),
         }

@@ -50,12 +50,12 @@ pub(super) fn add(list: &mut List, state: &State) {
         ),
         ("Export animation\u{2026}", None, Kind::Animation),
     ] {
-        let refusal = state.kind_refusal(kind).map(|refusal| refusal.to_string());
-        let is_open = state
-            .files
-            .export
-            .as_ref()
-            .is_some_and(|form| form.kind == kind);
+        let refusal = state
+            .export_source()
+            .kind_refusal(kind)
+            .map(|refusal| refusal.to_string());
+        let sheet = state.files.exports.sheet.as_ref();
+        let is_open = sheet.is_some_and(|form| form.kind == kind);
         let command = Command::Export(if is_open {
             ExportCommand::Close
         } else {
@@ -79,7 +79,9 @@ pub(super) fn add(list: &mut List, state: &State) {
         None,
     );
     let idle = state
-        .export_fraction()
+        .files
+        .exports
+        .fraction()
         .is_none()
         .then_some("Nothing is being exported.");
     let cancel = Command::Export(ExportCommand::Cancel);

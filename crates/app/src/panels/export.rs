@@ -11,7 +11,7 @@ use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::Command;
 use tilescope_workbench::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
-use tilescope_workbench::state::State;
+use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
 const NUMBER_WIDTH: f32 = 84.0;
@@ -22,11 +22,13 @@ const NAME_WIDTH: f32 = 92.0;
 
 /// Shows the sheet while it is open.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(form) = &state.files.export else {
+    let Some(form) = &state.files.exports.sheet else {
         return;
     };
     let mut sheet = Sheet {
-        state,
+        exports: &state.files.exports,
+        source: state.export_source(),
+        in_browser: state.in_browser(),
         form,
         palette: Palette::of(state.appearance.look),
         commands: Vec::new(),
@@ -47,7 +49,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 struct Sheet<'a> {
-    state: &'a State,
+    exports: &'a Exports,
+    source: ExportSource<'a>,
+    /// Whether files are downloaded.
+    in_browser: bool,
     form: &'a ExportForm,
     palette: &'a Palette,
     commands: Vec<ExportCommand>,
@@ -85,7 +90,7 @@ impl Sheet<'_> {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for kind in Kind::ALL {
-                let refusal = self.state.kind_refusal(kind);
+                let refusal = self.source.kind_refusal(kind);
                 let refusal = refusal.map(|refusal| refusal.to_string());
                 let chosen = self.form.kind == kind;
                 let button = Button::selectable(chosen, kind.name());
@@ -102,7 +107,7 @@ impl Sheet<'_> {
 
     fn explanation(&self) -> String {
         match self.form.kind {
-            Kind::Result if self.state.in_browser() => {
+            Kind::Result if self.in_browser => {
                 "The result is written, read back and verified; it is downloaded with its certificate, in one archive."
                     .to_owned()
             }
@@ -119,11 +124,11 @@ impl Sheet<'_> {
     }
 
     fn animation(&self) -> String {
-        let Some(range) = self.state.export_range() else {
+        let Some(range) = self.source.range() else {
             return "An animation shows the view from event to event.".to_owned();
         };
         let (start, end) = (grouped(range.start), grouped(range.end));
-        let whose = if self.state.time.playback.range.is_some() {
+        let whose = if self.source.time.playback.range.is_some() {
             "the range of the loop"
         } else {
             "the stage shown; a loop on the timeline chooses another range"
@@ -132,7 +137,7 @@ impl Sheet<'_> {
     }
 
     fn file(&mut self, ui: &mut Ui) {
-        let web = self.state.in_browser();
+        let web = self.in_browser;
         let label = ui.label(if web { "File name" } else { "File" });
         ui.horizontal(|ui| {
             let mut path = self.form.path.clone();
@@ -292,8 +297,8 @@ impl Sheet<'_> {
 
     fn write_on_enter(&mut self, ui: &Ui, response: &egui::Response) {
         if entered(ui, response) {
-            let idle = self.state.export_fraction().is_none();
-            if idle && self.state.export_prospect().is_ok() {
+            let idle = self.exports.fraction().is_none();
+            if idle && self.exports.prospect(self.source).is_ok() {
                 self.commands.push(ExportCommand::Write);
             }
         }
@@ -301,7 +306,7 @@ impl Sheet<'_> {
 
     /// Says what will be written, or why nothing can be.
     fn prospect(&self, ui: &mut Ui) {
-        let (told, color) = match self.state.export_prospect() {
+        let (told, color) = match self.exports.prospect(self.source) {
             Ok(prospect) => (sentence(&prospect), self.palette.text),
             // It is said below the file.
             Err(refusal) if Some(&refusal) == self.form.name_refusal().as_ref() => {
@@ -316,7 +321,7 @@ impl Sheet<'_> {
     /// The button and the progress take the same room, so that nothing jumps; Cancel is elsewhere, so that a double click
     /// on the button does not hit it.
     fn write_or_cancel(&mut self, ui: &mut Ui) {
-        if let Some(job) = &self.state.files.exporting {
+        if let Some(job) = &self.exports.work {
             let activity = sentence(&job.activity());
             let text = format!("{activity} {:.0}%", job.fraction() * 100.0);
             let bar = egui::ProgressBar::new(job.fraction())
@@ -337,7 +342,7 @@ impl Sheet<'_> {
             });
             return;
         }
-        let refusal = self.state.export_prospect().err();
+        let refusal = self.exports.prospect(self.source).err();
         let refusal = refusal.map(|refusal| refusal.to_string());
         let button = primary_button(ui, &self.button(), refusal.as_deref(), self.palette);
         button.known_as("export.write");
@@ -356,11 +361,7 @@ impl Sheet<'_> {
                 format!("Replace {name}?")
             }
             (_, kind) => {
-                let verb = if self.state.in_browser() {
-                    "Download"
-                } else {
-                    "Write"
-                };
+                let verb = if self.in_browser { "Download" } else { "Write" };
                 let what = match kind {
                     Kind::Result | Kind::Samples => "file and certificate",
                     Kind::Picture => "picture",

@@ -97,7 +97,7 @@ fn the_key_that_opens_a_sheet_or_the_list_closes_it() {
     let is_open = |state: &State| {
         (
             state.files.sheet.as_ref().map(|form| form.purpose),
-            state.files.export.as_ref().map(|form| form.kind),
+            state.files.exports.sheet.as_ref().map(|form| form.kind),
             state.window.finder.is_some(),
         )
     };

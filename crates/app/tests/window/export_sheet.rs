@@ -18,7 +18,7 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
 }
 
 fn kind(harness: &Harness<'_, App>) -> Option<Kind> {
-    let form = harness.state().state.files.export.as_ref();
+    let form = harness.state().state.files.exports.sheet.as_ref();
     form.map(|form| form.kind)
 }
 
@@ -47,7 +47,14 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     // What is typed goes into the file's name, in the place of the one proposed.
     node(&harness, "export.path").type_text(&path.to_string_lossy());
     harness.run();
-    let form = harness.state().state.files.export.clone().expect("open");
+    let form = harness
+        .state()
+        .state
+        .files
+        .exports
+        .sheet
+        .clone()
+        .expect("open");
     assert_eq!(form.file(), path);
     let format = text(&harness, "export.format");
     assert!(
@@ -95,7 +102,8 @@ fn the_kinds_are_chosen_by_their_names_and_keep_the_file() {
             .state()
             .state
             .files
-            .export
+            .exports
+            .sheet
             .as_ref()
             .expect("open")
             .path;

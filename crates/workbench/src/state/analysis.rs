@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use tilescope_session::verification::region_of;
 
-use super::State;
+use super::{RunView, State};
+use crate::analysis::Analysis;
 use crate::analysis::held::Held;
 use crate::layout::Panel;
 use tilescope_drawing::brushed::Found;
@@ -42,8 +43,7 @@ impl State {
     /// Returns the causes of what is brushed at the moment, once they are found, while the analysis is looked at.
     #[must_use]
     pub fn causes(&self) -> Option<&Found> {
-        let brush = self.analysis.brush.filter(|_| self.analyses())?;
-        self.analysis.marks.of(&self.shown()?, brush)
+        self.analysis.causes(&self.runs.first, self.analyses())
     }
 
     /// Returns what came of the brush, in words.
@@ -70,5 +70,13 @@ impl State {
         while self.analysis.settle() {
             self.want_analysis();
         }
+    }
+}
+
+impl Analysis {
+    /// Returns the causes of what is brushed at the moment of a run, once they are found; none where they are not seen.
+    pub(super) fn causes(&self, run: &RunView, are_seen: bool) -> Option<&Found> {
+        let brush = self.brush.filter(|_| are_seen)?;
+        self.marks.of(&run.shown()?, brush)
     }
 }

@@ -1,147 +1,170 @@
-//! The commands of the export sheet, what an export of this state is made of, and what becomes of it.
+//! The export sheet: its commands, what an export is made from, and what becomes of it.
 
 use std::ops::Range;
 use std::sync::Arc;
-use tilescope_session::selection::Selection;
 
+use tilescope_drawing::brushed::Found;
+use tilescope_session::jobs::Job;
+use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped};
 
-use super::State;
+use super::effects::Context;
+use super::{RunView, State, Time};
+use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MOST_DRAWN;
 use crate::export::{
     Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, View,
 };
+use crate::files::Delivery;
+
+/// The export sheet, and the export at work.
+#[derive(Default)]
+pub struct Exports {
+    /// The sheet, when open.
+    pub sheet: Option<ExportForm>,
+    /// How many frames the animation of the sheet has.
+    frames: Option<Count>,
+    /// The export at work.
+    pub work: Option<Job<Outcome>>,
+    /// The system's file dialog for it, while open.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub browsing: Option<Job<Option<std::path::PathBuf>>>,
+}
+
+/// What an export is made from: the parts of the state that it shows.
+#[derive(Clone, Copy)]
+pub struct ExportSource<'a> {
+    /// The run.
+    pub run: &'a RunView,
+    /// How time runs.
+    pub time: &'a Time,
+    /// How moments are drawn.
+    pub appearance: &'a Appearance,
+    /// The causes of what is brushed, where they are seen.
+    pub causes: Option<&'a Found>,
+}
 
 impl State {
-    pub(super) fn apply_to_export(&mut self, command: ExportCommand) {
+    /// Returns what an export of what is shown is made from.
+    #[must_use]
+    pub fn export_source(&self) -> ExportSource<'_> {
+        ExportSource {
+            run: &self.runs.first,
+            time: &self.time,
+            appearance: &self.appearance,
+            causes: self.causes(),
+        }
+    }
+
+    /// Has the exports do something with what they are made from, and does what they ask of other parts.
+    pub(super) fn in_exports<T>(
+        &mut self,
+        act: impl FnOnce(&mut Exports, ExportSource<'_>, Delivery, &mut Context) -> T,
+    ) -> T {
+        let are_causes_seen = self.analyses();
+        self.with(|state, context| {
+            let Self {
+                files,
+                runs,
+                time,
+                appearance,
+                analysis,
+                ..
+            } = state;
+            let source = ExportSource {
+                run: &runs.first,
+                time,
+                appearance,
+                causes: analysis.causes(&runs.first, are_causes_seen),
+            };
+            act(&mut files.exports, source, files.delivery, context)
+        })
+    }
+}
+
+impl Exports {
+    /// Carries out a command of the sheet.
+    pub(super) fn apply(
+        &mut self,
+        command: ExportCommand,
+        source: ExportSource<'_>,
+        delivery: Delivery,
+        context: &mut Context,
+    ) {
         match command {
             ExportCommand::Open(kind) => {
-                self.files.sheet = None;
-                self.files.export.get_or_insert_default();
-                self.choose_export(kind);
+                self.sheet.get_or_insert_default();
+                self.choose(kind, source);
             }
-            ExportCommand::Close => self.files.export = None,
-            ExportCommand::Choose(kind) => self.choose_export(kind),
+            ExportCommand::Close => self.sheet = None,
+            ExportCommand::Choose(kind) => self.choose(kind, source),
             ExportCommand::Clock(clock) => {
-                if let Some(form) = &mut self.files.export {
+                if let Some(form) = &mut self.sheet {
                     form.clock = clock;
-                    self.propose_every();
+                    self.propose_every(source);
                 }
             }
             #[cfg(not(target_arch = "wasm32"))]
             ExportCommand::Browse => {
-                if let Some(form) = &self.files.export {
-                    self.files.browsing =
-                        Some(crate::export::browse::browse(form, &self.jobs.wake));
-                }
+                let form = self.sheet.as_ref();
+                let browse = |form| crate::export::browse::browse(form, &context.wake);
+                self.browsing = form.map(browse).or_else(|| self.browsing.take());
             }
-            ExportCommand::Write => self.start_export(),
+            ExportCommand::Write => self.start(source, delivery, context),
             ExportCommand::Cancel => {
-                if let Some(job) = &self.files.exporting {
+                if let Some(job) = &self.work {
                     job.cancel();
                 }
             }
             command => {
-                if let Some(form) = &mut self.files.export {
+                if let Some(form) = &mut self.sheet {
                     fill_in(form, command);
                 }
             }
         }
-        self.count_frames();
+        self.count_frames(source);
     }
 
-    fn choose_export(&mut self, kind: Kind) {
-        if let Some(form) = &mut self.files.export {
+    fn choose(&mut self, kind: Kind, source: ExportSource<'_>) {
+        if let Some(form) = &mut self.sheet {
             form.choose(kind);
             if kind == Kind::Animation && form.every.is_empty() {
-                self.propose_every();
+                self.propose_every(source);
             }
         }
     }
 
     /// Fills in how many ticks lie between frames.
-    fn propose_every(&mut self) {
-        let range = self.export_range();
+    fn propose_every(&mut self, source: ExportSource<'_>) {
         if let (Some(form), Some(session), Some(range)) =
-            (&mut self.files.export, &self.runs.first.session, range)
+            (&mut self.sheet, &source.run.session, source.range())
         {
             form.every = every_at_first(session, &range, form.clock).to_string();
         }
     }
 
-    /// Returns why nothing of a kind can be exported now, whatever the sheet says.
-    #[must_use]
-    pub fn kind_refusal(&self, kind: Kind) -> Option<Refusal> {
-        let (Some(session), Some(moment)) = (&self.runs.first.session, self.runs.first.moment())
-        else {
-            return Some(Refusal::NoSession);
-        };
-        match kind {
-            Kind::Animation if session.combination.is_some() => Some(Refusal::Combination),
-            Kind::Animation if session.recording().is_none() => Some(Refusal::NoEvents),
-            Kind::Samples if !moment.has_samples(session) => Some(Refusal::NoSamples),
-            _ => None,
-        }
-    }
-
-    /// Returns the cursors between which an animation goes: those of the loop, else those of the stage.
-    #[must_use]
-    pub fn export_range(&self) -> Option<Range<usize>> {
-        let session = self.runs.first.session.as_ref()?;
-        let end = session.stage_end(self.runs.first.stage)?;
-        let start = match self.runs.first.stage.checked_sub(1) {
-            Some(before) => session.stage_end(before)?,
-            None => 0,
-        };
-        let range = self.time.playback.range.clone();
-        Some(range.unwrap_or(start..end))
-    }
-
-    /// Returns what of the plane a picture shows: what the canvas shows. Animations are of the run's domain, also
-    /// while the canvas shows the pattern.
-    pub fn export_view(&self, kind: Kind) -> Result<View, Refusal> {
-        if !self.runs.first.viewport.is_positive() {
-            return Err(Refusal::NoCanvas);
-        }
-        let camera = match self.runs.first.before_pattern {
-            Some((camera, _)) if kind == Kind::Animation => camera,
-            _ => self.runs.first.camera,
-        };
-        let size = self.runs.first.viewport.size();
-        Ok(View {
-            camera,
-            size: [size.x, size.y].map(f64::from),
-            layers: self.appearance.layers,
-            colouring: self.appearance.colouring,
-            selection: match kind {
-                Kind::Animation => Selection::Nothing,
-                _ => self.runs.first.selection(),
-            },
-            dark: tilescope_drawing::palette::Palette::of(self.appearance.look).dark,
-            print: self.files.export.as_ref().is_some_and(|form| form.print),
-        })
-    }
-
     /// Returns what the sheet asks for, in a few words, or why it cannot be written.
-    pub fn export_prospect(&self) -> Result<String, Refusal> {
-        let (Some(form), Some(session)) = (&self.files.export, &self.runs.first.session) else {
+    pub fn prospect(&self, source: ExportSource<'_>) -> Result<String, Refusal> {
+        let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
             return Err(Refusal::NoSession);
         };
-        let refusal = self.kind_refusal(form.kind).or_else(|| form.name_refusal());
+        let refusal = source
+            .kind_refusal(form.kind)
+            .or_else(|| form.name_refusal());
         if let Some(refusal) = refusal {
             return Err(refusal);
         }
         match form.kind {
             Kind::Result => Ok(counted(session.summary.count, "sample", "samples")),
-            Kind::Samples => Ok(self.moment_name()),
+            Kind::Samples => Ok(source.moment_name()),
             Kind::Picture => {
-                let size = self.checked_view(form)?.1;
-                Ok(format!("{}, {size}", self.moment_name()))
+                let size = checked_view(form, source)?.1;
+                Ok(format!("{}, {size}", source.moment_name()))
             }
             Kind::Animation => {
-                let size = self.checked_view(form)?.1;
-                let frames = self.frame_count(form)?;
+                let size = checked_view(form, source)?.1;
+                let frames = self.frame_count(form, source)?;
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
                 Ok(format!(
                     "{frames} frames of at most {MOST_FRAMES}, {size}, {secs:.1} s"
@@ -150,79 +173,36 @@ impl State {
         }
     }
 
-    /// Returns the moment in a few words.
-    #[must_use]
-    pub fn moment_name(&self) -> String {
-        let stage = self.current_stage().map(|stage| stage.to_string());
-        let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
-        let stage = stage.trim_end_matches('.');
-        match self.cursor() {
-            Some((at, all)) => format!("{stage}, event {} of {}", grouped(at), grouped(all)),
-            None => stage.to_owned(),
-        }
-    }
-
-    /// Returns the view of a sheet with its scale and, in words, its size.
-    fn checked_view(&self, form: &ExportForm) -> Result<((View, f64), String), Refusal> {
-        let session = self.runs.first.session.as_ref().ok_or(Refusal::NoSession)?;
-        let view = self.export_view(form.kind)?;
-        let (low, high) = view.camera.visible(self.runs.first.viewport);
-        let samples = session.index.count_in(low, high);
-        if samples > MOST_DRAWN {
-            return Err(Refusal::TooManySamples { samples });
-        }
-        let scale = if form.has_scale() { form.scale()? } else { 1.0 };
-        let animated = form.kind == Kind::Animation;
-        if let Some(refusal) = view.size_refusal(scale, animated) {
-            return Err(refusal);
-        }
-        let [width, height] = view.pixels(scale).map(grouped);
-        Ok(((view, scale), format!("{width} x {height} pixels")))
-    }
-
-    fn frames_key(&self, form: &ExportForm) -> Result<Key, Refusal> {
-        let session = self.runs.first.session.as_ref().ok_or(Refusal::NoSession)?;
-        let range = self.export_range().ok_or(Refusal::NoEvents)?;
-        Ok((session.generation, range, form.clock, form.every()?))
-    }
-
-    fn frame_count(&self, form: &ExportForm) -> Result<usize, Refusal> {
-        let key = self.frames_key(form)?;
-        let session = self.runs.first.session.as_ref().ok_or(Refusal::NoSession)?;
-        match &self.files.frames {
+    fn frame_count(&self, form: &ExportForm, source: ExportSource<'_>) -> Result<usize, Refusal> {
+        let key = frames_key(form, source)?;
+        let session = source.run.session.as_ref().ok_or(Refusal::NoSession)?;
+        match &self.frames {
             Some(known) if known.key == key => known.frames.clone(),
             _ => count(session, &key.1, key.2, key.3),
         }
     }
 
     /// Counts the frames of the animation in the sheet, should that have changed: lines take a walk over events.
-    pub(super) fn count_frames(&mut self) {
+    pub(super) fn count_frames(&mut self, source: ExportSource<'_>) {
         let animation = |form: &&ExportForm| form.kind == Kind::Animation;
-        let Some(form) = self.files.export.as_ref().filter(animation) else {
+        let Some(form) = self.sheet.as_ref().filter(animation) else {
             return;
         };
-        let Ok(key) = self.frames_key(form) else {
+        let Ok(key) = frames_key(form, source) else {
             return;
         };
-        if self
-            .files
-            .frames
-            .as_ref()
-            .is_none_or(|known| known.key != key)
-        {
-            let frames = self.frame_count(form);
-            self.files.frames = Some(Count { key, frames });
+        if self.frames.as_ref().is_none_or(|known| known.key != key) {
+            let frames = self.frame_count(form, source);
+            self.frames = Some(Count { key, frames });
         }
     }
 
     /// Returns what the sheet asks for.
-    pub fn export_order(&self) -> Result<Order, Refusal> {
-        self.export_prospect()?;
-        let (Some(form), Some(session), Some(moment)) = (
-            &self.files.export,
-            &self.runs.first.session,
-            self.runs.first.moment(),
-        ) else {
+    pub fn order(&self, source: ExportSource<'_>) -> Result<Order, Refusal> {
+        self.prospect(source)?;
+        let (Some(form), Some(session), Some(moment)) =
+            (&self.sheet, &source.run.session, source.run.moment())
+        else {
             return Err(Refusal::NoSession);
         };
         let content = match form.kind {
@@ -231,17 +211,17 @@ impl State {
                 precision: form.precision,
             },
             Kind::Picture => {
-                let (view, scale) = self.checked_view(form)?.0;
+                let (view, scale) = checked_view(form, source)?.0;
                 Content::Picture {
                     moment,
                     view,
-                    causes: self.causes().map(|found| found.cause.clone()),
+                    causes: source.causes.map(|found| found.cause.clone()),
                     scale,
                 }
             }
             Kind::Animation => {
-                let (view, scale) = self.checked_view(form)?.0;
-                let (_, range, clock, every) = self.frames_key(form)?;
+                let (view, scale) = checked_view(form, source)?.0;
+                let (_, range, clock, every) = frames_key(form, source)?;
                 Content::Animation {
                     cursors: frames(session, &range, clock, every)?,
                     view,
@@ -261,12 +241,102 @@ impl State {
 
     /// Returns how far the export at work has come.
     #[must_use]
-    pub fn export_fraction(&self) -> Option<f32> {
-        self.files
-            .exporting
-            .as_ref()
-            .map(tilescope_session::jobs::Job::fraction)
+    pub fn fraction(&self) -> Option<f32> {
+        self.work.as_ref().map(Job::fraction)
     }
+}
+
+impl ExportSource<'_> {
+    /// Returns why nothing of a kind can be exported now, whatever the sheet says.
+    #[must_use]
+    pub fn kind_refusal(&self, kind: Kind) -> Option<Refusal> {
+        let (Some(session), Some(moment)) = (&self.run.session, self.run.moment()) else {
+            return Some(Refusal::NoSession);
+        };
+        match kind {
+            Kind::Animation if session.combination.is_some() => Some(Refusal::Combination),
+            Kind::Animation if session.recording().is_none() => Some(Refusal::NoEvents),
+            Kind::Samples if !moment.has_samples(session) => Some(Refusal::NoSamples),
+            _ => None,
+        }
+    }
+
+    /// Returns the cursors between which an animation goes: those of the loop, else those of the stage.
+    #[must_use]
+    pub fn range(&self) -> Option<Range<usize>> {
+        let session = self.run.session.as_ref()?;
+        let end = session.stage_end(self.run.stage)?;
+        let start = match self.run.stage.checked_sub(1) {
+            Some(before) => session.stage_end(before)?,
+            None => 0,
+        };
+        let range = self.time.playback.range.clone();
+        Some(range.unwrap_or(start..end))
+    }
+
+    /// Returns what of the plane a picture shows: what the canvas shows. Animations are of the run's domain, also
+    /// while the canvas shows the pattern.
+    pub fn view(&self, kind: Kind, print: bool) -> Result<View, Refusal> {
+        if !self.run.viewport.is_positive() {
+            return Err(Refusal::NoCanvas);
+        }
+        let camera = match self.run.before_pattern {
+            Some((camera, _)) if kind == Kind::Animation => camera,
+            _ => self.run.camera,
+        };
+        let size = self.run.viewport.size();
+        Ok(View {
+            camera,
+            size: [size.x, size.y].map(f64::from),
+            layers: self.appearance.layers,
+            colouring: self.appearance.colouring,
+            selection: match kind {
+                Kind::Animation => Selection::Nothing,
+                _ => self.run.selection(),
+            },
+            dark: tilescope_drawing::palette::Palette::of(self.appearance.look).dark,
+            print,
+        })
+    }
+
+    /// Returns the moment in a few words.
+    #[must_use]
+    pub fn moment_name(&self) -> String {
+        let stage = self.run.current_stage().map(|stage| stage.to_string());
+        let stage = tilescope_session::words::sentence(&stage.unwrap_or_default());
+        let stage = stage.trim_end_matches('.');
+        match self.run.cursor() {
+            Some((at, all)) => format!("{stage}, event {} of {}", grouped(at), grouped(all)),
+            None => stage.to_owned(),
+        }
+    }
+}
+
+/// Returns the view of a sheet with its scale and, in words, its size.
+fn checked_view(
+    form: &ExportForm,
+    source: ExportSource<'_>,
+) -> Result<((View, f64), String), Refusal> {
+    let session = source.run.session.as_ref().ok_or(Refusal::NoSession)?;
+    let view = source.view(form.kind, form.print)?;
+    let (low, high) = view.camera.visible(source.run.viewport);
+    let samples = session.index.count_in(low, high);
+    if samples > MOST_DRAWN {
+        return Err(Refusal::TooManySamples { samples });
+    }
+    let scale = if form.has_scale() { form.scale()? } else { 1.0 };
+    let animated = form.kind == Kind::Animation;
+    if let Some(refusal) = view.size_refusal(scale, animated) {
+        return Err(refusal);
+    }
+    let [width, height] = view.pixels(scale).map(grouped);
+    Ok(((view, scale), format!("{width} x {height} pixels")))
+}
+
+fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, Refusal> {
+    let session = source.run.session.as_ref().ok_or(Refusal::NoSession)?;
+    let range = source.range().ok_or(Refusal::NoEvents)?;
+    Ok((session.generation, range, form.clock, form.every()?))
 }
 
 fn fill_in(form: &mut ExportForm, command: ExportCommand) {

@@ -70,7 +70,7 @@ impl State {
                 .clone()
                 .unwrap_or_else(|| SESSION_NAME.to_owned()),
         };
-        self.files.export = None;
+        self.files.exports.sheet = None;
         self.files.sheet = Some(FileForm {
             purpose,
             path,
@@ -88,7 +88,7 @@ impl State {
     /// Returns whether a sheet lies over the window.
     #[must_use]
     pub const fn has_sheet(&self) -> bool {
-        self.files.sheet.is_some() || self.files.export.is_some()
+        self.files.sheet.is_some() || self.files.exports.sheet.is_some()
     }
 
     /// Returns why the session cannot be saved, or `None` if it can.

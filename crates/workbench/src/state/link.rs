@@ -151,7 +151,11 @@ impl State {
             self.links.arriving,
             self.messages.notice,
         ) = (None, None, None);
-        (self.files.sheet, self.files.export, self.window.finder) = (None, None, None);
+        (
+            self.files.sheet,
+            self.files.exports.sheet,
+            self.window.finder,
+        ) = (None, None, None);
         let before = self.memento();
         let is_made = self.is_made_from(&content);
         if !is_made {

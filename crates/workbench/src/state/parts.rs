@@ -3,10 +3,9 @@
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Wake};
 
-use super::{Notice, RunView, announce, export, link};
+use super::{Exports, Notice, RunView, announce, link};
 use crate::command::Which;
 use crate::compare::Comparison;
-use crate::export::ExportForm;
 use crate::files::{Delivery, FileForm, Filing, Purpose};
 
 /// The runs that are looked at.
@@ -39,8 +38,8 @@ impl Runs {
 /// What is read and written.
 #[derive(Default)]
 pub struct FileState {
-    /// The export sheet, when open.
-    pub export: Option<ExportForm>,
+    /// The export sheet, and the export at work.
+    pub exports: Exports,
     /// The sheet of saved sessions and pattern files, when open.
     pub sheet: Option<FileForm>,
     /// What is read or written for it.
@@ -55,13 +54,6 @@ pub struct FileState {
     pub delivery: Delivery,
     /// Files that are to be downloaded.
     pub(super) downloads: Vec<NamedBytes>,
-    /// How many frames the animation of the sheet has.
-    pub(super) frames: Option<crate::export::frames::Count>,
-    /// The export at work.
-    pub exporting: Option<Job<export::Outcome>>,
-    /// The system's file dialog for it, while open.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub browsing: Option<Job<Option<std::path::PathBuf>>>,
 }
 
 /// Links that come and go.

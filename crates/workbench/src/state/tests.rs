@@ -170,7 +170,7 @@ fn an_export_says_where_file_and_certificate_went() {
     let notice = state.messages.notice.clone().unwrap();
     assert!(!notice.is_error, "{}", notice.text);
     assert!(notice.text.contains("set.ply.certificate.json"));
-    assert!(path.exists() && state.files.export.is_none());
+    assert!(path.exists() && state.files.exports.sheet.is_none());
     state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
     let nowhere = folder.join("missing").join("set.csv");
     state.apply(Command::Export(ExportCommand::Path(
@@ -178,7 +178,7 @@ fn an_export_says_where_file_and_certificate_went() {
     )));
     state.apply(Command::Export(ExportCommand::Write));
     state.settle();
-    assert!(state.messages.notice.clone().unwrap().is_error && state.files.export.is_some());
+    assert!(state.messages.notice.clone().unwrap().is_error && state.files.exports.sheet.is_some());
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -57,7 +57,7 @@ impl State {
             }
         });
         self.want_analysis();
-        self.count_frames();
+        self.in_exports(|exports, source, _, _| exports.count_frames(source));
         let flies = self.advance_second(dt_secs);
         self.follow_passes();
         self.announce();
@@ -67,7 +67,9 @@ impl State {
     fn poll(&mut self) {
         self.with(|state, context| state.gpu.poll(context));
         self.poll_run(Which::First);
-        self.poll_export();
+        self.in_exports(|exports, source, delivery, context| {
+            exports.poll(source, delivery, context);
+        });
         self.poll_files();
     }
 
@@ -148,10 +150,7 @@ impl State {
             run.want_hits(context);
             run.hits.settle();
         });
-        if let Some(job) = self.files.exporting.take() {
-            let outcome = job.wait();
-            self.finish_export(outcome);
-        }
+        self.in_exports(|exports, _, _, context| exports.settle(context));
     }
 
     /// Waits for what concerns a run.

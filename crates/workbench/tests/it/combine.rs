@@ -93,7 +93,7 @@ fn one_goes_through_its_stages() {
     assert!(refusal.contains("layout"), "{refusal}");
     assert!(state.rival_refusal(Rival::Typed).is_none());
     assert!(state.passes_refusal().unwrap().contains("combination"));
-    let refusal = state.kind_refusal(Kind::Animation).unwrap();
+    let refusal = state.export_source().kind_refusal(Kind::Animation).unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
     // Beside a run of the panel's parameters, and swapped with it.
     let draft = state.form.draft.parameters;
@@ -110,7 +110,18 @@ fn one_goes_through_its_stages() {
 
 /// The segments and rectangles of a group of the picture of the moment.
 fn drawn(state: &State, name: &str) -> usize {
-    let view = state.export_view(Kind::Picture).unwrap();
+    let view = state
+        .export_source()
+        .view(
+            Kind::Picture,
+            state
+                .files
+                .exports
+                .sheet
+                .as_ref()
+                .is_some_and(|form| form.print),
+        )
+        .unwrap();
     let still = state.runs.first.moment().unwrap();
     let scene = picture::scene(
         state.runs.first.session.as_ref().unwrap(),

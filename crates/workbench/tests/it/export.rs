@@ -74,12 +74,23 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
-    let view = state.export_view(Kind::Picture).unwrap();
+    let view = state
+        .export_source()
+        .view(
+            Kind::Picture,
+            state
+                .files
+                .exports
+                .sheet
+                .as_ref()
+                .is_some_and(|form| form.print),
+        )
+        .unwrap();
     let mut pictures = Vec::new();
     for scale in ["0.5", "1", "2.75"] {
         let path = folder.path().join(format!("{scale}.png"));
         write(&mut state, Kind::Picture, &path, &[(Entry::Scale, scale)]);
-        assert!(state.files.export.is_none(), "{}", told(&state));
+        assert!(state.files.exports.sheet.is_none(), "{}", told(&state));
         let picture = decode(&path);
         let [width, height] = view.pixels(scale.parse().unwrap());
         let size = [picture.info.width, picture.info.height].map(|side| side as usize);
@@ -237,7 +248,7 @@ fn an_animation_has_its_frames_and_its_range() {
     state.apply(Command::Time(TimeCommand::ShowStage(2)));
     let session = state.runs.first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
-    assert_eq!(state.export_range(), Some(stage));
+    assert_eq!(state.export_source().range(), Some(stage));
     fill_in(&mut state, Kind::Animation, &path, &[]);
     export(&mut state, ExportCommand::Clock(Clock::Stage));
     assert!(
@@ -250,8 +261,38 @@ fn an_animation_has_its_frames_and_its_range() {
     let camera = state.runs.first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
     assert_ne!(state.runs.first.camera, camera);
-    assert_eq!(state.export_view(Kind::Animation).unwrap().camera, camera);
-    assert_ne!(state.export_view(Kind::Picture).unwrap().camera, camera);
+    assert_eq!(
+        state
+            .export_source()
+            .view(
+                Kind::Animation,
+                state
+                    .files
+                    .exports
+                    .sheet
+                    .as_ref()
+                    .is_some_and(|form| form.print)
+            )
+            .unwrap()
+            .camera,
+        camera
+    );
+    assert_ne!(
+        state
+            .export_source()
+            .view(
+                Kind::Picture,
+                state
+                    .files
+                    .exports
+                    .sheet
+                    .as_ref()
+                    .is_some_and(|form| form.print)
+            )
+            .unwrap()
+            .camera,
+        camera
+    );
 }
 
 #[test]
@@ -263,7 +304,10 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     let run = tilescope_core::sample(&parameters, &mut tilescope_core::Unobserved).unwrap();
     state.show(Session::from_run(run, 99));
     state.settle();
-    let refusal = state.kind_refusal(Kind::Animation).expect("no events");
+    let refusal = state
+        .export_source()
+        .kind_refusal(Kind::Animation)
+        .expect("no events");
     assert!(refusal.to_string().contains("without events"), "{refusal}");
     let film = folder.path().join("film.gif");
     write(&mut state, Kind::Animation, &film, &[]);
@@ -442,7 +486,18 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
             export(&mut state, ExportCommand::Print(print));
             export(&mut state, ExportCommand::Write);
             export(&mut state, ExportCommand::Write);
-            let view = state.export_view(Kind::Picture).unwrap();
+            let view = state
+                .export_source()
+                .view(
+                    Kind::Picture,
+                    state
+                        .files
+                        .exports
+                        .sheet
+                        .as_ref()
+                        .is_some_and(|form| form.print),
+                )
+                .unwrap();
             state.settle();
             let picture = decode(&path);
             let palette = if look == Look::Dark && !print {

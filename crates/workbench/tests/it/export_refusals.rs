@@ -44,18 +44,20 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
             gate.close_after(reports);
             export(&mut state, ExportCommand::Write);
             if before.is_some() {
-                assert!(state.files.exporting.is_none());
+                assert!(state.files.exports.work.is_none());
                 export(&mut state, ExportCommand::Write);
             }
             gate.wait_for_job();
             let there = usize::from(before.is_some()) + temporary;
             assert_eq!(names(folder.path()).len(), there, "{name}: it is at work");
-            assert!(state.export_fraction().is_some());
+            assert!(state.files.exports.fraction().is_some());
             export(&mut state, ExportCommand::Cancel);
             gate.open();
             state.settle();
             assert!(told(&state).contains("cancelled"), "{}", told(&state));
-            assert!(state.files.export.is_some() && state.export_fraction().is_none());
+            assert!(
+                state.files.exports.sheet.is_some() && state.files.exports.fraction().is_none()
+            );
             match before {
                 None => assert_eq!(names(folder.path()), BTreeSet::new()),
                 Some(text) => {
@@ -80,22 +82,22 @@ fn a_file_is_replaced_only_when_that_was_asked() {
         };
         fs::write(&there, "mine").unwrap();
         fill_in(&mut state, kind, &path, &[]);
-        let form = state.files.export.clone().unwrap();
+        let form = state.files.exports.sheet.clone().unwrap();
         assert_eq!((form.taken.as_deref(), form.asked), (Some(&*there), false));
         export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(state.files.export.as_ref().unwrap().asked);
+        assert!(state.files.exports.sheet.as_ref().unwrap().asked);
         assert_eq!(fs::read_to_string(&there).unwrap(), "mine");
         // Another name is another question.
         let other = path.with_file_name("other").with_extension("csv");
         let other = other.to_string_lossy().into_owned();
         export(&mut state, ExportCommand::Path(other));
         fill_in(&mut state, kind, &path, &[]);
-        assert!(!state.files.export.as_ref().unwrap().asked);
+        assert!(!state.files.exports.sheet.as_ref().unwrap().asked);
         export(&mut state, ExportCommand::Write);
         export(&mut state, ExportCommand::Write);
         state.settle();
-        assert!(state.files.export.is_none(), "{}", told(&state));
+        assert!(state.files.exports.sheet.is_none(), "{}", told(&state));
         assert_ne!(fs::read_to_string(&there).unwrap(), "mine");
     }
 }
@@ -110,7 +112,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
         export(&mut state, ExportCommand::Close);
         write(&mut state, kind, path, entries);
         let notice = state.messages.notice.clone().expect("a refusal");
-        assert!(notice.is_error && state.files.export.is_some());
+        assert!(notice.is_error && state.files.exports.sheet.is_some());
         for part in parts {
             assert!(notice.text.contains(part), "{}", notice.text);
         }
@@ -164,19 +166,36 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::Loop(Some(0..2_000))));
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &every);
-    let refusal = state.export_prospect().unwrap_err().to_string();
+    let refusal = state
+        .files
+        .exports
+        .prospect(state.export_source())
+        .unwrap_err()
+        .to_string();
     assert!(
         refusal.contains("2,001 frames") && refusal.contains(&limit),
         "{refusal}"
     );
     let enough = [(Entry::Every, "4")];
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
-    assert!(state.export_prospect().unwrap().starts_with("501 frames"));
+    assert!(
+        state
+            .files
+            .exports
+            .prospect(state.export_source())
+            .unwrap()
+            .starts_with("501 frames")
+    );
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::FirstStage));
-    let range = state.export_range().unwrap();
+    let range = state.export_source().range().unwrap();
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
-    let refusal = state.export_prospect().unwrap_err().to_string();
+    let refusal = state
+        .files
+        .exports
+        .prospect(state.export_source())
+        .unwrap_err()
+        .to_string();
     assert!(
         refusal.contains(&format!("event 0 to event {}", range.end)),
         "{refusal}"
@@ -187,7 +206,12 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     state.apply(Command::Time(TimeCommand::LastStage));
     let eight = [(Entry::Scale, "8")];
     fill_in(&mut state, Kind::Picture, &path("a.png"), &eight);
-    let refusal = state.export_prospect().unwrap_err().to_string();
+    let refusal = state
+        .files
+        .exports
+        .prospect(state.export_source())
+        .unwrap_err()
+        .to_string();
     assert!(refusal.contains("268,435,456 pixels"), "{refusal}");
 }
 
@@ -209,8 +233,8 @@ fn the_sheet_stays_open_for_another_file() {
     gate.open();
     state.settle();
     assert!(first.exists() && !second.exists());
-    assert_eq!(state.files.export.as_ref().unwrap().file(), second);
+    assert_eq!(state.files.exports.sheet.as_ref().unwrap().file(), second);
     export(&mut state, ExportCommand::Write);
     state.settle();
-    assert!(second.exists() && state.files.export.is_none());
+    assert!(second.exists() && state.files.exports.sheet.is_none());
 }

@@ -317,7 +317,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
 
 /// Makes what the sheet asks for in memory.
 fn rendered(state: &State) -> Vec<NamedBytes> {
-    let order = state.export_order().unwrap();
+    let order = state.files.exports.order(state.export_source()).unwrap();
     let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
     let job = tilescope_session::jobs::Job::start(&wake, move |monitor| {
         write::render(&order, monitor).expect("files in memory")
@@ -400,7 +400,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
             "{said}"
         );
         assert!(said.contains("set.csv.zip") && said.contains("set.csv.certificate.json"));
-        assert!(state.files.export.is_none(), "the sheet is closed");
+        assert!(state.files.exports.sheet.is_none(), "the sheet is closed");
         let mut downloads = state.take_downloads();
         assert_eq!(downloads.len(), 1);
         archives.push(downloads.pop().unwrap());

@@ -5,12 +5,13 @@ use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::words::{counted, sentence};
 
+use super::{ExportSource, Exports};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::export::ExportCommand;
 use crate::export::write::{What, WriteError, Written, render};
 use crate::export::{ExportForm, Order};
 use crate::files::{Delivery, packed};
-use crate::state::State;
+use crate::state::effects::{Context, Effect};
 
 /// How an export ends.
 pub type Outcome = Result<Ended, WriteError>;
@@ -57,22 +58,25 @@ fn deliver(order: &Order, delivery: Delivery, monitor: &Monitor) -> Outcome {
     }
 }
 
-impl State {
+impl Exports {
     /// Writes what the sheet asks for. Where another file would be replaced, the first time only asks.
-    pub(super) fn start_export(&mut self) {
-        if self.files.exporting.is_some() {
+    pub(super) fn start(
+        &mut self,
+        source: ExportSource<'_>,
+        delivery: Delivery,
+        context: &mut Context,
+    ) {
+        if self.work.is_some() {
             return;
         }
-        let order = match self.export_order() {
+        let order = match self.order(source) {
             Ok(order) => order,
             Err(refusal) => {
-                self.tell(format!("Nothing was exported. {refusal}"), true);
-                return;
+                return context.tell(format!("Nothing was exported. {refusal}"), true);
             }
         };
-        let delivery = self.files.delivery;
         let replaces = delivery != Delivery::Download;
-        if let Some(form) = self.files.export.as_mut().filter(|_| replaces) {
+        if let Some(form) = self.sheet.as_mut().filter(|_| replaces) {
             form.look();
             if form.taken.is_some() && !form.asked {
                 form.asked = true;
@@ -80,62 +84,77 @@ impl State {
             }
         }
         let delivering = Delivering { order, delivery };
-        self.files.exporting = Some(errand::start(&self.jobs.wake, delivering));
+        self.work = Some(errand::start(&context.wake, delivering));
     }
 
-    pub(in crate::state) fn poll_export(&mut self) {
+    /// Takes what the system's dialog and the export at work have come to.
+    pub(in crate::state) fn poll(
+        &mut self,
+        source: ExportSource<'_>,
+        delivery: Delivery,
+        context: &mut Context,
+    ) {
         #[cfg(not(target_arch = "wasm32"))]
-        if let Some(outcome) = self.files.browsing.as_ref().and_then(Job::poll) {
-            self.files.browsing = None;
+        if let Some(outcome) = self.browsing.as_ref().and_then(Job::poll) {
+            self.browsing = None;
             match outcome {
                 Ok(Some(path)) => {
                     let path = path.to_string_lossy().into_owned();
-                    self.apply_to_export(ExportCommand::Path(path));
+                    self.apply(ExportCommand::Path(path), source, delivery, context);
                 }
                 Ok(None) => {}
-                Err(failure) => self.tell(sentence(&failure), true),
+                Err(failure) => context.tell(sentence(&failure), true),
             }
         }
-        if let Some(outcome) = self.files.exporting.as_ref().and_then(Job::poll) {
-            self.files.exporting = None;
-            self.finish_export(outcome);
+        #[cfg(target_arch = "wasm32")]
+        let _ = (source, delivery);
+        if let Some(outcome) = self.work.as_ref().and_then(Job::poll) {
+            self.finish(outcome, context);
         }
     }
 
-    pub(in crate::state) fn finish_export(&mut self, outcome: Result<Outcome, String>) {
+    /// Waits for the export at work.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(in crate::state) fn settle(&mut self, context: &mut Context) {
+        if let Some(job) = &self.work {
+            let outcome = job.wait();
+            self.finish(outcome, context);
+        }
+    }
+
+    fn finish(&mut self, outcome: Result<Outcome, String>, context: &mut Context) {
+        self.work = None;
         match outcome {
             #[cfg(not(target_arch = "wasm32"))]
-            Ok(Ok(Ended::Written(written))) => self.exported(&written, None),
+            Ok(Ok(Ended::Written(written))) => self.exported(&written, None, context),
             Ok(Ok(Ended::Download(written, file))) => {
-                self.exported(&written, Some(&file.name));
-                self.files.downloads.push(file);
+                self.exported(&written, Some(&file.name), context);
+                context.ask(Effect::Download(file));
             }
             Ok(Err(WriteError::Cancelled)) => {
-                self.tell(
-                    "The export was cancelled; no file was written.".to_owned(),
-                    false,
-                );
+                let text = "The export was cancelled; no file was written.";
+                context.tell(text.to_owned(), false);
             }
             Ok(Err(error)) => {
                 let text = format!("Nothing was exported: {error}");
-                self.tell(sentence(&text), true);
+                context.tell(sentence(&text), true);
             }
-            Err(failure) => self.tell(sentence(&failure), true),
+            Err(failure) => context.tell(sentence(&failure), true),
         }
-        if let Some(form) = &mut self.files.export {
+        if let Some(form) = &mut self.sheet {
             form.look();
             form.asked = false;
         }
     }
 
-    fn exported(&mut self, written: &Written, download: Option<&str>) {
+    fn exported(&mut self, written: &Written, download: Option<&str>, context: &mut Context) {
         // Meanwhile the sheet may have been opened for another file.
         let this = |form: &ExportForm| form.file() == written.path;
-        if self.files.export.as_ref().is_some_and(this) {
-            self.files.export = None;
+        if self.sheet.as_ref().is_some_and(this) {
+            self.sheet = None;
         }
         let (text, is_error) = told(written, download);
-        self.tell(text, is_error);
+        context.tell(text, is_error);
     }
 }
 
