@@ -253,7 +253,9 @@ fn an_animation_has_its_frames_and_its_range() {
     export(&mut state, ExportCommand::Clock(Clock::Stage));
     assert!(
         state
-            .export_prospect()
+            .files
+            .exports
+            .prospect(state.export_source())
             .unwrap()
             .starts_with("2 frames of at most 600, ")
     );
