@@ -9,6 +9,8 @@ use tilescope_drawing::subject::Subject;
 const LEAST_HEIGHT: f32 = 200.0;
 
 const INSET: f32 = 18.0;
+/// What the scale bar and the gaps around it take of the width at most, in screen points.
+const BESIDE_BAR: f32 = 190.0;
 /// A remark stands beside the domain where it has this much room.
 const LEAST_BESIDE: f32 = 150.0;
 
@@ -61,7 +63,7 @@ fn round_length(radii: f64) -> f64 {
     (length * 1e6).round() / 1e6
 }
 
-/// Draws the coordinates under the pointer, and the scale.
+/// Draws the coordinates under the pointer, and the scale, as far as there is room.
 pub fn cursor(
     painter: &Painter,
     rect: Rect,
@@ -73,15 +75,21 @@ pub fn cursor(
         return;
     }
     let zoom = format!("{:>7.2} px/r", subject.camera.scale);
-    let text = match pointer {
-        Some(pos) => {
-            let place = subject.camera.domain_from_screen(rect, pos);
-            format!("x {:>8.3} r  y {:>8.3} r  {zoom}", place[0], place[1])
-        }
-        None => zoom,
+    let place = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
+    let place = place.map(|[x, y]| format!("x {x:>8.3} r  y {y:>8.3} r"));
+    let both = place.as_ref().map(|place| format!("{place}  {zoom}"));
+    // In a narrow picture there is no room for all of it beside the scale bar.
+    let room = rect.width() - BESIDE_BAR;
+    let fits = |text: &String| {
+        let font = FontId::monospace(12.0);
+        let galley = painter.layout_no_wrap(text.clone(), font, palette.text);
+        galley.size().x <= room
     };
-    let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
-    tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);
+    let texts = [both, place, Some(zoom)];
+    if let Some(text) = texts.into_iter().flatten().find(fits) {
+        let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
+        tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);
+    }
 }
 
 /// Draws a remark at the top of the canvas: beside the domain where there is room, else over it.

@@ -3,7 +3,7 @@
 use egui::{Button, ProgressBar, RichText, Ui};
 use tilescope_debugger::{Divergence, Recording};
 use tilescope_drawing::palette::Palette;
-use tilescope_session::words::{counted, grouped, stage_name};
+use tilescope_session::words::{grouped, stage_name};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
 use tilescope_workbench::command::{Command, Which};
@@ -175,10 +175,10 @@ fn said(divergence: &Divergence) -> Vec<String> {
             sentence_b,
             ..
         } => vec![
-            format!(
-                "The first {} are the same. Then:",
-                counted(*a, "event", "events")
-            ),
+            match a {
+                1 => "The first event is the same. Then:".to_owned(),
+                _ => format!("The first {} events are the same. Then:", grouped(*a)),
+            },
             format!("A: {sentence_a}"),
             format!("B: {sentence_b}"),
         ],
@@ -187,10 +187,13 @@ fn said(divergence: &Divergence) -> Vec<String> {
             event,
             sentence,
         } => vec![
-            format!(
-                "All {} of the shorter run are the same.",
-                counted(*event, "event", "events")
-            ),
+            match event {
+                1 => "The one event of the shorter run is the same.".to_owned(),
+                _ => format!(
+                    "All {} events of the shorter run are the same.",
+                    grouped(*event)
+                ),
+            },
             format!("{} goes on: {sentence}", if *a_goes_on { "A" } else { "B" }),
         ],
         Divergence::Stage { stage, a, b, .. } => vec![
