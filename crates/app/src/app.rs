@@ -215,7 +215,6 @@ impl App {
         let timeline = panels::timeline_height(ui.ctx(), &self.state, room.x);
         layout.enlarge(room, around, |panel| panels::least_size(panel, timeline));
         let mut tree = tiles::tree(&layout);
-        let shown = tree.clone();
         let mut shower = Shower {
             state: &self.state,
             canvas: &mut self.canvas,
@@ -231,7 +230,7 @@ impl App {
         });
         let (edited, moved) = (shower.edited, shower.moved);
         if edited && layout.is_whole() {
-            let tree = tiles::with_shares_of(tree, &tiles::tree(before), &shown);
+            let tree = tiles::with_shares_of(tree, &tiles::tree(before), &tiles::tree(&layout));
             if let Some(layout) = tiles::layout(&tree) {
                 self.state.replace_layout(layout, moved);
             }

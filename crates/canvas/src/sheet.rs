@@ -1,5 +1,6 @@
 //! The canvas as what parts are drawn on: their lines, marks and disks as meshes, one for thousands.
 
+use egui::epaint::{CircleShape, RectShape};
 use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, StrokeKind, Vec2, pos2};
 use tilescope_drawing::surface::{Arc, Mark, Stroke, Surface, Tag};
 
@@ -80,20 +81,15 @@ fn line(stroke: Stroke) -> egui::Stroke {
 
 impl Surface for Sheet<'_> {
     fn rect(&mut self, rect: Rect, fill: Option<Color32>, stroke: Option<Stroke>) {
-        if let Some(fill) = fill {
-            let rect = match stroke {
-                Some(_) => rect,
-                None => self.snapped(rect),
-            };
-            self.add(Shape::rect_filled(rect, 0.0, fill));
-        }
-        if let Some(stroke) = stroke {
-            let kind = match fill {
-                Some(_) => StrokeKind::Outside,
-                None => StrokeKind::Middle,
-            };
-            self.add(Shape::rect_stroke(rect, 0.0, line(stroke), kind));
-        }
+        self.add(match (fill, stroke) {
+            (Some(fill), None) => Shape::rect_filled(self.snapped(rect), 0.0, fill),
+            (fill, stroke) => {
+                let kind = fill.map_or(StrokeKind::Middle, |_| StrokeKind::Outside);
+                let fill = fill.unwrap_or(Color32::TRANSPARENT);
+                let stroke = stroke.map_or(egui::Stroke::NONE, line);
+                RectShape::new(rect, 0.0, fill, stroke, kind).into()
+            }
+        });
     }
 
     fn line(&mut self, ends: [Pos2; 2], stroke: Stroke) {
@@ -113,7 +109,7 @@ impl Surface for Sheet<'_> {
     fn circle(&mut self, center: Pos2, radius: f32, fill: Option<Color32>, stroke: Option<Stroke>) {
         let fill = fill.unwrap_or(Color32::TRANSPARENT);
         let stroke = stroke.map_or(egui::Stroke::NONE, line);
-        let circle = egui::epaint::CircleShape {
+        let circle = CircleShape {
             center,
             radius,
             fill,
@@ -158,11 +154,10 @@ impl Surface for Sheet<'_> {
         let galley = self.painter.layout_no_wrap(tag.text.clone(), font, tag.ink);
         let place = tag.anchor.anchor_size(tag.pos, galley.size());
         let ground = place.expand2(tag.padding);
-        self.add(Shape::rect_filled(ground, tag.rounding, tag.ground));
-        if let Some(border) = tag.border {
-            let kind = StrokeKind::Inside;
-            self.add(Shape::rect_stroke(ground, tag.rounding, line(border), kind));
-        }
+        let border = tag.border.map_or(egui::Stroke::NONE, line);
+        let kind = StrokeKind::Inside;
+        let ground = RectShape::new(ground, tag.rounding, tag.ground, border, kind);
+        self.add(ground.into());
         self.add(Shape::galley(place.min, galley, tag.ink));
     }
 

@@ -3,8 +3,6 @@
 //!
 //! [`mod@text`] writes a layout as a short text, for links and files; `old` reads the form of earlier versions.
 
-use std::collections::HashSet;
-
 use emath::{Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
@@ -117,6 +115,10 @@ impl Panel {
         ROWS.iter().map(|row| row.panel)
     }
 
+    const fn bit(self) -> u32 {
+        1 << self as u32
+    }
+
     const fn row(self) -> &'static Row {
         &ROWS[self as usize]
     }
@@ -192,11 +194,13 @@ impl Tile {
             .chain(linear.iter_mut().map(|(tile, _)| tile))
     }
 
-    /// Returns the panels within, in sequence.
-    fn panels(&self) -> Vec<Panel> {
+    /// Adds the panels within to a set, which has a bit for each; none if one is there already.
+    fn add_panels(&self, set: u32) -> Option<u32> {
         match self {
-            Self::Panel(panel) => vec![*panel],
-            _ => self.children().flat_map(Self::panels).collect(),
+            Self::Panel(panel) => (set & panel.bit() == 0).then_some(set | panel.bit()),
+            _ => self
+                .children()
+                .try_fold(set, |set, tile| tile.add_panels(set)),
         }
     }
 
@@ -332,19 +336,19 @@ impl Layout {
     /// Returns whether every panel is there once, as in every layout that this program made.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        let panels = self.root.panels();
-        panels.len() == ROWS.len() && are_different(&panels)
+        let all = Panel::all().fold(0, |set, panel| set | panel.bit());
+        self.root.add_panels(0) == Some(all)
     }
 
     /// Returns the layout with every panel in it, the missing ones as tabs, if it is sound: a remembered layout may come
     /// from a version with fewer panels, and one of a file from anywhere.
     #[must_use]
     pub fn completed(mut self) -> Option<Self> {
-        let there = self.root.panels();
-        if !self.root.is_sound() || !are_different(&there) {
+        let there = self.root.add_panels(0)?;
+        if !self.root.is_sound() {
             return None;
         }
-        for panel in Panel::all().filter(|panel| !there.contains(panel)) {
+        for panel in Panel::all().filter(|panel| there & panel.bit() == 0) {
             let around = self.root.tabs_around(NEIGHBOUR).is_some();
             let tabs = if around {
                 self.root.tabs_around(NEIGHBOUR)
@@ -355,11 +359,6 @@ impl Layout {
         }
         Some(self)
     }
-}
-
-fn are_different(panels: &[Panel]) -> bool {
-    let kinds: HashSet<Panel> = panels.iter().copied().collect();
-    kinds.len() == panels.len()
 }
 
 /// The room that tiles need.
@@ -479,6 +478,8 @@ fn enlarged(lengths: &[f32], least: &[f32]) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     #[test]
