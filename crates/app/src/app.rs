@@ -105,7 +105,7 @@ impl App {
         if self.state.window.embedding.is_none() {
             self.take_dropped(ui);
         }
-        let is_covered = self.state.window.finder.is_some() || self.state.has_sheet();
+        let is_covered = self.state.window.finder.is_some() || self.state.files.has_sheet();
         focus::keep_arrows(ui.ctx(), is_covered);
         if actions::press_keys(ui.ctx(), &mut self.state) {
             self.follow_commands(ui.ctx());
@@ -185,7 +185,7 @@ impl App {
     /// Hands what was made to the browser.
     #[cfg(target_arch = "wasm32")]
     fn download(&mut self) {
-        for file in self.state.take_downloads() {
+        for file in self.state.files.take_downloads() {
             if let Err(text) = tilescope_workbench::download::start(&file) {
                 let is_error = true;
                 self.state.messages.notice =

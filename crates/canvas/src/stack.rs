@@ -37,6 +37,14 @@ const fn is_kept(part: Part) -> bool {
     )
 }
 
+/// Returns whether a part belongs to the triangulation.
+const fn is_net(part: Part) -> bool {
+    matches!(
+        part,
+        Part::Delaunay | Part::Voronoi | Part::Circumcircles | Part::GapBorders
+    )
+}
+
 /// The parts of one frame.
 pub struct Stack<'a, K> {
     pub painter: &'a Painter,
@@ -74,8 +82,9 @@ impl<K: PartialEq> Stack<'_, K> {
 
     /// Draws all parts.
     pub fn all(&mut self) {
-        for part in Part::ALL {
-            self.part(part);
+        // Edges of one mesh are copied once.
+        for parts in Part::ALL.chunk_by(|a, b| is_net(*a) && is_net(*b)) {
+            self.parts(parts);
         }
     }
 
@@ -90,16 +99,18 @@ impl<K: PartialEq> Stack<'_, K> {
                         points();
                     }
                 }
-                _ => self.part(part),
+                _ => self.parts(&[part]),
             }
         }
     }
 
-    fn part(&mut self, part: Part) {
+    /// Draws parts that have one clip, on one sheet.
+    fn parts(&mut self, parts: &[Part]) {
         let scene = self.scene;
-        if !part.is_on(scene) {
+        let on = || parts.iter().copied().filter(|part| part.is_on(scene));
+        let Some(part) = on().next() else {
             return;
-        }
+        };
         let painter = &self.painter.with_clip_rect(part.clip(scene));
         match (part, self.resident) {
             (Part::Disks, Some(resident)) => return resident.disks(painter, scene),
@@ -110,9 +121,11 @@ impl<K: PartialEq> Stack<'_, K> {
         let sprites = &mut *self.sprites;
         let mut make = || {
             let mut sheet = Sheet::new(painter, sprites);
-            match part {
-                Part::Pairs => edges.draw(scene, &mut sheet),
-                part => part.draw(scene, looks, &mut sheet),
+            for part in on() {
+                match part {
+                    Part::Pairs => edges.draw(scene, &mut sheet),
+                    part => part.draw(scene, looks, &mut sheet),
+                }
             }
             sheet.into_shapes()
         };

@@ -100,6 +100,8 @@ pub enum FormCommand {
     Choose(Choice),
     /// Returns to the parameters of the default session.
     Reset,
+    /// Returns to the pattern that the parameters describe.
+    GeneratedPattern,
 }
 
 /// A choice of who samples.

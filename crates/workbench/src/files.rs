@@ -122,8 +122,6 @@ pub enum FileCommand {
     Dropped(Vec<String>),
     /// Does the same with files that are there as bytes, and says of others why they are not.
     DroppedBytes(Vec<NamedBytes>, Vec<String>),
-    /// Returns to the pattern that the parameters describe.
-    GeneratedPattern,
 }
 
 /// A file that is being read or written.

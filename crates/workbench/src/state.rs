@@ -264,8 +264,9 @@ impl State {
 
     /// Does the same for one of the runs: what it tells is told of that run.
     fn with_of<T>(&mut self, which: Which, act: impl FnOnce(&mut Self, &mut Context) -> T) -> T {
-        let mut context = Context::new(&self.jobs.wake, &self.appearance);
+        let mut context = Context::new(&self.jobs, &self.appearance);
         let outcome = act(self, &mut context);
+        self.jobs.generation = context.generation;
         self.carry_out_effects(which, context.effects);
         outcome
     }

@@ -4,7 +4,7 @@ use egui::Key;
 use tilescope_session::combination::CombineCommand;
 
 use super::{COMMAND, List, Menu, SHIFT};
-use tilescope_workbench::command::{Command, LinkCommand, Which};
+use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which};
 use tilescope_workbench::export::{ExportCommand, Kind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::state::State;
@@ -143,7 +143,7 @@ fn sessions(list: &mut List, state: &State) {
         (
             "Use a generated pattern",
             None,
-            Command::File(FileCommand::GeneratedPattern),
+            Command::Form(FormCommand::GeneratedPattern),
             generated,
         ),
     ] {

@@ -83,7 +83,7 @@ fn steps(list: &mut List, state: &State, direction: Direction, refusal: Option<&
     let way = if back { " backwards" } else { "" };
     let shifted = if back { SHIFT } else { NONE };
     let with_alt = if back { Modifiers::ALT } else { NONE };
-    let [on, into, out] = if state.in_browser() {
+    let [on, into, out] = if state.files.in_browser() {
         [(shifted, Key::F8), (shifted, Key::N), (shifted, Key::U)]
     } else {
         let out = (SHIFT | with_alt, Key::F11);

@@ -76,7 +76,7 @@ pub fn press_keys(ctx: &egui::Context, state: &mut State) -> bool {
             continue;
         }
         // What lies on top comes first: Escape closes it, and letters are meant for it.
-        if state.has_sheet() && !held.command {
+        if state.files.has_sheet() && !held.command {
             continue;
         }
         let Some((action, modifiers)) = meant_by(key, held, state) else {
@@ -130,7 +130,7 @@ struct Ahead {
 }
 
 fn ahead(ctx: &egui::Context, state: &State) -> Option<Ahead> {
-    if state.has_sheet() || state.window.embedding.is_some() {
+    if state.files.has_sheet() || state.window.embedding.is_some() {
         return None;
     }
     let typing = ctx.text_edit_focused();

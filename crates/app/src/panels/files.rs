@@ -38,7 +38,12 @@ fn sheet(ui: &Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
 fn contents(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
     let palette = Palette::of(state.appearance.look);
     ui.label(RichText::new(form.purpose.explanation()).color(palette.muted));
-    if let Some(more) = state.in_browser().then(|| together(form.purpose)).flatten() {
+    if let Some(more) = state
+        .files
+        .in_browser()
+        .then(|| together(form.purpose))
+        .flatten()
+    {
         ui.label(RichText::new(more).color(palette.muted));
     }
     ui.add_space(8.0);
@@ -86,7 +91,7 @@ const fn together(purpose: Purpose) -> Option<&'static str> {
 
 /// The file's name. In a browser names are typed only where something is saved, and its dialog is only for what is opened.
 fn file(ui: &mut Ui, state: &State, form: &FileForm, own: &mut Vec<FileCommand>) {
-    let (web, saves) = (state.in_browser(), form.purpose == Purpose::Save);
+    let (web, saves) = (state.files.in_browser(), form.purpose == Purpose::Save);
     let label = ui.label(if web && saves { "File name" } else { "File" });
     ui.horizontal(|ui| {
         let mut path = form.path.clone();
@@ -120,11 +125,13 @@ fn refusal(state: &State, form: &FileForm) -> Option<&'static str> {
     if busy(state).is_some() {
         Some("A file is being read or written.")
     } else if form.path.trim().is_empty() {
-        Some(if state.in_browser() && form.purpose != Purpose::Save {
-            "Choose a file."
-        } else {
-            "Name a file."
-        })
+        Some(
+            if state.files.in_browser() && form.purpose != Purpose::Save {
+                "Choose a file."
+            } else {
+                "Name a file."
+            },
+        )
     } else if form.purpose == Purpose::Save {
         state.save_refusal()
     } else if form.purpose == Purpose::Against && state.runs.first.session.is_none() {

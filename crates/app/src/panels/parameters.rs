@@ -12,7 +12,6 @@ use tilescope_ui::widgets::{Known, heading, primary_button};
 use super::engine;
 use tilescope_workbench::command::{Command, FormCommand, Which};
 use tilescope_workbench::draft::{Choice, Field, Refusal};
-use tilescope_workbench::files::FileCommand;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
 
@@ -183,7 +182,7 @@ fn own_pattern(ui: &mut Ui, context: &FormContext<'_>, commands: &mut Vec<Comman
         .known_as("own-pattern");
     let generated = ui.link("Use a generated pattern");
     if generated.known_as("generated-pattern").clicked() {
-        commands.push(Command::File(FileCommand::GeneratedPattern));
+        commands.push(Command::Form(FormCommand::GeneratedPattern));
     }
 }
 

@@ -34,7 +34,7 @@ impl State {
     }
 
     pub(super) fn start_combining(&mut self, layout: Layout) {
-        self.stop_reading();
+        self.files.stop_reading();
         self.jobs.generation += 1;
         let generation = self.jobs.generation;
         let combining = Combining { layout, generation };

@@ -3,6 +3,7 @@
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Wake;
 
+use super::parts::JobContext;
 use super::{Appearance, Notice};
 
 /// What a part asks of the others. The state does it once the command is carried out.
@@ -24,12 +25,15 @@ pub(super) struct Context {
     pub(super) reduced_motion: bool,
     /// What the part asks for.
     pub(super) effects: Vec<Effect>,
+    /// The number of the session made last.
+    pub(super) generation: u64,
 }
 
 impl Context {
-    pub(super) fn new(wake: &Wake, appearance: &Appearance) -> Self {
+    pub(super) fn new(jobs: &JobContext, appearance: &Appearance) -> Self {
         Self {
-            wake: Wake::clone(wake),
+            wake: Wake::clone(&jobs.wake),
+            generation: jobs.generation,
             reduced_motion: appearance.reduced_motion,
             effects: Vec::new(),
         }
@@ -37,6 +41,12 @@ impl Context {
 
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
         self.effects.push(Effect::Tell(Notice { text, is_error }));
+    }
+
+    /// Returns the number of a session that is about to be made.
+    pub(super) const fn next_generation(&mut self) -> u64 {
+        self.generation += 1;
+        self.generation
     }
 
     pub(super) fn ask(&mut self, effect: Effect) {

@@ -11,7 +11,8 @@ use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::verification::region_of;
 use tilescope_session::words::last_part;
 
-use super::State;
+use super::effects::Context;
+use super::{FileState, RunView, State};
 use crate::files;
 use crate::files::{
     Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
@@ -20,58 +21,65 @@ use crate::files::{
 
 mod outcome;
 
-impl State {
-    pub(super) fn apply_to_files(&mut self, command: FileCommand) {
+/// The session at hand as it is saved: a run with its events, or a combination.
+pub(super) struct Saving {
+    run: Option<tilescope_debugger::Session>,
+    combination: Option<SavedCombination>,
+}
+
+impl FileState {
+    /// Carries out a command; `saving` is the session at hand where it may be saved by it.
+    pub(super) fn apply(
+        &mut self,
+        command: FileCommand,
+        run: &RunView,
+        saving: Option<Saving>,
+        context: &mut Context,
+    ) {
         match command {
-            FileCommand::Sheet(purpose) => self.open_sheet(purpose),
+            FileCommand::Sheet(purpose) => self.open_sheet(purpose, run.session_path.as_deref()),
             FileCommand::Close => {
-                self.files.sheet = None;
+                self.sheet = None;
                 // Nobody waits any more for what is read; what is written is written.
                 self.stop_reading();
             }
             FileCommand::Path(path) => {
-                if let Some(form) = &mut self.files.sheet {
+                if let Some(form) = &mut self.sheet {
                     (form.path, form.asked) = (path, false);
                     form.chosen = Arc::default();
                 }
             }
             FileCommand::Chosen(files) => self.choose(files),
-            FileCommand::Browse => self.browse(),
-            FileCommand::Go => self.file_away(),
+            FileCommand::Browse => self.browse(context),
+            FileCommand::Go => self.file_away(run, saving, context),
             FileCommand::Cancel => {
-                if let Some(filing) = &self.files.filing {
+                if let Some(filing) = &self.filing {
                     filing.job.cancel();
                 }
             }
             #[cfg(not(target_arch = "wasm32"))]
             FileCommand::Dropped(paths) => {
                 let names = paths.iter().map(PathBuf::from).collect();
-                self.take_dropped(&paths, Source::Paths(names), &[]);
+                self.take_dropped(&paths, Source::Paths(names), &[], run, context);
             }
             #[cfg(target_arch = "wasm32")]
             FileCommand::Dropped(_) => {}
             FileCommand::DroppedBytes(files, refused) => {
                 let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
-                self.take_dropped(&names, Source::Bytes(files), &refused);
+                self.take_dropped(&names, Source::Bytes(files), &refused, run, context);
             }
-            FileCommand::GeneratedPattern => self.form.own_pattern = None,
         }
     }
 
-    fn open_sheet(&mut self, purpose: Purpose) {
+    fn open_sheet(&mut self, purpose: Purpose, session_path: Option<&str>) {
         let path = match purpose {
             Purpose::Pattern | Purpose::Combination | Purpose::Against => String::new(),
             // What is opened in a browser is chosen there, by no name.
             Purpose::Open if self.in_browser() => String::new(),
-            Purpose::Save | Purpose::Open => self
-                .runs
-                .first
-                .session_path
-                .clone()
-                .unwrap_or_else(|| SESSION_NAME.to_owned()),
+            Purpose::Save | Purpose::Open => session_path.unwrap_or(SESSION_NAME).to_owned(),
         };
-        self.files.exports.sheet = None;
-        self.files.sheet = Some(FileForm {
+        self.exports.sheet = None;
+        self.sheet = Some(FileForm {
             purpose,
             path,
             asked: false,
@@ -82,13 +90,202 @@ impl State {
     /// Returns whether files are chosen in a browser and downloaded, instead of having paths.
     #[must_use]
     pub fn in_browser(&self) -> bool {
-        self.files.delivery == Delivery::Download
+        self.delivery == Delivery::Download
     }
 
     /// Returns whether a sheet lies over the window.
     #[must_use]
     pub const fn has_sheet(&self) -> bool {
-        self.files.sheet.is_some() || self.files.exports.sheet.is_some()
+        self.sheet.is_some() || self.exports.sheet.is_some()
+    }
+
+    fn browse(&mut self, context: &Context) {
+        let Some(form) = &self.sheet else {
+            return;
+        };
+        #[cfg(not(target_arch = "wasm32"))]
+        if !self.in_browser() {
+            self.finding = Some((form.purpose, files::browse(form, &context.wake)));
+        }
+        #[cfg(target_arch = "wasm32")]
+        if form.purpose != Purpose::Save {
+            self.finding = Some((form.purpose, files::web::choose(&context.wake)));
+        }
+    }
+
+    /// Takes files that were chosen, under the name of the one that would be opened.
+    fn choose(&mut self, files: Vec<NamedBytes>) {
+        let Some(form) = self.sheet.as_mut() else {
+            return;
+        };
+        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+        (form.path, form.asked) = (names.join(", "), false);
+        form.chosen = files.into();
+    }
+
+    fn take_dropped(
+        &mut self,
+        names: &[String],
+        source: Source,
+        refused: &[String],
+        run: &RunView,
+        context: &mut Context,
+    ) {
+        let Some(first) = names.first() else {
+            if let Some(why) = refused.first() {
+                context.tell(tilescope_session::words::ended(why), true);
+            }
+            return;
+        };
+        if self.filing.is_some() {
+            let text = format!("{first} was not opened: another file is being read or written.");
+            context.tell(text, true);
+            return;
+        }
+        self.begin_reading((None, first.clone()), source, run, context);
+        if let Some(filing) = &mut self.filing {
+            filing.refused = refused.to_vec();
+        }
+    }
+
+    fn begin_reading(
+        &mut self,
+        (purpose, path): (Option<Purpose>, String),
+        source: Source,
+        run: &RunView,
+        context: &mut Context,
+    ) {
+        let run = run.session.as_ref();
+        let run = run.map(|session| (region_of(session), session.run().domain.radius()));
+        let task = ReadTask {
+            purpose,
+            source,
+            generation: context.next_generation(),
+            run,
+        };
+        let job = errand::start(&context.wake, task);
+        self.wait_for(purpose, path, job);
+    }
+
+    fn start_filing(
+        &mut self,
+        purpose: Option<Purpose>,
+        path: String,
+        context: &Context,
+        work: impl FnOnce(&Monitor) -> Outcome + Send + 'static,
+    ) {
+        let job = Job::start(&context.wake, work);
+        self.wait_for(purpose, path, job);
+    }
+
+    fn wait_for(&mut self, purpose: Option<Purpose>, path: String, job: Job<Outcome>) {
+        let refused = Vec::new();
+        self.filing = Some(Filing {
+            purpose,
+            path,
+            refused,
+            job,
+        });
+    }
+
+    /// Stops what is read: nobody waits for it any more.
+    pub(super) fn stop_reading(&mut self) {
+        let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
+        self.filing = self.filing.take().filter(saves);
+    }
+
+    fn file_away(&mut self, run: &RunView, saving: Option<Saving>, context: &mut Context) {
+        let Some(form) = &mut self.sheet else {
+            return;
+        };
+        let path = form.path.trim().to_owned();
+        if path.is_empty() || self.filing.is_some() {
+            return;
+        }
+        let purpose = form.purpose;
+        if purpose == Purpose::Save {
+            if let Some(saving) = saving {
+                self.start_saving(path, run, saving, context);
+            }
+        } else if !form.chosen.is_empty() {
+            let source = Source::Bytes(form.chosen.to_vec());
+            self.begin_reading((Some(purpose), path), source, run, context);
+        } else if self.in_browser() {
+            let text = "Choose the file with Browse, or drop it on the window.";
+            context.tell(text.to_owned(), true);
+        } else {
+            #[cfg(not(target_arch = "wasm32"))]
+            self.begin_reading(
+                (Some(purpose), path.clone()),
+                Source::Paths(vec![PathBuf::from(path)]),
+                run,
+                context,
+            );
+        }
+    }
+
+    #[cfg_attr(
+        target_arch = "wasm32",
+        allow(unused_variables, reason = "a page replaces no files")
+    )]
+    fn start_saving(&mut self, path: String, at_hand: &RunView, saving: Saving, context: &Context) {
+        let path = files::with_json(path);
+        if let Some(form) = &mut self.sheet {
+            form.path.clone_from(&path);
+        }
+        let task = SaveTask {
+            name: path.clone(),
+            run: saving.run,
+            combination: saving.combination,
+        };
+        match self.delivery {
+            #[cfg(not(target_arch = "wasm32"))]
+            Delivery::Disk => {
+                let known = at_hand.session_path.as_deref() == Some(path.as_str());
+                let taken = Path::new(&path).exists() && !known;
+                if let Some(form) = &mut self.sheet
+                    && taken
+                    && !form.asked
+                {
+                    form.asked = true;
+                    return;
+                }
+                self.start_filing(Some(Purpose::Save), path, context, move |_| {
+                    Outcome::of(files::save(&task).map(|()| Done::Saved(task.name)))
+                });
+            }
+            Delivery::Download => {
+                let task = SaveTask {
+                    name: last_part(&path).to_owned(),
+                    ..task
+                };
+                self.start_filing(Some(Purpose::Save), path, context, move |_| {
+                    Outcome::of(files::render(&task).map(Done::Download))
+                });
+            }
+        }
+    }
+
+    /// Returns the files that are to be downloaded since they were asked for last.
+    #[must_use]
+    pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
+        std::mem::take(&mut self.downloads)
+    }
+}
+
+impl State {
+    pub(super) fn apply_to_files(&mut self, command: FileCommand) {
+        let saves = |form: &FileForm| form.purpose == Purpose::Save;
+        let is_saved = command == FileCommand::Go && self.files.sheet.as_ref().is_some_and(saves);
+        let saving = is_saved.then(|| Saving {
+            run: self.saved(),
+            combination: self.saved_combination(),
+        });
+        self.with(|state, context| {
+            state
+                .files
+                .apply(command, &state.runs.first, saving, context);
+        });
     }
 
     /// Returns why the session cannot be saved, or `None` if it can.
@@ -131,158 +328,5 @@ impl State {
         saved.view = self.view().to_json();
         saved.pattern = session.own.as_ref().map(|own| own.file.clone());
         Some(saved)
-    }
-
-    fn browse(&mut self) {
-        let Some(form) = &self.files.sheet else {
-            return;
-        };
-        #[cfg(not(target_arch = "wasm32"))]
-        if !self.in_browser() {
-            self.files.finding = Some((form.purpose, files::browse(form, &self.jobs.wake)));
-        }
-        #[cfg(target_arch = "wasm32")]
-        if form.purpose != Purpose::Save {
-            self.files.finding = Some((form.purpose, files::web::choose(&self.jobs.wake)));
-        }
-    }
-
-    /// Takes files that were chosen, under the name of the one that would be opened.
-    fn choose(&mut self, files: Vec<NamedBytes>) {
-        let Some(form) = self.files.sheet.as_mut() else {
-            return;
-        };
-        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-        (form.path, form.asked) = (names.join(", "), false);
-        form.chosen = files.into();
-    }
-
-    fn take_dropped(&mut self, names: &[String], source: Source, refused: &[String]) {
-        let Some(first) = names.first() else {
-            if let Some(why) = refused.first() {
-                self.tell(tilescope_session::words::ended(why), true);
-            }
-            return;
-        };
-        if self.files.filing.is_some() {
-            let text = format!("{first} was not opened: another file is being read or written.");
-            self.tell(text, true);
-            return;
-        }
-        self.begin_reading(None, first.clone(), source);
-        if let Some(filing) = &mut self.files.filing {
-            filing.refused = refused.to_vec();
-        }
-    }
-
-    fn begin_reading(&mut self, purpose: Option<Purpose>, path: String, source: Source) {
-        self.jobs.generation += 1;
-        let run = self.runs.first.session.as_ref();
-        let run = run.map(|session| (region_of(session), session.run().domain.radius()));
-        let task = ReadTask {
-            purpose,
-            source,
-            generation: self.jobs.generation,
-            run,
-        };
-        let job = errand::start(&self.jobs.wake, task);
-        self.wait_for(purpose, path, job);
-    }
-
-    fn start_filing(
-        &mut self,
-        purpose: Option<Purpose>,
-        path: String,
-        work: impl FnOnce(&Monitor) -> Outcome + Send + 'static,
-    ) {
-        let job = Job::start(&self.jobs.wake, work);
-        self.wait_for(purpose, path, job);
-    }
-
-    fn wait_for(&mut self, purpose: Option<Purpose>, path: String, job: Job<Outcome>) {
-        let refused = Vec::new();
-        self.files.filing = Some(Filing {
-            purpose,
-            path,
-            refused,
-            job,
-        });
-    }
-
-    /// Stops what is read: nobody waits for it any more.
-    pub(super) fn stop_reading(&mut self) {
-        let saves = |filing: &Filing| filing.purpose == Some(Purpose::Save);
-        self.files.filing = self.files.filing.take().filter(saves);
-    }
-
-    fn file_away(&mut self) {
-        let Some(form) = &mut self.files.sheet else {
-            return;
-        };
-        let path = form.path.trim().to_owned();
-        if path.is_empty() || self.files.filing.is_some() {
-            return;
-        }
-        let purpose = form.purpose;
-        if purpose == Purpose::Save {
-            self.start_saving(path);
-        } else if !form.chosen.is_empty() {
-            let source = Source::Bytes(form.chosen.to_vec());
-            self.begin_reading(Some(purpose), path, source);
-        } else if self.in_browser() {
-            let text = "Choose the file with Browse, or drop it on the window.";
-            self.tell(text.to_owned(), true);
-        } else {
-            #[cfg(not(target_arch = "wasm32"))]
-            self.begin_reading(
-                Some(purpose),
-                path.clone(),
-                Source::Paths(vec![PathBuf::from(path)]),
-            );
-        }
-    }
-
-    fn start_saving(&mut self, path: String) {
-        let path = files::with_json(path);
-        if let Some(form) = &mut self.files.sheet {
-            form.path.clone_from(&path);
-        }
-        let task = SaveTask {
-            name: path.clone(),
-            run: self.saved(),
-            combination: self.saved_combination(),
-        };
-        match self.files.delivery {
-            #[cfg(not(target_arch = "wasm32"))]
-            Delivery::Disk => {
-                let known = self.runs.first.session_path.as_deref() == Some(path.as_str());
-                let taken = Path::new(&path).exists() && !known;
-                if let Some(form) = &mut self.files.sheet
-                    && taken
-                    && !form.asked
-                {
-                    form.asked = true;
-                    return;
-                }
-                self.start_filing(Some(Purpose::Save), path, move |_| {
-                    Outcome::of(files::save(&task).map(|()| Done::Saved(task.name)))
-                });
-            }
-            Delivery::Download => {
-                let task = SaveTask {
-                    name: last_part(&path).to_owned(),
-                    ..task
-                };
-                self.start_filing(Some(Purpose::Save), path, move |_| {
-                    Outcome::of(files::render(&task).map(Done::Download))
-                });
-            }
-        }
-    }
-
-    /// Returns the files that are to be downloaded since they were asked for last.
-    #[must_use]
-    pub fn take_downloads(&mut self) -> Vec<NamedBytes> {
-        std::mem::take(&mut self.files.downloads)
     }
 }

@@ -19,6 +19,7 @@ impl Form {
         match command {
             FormCommand::Type(field, text) => self.draft.set_text(field, text),
             FormCommand::Choose(choice) => self.draft.choose(choice),
+            FormCommand::GeneratedPattern => self.own_pattern = None,
             FormCommand::Reset => (self.draft, self.own_pattern) = (Draft::default(), None),
         }
     }

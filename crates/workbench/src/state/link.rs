@@ -145,7 +145,7 @@ impl State {
     }
 
     pub(super) fn open_content(&mut self, content: Content, mut said: Said) {
-        self.stop_reading();
+        self.files.stop_reading();
         (
             self.runs.first.sampling,
             self.links.arriving,

@@ -61,7 +61,7 @@ impl State {
 
     /// Samples with other parameters; how they are looked at stays.
     fn load(&mut self, parameters: Parameters) {
-        self.stop_reading();
+        self.files.stop_reading();
         (
             self.messages.notice,
             self.links.arriving,

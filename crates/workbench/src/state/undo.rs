@@ -8,7 +8,6 @@ use super::{Form, State};
 use crate::appearance::Appearance;
 use crate::command::{Command, FormCommand, Which, WindowCommand};
 use crate::draft::Field;
-use crate::files::FileCommand;
 use crate::layout::Layout;
 
 /// Most steps that are remembered.
@@ -62,7 +61,7 @@ pub struct History {
 /// frame.
 pub(super) const fn concerns(command: &Command) -> Option<Part> {
     match command {
-        Command::Form(_) | Command::File(FileCommand::GeneratedPattern) => Some(Part::Form),
+        Command::Form(_) => Some(Part::Form),
         Command::Window(WindowCommand::ResetLayout) => Some(Part::Layout),
         _ => None,
     }
@@ -210,7 +209,7 @@ impl State {
 
     /// Makes a run again, unless it is at hand.
     fn make_again(&mut self, made: Option<Made>) {
-        self.stop_reading();
+        self.files.stop_reading();
         (
             self.runs.first.sampling,
             self.links.arriving,

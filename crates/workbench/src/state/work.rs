@@ -16,7 +16,7 @@ impl State {
             return;
         }
         (self.messages.notice, self.links.arriving) = (None, None);
-        self.stop_reading();
+        self.files.stop_reading();
         let recipe = self.typed();
         let is_new = self
             .runs

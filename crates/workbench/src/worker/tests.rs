@@ -171,7 +171,7 @@ fn hand_over(state: &mut State) -> Vec<String> {
     state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
     state.apply(Command::Export(ExportCommand::Write));
     state.settle();
-    let files = state.take_downloads();
+    let files = state.files.take_downloads();
     let sizes = format!("{files:?}");
     let dropped = FileCommand::DroppedBytes(files, Vec::new());
     state.apply(Command::File(dropped));

@@ -401,7 +401,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
         );
         assert!(said.contains("set.csv.zip") && said.contains("set.csv.certificate.json"));
         assert!(state.files.exports.sheet.is_none(), "the sheet is closed");
-        let mut downloads = state.take_downloads();
+        let mut downloads = state.files.take_downloads();
         assert_eq!(downloads.len(), 1);
         archives.push(downloads.pop().unwrap());
     }
@@ -446,10 +446,10 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     assert_eq!(third.form.own_pattern.as_ref().unwrap().file.digest, digest);
     // A picture is downloaded as it is.
     exporting::write(&mut state, Kind::Picture, Path::new("view.svg"), &[]);
-    let downloads = state.take_downloads();
+    let downloads = state.files.take_downloads();
     assert_eq!(downloads[0].name, "view.svg");
     assert!(downloads[0].bytes.starts_with(b"<svg"));
-    assert!(state.take_downloads().is_empty(), "handed out once");
+    assert!(state.files.take_downloads().is_empty(), "handed out once");
     assert!(!Path::new("view.svg").exists());
     assert!(packed(Vec::new()).is_err());
 }
@@ -468,7 +468,7 @@ fn a_session_is_downloaded_as_it_is_saved() {
         Path::new("some/folder/mine.json"),
     );
     assert_eq!(told(&state), "The session is downloaded as mine.json.");
-    let downloads = state.take_downloads();
+    let downloads = state.files.take_downloads();
     assert_eq!(downloads.len(), 1);
     assert_eq!(downloads[0].name, "mine.json");
     assert!(downloads[0].bytes == written);
