@@ -9,8 +9,6 @@ use tilescope_drawing::subject::Subject;
 const LEAST_HEIGHT: f32 = 200.0;
 
 const INSET: f32 = 18.0;
-/// What the scale bar and the gaps around it take of the width at most, in screen points.
-const BESIDE_BAR: f32 = 190.0;
 /// A remark stands beside the domain where it has this much room.
 const LEAST_BESIDE: f32 = 150.0;
 
@@ -36,8 +34,7 @@ pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: 
     if rect.height() < LEAST_HEIGHT {
         return;
     }
-    let radii = round_length(110.0 / subject.camera.scale);
-    let length = (radii * subject.camera.scale) as f32;
+    let (radii, length) = bar(subject);
     let from = rect.left_bottom() + vec2(INSET + 6.0, -INSET);
     let to = from + vec2(length, 0.0);
     let ground = Rect::from_two_pos(from + vec2(-9.0, -28.0), to + vec2(9.0, 9.0));
@@ -51,6 +48,12 @@ pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: 
     let text = format!("{radii} r");
     let font = FontId::monospace(12.0);
     painter.text(middle, Align2::CENTER_BOTTOM, text, font, palette.text);
+}
+
+/// Returns the length of the scale bar, in r and in screen points.
+fn bar(subject: &Subject<'_>) -> (f64, f32) {
+    let radii = round_length(110.0 / subject.camera.scale);
+    (radii, (radii * subject.camera.scale) as f32)
 }
 
 /// Returns 1, 2 or 5 times the power of ten that is nearest below `radii`.
@@ -79,7 +82,7 @@ pub fn cursor(
     let place = place.map(|[x, y]| format!("x {x:>8.3} r  y {y:>8.3} r"));
     let both = place.as_ref().map(|place| format!("{place}  {zoom}"));
     // In a narrow picture there is no room for all of it beside the scale bar.
-    let room = rect.width() - BESIDE_BAR;
+    let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 24.0);
     let fits = |text: &String| {
         let font = FontId::monospace(12.0);
         let galley = painter.layout_no_wrap(text.clone(), font, palette.text);
