@@ -82,7 +82,7 @@ pub fn cursor(
     let place = place.map(|[x, y]| format!("x {x:>8.3} r  y {y:>8.3} r"));
     let both = place.as_ref().map(|place| format!("{place}  {zoom}"));
     // In a narrow picture there is no room for all of it beside the scale bar.
-    let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 24.0);
+    let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);
     let fits = |text: &String| {
         let font = FontId::monospace(12.0);
         let galley = painter.layout_no_wrap(text.clone(), font, palette.text);
