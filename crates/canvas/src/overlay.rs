@@ -88,7 +88,7 @@ pub fn cursor(
         let galley = painter.layout_no_wrap(text.clone(), font, palette.text);
         galley.size().x <= room
     };
-    let texts = [both, place, Some(zoom)];
+    let texts = [both, place, Some(zoom.trim_start().to_owned())];
     if let Some(text) = texts.into_iter().flatten().find(fits) {
         let corner = rect.right_bottom() - vec2(INSET, INSET - 4.0);
         tag(painter, corner, Align2::RIGHT_BOTTOM, &text, palette);
