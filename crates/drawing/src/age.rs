@@ -37,6 +37,7 @@ impl Ages {
     }
 
     /// Returns the place of a sample on the ramp.
+    #[must_use]
     pub fn of_sample(&self, id: u32, origin: &Origin) -> f32 {
         match *origin {
             Origin::Tiled { block, .. } => {
@@ -52,6 +53,7 @@ impl Ages {
     }
 
     /// Returns the place of the samples of an iteration, counted from 1, on the ramp.
+    #[must_use]
     pub fn of_iteration(&self, iteration: u32) -> f32 {
         let share = match self.iterations {
             0 | 1 => 1.0,

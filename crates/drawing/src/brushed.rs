@@ -55,6 +55,7 @@ pub struct Found {
 
 /// Returns the colour of a sample by how far its share is from the mean one, and its size, 1 for the mean share: what adds
 /// more to the power is large, what adds less small. None where no shares are known.
+#[must_use]
 pub fn tint(found: Option<&Found>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
     let Cause::Shares {
         shares,

@@ -42,6 +42,7 @@ impl Key {
     }
 
     /// Returns the cursors between which two keys differ, if they differ in nothing else.
+    #[must_use]
     pub fn span(self, other: Self) -> Option<Range<usize>> {
         let cursor = self.cursor;
         let (low, high) = (cursor.min(other.cursor), cursor.max(other.cursor));
@@ -99,6 +100,7 @@ pub struct Looks<'a> {
 
 impl<'a> Looks<'a> {
     /// Returns how samples look; `swatches` must follow the same subject and palette.
+    #[must_use]
     pub fn new(subject: &Subject<'a>, palette: &'a Palette, swatches: &'a Swatches) -> Self {
         // Once the result stands, those it does not hold step back.
         let presence = match subject.shown.stage {
@@ -117,6 +119,7 @@ impl<'a> Looks<'a> {
     }
 
     /// Returns how a sample looks.
+    #[must_use]
     pub fn of(&self, id: u32) -> Look {
         let has = |layer| self.subject.layers.has(layer);
         match self.subject.shown.standing(id) {
@@ -153,6 +156,7 @@ impl<'a> Looks<'a> {
     }
 
     /// Returns the colour of a sample that is there.
+    #[must_use]
     pub fn color(&self, id: u32) -> Color32 {
         if let Some((color, _)) = self.tint(id) {
             return color;

@@ -173,12 +173,14 @@ fn camera(saved: SavedCamera) -> Option<Camera> {
 }
 
 /// Returns the camera at `center`, in r, with `scale` screen points per r, if there may be one.
+#[must_use]
 pub fn sound_camera(center: [f64; 2], scale: f64) -> Option<Camera> {
     let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
     may_be.then_some(Camera { center, scale })
 }
 
 /// Returns whether there are domains that reach as far as `place`, in r.
+#[must_use]
 pub fn is_near(place: [f64; 2]) -> bool {
     place.iter().all(|x| x.abs() <= FARTHEST)
 }
@@ -218,6 +220,7 @@ fn second(second: Parameters) -> Option<Parameters> {
 }
 
 /// Returns the speed, if it is between the slowest and the fastest to choose.
+#[must_use]
 pub fn speed(speed: f32) -> Option<f32> {
     let fastest = SPEEDS[SPEEDS.len() - 1];
     (SPEEDS[0]..=fastest).contains(&speed).then_some(speed)

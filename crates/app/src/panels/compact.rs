@@ -293,7 +293,7 @@ fn drawer(
             layers::show(ui, &PanelContext::of(state), commands);
         }),
         Panel::Timeline => scrolled(ui, &mut |ui, commands| {
-            timeline::more(ui, &TimeContext::of(state), commands)
+            timeline::more(ui, &TimeContext::of(state), commands);
         }),
         _ => show_panel(ui, panel, state, canvas, commands),
     }

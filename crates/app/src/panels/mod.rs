@@ -95,7 +95,7 @@ pub fn show_projector(
             });
     }
     CentralPanel::no_frame().frame(Frame::new()).show(ui, |ui| {
-        canvas.show(ui, &CanvasContext::of(state), commands)
+        canvas.show(ui, &CanvasContext::of(state), commands);
     });
     leave_projector(ui, palette, commands);
 }

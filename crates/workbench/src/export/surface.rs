@@ -42,7 +42,7 @@ pub(super) fn rect(rect: Rect) -> PictureRect {
 /// The shapes of one part.
 #[derive(Default)]
 pub(super) struct Shapes {
-    shapes: Vec<Shape>,
+    drawn: Vec<Shape>,
     /// Lines since the last shape of another kind, as long as they have one style.
     lines: Vec<[[f64; 2]; 2]>,
     stroke: Option<(Stroke, bool)>,
@@ -60,7 +60,7 @@ impl Shapes {
     ) -> impl Iterator<Item = Group> {
         self.end_lines();
         let marks = Mark::ALL.into_iter().map(Mark::name).zip(self.marks);
-        let all = [(name, self.shapes)].into_iter().chain(marks);
+        let all = [(name, self.drawn)].into_iter().chain(marks);
         let groups = all.filter(|(_, shapes)| !shapes.is_empty());
         groups.map(move |(name, shapes)| Group {
             clip: Some(rect(clip)),
@@ -72,7 +72,7 @@ impl Shapes {
     fn end_lines(&mut self) {
         if let Some((stroke, dashed)) = self.stroke.take() {
             let stroke = line(stroke);
-            self.shapes.push(Shape::Segments {
+            self.drawn.push(Shape::Segments {
                 segments: std::mem::take(&mut self.lines),
                 stroke: if dashed {
                     stroke.dashed(6.0, 4.0)
@@ -85,7 +85,7 @@ impl Shapes {
 
     fn add(&mut self, shape: Shape) {
         self.end_lines();
-        self.shapes.push(shape);
+        self.drawn.push(shape);
     }
 
     fn segment(&mut self, ends: [Pos2; 2], stroke: Stroke, dashed: bool) {

@@ -48,6 +48,7 @@ impl Said {
 }
 
 /// Returns a text from outside as it can be shown: short, on one line.
+#[must_use]
 pub fn quoted(text: &str) -> String {
     let plain = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let mut shown: String = text.chars().take(QUOTED).map(plain).collect();

@@ -133,6 +133,7 @@ pub fn named<T: Serialize + Copy>(all: &[T], text: &str) -> Option<T> {
 }
 
 /// Returns a name of the window as it stands in a link: in small letters, with hyphens.
+#[must_use]
 pub fn slug(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")
 }

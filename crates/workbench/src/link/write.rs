@@ -25,6 +25,7 @@ pub struct Link {
 }
 
 /// Returns the name of a layer in a link.
+#[must_use]
 pub fn layer_name(layer: Layer) -> String {
     match layer {
         Layer::Circumcircles => "circumcircles".to_owned(),

@@ -303,6 +303,7 @@ impl Passes {
     }
 
     /// Returns where the selected row lies, in r, if it has a place.
+    #[must_use]
     pub fn picked_place(&self) -> Option<[f64; 2]> {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
@@ -319,6 +320,7 @@ impl Passes {
     }
 
     /// Returns the moment of the timeline at which the passes were dealt with last.
+    #[must_use]
     pub const fn moment(&self) -> Option<Moment> {
         self.moment
     }

@@ -116,6 +116,7 @@ const fn place(spot: &Spot) -> Point {
 }
 
 /// Returns the middle of a spot.
+#[must_use]
 pub const fn middle(spot: &Spot) -> Point {
     match spot {
         Spot::Point(point) | Spot::Link([point, _]) => *point,

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use emath::{Rect, pos2, vec2};
 use tilescope_formats::certificate_path;
-use tilescope_workbench::Command;
 use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
-use tilescope_workbench::export::{Entry, ExportCommand, Kind, MOST_FRAMES};
+use tilescope_workbench::export::{Entry, ExportCommand, Kind, MOST_FRAMES, Refusal};
+use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, fill_in, opened, settled, told, write};
 use crate::gate::Gate;
@@ -18,6 +18,11 @@ fn names(folder: &Path) -> BTreeSet<String> {
     let entries = fs::read_dir(folder).unwrap();
     let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
     entries.map(|entry| name(entry.unwrap())).collect()
+}
+
+/// What the sheet promises, or why it cannot be kept.
+fn prospect(state: &State) -> Result<String, Refusal> {
+    state.files.exports.prospect(state.export_source())
 }
 
 #[test]
@@ -166,36 +171,19 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::Loop(Some(0..2_000))));
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &every);
-    let refusal = state
-        .files
-        .exports
-        .prospect(state.export_source())
-        .unwrap_err()
-        .to_string();
+    let refusal = prospect(&state).unwrap_err().to_string();
     assert!(
         refusal.contains("2,001 frames") && refusal.contains(&limit),
         "{refusal}"
     );
     let enough = [(Entry::Every, "4")];
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
-    assert!(
-        state
-            .files
-            .exports
-            .prospect(state.export_source())
-            .unwrap()
-            .starts_with("501 frames")
-    );
+    assert!(prospect(&state).unwrap().starts_with("501 frames"));
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::FirstStage));
     let range = state.export_source().range().unwrap();
     fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
-    let refusal = state
-        .files
-        .exports
-        .prospect(state.export_source())
-        .unwrap_err()
-        .to_string();
+    let refusal = prospect(&state).unwrap_err().to_string();
     assert!(
         refusal.contains(&format!("event 0 to event {}", range.end)),
         "{refusal}"
@@ -206,12 +194,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     state.apply(Command::Time(TimeCommand::LastStage));
     let eight = [(Entry::Scale, "8")];
     fill_in(&mut state, Kind::Picture, &path("a.png"), &eight);
-    let refusal = state
-        .files
-        .exports
-        .prospect(state.export_source())
-        .unwrap_err()
-        .to_string();
+    let refusal = prospect(&state).unwrap_err().to_string();
     assert!(refusal.contains("268,435,456 pixels"), "{refusal}");
 }
 
