@@ -12,5 +12,6 @@ mod files_in_memory;
 mod files_refused;
 mod gate;
 mod link;
+mod parts;
 mod runs;
 mod script;

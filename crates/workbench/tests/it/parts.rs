@@ -1,0 +1,307 @@
+//! The parts of a picture, drawn on a surface that writes down what it is told, against the states that they show.
+
+use std::sync::Arc;
+
+use emath::{Pos2, Rect, Vec2, vec2};
+use tilescope_core::{Boundary, Insertion, RunEvent, Stage, Standing, Variant};
+use tilescope_debugger::Recording;
+use tilescope_drawing::looks::{Looks, Swatches};
+use tilescope_drawing::palette::{DARK, Palette};
+use tilescope_drawing::parts::Part;
+use tilescope_drawing::scene::Scene;
+use tilescope_drawing::surface::{Arc as Angles, Mark, Stroke, Surface, Tag};
+use tilescope_session::layers::Layer;
+use tilescope_workbench::command::{
+    AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which,
+};
+use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::{Command, State};
+
+type Color = ecolor::Color32;
+
+/// What was drawn.
+#[derive(Default)]
+struct Written {
+    marks: Vec<(Mark, Pos2)>,
+    dashes: Vec<([Pos2; 2], Stroke)>,
+    circles: Vec<(Pos2, f32, Option<Stroke>)>,
+    others: usize,
+}
+
+impl Surface for Written {
+    fn rect(&mut self, _: Rect, _: Option<Color>, _: Option<Stroke>) {
+        self.others += 1;
+    }
+
+    fn line(&mut self, _: [Pos2; 2], _: Stroke) {
+        self.others += 1;
+    }
+
+    fn dashes(&mut self, ends: [Pos2; 2], stroke: Stroke) {
+        self.dashes.push((ends, stroke));
+    }
+
+    fn circle(&mut self, center: Pos2, radius: f32, _: Option<Color>, stroke: Option<Stroke>) {
+        self.circles.push((center, radius, stroke));
+    }
+
+    fn arc(&mut self, _: Pos2, _: f32, _: Angles, _: Stroke) {
+        self.others += 1;
+    }
+
+    fn disk(&mut self, _: Pos2, _: f32, _: Color) {
+        self.others += 1;
+    }
+
+    fn mark(&mut self, mark: Mark, center: Pos2, _: [f32; 2], _: Color) {
+        self.marks.push((mark, center));
+    }
+
+    fn outline(&mut self, _: &[Pos2], _: Stroke) {
+        self.others += 1;
+    }
+
+    fn tag(&mut self, _: &Tag) {
+        self.others += 1;
+    }
+
+    fn text_size(&self, text: &str, size: f32) -> Vec2 {
+        vec2(0.6 * size * text.len() as f32, size)
+    }
+}
+
+impl Written {
+    fn count(&self, mark: Mark) -> usize {
+        self.marks
+            .iter()
+            .filter(|(other, _)| *other == mark)
+            .count()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.marks.len() + self.dashes.len() + self.circles.len() + self.others == 0
+    }
+}
+
+/// A small run of 16 r by 16 r, all of it in view.
+fn small(choices: &[Choice]) -> State {
+    let mut state = State::new(Arc::new(|| {}));
+    state.prefer_reduced_motion(true);
+    let canvas = Rect::from_min_size(Pos2::ZERO, vec2(1_000.0, 1_000.0));
+    state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
+    for (field, text) in [
+        (Field::Radius, "0.0625"),
+        (Field::Leaf, "6"),
+        (Field::Seed, "5"),
+        (Field::PatternSide, "20"),
+    ] {
+        state.apply(Command::Form(FormCommand::Type(field, text.to_owned())));
+    }
+    for choice in choices {
+        state.apply(Command::Form(FormCommand::Choose(*choice)));
+    }
+    state.settle();
+    state.apply(Command::Run);
+    state.settle();
+    // What a bounded domain drops lies up to one r beyond its border.
+    state.apply(Command::View(
+        Which::First,
+        ViewCommand::FlyTo([8.0; 2], 24.0),
+    ));
+    state.settle();
+    state
+}
+
+fn jump(state: &mut State, cursor: usize) {
+    state.apply(Command::Time(TimeCommand::Jump(cursor)));
+}
+
+/// Draws some parts of the moment that is shown, those that are on.
+fn written(state: &State, palette: &Palette, parts: &[Part]) -> Written {
+    let subject = state.subject().expect("a run");
+    let scene = Scene::new(state.runs.first.viewport, subject, palette);
+    let mut swatches = Swatches::default();
+    swatches.follow(&subject, palette);
+    let looks = Looks::new(&subject, palette, &swatches);
+    let mut written = Written::default();
+    for part in parts.iter().filter(|part| part.is_on(&scene)) {
+        part.draw(&scene, &looks, &mut written);
+    }
+    written
+}
+
+fn recording(state: &State) -> Arc<Recording> {
+    let session = state.runs.first.session.as_ref().expect("a session");
+    Arc::clone(session.recording().expect("events"))
+}
+
+fn cursors(recording: &Recording, of: impl Fn(&RunEvent) -> bool) -> Vec<usize> {
+    let events = recording.tape().from(0);
+    let found = events.filter(|(_, event)| event.run_event().is_some_and(|event| of(&event)));
+    found.map(|(index, _)| index + 1).collect()
+}
+
+#[test]
+fn every_sample_is_drawn_as_it_stands() {
+    let mut state = small(&[Choice::Boundary(Boundary::Bounded)]);
+    let recording = recording(&state);
+    let tiled = cursors(&recording, |event| matches!(event, RunEvent::Tiled { .. }));
+    let mut seen = [0; 3];
+    for cursor in (tiled[0]..=recording.len()).step_by(97) {
+        jump(&mut state, cursor);
+        let drawn = written(&state, &DARK, &[Part::Samples]);
+        let session = state.runs.first.session.as_ref().expect("a session");
+        let moment = state.runs.first.moment().expect("a moment");
+        let samples = &session.run().samples;
+        let mut expected = [0; 3];
+        for (id, origin) in (0..).zip(&samples.origins) {
+            let is_inserted = matches!(origin, tilescope_core::Origin::Inserted { .. });
+            match moment.standing(session, id) {
+                Standing::Eliminated { .. } => expected[0] += 1,
+                Standing::Valid | Standing::Tiled => expected[1 + usize::from(is_inserted)] += 1,
+                // What a bounded domain drops is faintly there as long as it is tiled.
+                Standing::Dropped => expected[1] += usize::from(moment.stage == Stage::Tile),
+                Standing::Absent => {}
+            }
+        }
+        // An inserted sample has an outline, which is a mark below it.
+        let inserted = drawn.count(Mark::Diamond) / 2;
+        let marks = [drawn.count(Mark::Cross), drawn.count(Mark::Dot), inserted];
+        assert_eq!(marks, expected, "{cursor}");
+        seen = [0, 1, 2].map(|k| seen[k] + marks[k]);
+    }
+    assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
+}
+
+#[test]
+fn every_event_of_every_variant_has_a_picture() {
+    for boundary in [Boundary::Periodic, Boundary::Bounded] {
+        for (variant, insertion) in [
+            (Variant::Staged, Insertion::Circumcentre),
+            (Variant::Staged, Insertion::Uniform),
+            (Variant::AsPrinted, Insertion::Circumcentre),
+        ] {
+            let mut state = small(&[
+                Choice::Boundary(boundary),
+                Choice::Variant(variant),
+                Choice::Insertion(insertion),
+            ]);
+            let len = recording(&state).len();
+            for cursor in (0..=len).step_by((len / 150).max(1)) {
+                jump(&mut state, cursor);
+                let drawn = written(&state, &DARK, &Part::ALL);
+                let has_samples = state.current_stage() > Some(Stage::Blocks);
+                assert!(!has_samples || !drawn.is_empty(), "{cursor}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_elimination_shows_its_conflict_and_what_it_changed() {
+    let mut state = small(&[]);
+    let steps = cursors(&recording(&state), |event| {
+        matches!(event, RunEvent::Eliminate { .. })
+    });
+    assert!(steps.len() > 20);
+    for cursor in steps {
+        jump(&mut state, cursor);
+        let drawn = written(&state, &DARK, &[Part::Step]);
+        let [(ends, stroke)] = drawn.dashes[..] else {
+            panic!("{cursor}: {} dashed lines", drawn.dashes.len());
+        };
+        // Across a seam the line is still the short one.
+        let r = state.runs.first.camera.scale as f32;
+        assert!(ends[0].distance(ends[1]) <= 1.001 * r, "{cursor}");
+        assert_eq!(stroke.color, DARK.conflict);
+        let changed = Stroke::new(3.0, DARK.conflict);
+        let rings = drawn
+            .circles
+            .iter()
+            .filter(|circle| circle.2 == Some(changed));
+        assert_eq!(rings.count(), 1, "{cursor}");
+    }
+}
+
+#[test]
+fn the_circle_under_test_goes_through_its_samples() {
+    let mut state = small(&[]);
+    let steps = cursors(&recording(&state), |event| {
+        matches!(event, RunEvent::Candidate { .. })
+    });
+    let mut seen = 0;
+    for &cursor in steps.iter().step_by(7) {
+        jump(&mut state, cursor);
+        let drawn = written(&state, &DARK, &[Part::Step]);
+        let with_width = |width: f32| {
+            let circles = drawn.circles.iter();
+            circles.filter(move |circle| circle.2.is_some_and(|stroke| stroke.width == width))
+        };
+        let Some((center, radius, _)) = with_width(1.8).next() else {
+            continue;
+        };
+        for (site, ..) in with_width(2.2) {
+            seen += 1;
+            assert!((site.distance(*center) - radius).abs() < 0.05, "{cursor}");
+        }
+    }
+    assert!(seen > 60, "{seen}");
+}
+
+#[test]
+fn a_search_marks_as_many_samples_as_it_found() {
+    let mut state = small(&[Choice::Boundary(Boundary::Bounded)]);
+    let recording = recording(&state);
+    let steps = cursors(&recording, |event| matches!(event, RunEvent::Search { .. }));
+    assert!(steps.len() > 20);
+    for cursor in steps {
+        jump(&mut state, cursor);
+        let drawn = written(&state, &DARK, &[Part::Step]);
+        let search = recording.context(cursor).search.expect("a search");
+        let found = Stroke::new(1.3, DARK.detector);
+        let rings = drawn
+            .circles
+            .iter()
+            .filter(|circle| circle.2 == Some(found));
+        assert_eq!(
+            rings.count(),
+            recording.test_buffer(&search).len(),
+            "{cursor}"
+        );
+    }
+}
+
+#[test]
+fn layers_that_are_off_are_not_drawn() {
+    let mut state = small(&[]);
+    let steps = cursors(&recording(&state), |event| {
+        matches!(event, RunEvent::Candidate { .. })
+    });
+    jump(&mut state, steps[3]);
+    for (layer, part) in [
+        (Layer::Blocks, Part::Borders),
+        (Layer::Disks, Part::Disks),
+        (Layer::Tree, Part::Tree),
+        (Layer::Pattern, Part::Clips),
+        (Layer::Samples, Part::Samples),
+        (Layer::Detectors, Part::Search),
+    ] {
+        let [off, on] = [false, true].map(|on| {
+            if state.appearance.layers.has(layer) != on {
+                let toggle = AppearanceCommand::ToggleLayer(layer);
+                state.apply(Command::Appearance(toggle));
+            }
+            let drawn = written(&state, &DARK, &[part]);
+            drawn.marks.len() + drawn.dashes.len() + drawn.others
+        });
+        assert!(off < on, "{layer:?}: {off} and {on}");
+    }
+}
+
+#[test]
+fn before_the_first_event_there_is_no_sample() {
+    let mut state = small(&[]);
+    jump(&mut state, 0);
+    let drawn = written(&state, &DARK, &Part::ALL);
+    assert!(drawn.marks.is_empty() && drawn.circles.is_empty());
+}
