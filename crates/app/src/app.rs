@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
-use egui::{CentralPanel, Context, Frame, Pos2, Ui, ViewportCommand};
+use egui::{CentralPanel, Context, Frame, Pos2, Ui, UiBuilder, ViewportCommand};
 use egui_tiles::{Behavior, EditAction, SimplificationOptions, TileId, Tiles, UiResponse};
 use tilescope_session::look::Look;
 use tilescope_ui::focus;
@@ -229,9 +229,11 @@ impl App {
             focus::name_tiles(ui);
         });
         let (edited, moved) = (shower.edited, shower.moved);
-        if edited && layout.is_whole() {
+        if edited {
+            // Tabs that the last panel was dragged out of are still there.
+            tree.simplify(&shower.simplification_options());
             let tree = tiles::with_shares_of(tree, &tiles::tree(before), &tiles::tree(&layout));
-            if let Some(layout) = tiles::layout(&tree) {
+            if let Some(layout) = tiles::layout(&tree).filter(Layout::is_whole) {
                 self.state.replace_layout(layout, moved);
             }
         }
@@ -389,7 +391,11 @@ struct Shower<'a> {
 
 impl Behavior<Panel> for Shower<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, panel: &mut Panel) -> UiResponse {
-        panels::show_panel(ui, *panel, self.state, self.canvas, self.commands);
+        // What egui remembers of a panel goes along with it, whatever tiles it stands in.
+        let own = UiBuilder::new().scope_id(egui::Id::unique("panel").with(*panel));
+        ui.scope_builder(own, |ui| {
+            panels::show_panel(ui, *panel, self.state, self.canvas, self.commands);
+        });
         UiResponse::None
     }
 

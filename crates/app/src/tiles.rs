@@ -1,5 +1,4 @@
-//! A layout as the tiles that `egui_tiles` shows and moves, and back. A panel's tile has the same number wherever it stands,
-//! so that what egui remembers of a panel goes along with it.
+//! A layout as the tiles that `egui_tiles` shows and moves, and back. A panel's tile has the same number wherever it stands.
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 

@@ -12,7 +12,7 @@ const MAX_DISK_SPRITE: f32 = 160.0;
 /// Wider lines are drawn as such: the picture of a stroke would make their sides blurred.
 const WIDEST_SOFT: f32 = 2.0;
 /// How many kinds of stamps there are: disks, and every kind of mark.
-const STAMPS: usize = 7;
+const STAMPS: usize = 1 + Mark::ALL.len();
 
 /// Shapes of one part.
 pub struct Sheet<'a> {
@@ -94,7 +94,7 @@ impl Surface for Sheet<'_> {
 
     fn line(&mut self, ends: [Pos2; 2], stroke: Stroke) {
         if stroke.width > WIDEST_SOFT {
-            self.shapes.push(Shape::line_segment(ends, line(stroke)));
+            self.add(Shape::line_segment(ends, line(stroke)));
         } else {
             self.strokes()
                 .segment(ends[0], ends[1], stroke.width, stroke.color);

@@ -1,6 +1,7 @@
 //! How a moment of a run is drawn: what of the plane is seen, in which colours, how each sample looks, and every part of the
 //! picture on any [`Surface`](surface::Surface). The window's canvas and exported pictures are such surfaces, so that what is
-//! exported is what was seen. It knows no window.
+//! exported is what was seen, but for the marks of a comparison and the place that a verdict was followed to. It knows no
+//! window.
 
 pub mod age;
 pub mod brushed;

@@ -53,8 +53,6 @@ pub struct Palette {
     pub candidate: Color,
     /// An inserted sample: diamond (green).
     pub inserted: Color,
-    /// The current sample: heavy halo.
-    pub current: Color,
 }
 
 impl Palette {
@@ -91,7 +89,6 @@ impl Palette {
         gap: rgb(0xA8_3F92),
         candidate: rgb(0x96_7A00),
         inserted: rgb(0x00_8E68),
-        current: rgb(0x00_0000),
     };
 
     /// Light marks on near-black.
@@ -127,7 +124,6 @@ impl Palette {
         gap: rgb(0xD5_7BC0),
         candidate: rgb(0xF0_E442),
         inserted: rgb(0x19_C79A),
-        current: rgb(0xFF_FFFF),
     };
 
     /// The tint and border of block `index`.

@@ -28,14 +28,19 @@ use tilescope_session::jobs::Job;
 #[serde(rename_all = "kebab-case")]
 pub enum Purpose {
     /// To keep the session.
+    #[serde(alias = "Save")]
     Save,
     /// To go on with a session.
+    #[serde(alias = "Open")]
     Open,
     /// To sample with a pattern of one's own.
+    #[serde(alias = "Pattern")]
     Pattern,
     /// To combine sets by a layout.
+    #[serde(alias = "Combination")]
     Combination,
     /// To hold the moments of a run against a point set.
+    #[serde(alias = "Against")]
     Against,
 }
 

@@ -257,10 +257,30 @@ impl Tile {
         }
     }
 
+    /// Returns the tile without containers that hold nothing.
+    fn pruned(self) -> Option<Self> {
+        match self {
+            Self::Panel(_) => Some(self),
+            Self::Tabs { tiles, open } => {
+                let before = tiles.iter().take(open);
+                let empty = before.filter(|tile| (*tile).clone().pruned().is_none());
+                let open = open - empty.count();
+                let tiles: Vec<Self> = tiles.into_iter().filter_map(Self::pruned).collect();
+                (!tiles.is_empty()).then_some(Self::Tabs { tiles, open })
+            }
+            Self::Linear { axis, tiles } => {
+                let tiles = tiles.into_iter();
+                let tiles = tiles.filter_map(|(tile, share)| Some((tile.pruned()?, share)));
+                let tiles: Vec<(Self, f32)> = tiles.collect();
+                (!tiles.is_empty()).then_some(Self::Linear { axis, tiles })
+            }
+        }
+    }
+
     fn is_sound(&self) -> bool {
         let of_itself = match self {
             Self::Panel(_) => true,
-            Self::Tabs { tiles, open } => *open < tiles.len(),
+            Self::Tabs { tiles, open } => *open < tiles.len().max(1),
             Self::Linear { tiles, .. } => {
                 let sound = |share: f32| share.is_finite() && share >= 0.0;
                 !tiles.is_empty() && tiles.iter().all(|(_, share)| sound(*share))
@@ -344,10 +364,11 @@ impl Layout {
     /// from a version with fewer panels, and one of a file from anywhere.
     #[must_use]
     pub fn completed(mut self) -> Option<Self> {
-        let there = self.root.add_panels(0)?;
         if !self.root.is_sound() {
             return None;
         }
+        self.root = self.root.pruned()?;
+        let there = self.root.add_panels(0)?;
         for panel in Panel::all().filter(|panel| there & panel.bit() == 0) {
             let around = self.root.tabs_around(NEIGHBOUR).is_some();
             let tabs = if around {
@@ -547,6 +568,9 @@ mod tests {
         }
         let whole = Layout::default();
         assert_eq!(whole.clone().completed(), Some(whole));
+        // Tabs that the last panel was dragged out of are no place for others.
+        let emptied = text::read("VHT-2000T_cg-8000-8000t2000-").expect("a layout");
+        assert!(emptied.is_whole() && !text::written(&emptied).contains("T-"));
         // A single panel has nowhere to put others, and tabs have.
         let root = Tile::Panel(Panel::Canvas);
         assert_eq!(Layout { root }.completed(), None);

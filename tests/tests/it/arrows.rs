@@ -136,3 +136,48 @@ fn the_verifier_never_meets_the_sampler() {
         );
     }
 }
+
+/// Every package that one package depends on, directly or through others, by the lock file.
+fn below(package: &str) -> BTreeSet<String> {
+    let lock = include_str!("../../../Cargo.lock");
+    let mut uses: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut name = "";
+    for line in lock.lines() {
+        let quoted = line.split('"').nth(1);
+        match quoted {
+            Some(own) if line.starts_with("name = ") => name = own,
+            // Behind the name there may be a version.
+            Some(used) if line.starts_with(' ') => {
+                let used = used.split(' ').next().unwrap_or(used);
+                uses.entry(name).or_default().insert(used);
+            }
+            _ => {}
+        }
+    }
+    let mut found = BTreeSet::new();
+    let mut waiting = vec![package];
+    while let Some(package) = waiting.pop() {
+        for used in uses.get(package).into_iter().flatten() {
+            if found.insert((*used).to_owned()) {
+                waiting.push(used);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn what_is_below_the_window_has_no_egui_in_its_tree() {
+    assert!(below("tilescope-app").contains("egui"));
+    for package in [
+        "tilescope-workbench",
+        "tilescope-drawing",
+        "tilescope-session",
+    ] {
+        let below = below(package);
+        assert!(below.contains("tilescope-core"), "{package}");
+        for window in ["egui", "eframe", "winit"] {
+            assert!(!below.contains(window), "{package} uses {window}");
+        }
+    }
+}

@@ -82,10 +82,10 @@ fn ring(scene: &Scene<'_>) -> f32 {
 /// Draws the pair that was compared, and a heavy ring about what changed.
 fn last_event(scene: &Scene<'_>, surface: &mut impl Surface) {
     let palette = scene.palette;
-    let Some(moment) = scene.shown.last_event().and_then(Event::run_event) else {
+    let Some(event) = scene.shown.last_event().and_then(Event::run_event) else {
         return;
     };
-    let (compared, changed) = match moment {
+    let (compared, changed) = match event {
         RunEvent::Test {
             pivot,
             other,

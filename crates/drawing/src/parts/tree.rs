@@ -16,6 +16,8 @@ const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
 const WIDEST: f32 = 6.0;
 /// The width of the lines deep in the tree.
 const THINNEST: f32 = 1.2;
+/// Wider lines are drawn before the others.
+const WIDE: f32 = 2.0;
 /// By how much a line is thinner than the one above it.
 const TAPER: f32 = 0.76;
 
@@ -57,8 +59,14 @@ pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {
             surface.line(ends, Stroke::new(width(split) + 5.0, scene.palette.accent));
         }
     }
-    for (_, split, ends) in visible(scene) {
-        surface.line(ends, Stroke::new(width(split), color));
+    // A tree's lines hardly cross, and those of one kind are drawn together fastest.
+    for is_wide in [true, false] {
+        for (_, split, ends) in visible(scene) {
+            let width = width(split);
+            if (width > WIDE) == is_wide {
+                surface.line(ends, Stroke::new(width, color));
+            }
+        }
     }
 }
 

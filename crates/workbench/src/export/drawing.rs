@@ -2,6 +2,7 @@
 
 use emath::Rect;
 use tilescope_core::Stage;
+use tilescope_drawing::MIN_DISK_SCALE;
 use tilescope_drawing::brushed::Found;
 use tilescope_drawing::looks::{Looks, Swatches};
 use tilescope_drawing::parts::{self, Part};
@@ -25,8 +26,9 @@ pub(super) fn groups(
     frame: Rect,
 ) -> Vec<Group> {
     let nets = [Layer::Delaunay, Layer::Voronoi, Layer::Circumcircles];
-    let wanted = nets.into_iter().chain([Layer::Gaps]);
-    let is_wanted = wanted.into_iter().any(|layer| view.layers.has(layer));
+    let has = |layer| view.layers.has(layer);
+    let shows_gaps = has(Layer::Gaps) && view.camera.scale >= MIN_DISK_SCALE;
+    let is_wanted = shows_gaps || nets.into_iter().any(has);
     let geometry = if is_wanted && shown.stage >= Stage::Tile {
         Geometry::made(&shown)
     } else {

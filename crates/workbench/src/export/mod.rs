@@ -9,7 +9,7 @@ pub mod frames;
 pub mod picture;
 mod provenance;
 pub mod refusal;
-pub mod surface;
+mod surface;
 pub mod write;
 
 use std::path::{Path, PathBuf};

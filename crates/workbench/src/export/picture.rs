@@ -138,6 +138,7 @@ pub fn described(view: &View) -> String {
         "size_points": view.size,
         "layers": on.map(Layer::name).collect::<Vec<_>>(),
         "colouring": view.colouring,
+        "selection": view.selection,
         "palette": if view.is_dark() { "dark" } else { "light" },
     })
     .to_string()

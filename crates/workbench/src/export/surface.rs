@@ -47,7 +47,7 @@ pub(super) struct Shapes {
     lines: Vec<[[f64; 2]; 2]>,
     stroke: Option<(Stroke, bool)>,
     /// Marks by kind.
-    marks: [Vec<Shape>; 6],
+    marks: [Vec<Shape>; Mark::ALL.len()],
 }
 
 impl Shapes {

@@ -200,7 +200,10 @@ impl State {
             self.window.layout = memento.layout;
         }
         if part == Part::Everything {
-            self.appearance.take(&memento.appearance);
+            let Appearance {
+                layers, colouring, ..
+            } = memento.appearance;
+            (self.appearance.layers, self.appearance.colouring) = (layers, colouring);
         }
         if matches!(part, Part::Run | Part::Everything) {
             self.make_again(memento.made);

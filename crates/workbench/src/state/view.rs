@@ -46,7 +46,7 @@ impl State {
         let clock = view.playback.clock_of_events();
         if self.runs.first.clock_refusal(clock).is_none() {
             self.time.playback.choose(clock);
-        } else {
+        } else if clock != self.time.playback.clock_of_events() {
             dropped.push("clock");
         }
         self.time.playback.speed = view.playback.speed;

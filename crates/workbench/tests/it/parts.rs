@@ -10,11 +10,14 @@ use tilescope_drawing::palette::{DARK, Palette};
 use tilescope_drawing::parts::Part;
 use tilescope_drawing::scene::Scene;
 use tilescope_drawing::surface::{Arc as Angles, Mark, Stroke, Surface, Tag};
+use tilescope_figures::to_svg;
 use tilescope_session::layers::Layer;
+use tilescope_session::words::grouped;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
 use tilescope_workbench::draft::{Choice, Field};
+use tilescope_workbench::export::{Kind, picture};
 use tilescope_workbench::{Command, State};
 
 type Color = ecolor::Color32;
@@ -173,6 +176,26 @@ fn every_sample_is_drawn_as_it_stands() {
     assert!(seen.iter().all(|count| *count > 20), "{seen:?}");
 }
 
+/// The picture of the moment can be written, says which moment it is, and shows nothing beyond its frame.
+fn check_picture(state: &State) {
+    let view = state.export_source().view(Kind::Picture, false);
+    let view = view.expect("a canvas");
+    let session = state.runs.first.session.as_ref().expect("a session");
+    let moment = state.runs.first.moment().expect("a moment");
+    let scene = picture::scene(session, &moment, &view, None);
+    assert!(to_svg(&scene).is_ok(), "{moment:?}");
+    let (at, all) = state.cursor().expect("events");
+    let said = format!("(event {} of {})", grouped(at), grouped(all));
+    assert!(scene.title.ends_with(&said), "{}", scene.title);
+    let frame = view.frame();
+    for group in scene.groups.iter().filter(|group| group.name != "caption") {
+        let clip = group.clip.expect("what is seen of the plane is clipped");
+        let [width, height] = [0, 1].map(|k| (clip.max[k] - clip.min[k]) as f32);
+        let fits = width <= frame.width() + 0.01 && height <= frame.height() + 0.01;
+        assert!(fits && width > 0.0 && height > 0.0, "{}", group.name);
+    }
+}
+
 #[test]
 fn every_event_of_every_variant_has_a_picture() {
     for boundary in [Boundary::Periodic, Boundary::Bounded] {
@@ -190,6 +213,7 @@ fn every_event_of_every_variant_has_a_picture() {
             for cursor in (0..=len).step_by((len / 150).max(1)) {
                 jump(&mut state, cursor);
                 let drawn = written(&state, &DARK, &Part::ALL);
+                check_picture(&state);
                 let has_samples = state.current_stage() > Some(Stage::Blocks);
                 assert!(!has_samples || !drawn.is_empty(), "{cursor}");
             }
