@@ -259,7 +259,11 @@ fn the_circle_under_test_goes_through_its_samples() {
         let drawn = written(&state, &DARK, &[Part::Step]);
         let with_width = |width: f32| {
             let circles = drawn.circles.iter();
-            circles.filter(move |circle| circle.2.is_some_and(|stroke| stroke.width == width))
+            circles.filter(move |circle| {
+                circle
+                    .2
+                    .is_some_and(|stroke| stroke.width.to_bits() == width.to_bits())
+            })
         };
         let Some((center, radius, _)) = with_width(1.8).next() else {
             continue;
