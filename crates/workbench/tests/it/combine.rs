@@ -21,7 +21,7 @@ use tilescope_workbench::export::{Kind, picture};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_text, nine};
-use crate::exporting::{opened, told, write};
+use crate::exporting::{export_view, opened, told, write};
 
 /// What the core makes of a layout of reference sets.
 fn of_core(text: &str) -> Combined {
@@ -110,18 +110,7 @@ fn one_goes_through_its_stages() {
 
 /// The segments and rectangles of a group of the picture of the moment.
 fn drawn(state: &State, name: &str) -> usize {
-    let view = state
-        .export_source()
-        .view(
-            Kind::Picture,
-            state
-                .files
-                .exports
-                .sheet
-                .as_ref()
-                .is_some_and(|form| form.print),
-        )
-        .unwrap();
+    let view = export_view(state, Kind::Picture).unwrap();
     let still = state.runs.first.moment().unwrap();
     let scene = picture::scene(
         state.runs.first.session.as_ref().unwrap(),

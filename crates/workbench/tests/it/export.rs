@@ -20,7 +20,7 @@ use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, 
 use tilescope_workbench::export::{Entry, ExportCommand, Kind, View};
 use tilescope_workbench::{Command, State};
 
-use crate::exporting::{export, fill_in, opened, told, write};
+use crate::exporting::{export, export_view, fill_in, opened, told, write};
 
 struct Decoded {
     info: png::Info<'static>,
@@ -74,18 +74,7 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
-    let view = state
-        .export_source()
-        .view(
-            Kind::Picture,
-            state
-                .files
-                .exports
-                .sheet
-                .as_ref()
-                .is_some_and(|form| form.print),
-        )
-        .unwrap();
+    let view = export_view(&state, Kind::Picture).unwrap();
     let mut pictures = Vec::new();
     for scale in ["0.5", "1", "2.75"] {
         let path = folder.path().join(format!("{scale}.png"));
@@ -263,38 +252,8 @@ fn an_animation_has_its_frames_and_its_range() {
     let camera = state.runs.first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
     assert_ne!(state.runs.first.camera, camera);
-    assert_eq!(
-        state
-            .export_source()
-            .view(
-                Kind::Animation,
-                state
-                    .files
-                    .exports
-                    .sheet
-                    .as_ref()
-                    .is_some_and(|form| form.print)
-            )
-            .unwrap()
-            .camera,
-        camera
-    );
-    assert_ne!(
-        state
-            .export_source()
-            .view(
-                Kind::Picture,
-                state
-                    .files
-                    .exports
-                    .sheet
-                    .as_ref()
-                    .is_some_and(|form| form.print)
-            )
-            .unwrap()
-            .camera,
-        camera
-    );
+    assert_eq!(export_view(&state, Kind::Animation).unwrap().camera, camera);
+    assert_ne!(export_view(&state, Kind::Picture).unwrap().camera, camera);
 }
 
 #[test]
@@ -488,18 +447,7 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
             export(&mut state, ExportCommand::Print(print));
             export(&mut state, ExportCommand::Write);
             export(&mut state, ExportCommand::Write);
-            let view = state
-                .export_source()
-                .view(
-                    Kind::Picture,
-                    state
-                        .files
-                        .exports
-                        .sheet
-                        .as_ref()
-                        .is_some_and(|form| form.print),
-                )
-                .unwrap();
+            let view = export_view(&state, Kind::Picture).unwrap();
             state.settle();
             let picture = decode(&path);
             let palette = if look == Look::Dark && !print {

@@ -7,7 +7,7 @@ use emath::{Rect, pos2, vec2};
 use tilescope_session::jobs::Wake;
 use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
 use tilescope_workbench::draft::Field;
-use tilescope_workbench::export::{Entry, ExportCommand, Kind};
+use tilescope_workbench::export::{Entry, ExportCommand, Kind, Refusal, View};
 use tilescope_workbench::{Command, State};
 
 pub fn settled(wake: Wake) -> State {
@@ -59,4 +59,11 @@ pub fn told(state: &State) -> String {
         .notice
         .as_ref()
         .map_or_else(String::new, |notice| notice.text.clone())
+}
+
+/// What of the plane an export of this kind shows.
+pub fn export_view(state: &State, kind: Kind) -> Result<View, Refusal> {
+    let sheet = state.files.exports.sheet.as_ref();
+    let print = sheet.is_some_and(|form| form.print);
+    state.export_source().view(kind, print)
 }
