@@ -48,7 +48,7 @@ mod worst;
 pub use error::VerifyError;
 pub use monitor::Progress;
 pub use number::Number;
-pub use pairs::MOST_CONFLICTS;
+pub use pairs::MAX_CONFLICTS;
 pub use region::{Boundary, Region};
 pub use report::Report;
 pub use spectrum::{RadialBin, radial_mean_power};

@@ -18,7 +18,7 @@ use crate::worst::Worst;
 
 /// Pairs in conflict are counted up to so many: a set with more has been misread, or asked about with a wrong radius, and
 /// counting them all would take a time that grows with the square of its samples.
-pub const MOST_CONFLICTS: u64 = 1_000_000;
+pub const MAX_CONFLICTS: u64 = 1_000_000;
 
 /// Cells per parallel task: enough to hide the scheduling, few enough for prompt cancellation.
 const CHUNK: usize = 4096;
@@ -70,7 +70,7 @@ pub(crate) fn cell_side(domain: &Domain, count: usize) -> f64 {
     1.1 * domain.spacing(count)
 }
 
-/// Counts the pairs closer than `radius`, at least up to [`MOST_CONFLICTS`](crate::MOST_CONFLICTS), and finds the smallest
+/// Counts the pairs closer than `radius`, at least up to [`MAX_CONFLICTS`](crate::MAX_CONFLICTS), and finds the smallest
 /// distance of all.
 ///
 /// `grid` has cells of [`cell_side`].

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cover::Cover;
 use crate::domain::Domain;
-use crate::pairs::{MOST_CONFLICTS, Pairs};
+use crate::pairs::{MAX_CONFLICTS, Pairs};
 use crate::region::Region;
 use crate::witness::{Conflict, Gap};
 
@@ -27,7 +27,7 @@ pub struct Report {
     pub radius: f64,
     /// Relative tolerance of maximality: the covering radius may be `(1 + covering_tolerance) r`.
     pub covering_tolerance: f64,
-    /// Number of pairs closer than `radius`, each pair once; [`MOST_CONFLICTS`] stand for that many or more.
+    /// Number of pairs closer than `radius`, each pair once; [`MAX_CONFLICTS`] stand for that many or more.
     pub conflicts: u64,
     /// The closest of those pairs, closest first.
     pub worst_conflicts: Vec<Conflict>,
@@ -75,7 +75,7 @@ impl Report {
             region,
             radius,
             covering_tolerance,
-            conflicts: pairs.conflicts.min(MOST_CONFLICTS),
+            conflicts: pairs.conflicts.min(MAX_CONFLICTS),
             worst_conflicts: conflicts.into_iter().map(conflict).collect(),
             gaps: cover.gaps,
             worst_gaps: gaps.into_iter().map(gap).collect(),
@@ -86,10 +86,10 @@ impl Report {
         }
     }
 
-    /// Whether there are [`MOST_CONFLICTS`] or more: they were not counted further.
+    /// Whether there are [`MAX_CONFLICTS`] or more: they were not counted further.
     #[must_use]
     pub fn more_conflicts(&self) -> bool {
-        self.conflicts >= MOST_CONFLICTS
+        self.conflicts >= MAX_CONFLICTS
     }
 
     /// Whether no pair is closer than the radius (equation 2 of the paper).

@@ -50,7 +50,7 @@ impl Default for VerifyOptions {
 /// `control` is called now and then, from any thread of the current rayon pool; `Break` cancels.
 /// Time is below one microsecond per sample and thread for a maximal set; memory about 32 bytes per
 /// sample besides the input and, per thread, a triangulation of a tile. It grows no faster than with `N log N` for sets of any
-/// kind and any radius: conflicts are counted up to [`MOST_CONFLICTS`](crate::MOST_CONFLICTS).
+/// kind and any radius: conflicts are counted up to [`MAX_CONFLICTS`](crate::MAX_CONFLICTS).
 ///
 /// # Errors
 ///

@@ -13,7 +13,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, vec2};
 
 pub use keys::{keys_of, press_keys, takes_key};
 use tilescope_session::layers::{Colouring, Layer};
-use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
@@ -105,7 +105,7 @@ pub fn found(finder: &Finder, state: &State) -> Vec<Action> {
 
 const NO_SESSION: &str = "There is no session yet.";
 static NO_EVENTS: LazyLock<String> = LazyLock::new(|| {
-    let most = grouped(MOST_STAGED as usize);
+    let most = grouped(MAX_STAGED as usize);
     format!(
         "This session was made without events: runs of more than {most} samples keep their result alone."
     )

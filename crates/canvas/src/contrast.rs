@@ -5,9 +5,9 @@ use tilescope_drawing::palette::Palette;
 use tilescope_drawing::scene::Scene;
 
 /// With more marks in view none are drawn: one would see no more than a surface.
-const MOST_MARKS: usize = 60_000;
+const MAX_MARKS: usize = 60_000;
 /// So much of the picture may be covered by marks: beyond, they hide what they mark.
-const MOST_INK: f32 = 0.25;
+const MAX_INK: f32 = 0.25;
 /// How wide the lines of a mark are, in screen points.
 const WIDTH: f32 = 1.5;
 
@@ -31,7 +31,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, crowded: bool) -> Option<Stri
         .collect();
     let room = scene.domain().intersect(scene.rect).area();
     let ink = seen.len() as f32 * 4.0 * 2.0 * half * WIDTH;
-    if !seen.is_empty() && (crowded || seen.len() > MOST_MARKS || ink > MOST_INK * room) {
+    if !seen.is_empty() && (crowded || seen.len() > MAX_MARKS || ink > MAX_INK * room) {
         return Some("Too many samples differ to mark them at this scale: zoom in.".to_owned());
     }
     let mut mesh = Mesh::default();

@@ -13,16 +13,16 @@ use tilescope_drawing::made::Made;
 use tilescope_drawing::subject::Subject;
 
 /// Text that is longer than this, in screen points, is never shown: it decides on which side of the pointer a tag goes.
-const WIDEST: f32 = 380.0;
+const MAX_CARD_WIDTH: f32 = 380.0;
 /// How far a tag stays from the pointer, and at most, in screen points.
 const NEAREST: f32 = 10.0;
-const FARTHEST: f32 = 90.0;
+const MAX_DISTANCE: f32 = 90.0;
 /// How far the ring around the sample under the pointer reaches.
 const HALO: f32 = 15.0;
 /// How near to a sample in a gap the pointer must be to mean the sample, in screen points.
 const ON_SAMPLE: f32 = 5.0;
 /// How much room a tag needs above what it names.
-const HIGHEST: f32 = 64.0;
+const MAX_CARD_HEIGHT: f32 = 64.0;
 
 /// What is under the pointer.
 struct Named {
@@ -76,7 +76,7 @@ fn name(subject: &Subject<'_>, rect: Rect, pointer: Pos2) -> Option<Named> {
             brief: "Gap".to_owned(),
             full: gap,
             at: pointer,
-            reach: reach.clamp(NEAREST, FARTHEST),
+            reach: reach.clamp(NEAREST, MAX_DISTANCE),
         });
     }
     if let Some((id, at)) = hovered {
@@ -185,8 +185,8 @@ fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
 /// alone, so that the tag does not jump when the text changes.
 fn tag(painter: &Painter, rect: Rect, named: &Named, text: &str, palette: &Palette) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.5), palette.text);
-    let to_right = named.at.x + named.reach + WIDEST < rect.right();
-    let above = named.at.y - named.reach - HIGHEST > rect.top();
+    let to_right = named.at.x + named.reach + MAX_CARD_WIDTH < rect.right();
+    let above = named.at.y - named.reach - MAX_CARD_HEIGHT > rect.top();
     let (anchor, x) = match (to_right, above) {
         (true, true) => (Align2::LEFT_BOTTOM, 1.0),
         (true, false) => (Align2::LEFT_TOP, 1.0),

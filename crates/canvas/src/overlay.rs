@@ -6,11 +6,11 @@ use tilescope_drawing::palette::Palette;
 use tilescope_drawing::subject::Subject;
 
 /// On a canvas that is lower than this, remarks would hide what they are about.
-const LEAST_HEIGHT: f32 = 200.0;
+const MIN_HEIGHT: f32 = 200.0;
 
 const INSET: f32 = 18.0;
 /// A remark stands beside the domain where it has this much room.
-const LEAST_BESIDE: f32 = 150.0;
+const MIN_WIDTH_BESIDE: f32 = 150.0;
 
 /// Says that a session is on its way, or why there is none.
 pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) {
@@ -31,7 +31,7 @@ pub fn waiting(painter: &Painter, rect: Rect, at_work: bool, palette: &Palette) 
 
 /// Draws a bar of a round number of r, about 80 screen points long.
 pub fn scale_bar(painter: &Painter, rect: Rect, subject: &Subject<'_>, palette: &Palette) {
-    if rect.height() < LEAST_HEIGHT {
+    if rect.height() < MIN_HEIGHT {
         return;
     }
     let (radii, length) = bar(subject);
@@ -74,7 +74,7 @@ pub fn cursor(
     pointer: Option<Pos2>,
     palette: &Palette,
 ) {
-    if rect.height() < LEAST_HEIGHT {
+    if rect.height() < MIN_HEIGHT {
         return;
     }
     let zoom = format!("{:>7.2} px/r", subject.camera.scale);
@@ -103,11 +103,11 @@ pub fn note(
     text: Option<&str>,
     palette: &Palette,
 ) {
-    if let Some(text) = text.filter(|_| rect.height() >= LEAST_HEIGHT) {
+    if let Some(text) = text.filter(|_| rect.height() >= MIN_HEIGHT) {
         let font = FontId::proportional(12.5);
         let domain = subject.camera.screen_from_domain(rect, [0.0; 2]);
         let beside = domain.x - rect.left() - 2.0 * INSET;
-        let (width, middle) = if beside >= LEAST_BESIDE {
+        let (width, middle) = if beside >= MIN_WIDTH_BESIDE {
             (beside, rect.left() + INSET + 0.5 * beside)
         } else {
             (rect.width() - 2.0 * INSET, rect.center().x)

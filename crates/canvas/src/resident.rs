@@ -12,7 +12,7 @@ use tilescope_drawing::looks::{Key, Looks};
 use tilescope_drawing::scene::Scene;
 
 /// Moments more events apart than this are not compared event by event.
-const MOST_EVENTS: usize = 1_000;
+const MAX_EVENTS: usize = 1_000;
 
 /// The samples of a picture on the GPU.
 pub struct Resident {
@@ -110,7 +110,7 @@ fn changed<'a>(
 ) -> Option<impl Iterator<Item = u32> + use<'a>> {
     let recording = scene.session.recording()?;
     let events = before.span(now)?;
-    if events.len() > MOST_EVENTS {
+    if events.len() > MAX_EVENTS {
         return None;
     }
     let count = scene.session.run().samples.len() as u32;

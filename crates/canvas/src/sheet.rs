@@ -10,7 +10,7 @@ use crate::strokes::{Stamps, Strokes};
 /// Disks larger than this are drawn as circles, not as pictures, in screen points.
 const MAX_DISK_SPRITE: f32 = 160.0;
 /// Wider lines are drawn as such: the picture of a stroke would make their sides blurred.
-const WIDEST_SOFT: f32 = 2.0;
+const MAX_SOFT_WIDTH: f32 = 2.0;
 /// How many kinds of stamps there are: disks, and every kind of mark.
 const STAMPS: usize = 1 + Mark::ALL.len();
 
@@ -93,7 +93,7 @@ impl Surface for Sheet<'_> {
     }
 
     fn line(&mut self, ends: [Pos2; 2], stroke: Stroke) {
-        if stroke.width > WIDEST_SOFT {
+        if stroke.width > MAX_SOFT_WIDTH {
             self.add(Shape::line_segment(ends, line(stroke)));
         } else {
             self.strokes()

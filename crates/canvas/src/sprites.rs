@@ -7,7 +7,7 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage, Context, Mesh, Shape, TextureHandle, TextureId, TextureOptions};
 
 /// Most meshes that are kept for their memory.
-const MOST_SPARE: usize = 16;
+const MAX_SPARE: usize = 16;
 
 /// A symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,7 +68,7 @@ impl Sprites {
         for shape in shapes {
             if let Shape::Mesh(mesh) = shape
                 && let Ok(mut mesh) = Arc::try_unwrap(mesh)
-                && self.spare.len() < MOST_SPARE
+                && self.spare.len() < MAX_SPARE
             {
                 // `Mesh::clear` would free the vertices.
                 mesh.vertices.clear();

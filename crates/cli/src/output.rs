@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tilescope_analysis::{Boundary, MOST_CONFLICTS, Number, Region, Report};
+use tilescope_analysis::{Boundary, MAX_CONFLICTS, Number, Region, Report};
 use tilescope_core::{Stage, Summary};
 
 use crate::facts::Facts;
@@ -291,7 +291,7 @@ pub fn answer(yes: bool, count: u64) -> String {
 
 /// Returns the answer about conflicts, which are counted up to a limit.
 pub fn conflicts_answer(count: u64) -> String {
-    let more = if count >= MOST_CONFLICTS {
+    let more = if count >= MAX_CONFLICTS {
         " or more"
     } else {
         ""

@@ -20,7 +20,7 @@ const VARIABLE: &str = "TILESCOPE_CACHE";
 
 /// The shortest side that is kept: a pattern of 111,000 samples, which takes 0.2 s to make and
 /// 0.002 s to read.
-const LEAST_SIDE_RADII: f64 = 400.0;
+const MIN_SIDE_RADII: f64 = 400.0;
 
 /// The longest file that is read: the largest pattern takes 11.5 MB.
 const MAX_FILE_BYTES: u64 = 16 << 20;
@@ -51,7 +51,7 @@ pub fn pattern(
 }
 
 fn is_kept(spec: &PatternSpec) -> bool {
-    (LEAST_SIDE_RADII..=MAX_PATTERN_SIDE_RADII).contains(&spec.side)
+    (MIN_SIDE_RADII..=MAX_PATTERN_SIDE_RADII).contains(&spec.side)
 }
 
 fn folder() -> Option<PathBuf> {

@@ -50,7 +50,7 @@ const ROUND_SAMPLES: [f64; 2] = [500.0, 400_000.0];
 const ROUNDS_AT_ONCE: u64 = 16;
 
 /// Faults after which there is no use in going on.
-const MOST_FAULTS: usize = 50;
+const MAX_FAULTS: usize = 50;
 
 /// Windows compared in a round.
 const WINDOWS: u32 = 4;
@@ -95,7 +95,7 @@ pub fn run(arguments: &SoakArguments) -> Result<u8> {
     let bar = Bar::new("soak");
     let mut found = Found::default();
     while found.samples < arguments.samples
-        && found.commands.len() < MOST_FAULTS
+        && found.commands.len() < MAX_FAULTS
         && !interrupt::requested()
     {
         let rounds: Vec<u64> = (found.rounds..found.rounds + ROUNDS_AT_ONCE).collect();

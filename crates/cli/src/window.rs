@@ -22,10 +22,10 @@ use crate::{interrupt, output, verdict_code};
 const MARGIN: i64 = 4 * R as i64;
 
 /// The most samples of a window: they are judged in memory.
-const MOST_SAMPLES: f64 = 2e7;
+const MAX_SAMPLES: f64 = 2e7;
 
 /// More gaps than the cut borders of a judged window have.
-const MOST_GAPS: usize = 1 << 20;
+const MAX_GAPS: usize = 1 << 20;
 
 /// What was found about a window.
 pub struct Verdict {
@@ -129,8 +129,8 @@ fn check_size(window: &Window) -> Result<()> {
     let side = |axis: usize| (window.max[axis] - window.min[axis]) as f64 / f64::from(R);
     let expected = side(0) * side(1) * MAXIMAL_DENSITY;
     ensure!(
-        expected <= MOST_SAMPLES,
-        "about {expected:.3e} samples lie in the window; at most {MOST_SAMPLES:.0e} can be shown: \
+        expected <= MAX_SAMPLES,
+        "about {expected:.3e} samples lie in the window; at most {MAX_SAMPLES:.0e} can be shown: \
          make the whole set with --out, or choose a smaller window"
     );
     Ok(())
@@ -233,7 +233,7 @@ pub fn judge(plane: &Plane, window: &Window) -> Result<Verdict> {
         boundary: Boundary::Bounded,
     };
     let options = VerifyOptions {
-        witnesses: MOST_GAPS,
+        witnesses: MAX_GAPS,
         ..VerifyOptions::default()
     };
     let report = verifying(|control| {

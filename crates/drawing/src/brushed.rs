@@ -6,7 +6,7 @@ use ecolor::Color32;
 use crate::palette::Palette;
 
 /// Pairs that are kept to be drawn.
-pub const MOST_PAIRS: usize = 500_000;
+pub const MAX_PAIRS: usize = 500_000;
 /// By how much samples of the strongest shares are larger or smaller than others, of their size.
 const SWELL: f32 = 0.5;
 
@@ -26,7 +26,7 @@ pub enum Cause {
     Pairs {
         /// How many there are.
         total: u64,
-        /// At most [`MOST_PAIRS`] of them.
+        /// At most [`MAX_PAIRS`] of them.
         pairs: Vec<Pair>,
     },
     /// What each sample contributes to the power at the frequencies.

@@ -8,7 +8,7 @@ pub const MIN_SCALE: f64 = 0.005;
 /// The largest scale, in screen points per r: beyond it lattice units would become visible.
 pub const MAX_SCALE: f64 = 4_000.0;
 /// How small a domain may appear, as part of its size where it is fitted: smaller, nothing of it can be told apart.
-const LEAST_OF_FIT: f64 = 0.25;
+const MIN_SHARE_OF_FIT: f64 = 0.25;
 /// Seconds that a flight takes.
 const FLIGHT_SECS: f32 = 0.7;
 /// Empty space around a fitted domain, in screen points.
@@ -50,7 +50,7 @@ impl Camera {
     /// Returns the smallest and the largest scale at which a domain of `size` r is looked at in `viewport`.
     #[must_use]
     pub fn scales(size: [f64; 2], viewport: Rect) -> [f64; 2] {
-        let least = LEAST_OF_FIT * Self::fitting(size, viewport).scale;
+        let least = MIN_SHARE_OF_FIT * Self::fitting(size, viewport).scale;
         [least.max(MIN_SCALE), MAX_SCALE]
     }
 

@@ -15,7 +15,7 @@ pub(crate) const CAPTION: f64 = 44.0;
 pub(crate) const MARGIN: f64 = 16.0;
 
 /// Disks of a smaller radius in pixels are left out.
-const SMALLEST_DISK: f64 = 12.0;
+const MIN_DISK: f64 = 12.0;
 
 /// How a picture looks.
 #[derive(Clone, Debug)]
@@ -227,7 +227,7 @@ impl<'a> Canvas<'a> {
 
     /// Draws disks, unless they are so small that their rings would be noise.
     pub(crate) fn rings(&mut self, points: &[[f64; 2]], fill: Option<Fill>) {
-        if !self.options.disks || self.radius_px() < SMALLEST_DISK {
+        if !self.options.disks || self.radius_px() < MIN_DISK {
             return;
         }
         let mut group = self.group("disks");

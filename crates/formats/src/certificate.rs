@@ -59,7 +59,7 @@ pub struct Certificate {
     pub min_distance: Option<f64>,
     /// Radius of the largest empty circle centred in the region.
     pub covering_radius: f64,
-    /// Pairs closer than the radius; [`MOST_CONFLICTS`](tilescope_analysis::MOST_CONFLICTS) stand for that many or more.
+    /// Pairs closer than the radius; [`MAX_CONFLICTS`](tilescope_analysis::MAX_CONFLICTS) stand for that many or more.
     pub conflicts: u64,
     /// Places where a point could be added.
     pub gaps: u64,

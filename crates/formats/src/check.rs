@@ -7,7 +7,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use tilescope_analysis::{
-    Boundary, MOST_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, MAX_CONFLICTS, Progress, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
 use crate::certificate::{Certificate, finite};
@@ -319,7 +319,7 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
         list.measure(field, stated, finite(found));
     }
     // An older certificate may count further.
-    let counted = stated.conflicts.min(MOST_CONFLICTS);
+    let counted = stated.conflicts.min(MAX_CONFLICTS);
     list.exact("conflicts", &counted, &report.conflicts);
     list.exact("gaps", &stated.gaps, &report.gaps);
     list.exact("valid", &stated.valid, &report.valid());

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{FormatError, io_error};
 
 /// The most links in a row that are followed, as many as Linux follows.
-const MOST_LINKS: usize = 40;
+const MAX_LINKS: usize = 40;
 
 /// The file that an output named `path` makes or replaces: `path`, or what its links lead to.
 ///
@@ -19,7 +19,7 @@ const MOST_LINKS: usize = 40;
 /// [`FormatError::NotAFile`] for the name of anything but a file, [`FormatError::Io`] for one that cannot be looked up.
 pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
     let mut file = path.to_owned();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_LINKS {
         let found = match fs::symlink_metadata(&file) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(file),
             found => found.map_err(|e| io_error(path, e))?.file_type(),
@@ -39,7 +39,7 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
         }
         file = folder.join(fs::read_link(&file).map_err(|e| io_error(path, e))?);
     }
-    let source = io::Error::other(format!("more than {MOST_LINKS} links lead on from it"));
+    let source = io::Error::other(format!("more than {MAX_LINKS} links lead on from it"));
     Err(io_error(path, source))
 }
 

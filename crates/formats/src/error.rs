@@ -261,15 +261,15 @@ fn wish(chosen: Option<usize>) -> String {
 
 /// Bytes of a file as a short printable quotation for a message.
 pub(crate) fn quote(bytes: &[u8]) -> String {
-    const LONGEST: usize = 40;
-    let cut = &bytes[..bytes.len().min(4 * LONGEST)];
+    const MAX_QUOTED: usize = 40;
+    let cut = &bytes[..bytes.len().min(4 * MAX_QUOTED)];
     let text = String::from_utf8_lossy(cut);
     let mut quoted: String = text
         .chars()
-        .take(LONGEST)
+        .take(MAX_QUOTED)
         .flat_map(char::escape_debug)
         .collect();
-    if text.chars().count() > LONGEST || cut.len() < bytes.len() {
+    if text.chars().count() > MAX_QUOTED || cut.len() < bytes.len() {
         quoted.push_str("...");
     }
     quoted

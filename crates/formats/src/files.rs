@@ -26,11 +26,11 @@ use crate::read::{ReadSet, certificate_path, read_bytes};
 
 /// Most points of a file that is checked in memory because a stream cannot judge it, 2^28: it takes about
 /// 76 bytes for each, in all 20 GB.
-pub const MOST_IN_MEMORY: u64 = 1 << 28;
+pub const MAX_IN_MEMORY: u64 = 1 << 28;
 
-/// Bytes of the largest file that is decoded in memory: [`MOST_IN_MEMORY`] points as pairs of f64, and
+/// Bytes of the largest file that is decoded in memory: [`MAX_IN_MEMORY`] points as pairs of f64, and
 /// a head. A stream reads larger ones.
-const MOST_BYTES_IN_MEMORY: u64 = 16 * MOST_IN_MEMORY + (1 << 20);
+const MAX_BYTES_IN_MEMORY: u64 = 16 * MAX_IN_MEMORY + (1 << 20);
 
 /// A finished export.
 #[derive(Clone, Debug)]
@@ -287,7 +287,7 @@ pub(crate) fn remove_certificate(path: &Path) -> Result<(), FormatError> {
 ///
 /// [`FormatError::Io`] for what cannot be read, and [`FormatError::TooLarge`].
 pub fn read_whole(path: &Path) -> Result<Vec<u8>, FormatError> {
-    read_limited(path, MOST_BYTES_IN_MEMORY)
+    read_limited(path, MAX_BYTES_IN_MEMORY)
 }
 
 /// The bytes of a file of at most `limit`, even if it grows while it is read.

@@ -49,7 +49,7 @@ pub use error::{FormatError, Place};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use files::{
-    Exported, MOST_IN_MEMORY, check, export, export_unverified, read, read_whole, write_through,
+    Exported, MAX_IN_MEMORY, check, export, export_unverified, read, read_whole, write_through,
     write_whole,
 };
 pub use format::{Format, Precision, UnknownFormatName};

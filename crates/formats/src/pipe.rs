@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 /// The most bytes of a pipe, 2^30: they are kept in memory.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_BYTES: u64 = 1 << 30;
 
 /// What pipes gave, by their names.
 static GIVEN: Mutex<BTreeMap<PathBuf, &'static [u8]>> = Mutex::new(BTreeMap::new());
@@ -31,7 +31,7 @@ impl Input {
         if let Some(bytes) = given.get(path) {
             return Ok(Self::Pipe(bytes));
         }
-        let bytes: &'static [u8] = whole(File::open(path)?, MOST_BYTES)?.leak();
+        let bytes: &'static [u8] = whole(File::open(path)?, MAX_BYTES)?.leak();
         given.insert(path.to_owned(), bytes);
         Ok(Self::Pipe(bytes))
     }

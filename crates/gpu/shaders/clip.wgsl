@@ -1,9 +1,9 @@
 // The clips of a cell: what each image that reaches it takes from the pattern there.
 // import: frame
 
-var<private> found_places: array<u32, MOST_FOUND>;
-var<private> found_images: array<u32, MOST_FOUND>;
-var<private> found_ids: array<u32, MOST_FOUND>;
+var<private> found_places: array<u32, MAX_FOUND>;
+var<private> found_images: array<u32, MAX_FOUND>;
+var<private> found_ids: array<u32, MAX_FOUND>;
 var<private> found: u32;
 
 fn tile_of(at: vec2<i32>) -> u32 {
@@ -65,7 +65,7 @@ fn clip_piece(shape: u32, start: vec2<u32>, size: vec2<u32>, to: vec2<i32>, inde
             let at = points_at + 3u * k;
             let offset = vec2<u32>(pattern[at], pattern[at + 1u]) - start;
             // Below the start the difference wraps to a large number.
-            if offset.x < size.x && offset.y < size.y && found < MOST_FOUND {
+            if offset.x < size.x && offset.y < size.y && found < MAX_FOUND {
                 found_places[found] = pack(to + vec2<i32>(offset));
                 found_images[found] = index;
                 found_ids[found] = pattern[at + 2u];

@@ -11,7 +11,7 @@ fn run(index: u32) {
         return;
     }
     clip_cell(column_row(index));
-    if found >= MOST_FOUND {
+    if found >= MAX_FOUND {
         atomicStore(&counters[COUNTER_FAULT], FAULT_CROWDED);
     }
     starts[index] = found;

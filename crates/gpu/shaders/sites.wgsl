@@ -2,9 +2,9 @@
 // import: grid
 // import: coverage
 
-var<private> site_places: array<vec2<i32>, MOST_SITES>;
+var<private> site_places: array<vec2<i32>, MAX_SITES>;
 // Cell times four plus slot, and the mark of a detector.
-var<private> site_keys: array<u32, MOST_SITES>;
+var<private> site_keys: array<u32, MAX_SITES>;
 var<private> sites: u32;
 // Whether a detector is among them.
 var<private> has_detector: bool;
@@ -40,7 +40,7 @@ fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
                 let place = unpack(word, vec2<i32>(column, row));
                 let d = vec2<f32>(place - centre);
                 if dot(d, d) <= limit * limit {
-                    if sites == MOST_SITES {
+                    if sites == MAX_SITES {
                         atomicStore(&counters[COUNTER_FAULT], FAULT_SITES);
                         return;
                     }

@@ -38,11 +38,11 @@ pub struct Limits {
 }
 
 /// The storage buffers that the widest pass sees: what WebGPU guarantees.
-pub(crate) const MOST_STORAGE_BUFFERS: u32 = 8;
+pub(crate) const MAX_STORAGE_BUFFERS: u32 = 8;
 
 /// The rows of workgroups, `GROUP_COLUMNS` wide, that the largest frame takes: an invocation for each of the 8 rows of
 /// pixels of 2^28 open cells.
-const MOST_GROUP_ROWS: u64 = 32_769;
+const MAX_GROUP_ROWS: u64 = 32_769;
 
 /// Bytes that are read back at a time.
 const STAGING: u64 = 64 << 20;
@@ -382,12 +382,12 @@ impl AdapterReport {
             (
                 "maxStorageBuffersPerShaderStage",
                 self.limits.max_storage_buffers_per_shader_stage.into(),
-                MOST_STORAGE_BUFFERS.into(),
+                MAX_STORAGE_BUFFERS.into(),
             ),
             (
                 "maxComputeWorkgroupsPerDimension",
                 self.limits.max_compute_workgroups_per_dimension.into(),
-                MOST_GROUP_ROWS,
+                MAX_GROUP_ROWS,
             ),
         ];
         for (limit, value, minimum) in needed {

@@ -26,11 +26,11 @@ pub const TILE_WORDS: u32 = 20;
 
 /// The most samples tiled in a cell: at most 6 blocks reach it (as above, 15 x 15 r), and of each at most four
 /// samples, conflict-free, lie in a square of r.
-pub const MOST_FOUND: u32 = 24;
+pub const MAX_FOUND: u32 = 24;
 
 /// The most samples that may make a candidate in a pixel. They lie in a ring of 0.18r whose radius is below 3.7r,
 /// farther than r from each other: fewer than 24.
-pub const MOST_SITES: u32 = 32;
+pub const MAX_SITES: u32 = 32;
 
 /// Elements of a list that an invocation, and a workgroup, sums up.
 pub const SCAN_EACH: u32 = 16;
@@ -152,8 +152,8 @@ fn unsigned() -> Vec<(&'static str, u32)> {
         ("PIXEL_BITS", PIXEL_BITS),
         ("TILE_SIDE", TILE_SIDE),
         ("TILE_WORDS", TILE_WORDS),
-        ("MOST_FOUND", MOST_FOUND),
-        ("MOST_SITES", MOST_SITES),
+        ("MAX_FOUND", MAX_FOUND),
+        ("MAX_SITES", MAX_SITES),
         ("SCAN_EACH", SCAN_EACH),
         ("SCAN_PART", SCAN_PART),
         ("PLACE_MASK", PLACE_MASK),

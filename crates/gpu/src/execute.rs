@@ -19,7 +19,7 @@ use crate::setup::Setup;
 const JOB_STRIDE: u64 = 256;
 
 /// The most passes that are timed in one go.
-const MOST_TIMED: u32 = 1024;
+const MAX_TIMED: u32 = 1024;
 
 /// What is kept for those who look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,7 +118,7 @@ impl Device {
     fn empty(gpu: &Arc<Gpu>, looks: Looks) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
-            JOB_STRIDE * u64::from(MOST_TIMED),
+            JOB_STRIDE * u64::from(MAX_TIMED),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         )?;
         let reports = looks != Looks::Away;
@@ -215,7 +215,7 @@ impl Device {
     /// Submits commands.
     pub(crate) fn submit(&mut self, commands: &[Command], stage: Stage) -> Result<(), GpuError> {
         self.gpu.check()?;
-        for part in commands.chunks(MOST_TIMED as usize / 2) {
+        for part in commands.chunks(MAX_TIMED as usize / 2) {
             self.write_jobs(part);
             let mut encoder = self
                 .gpu
@@ -391,7 +391,7 @@ impl Device {
             return Ok(());
         };
         let pending = std::mem::take(&mut times.pending);
-        let count = (2 * pending.len() as u32).min(MOST_TIMED);
+        let count = (2 * pending.len() as u32).min(MAX_TIMED);
         if count == 0 {
             return Ok(());
         }
@@ -422,11 +422,11 @@ impl Times {
         let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
             label: Some("times"),
             ty: wgpu::QueryType::Timestamp,
-            count: MOST_TIMED,
+            count: MAX_TIMED,
         });
         let resolved = gpu.buffer(
             "times",
-            8 * u64::from(MOST_TIMED),
+            8 * u64::from(MAX_TIMED),
             wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
         )?;
         Ok(Self {
@@ -440,7 +440,7 @@ impl Times {
     /// Returns the place of the next pass' two times, or `None` where there is no more room.
     fn next(&mut self) -> Option<u32> {
         let first = 2 * self.pending.len() as u32;
-        (first + 2 <= MOST_TIMED).then_some(first)
+        (first + 2 <= MAX_TIMED).then_some(first)
     }
 }
 

@@ -5,7 +5,7 @@ use tilescope_core::{Point, R, Rect};
 
 use crate::adapter::{AdapterReport, Limits};
 use crate::error::GpuError;
-use crate::plan::{MOST_CELLS, MOST_SIDE, Plan, Room};
+use crate::plan::{MAX_CELLS, MAX_SIDE, Plan, Room};
 use crate::setup::Setup;
 
 /// Cells around a window that are computed with it at first: what depends on what lies beyond rarely comes
@@ -13,10 +13,10 @@ use crate::setup::Setup;
 pub(crate) const HALO: i32 = 24;
 
 /// The shortest side of a window, in cells.
-pub(crate) const SHORTEST_SIDE: u32 = 8;
+pub(crate) const MIN_SIDE: u32 = 8;
 
 /// How often a window may ask for more room before that counts as a fault.
-pub(crate) const MOST_TRIES: usize = 8;
+pub(crate) const MAX_TRIES: usize = 8;
 
 /// Memory to use where nobody said how much: WebGPU does not tell what there is. A discrete GPU has more than the
 /// first, everything else than the second; where it has not, windows become smaller.
@@ -64,7 +64,7 @@ pub(crate) fn plan(
     check(
         bytes * (longer + around),
         "a side of the engine's frames",
-        bytes * MOST_SIDE,
+        bytes * MAX_SIDE,
     )?;
     let max = setup.domain.rect().max;
     let frame_side = |side: u64, domain: i32| {
@@ -75,7 +75,7 @@ pub(crate) fn plan(
         }
     };
     let frame = frame_side(width, max.x) * frame_side(height, max.y);
-    check(bytes * frame, "the engine's frames", bytes * MOST_CELLS)?;
+    check(bytes * frame, "the engine's frames", bytes * MAX_CELLS)?;
     check(bytes * frame, "maxStorageBufferBindingSize", binding)?;
     let plan = Plan::new(setup, window, halo, room)?;
     let lengths = plan.lengths(setup, false);
@@ -103,8 +103,8 @@ pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Resul
         // With a halo that had to be doubled.
         match plan(setup, &window, 2 * HALO, None, limits, memory) {
             Ok(_) => return Ok(side),
-            Err(GpuError::TooLittleMemory { .. }) if side > SHORTEST_SIDE => {
-                side = (side * 3 / 4).max(SHORTEST_SIDE);
+            Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {
+                side = (side * 3 / 4).max(MIN_SIDE);
             }
             Err(error) => return Err(error),
         }

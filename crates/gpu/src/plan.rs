@@ -9,10 +9,10 @@ use crate::layout::{Frame, Image, Name, Proposal, counter};
 use crate::setup::Setup;
 
 /// The most cells of a frame, with the padding: slots are numbered in 31 bits.
-pub(crate) const MOST_CELLS: u64 = 1 << 28;
+pub(crate) const MAX_CELLS: u64 = 1 << 28;
 
 /// The most cells along a side of a frame: with what lies a few radii beyond, 32 bits hold its coordinates.
-pub(crate) const MOST_SIDE: u64 = 65_000;
+pub(crate) const MAX_SIDE: u64 = 65_000;
 
 /// Parts of a window's computation, by the buffers that they need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -7,7 +7,7 @@ use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::Looks;
-use crate::fit::{HALO, MOST_TRIES, longest_side, memory_of};
+use crate::fit::{HALO, MAX_TRIES, longest_side, memory_of};
 use crate::ground::Ground;
 use crate::layout::Name;
 use crate::pass_report::PassReport;
@@ -19,7 +19,7 @@ use crate::upload;
 use crate::work::{Outcome, Work};
 
 /// The widest halo, in cells, of a run that is kept stage by stage.
-const WIDEST_HALO: i32 = 192;
+const MAX_HALO: i32 = 192;
 
 /// A run on a GPU between two passes.
 ///
@@ -122,7 +122,7 @@ impl Stepper {
     async fn begin_anew(&mut self, outcome: Option<&Outcome>) -> Result<(), GpuError> {
         match outcome {
             None | Some(Outcome::Known(_)) => return Ok(()),
-            Some(Outcome::Unsure) if self.halo >= WIDEST_HALO => {
+            Some(Outcome::Unsure) if self.halo >= MAX_HALO => {
                 return Err(tilescope_core::SampleError::Entangled {
                     radii: f64::from(self.halo),
                 }
@@ -132,7 +132,7 @@ impl Stepper {
                 self.halo *= 2;
                 self.room = None;
             }
-            Some(Outcome::TooSmall(_)) if self.tries == MOST_TRIES => {
+            Some(Outcome::TooSmall(_)) if self.tries == MAX_TRIES => {
                 return Err(GpuError::OutOfMemory);
             }
             Some(Outcome::TooSmall(room)) => {

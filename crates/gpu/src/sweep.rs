@@ -12,14 +12,14 @@ use tilescope_core::{
 use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::execute::{Device, Looks};
-use crate::fit::{self, HALO, MOST_TRIES, SHORTEST_SIDE, longest_side, memory_of};
+use crate::fit::{self, HALO, MAX_TRIES, MIN_SIDE, longest_side, memory_of};
 use crate::pass_report::PassReport;
 use crate::plan::Room;
 use crate::setup::Setup;
 use crate::work::{Outcome, Window, Work};
 
 /// The widest halo, in cells.
-const WIDEST_HALO: i32 = 768;
+const MAX_HALO: i32 = 768;
 
 /// What a run may use and is asked to keep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -177,13 +177,13 @@ impl GpuSweep {
         loop {
             match self.band(side, observer).await {
                 // Other programs use the device, too, and halos may have to be wider: smaller windows may still fit.
-                Err(GpuError::OutOfMemory) if side > SHORTEST_SIDE => {
-                    side = (side / 2).max(SHORTEST_SIDE);
+                Err(GpuError::OutOfMemory) if side > MIN_SIDE => {
+                    side = (side / 2).max(MIN_SIDE);
                     self.idle = None;
                     self.side = side;
                 }
-                Err(GpuError::TooLittleMemory { .. }) if side > SHORTEST_SIDE => {
-                    side = (side / 2).max(SHORTEST_SIDE);
+                Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {
+                    side = (side / 2).max(MIN_SIDE);
                 }
                 other => return other.map(Some),
             }
@@ -230,7 +230,7 @@ impl GpuSweep {
         loop {
             match self.attempt(window, halo, room, observer).await? {
                 Outcome::Known(window) => return Ok(window),
-                Outcome::Unsure if halo >= WIDEST_HALO => {
+                Outcome::Unsure if halo >= MAX_HALO => {
                     return Err(SampleError::Entangled {
                         radii: f64::from(halo),
                     }
@@ -240,7 +240,7 @@ impl GpuSweep {
                     halo *= 2;
                     room = None;
                 }
-                Outcome::TooSmall(_) if tries == MOST_TRIES => return Err(GpuError::OutOfMemory),
+                Outcome::TooSmall(_) if tries == MAX_TRIES => return Err(GpuError::OutOfMemory),
                 Outcome::TooSmall(wanted) => {
                     tries += 1;
                     room = Some(wanted);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use tilescope_core::{Observer, Parameters, Pattern, Run, SampleError, Sequential, Stage};
 
 /// The longest piece of a differing element that a sentence quotes, in characters.
-const MOST_QUOTED: usize = 120;
+const MAX_QUOTED: usize = 120;
 
 /// The first thing in which a device's run differs from the CPU's.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -141,7 +141,7 @@ fn in_list<T: PartialEq + Debug>(
 
 fn quote(element: &impl Debug) -> String {
     let text = format!("{element:?}");
-    match text.char_indices().nth(MOST_QUOTED) {
+    match text.char_indices().nth(MAX_QUOTED) {
         Some((end, _)) => format!("{}\u{2026}", &text[..end]),
         None => text,
     }

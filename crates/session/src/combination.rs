@@ -16,7 +16,7 @@ pub const NINE: &str = include_str!("../../../assets/layouts/nine.json");
 
 /// The most samples of a combination in the window: a file may ask for it, so that it is no more than what a session's
 /// file may ask for.
-pub const MOST_COMBINED: usize = tilescope_debugger::MAX_SAMPLES;
+pub const MAX_COMBINED: usize = tilescope_debugger::MAX_SAMPLES;
 
 /// An action that makes a combination.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -117,7 +117,7 @@ pub enum CombinationError {
     #[error(
         "the layout makes about {} samples; the window combines at most {}, and the command line more",
         about(*expected),
-        grouped(MOST_COMBINED)
+        grouped(MAX_COMBINED)
     )]
     TooManySamples {
         /// How many.

@@ -12,12 +12,12 @@ use tilescope_core::{Pattern, Run};
 
 pub use saved::{SavedCombination, SavedError};
 
-use crate::combination::{Combination, CombinationError, MOST_COMBINED};
+use crate::combination::{Combination, CombinationError, MAX_COMBINED};
 use crate::encoding::as_json;
 use crate::errand::{Errand, Lent};
 use crate::incoming::Incoming;
 use crate::jobs::Monitor;
-use crate::limits::MOST_STAGED;
+use crate::limits::MAX_STAGED;
 use crate::session::{MakeError, Session};
 
 use files::Files;
@@ -61,7 +61,7 @@ pub fn make(
     monitor: &Monitor,
 ) -> Result<Session, CombinationError> {
     let placed = layout.placed()?;
-    if placed.expected > MOST_COMBINED as f64 {
+    if placed.expected > MAX_COMBINED as f64 {
         let expected = placed.expected;
         return Err(CombinationError::TooManySamples { expected });
     }
@@ -70,7 +70,7 @@ pub fn make(
     let options = layout.options();
     let mut observer = Gluing(monitor);
     let expected = placed.domain.area_radii() * tilescope_core::MAXIMAL_DENSITY;
-    let (run, seams): (Run, Vec<Seam>) = if expected <= MOST_STAGED {
+    let (run, seams): (Run, Vec<Seam>) = if expected <= MAX_STAGED {
         let staged = combine_in_stages(placed.domain, &pieces, &options, &mut observer)?;
         (staged.run, staged.seams)
     } else {

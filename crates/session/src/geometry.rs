@@ -12,7 +12,7 @@ use crate::session::Session;
 use crate::units::radii;
 
 /// Sets with more samples than this are not triangulated for the canvas: it would take seconds for each moment.
-pub const MOST_SAMPLES: usize = 200_000;
+pub const MAX_SAMPLES: usize = 200_000;
 
 /// A session's generation and a cursor.
 pub type Key = (u64, usize);
@@ -53,7 +53,7 @@ impl Geometry {
     #[must_use]
     pub fn made(shown: &Shown<'_>) -> Self {
         let mut geometry = Self::default();
-        if shown.session.run().samples.len() <= MOST_SAMPLES {
+        if shown.session.run().samples.len() <= MAX_SAMPLES {
             let made = Tessellation::of(&covering(shown), region_of(shown.session), 1.0);
             geometry.take(key_of(shown), Ok(made.ok()));
         }
@@ -76,7 +76,7 @@ impl Geometry {
         if known || self.work.is_some() || self.failed == Some(key) {
             return;
         }
-        if shown.session.run().samples.len() > MOST_SAMPLES {
+        if shown.session.run().samples.len() > MAX_SAMPLES {
             self.failed = Some(key);
             return;
         }

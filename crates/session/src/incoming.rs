@@ -11,11 +11,11 @@ use serde_json::Value;
 use tilescope_debugger::MAX_BYTES;
 use tilescope_formats::{CERTIFICATE_SUFFIX, Hint, ReadSet, read_bytes};
 
-use crate::limits::MOST_PATTERN_BYTES;
+use crate::limits::MAX_PATTERN_BYTES;
 use crate::words::last_part;
 
 /// The most files that are looked at when several come together.
-pub const MOST_FILES: usize = 64;
+pub const MAX_FILES: usize = 64;
 
 /// A file in memory.
 #[derive(Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -114,7 +114,7 @@ impl Incoming {
     /// Returns the point set that it holds, in domain units where it has a certificate. Fails with a sentence that names
     /// it.
     pub fn point_set(&self) -> Result<ReadSet, String> {
-        self.within(MOST_PATTERN_BYTES)?;
+        self.within(MAX_PATTERN_BYTES)?;
         let name = last_part(&self.name);
         let certificate = self.certificate();
         let certificate = certificate.map(|file| (file.name.as_str(), file.bytes.as_slice()));
@@ -182,19 +182,19 @@ pub fn too_long(name: &str, length: u64, limit: u64) -> Option<String> {
 /// as long as a point set, and all together twice as long.
 #[must_use]
 pub fn refusals(files: &[(&str, u64)]) -> Vec<Option<String>> {
-    let mut left = 2 * MOST_PATTERN_BYTES;
+    let mut left = 2 * MAX_PATTERN_BYTES;
     let refusal = |(k, &(name, length)): (usize, &(&str, u64))| {
-        let why = too_long(name, length, MOST_PATTERN_BYTES);
+        let why = too_long(name, length, MAX_PATTERN_BYTES);
         if why.is_some() {
             return why;
         }
-        if k >= MOST_FILES {
+        if k >= MAX_FILES {
             return Some(format!(
-                "{name} is one of more than {MOST_FILES} files, which are the most that are read at once"
+                "{name} is one of more than {MAX_FILES} files, which are the most that are read at once"
             ));
         }
         if length > left {
-            let most = tilescope_debugger::grouped(2 * MOST_PATTERN_BYTES);
+            let most = tilescope_debugger::grouped(2 * MAX_PATTERN_BYTES);
             return Some(format!(
                 "{name} and the files before it have more than {most} bytes, which are the most that are read at once"
             ));
@@ -236,7 +236,7 @@ pub fn pick(
     names: &[&str],
     mut holds_document: impl FnMut(usize) -> bool,
 ) -> Option<(usize, Vec<usize>)> {
-    let looked_at = names.len().min(MOST_FILES);
+    let looked_at = names.len().min(MAX_FILES);
     let is_lone = |&k: &usize| {
         let others = names.iter().enumerate().filter(|&(other, _)| other != k);
         !others
@@ -267,7 +267,7 @@ pub fn gather(mut files: Vec<NamedBytes>) -> Option<(Incoming, Vec<String>)> {
     let (opened, left) = pick(&names, holds)?;
     let names: Vec<String> = left.iter().map(|&k| files[k].name.clone()).collect();
     let file = files.remove(opened);
-    files.truncate(MOST_FILES);
+    files.truncate(MAX_FILES);
     let mut incoming = Incoming::new(file);
     let left = incoming.without_named(names);
     incoming.beside = files;

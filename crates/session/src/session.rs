@@ -17,7 +17,7 @@ use tilescope_gpu::GpuError;
 use crate::combination::Combination;
 use crate::index::SampleIndex;
 use crate::jobs::Monitor;
-use crate::limits::MOST_STAGED;
+use crate::limits::MAX_STAGED;
 use crate::recipe::{OwnPattern, Recipe};
 use crate::units::radii;
 pub use report::MakeError;
@@ -26,7 +26,7 @@ pub use report::Reporter;
 /// Returns whether a run is small enough to keep every stage of it; Algorithm 4 as printed always does.
 pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
     let expected = parameters.validate()?.area_radii() * MAXIMAL_DENSITY;
-    Ok(expected <= MOST_STAGED || parameters.variant == Variant::AsPrinted)
+    Ok(expected <= MAX_STAGED || parameters.variant == Variant::AsPrinted)
 }
 
 /// A run and what the window needs to show it.

@@ -49,7 +49,7 @@ impl Clock {
 /// Speeds to choose from.
 pub const SPEEDS: [f32; 7] = [0.25, 0.5, 1.0, 2.0, 8.0, 64.0, 512.0];
 /// Most ticks in one frame, so that a frame stays short.
-const MOST_TICKS: u32 = 2_000;
+const MAX_TICKS: u32 = 2_000;
 
 /// How time runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,7 +124,7 @@ impl Playback {
         if *left > 0.0 {
             return 0;
         }
-        let due = (1 + (-*left / tick) as u32).min(MOST_TICKS);
+        let due = (1 + (-*left / tick) as u32).min(MAX_TICKS);
         *left = (*left + due as f32 * tick).max(0.0);
         due
     }

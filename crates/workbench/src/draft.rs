@@ -5,7 +5,7 @@ use tilescope_core::{
     Boundary, Insertion, MAXIMAL_DENSITY, Order, ParameterError, Parameters, Search, Variant,
 };
 
-use tilescope_session::limits::{MOST_ON_A_PAGE, MOST_STAGED};
+use tilescope_session::limits::{MAX_ON_A_PAGE, MAX_STAGED};
 use tilescope_session::words::{grouped, sentence};
 
 /// A parameter that is typed as a number.
@@ -158,8 +158,8 @@ impl Draft {
         }
         // Algorithm 4 as printed keeps every event, however many there are.
         let most = match self.parameters.variant {
-            Variant::Staged => MOST_ON_A_PAGE,
-            Variant::AsPrinted => MOST_STAGED,
+            Variant::Staged => MAX_ON_A_PAGE,
+            Variant::AsPrinted => MAX_STAGED,
         };
         let too_many = too_many(self.expected_samples(), most);
         refusals.extend(too_many.filter(|_| cfg!(target_arch = "wasm32")));

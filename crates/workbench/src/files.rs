@@ -17,7 +17,7 @@ pub use read::{Combined, Done, Opened, Outcome, ReadTask, Source, read};
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
 pub use save::{SaveTask, render, with_json};
-pub use tilescope_session::incoming::{Incoming, MOST_FILES, NamedBytes, gather, refusals};
+pub use tilescope_session::incoming::{Incoming, MAX_FILES, NamedBytes, gather, refusals};
 
 use std::sync::Arc;
 

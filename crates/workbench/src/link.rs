@@ -24,39 +24,39 @@ pub use write::{Link, write};
 pub const VERSION: u32 = 1;
 
 /// The most characters of a fragment that this program writes.
-pub const MOST_CHARACTERS: usize = 8_000;
+pub const MAX_CHARACTERS: usize = 8_000;
 
 /// The most bytes of a fragment that are read.
-pub const MOST_BYTES: usize = 65_536;
+pub const MAX_BYTES: usize = 65_536;
 
-/// As [`MOST_SAMPLES`], on a page.
-pub const MOST_SAMPLES_ON_A_PAGE: f64 = 200_000.0;
+/// As [`MAX_SAMPLES`], on a page.
+pub const MAX_SAMPLES_ON_A_PAGE: f64 = 200_000.0;
 
-/// As [`MOST_PATTERN_SIDE`], on a page.
-pub const MOST_PATTERN_SIDE_ON_A_PAGE: f64 = 500.0;
+/// As [`MAX_PATTERN_SIDE`], on a page.
+pub const MAX_PATTERN_SIDE_ON_A_PAGE: f64 = 500.0;
 
 /// The most samples expected of a run, a second run, a combination or a pattern that a link asks for.
-pub const MOST_SAMPLES: f64 = if cfg!(target_arch = "wasm32") {
-    MOST_SAMPLES_ON_A_PAGE
+pub const MAX_SAMPLES: f64 = if cfg!(target_arch = "wasm32") {
+    MAX_SAMPLES_ON_A_PAGE
 } else {
     2_000_000.0
 };
 
-/// The longest side of a pattern that a link asks for, in r: its pattern has at most [`MOST_SAMPLES`], too.
-pub const MOST_PATTERN_SIDE: f64 = if cfg!(target_arch = "wasm32") {
-    MOST_PATTERN_SIDE_ON_A_PAGE
+/// The longest side of a pattern that a link asks for, in r: its pattern has at most [`MAX_SAMPLES`], too.
+pub const MAX_PATTERN_SIDE: f64 = if cfg!(target_arch = "wasm32") {
+    MAX_PATTERN_SIDE_ON_A_PAGE
 } else {
     1_500.0
 };
 
 /// The most breakpoints of a link, and the most watches.
-pub const MOST_STOPS: usize = 32;
+pub const MAX_STOPS: usize = 32;
 
 /// The most bookmarks of a link.
-pub const MOST_BOOKMARKS: usize = 64;
+pub const MAX_BOOKMARKS: usize = 64;
 
 /// The most characters of a condition, a watch or a note in a link.
-pub const MOST_TEXT: usize = 200;
+pub const MAX_TEXT: usize = 200;
 
 /// The longest layout of a combination in a link, as characters of the link.
-pub const MOST_COMBINATION: usize = 4_000;
+pub const MAX_COMBINATION: usize = 4_000;

@@ -12,13 +12,13 @@ use tilescope_session::words::grouped;
 
 use crate::clock::{Clock, SPEEDS};
 use crate::link::{
-    COLOURINGS, MOST_PATTERN_SIDE, MOST_SAMPLES, choice_name, choice_named, layer_name, quoted,
+    COLOURINGS, MAX_PATTERN_SIDE, MAX_SAMPLES, choice_name, choice_named, layer_name, quoted,
 };
-use crate::view::{FARTHEST, sound_camera};
+use crate::view::{MAX_OFFSET, sound_camera};
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// The longest request, in bytes.
-pub const MOST_BYTES: usize = 65_536;
+pub const MAX_BYTES: usize = 65_536;
 
 /// What there is to ask for, each with its fields.
 const REQUESTS: [(&str, &[&str]); 7] = [
@@ -92,7 +92,7 @@ pub enum Request {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RequestError {
     /// It is too long.
-    #[error("the request has {bytes} bytes; at most {MOST_BYTES} are read")]
+    #[error("the request has {bytes} bytes; at most {MAX_BYTES} are read")]
     TooLong {
         /// Its length.
         bytes: usize,
@@ -147,7 +147,7 @@ pub enum RequestError {
 
 /// Reads a request.
 pub fn read(text: &str) -> Result<Request, RequestError> {
-    if text.len() > MOST_BYTES {
+    if text.len() > MAX_BYTES {
         return Err(RequestError::TooLong { bytes: text.len() });
     }
     let fields: Map<String, Value> =
@@ -324,7 +324,7 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
     let camera = numbers.and_then(|[x, y, scale]| sound_camera([x, y], scale));
     camera.map(Some).ok_or_else(|| {
         let wanted = format!(
-            "\"{WHOLE}\" or [x, y, points of the screen for r], a place at most {FARTHEST} r away at a scale from {MIN_SCALE} to {MAX_SCALE}"
+            "\"{WHOLE}\" or [x, y, points of the screen for r], a place at most {MAX_OFFSET} r away at a scale from {MIN_SCALE} to {MAX_SCALE}"
         );
         wrong("camera", value, wanted)
     })
@@ -364,16 +364,16 @@ fn parameters(value: &Value) -> Result<Parameters, RequestError> {
         .validate_sequential()
         .map_err(|error| RequestError::Parameters(error.to_string()))?;
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
-    if samples > MOST_SAMPLES {
-        let most = grouped(MOST_SAMPLES as usize);
+    if samples > MAX_SAMPLES {
+        let most = grouped(MAX_SAMPLES as usize);
         return Err(RequestError::Parameters(format!(
             "the radius {} makes about {samples:.0} samples; a page may ask for {most}",
             parameters.radius
         )));
     }
-    if parameters.pattern.side > MOST_PATTERN_SIDE {
+    if parameters.pattern.side > MAX_PATTERN_SIDE {
         return Err(RequestError::Parameters(format!(
-            "the pattern's side is {} r; a page may ask for {MOST_PATTERN_SIDE} r",
+            "the pattern's side is {} r; a page may ask for {MAX_PATTERN_SIDE} r",
             parameters.pattern.side
         )));
     }

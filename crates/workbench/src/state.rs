@@ -15,7 +15,7 @@ pub use gpu::GpuState;
 pub use page::PageStart;
 use parts::JobContext;
 pub use parts::{FileState, Links, Messages, Runs};
-pub use run_view::{EventQuery, Found, Hits, MOST_FOUND, MOST_HITS, RunView};
+pub use run_view::{EventQuery, Found, Hits, MAX_FOUND, MAX_HITS, RunView};
 use tilescope_drawing::subject::Subject;
 use tilescope_session::jobs::{Job, Wake};
 use tilescope_session::moment::Shown;

@@ -15,7 +15,7 @@ use crate::layout::{Layout, OldLayout, text};
 use tilescope_drawing::camera::{Camera, MAX_SCALE, MIN_SCALE};
 
 /// Farther from the origin than this, in r, there is no domain.
-pub const FARTHEST: f64 = 200_000.0;
+pub const MAX_OFFSET: f64 = 200_000.0;
 
 /// How a session is looked at: parts of the state.
 #[derive(Clone, Debug, PartialEq)]
@@ -182,7 +182,7 @@ pub fn sound_camera(center: [f64; 2], scale: f64) -> Option<Camera> {
 /// Returns whether there are domains that reach as far as `place`, in r.
 #[must_use]
 pub fn is_near(place: [f64; 2]) -> bool {
-    place.iter().all(|x| x.abs() <= FARTHEST)
+    place.iter().all(|x| x.abs() <= MAX_OFFSET)
 }
 
 /// Earlier versions saved a layout in another form.

@@ -27,7 +27,7 @@ use crate::pool::{Pool, Program};
 /// The page is told of changes at most once in so many seconds.
 const TELLS_SECS: f64 = 0.25;
 /// The most workers, however many processors there are: each has a memory of its own.
-const MOST_WORKERS: usize = 2;
+const MAX_WORKERS: usize = 2;
 
 /// How the app begins.
 #[derive(Default, Deserialize)]
@@ -89,7 +89,7 @@ pub async fn start(
         worker: options.worker.clone(),
         bindings: options.bindings.clone(),
         module: hooks::given("module").unwrap_or(JsValue::UNDEFINED),
-        workers: ((cores as usize).saturating_sub(1)).clamp(1, MOST_WORKERS),
+        workers: ((cores as usize).saturating_sub(1)).clamp(1, MAX_WORKERS),
     });
     carry_with(Some(Rc::new(pool.clone())));
     let runner = WebRunner::new();

@@ -18,7 +18,7 @@ use web_sys::{Event, MessageEvent, Worker, WorkerOptions, WorkerType};
 const GRACE_MS: i32 = 200;
 
 /// So many workers that break one after the other before they have done anything are replaced.
-const MOST_BROKEN: u32 = 3;
+const MAX_BROKEN: u32 = 3;
 
 /// What workers are made of.
 pub struct Program {
@@ -350,7 +350,7 @@ impl Inner {
         if !slot.has_worked {
             self.broken += 1;
         }
-        let is_hopeless = self.broken > MOST_BROKEN;
+        let is_hopeless = self.broken > MAX_BROKEN;
         if is_hopeless {
             self.program.workers = 0;
         }

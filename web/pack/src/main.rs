@@ -35,7 +35,7 @@ struct Arguments {
     #[arg(long, value_name = "ADDRESS", value_parser = address)]
     address: Option<String>,
     /// The most bytes, compressed by brotli, that may be needed to start
-    #[arg(long, value_name = "BYTES", default_value_t = budget::MOST_TO_START)]
+    #[arg(long, value_name = "BYTES", default_value_t = budget::MAX_TO_START)]
     most: usize,
 }
 

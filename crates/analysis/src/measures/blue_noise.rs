@@ -31,7 +31,7 @@ const NEARLY_ONE: f64 = 0.98;
 const OSCILLATION_RANGE: f64 = 5.0;
 
 /// Pair correlations that curves follow from reach so far, in units of `r_max`, in so many bins each.
-const FARTHEST: f64 = 8.0;
+const MAX_DISTANCE: f64 = 8.0;
 const BINS_EACH: f64 = 100.0;
 /// They must reach so far: a curve of less is smoothed beyond its features.
 const NEAREST: f64 = 4.0;
@@ -95,7 +95,7 @@ impl PowerCurve {
         control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Option<Self>, MeasureError> {
         let r_max = largest_min_distance(points.len(), region.area());
-        let most = (0.499 * region.width.min(region.height) / r_max).min(FARTHEST);
+        let most = (0.499 * region.width.min(region.height) / r_max).min(MAX_DISTANCE);
         if most.is_nan() || most < NEAREST {
             return Ok(None);
         }

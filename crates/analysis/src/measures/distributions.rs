@@ -91,7 +91,7 @@ fn ln_gamma(x: f64) -> f64 {
 
 /// Terms after which a series or a fraction counts as converged: about nine times the square root of the
 /// degrees of freedom are needed.
-const MOST_TERMS: usize = 1_000_000;
+const MAX_TERMS: usize = 1_000_000;
 
 /// The upper part of the gamma function, `Q(a, x)`.
 fn gamma_tail(a: f64, x: f64) -> f64 {
@@ -101,7 +101,7 @@ fn gamma_tail(a: f64, x: f64) -> f64 {
     let scale = (a * x.ln() - x - ln_gamma(a)).exp();
     if x < a + 1.0 {
         let (mut sum, mut term) = (1.0 / a, 1.0 / a);
-        for k in 1..MOST_TERMS {
+        for k in 1..MAX_TERMS {
             term *= x / (a + k as f64);
             sum += term;
             if term < 1e-17 * sum {
@@ -140,7 +140,7 @@ fn beta_part(a: f64, b: f64, x: f64) -> f64 {
 fn fraction(first: f64, step: impl Fn(f64) -> (f64, f64)) -> f64 {
     let away = |value: f64| if value.abs() < 1e-300 { 1e-300 } else { value };
     let (mut value, mut c, mut d) = (away(first), away(first), 0.0);
-    for k in 1..MOST_TERMS {
+    for k in 1..MAX_TERMS {
         let (numerator, denominator) = step(k as f64);
         d = 1.0 / away(denominator + numerator * d);
         c = away(denominator + numerator / c);

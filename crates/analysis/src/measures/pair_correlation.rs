@@ -46,7 +46,7 @@ pub struct PairCorrelation {
 
 impl PairCorrelation {
     /// Bins in a unit of one's own reach at most so many `r_max`.
-    pub const FARTHEST: f64 = 8.0;
+    pub const MAX_DISTANCE: f64 = 8.0;
 
     /// Returns `g(r)` for `r` up to `most`, in units of `r_max`, in bins of equal width.
     ///
@@ -116,7 +116,7 @@ impl PairCorrelation {
 
     /// Returns [`Self::of`] in bins of a fortieth of `unit`, a length of the region: one of them begins at `unit` but for rounding,
     /// so that sets whose distances begin there are cut alike whatever their numbers. They reach as far as 5 `unit`,
-    /// [`Self::FARTHEST`] `r_max` and half the shorter side allow, in whole bins.
+    /// [`Self::MAX_DISTANCE`] `r_max` and half the shorter side allow, in whole bins.
     ///
     /// # Errors
     ///
@@ -131,7 +131,7 @@ impl PairCorrelation {
         check_set(points, region, 3)?;
         let r_max = largest_min_distance(points.len(), region.area());
         let half = 0.499 * region.width.min(region.height);
-        let reach = half.min(Self::FARTHEST * r_max);
+        let reach = half.min(Self::MAX_DISTANCE * r_max);
         check_range("the unit of g(r)", unit, [1e-6 * r_max, 40.0 * reach])?;
         let bins = (40.0 * (reach / unit).min(5.0)).floor().max(1.0);
         let most = bins / 40.0 * unit / r_max;

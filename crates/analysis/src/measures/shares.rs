@@ -33,7 +33,7 @@ pub struct FrequencyShares {
 
 impl FrequencyShares {
     /// A relative share is not given to samples whose part is below this: there the scatter of the others is all that is seen.
-    pub const LEAST_PART: f64 = 0.05;
+    pub const MIN_PART: f64 = 0.05;
 
     /// Returns what is expected of each sample of independent uniform samples on the region, as a multiple of the mean: `N w^2 / sum w^2`
     /// with the weights of [`Periodogram::of`](super::Periodogram::of). It is 1 in periodic sets, and falls to 0 towards the
@@ -49,7 +49,7 @@ impl FrequencyShares {
     }
 
     /// Returns each sample's share over what is expected of it (see [`Self::parts`]): 1 on the average for independent uniform samples,
-    /// wherever they lie, and the mean power if all contribute alike. NaN where the part is below [`Self::LEAST_PART`], and where the ring has no
+    /// wherever they lie, and the mean power if all contribute alike. NaN where the part is below [`Self::MIN_PART`], and where the ring has no
     /// frequency. `points` and `region` must be those that the shares are of.
     #[must_use]
     pub fn relative(&self, points: &[[f64; 2]], region: Region) -> Vec<f64> {
@@ -57,7 +57,7 @@ impl FrequencyShares {
         let parts = Self::parts(points, region).into_iter();
         (self.shares.iter().zip(parts))
             .map(|(share, part)| {
-                if part < Self::LEAST_PART || unit <= 0.0 {
+                if part < Self::MIN_PART || unit <= 0.0 {
                     f64::NAN
                 } else {
                     share / (unit * part)
@@ -345,7 +345,7 @@ mod tests {
         let parts = FrequencyShares::parts(&points, region);
         assert!((parts.iter().sum::<f64>() / 20_000.0 - 1.0).abs() < 1e-9);
         for (part, share) in parts.iter().zip(&relative) {
-            assert_eq!(*part < FrequencyShares::LEAST_PART, share.is_nan());
+            assert_eq!(*part < FrequencyShares::MIN_PART, share.is_nan());
         }
         let periodic = Region {
             boundary: Boundary::Periodic,

@@ -27,12 +27,12 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Frequencies are looked at up to this `nu`, if they are no more than [`Self::MOST_CYCLES`].
-    pub const MOST_NU: f64 = 2.5;
+    /// Frequencies are looked at up to this `nu`, if they are no more than [`Self::MAX_CYCLES`].
+    pub const MAX_NU: f64 = 2.5;
     /// Cycles along an axis at most.
-    pub const MOST_CYCLES: f64 = 1023.0;
+    pub const MAX_CYCLES: f64 = 1023.0;
     /// Cycles along an axis at least.
-    pub const LEAST_CYCLES: f64 = 8.0;
+    pub const MIN_CYCLES: f64 = 8.0;
     /// Annuli at most.
     pub const ANNULI: f64 = 150.0;
     /// Cells along the picture at most.
@@ -41,15 +41,15 @@ impl Spectrum {
     pub const LEVEL: f64 = 0.95;
 
     /// Returns the window of frequencies that is looked at, for a set of `samples`: as far along both axes as
-    /// [`Self::MOST_NU`] and [`Self::MOST_CYCLES`] allow, and at least [`Self::LEAST_CYCLES`].
+    /// [`Self::MAX_NU`] and [`Self::MAX_CYCLES`] allow, and at least [`Self::MIN_CYCLES`].
     #[must_use]
     pub fn window(samples: f64, region: Region) -> FrequencyWindow {
         let [x, y] = cycles(samples, region);
-        let nu = Self::MOST_NU.min(Self::MOST_CYCLES / x.max(y));
-        centered([x, y].map(|cycles| (nu * cycles).min(Self::MOST_CYCLES)))
+        let nu = Self::MAX_NU.min(Self::MAX_CYCLES / x.max(y));
+        centered([x, y].map(|cycles| (nu * cycles).min(Self::MAX_CYCLES)))
     }
 
-    /// Returns the window of frequencies up to `nu`, at least [`Self::LEAST_CYCLES`] along each axis, for a set of
+    /// Returns the window of frequencies up to `nu`, at least [`Self::MIN_CYCLES`] along each axis, for a set of
     /// `samples`.
     ///
     /// # Errors
@@ -122,7 +122,7 @@ fn cycles(samples: f64, region: Region) -> [f64; 2] {
 
 fn centered(most: [f64; 2]) -> FrequencyWindow {
     // Far beyond what is transformed a number of cycles need not be exact.
-    let [x, y] = most.map(|most| most.ceil().clamp(Spectrum::LEAST_CYCLES, 1e12) as i64);
+    let [x, y] = most.map(|most| most.ceil().clamp(Spectrum::MIN_CYCLES, 1e12) as i64);
     FrequencyWindow {
         x: -x..x + 1,
         y: -y..y + 1,

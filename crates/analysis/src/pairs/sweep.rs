@@ -1,5 +1,5 @@
 //! The pair search for crowded sets: a line moves along x, and each sample looks at those behind it within reach, by y.
-//! The reach is the radius until [`MOST_CONFLICTS`] are counted, then the distance of the mildest witness.
+//! The reach is the radius until [`MAX_CONFLICTS`] are counted, then the distance of the mildest witness.
 //! It gives what the scan of a grid gives, whatever the sequence of the samples.
 //!
 //! # Why it takes `N log N`
@@ -12,7 +12,7 @@
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
-use super::{MOST_CONFLICTS, Pairs, length, offset};
+use super::{MAX_CONFLICTS, Pairs, length, offset};
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
 use crate::monitor::Monitor;
@@ -96,7 +96,7 @@ impl Sweep<'_> {
 
     /// How far pairs matter; it never grows.
     fn reach(&self) -> f64 {
-        let wanted = if self.pairs.conflicts < MOST_CONFLICTS {
+        let wanted = if self.pairs.conflicts < MAX_CONFLICTS {
             self.radius
         } else if self.witnesses == 0 {
             0.0

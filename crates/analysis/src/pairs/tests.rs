@@ -26,7 +26,7 @@ fn run(points: &[[f64; 2]], width: f64, height: f64, periodic: bool, radius: f64
         add_own_copies(&grid, radius, &mut swept);
     }
     // Either may count somewhat further.
-    let counted = |pairs: &Pairs| pairs.conflicts.min(MOST_CONFLICTS);
+    let counted = |pairs: &Pairs| pairs.conflicts.min(MAX_CONFLICTS);
     assert_eq!(counted(&found), counted(&swept));
     assert_eq!(found.min_distance, swept.min_distance);
     let worst = |pairs: &Pairs| pairs.worst.clone().into_sorted();
@@ -182,14 +182,14 @@ fn counting_ends_and_the_closest_pairs_are_found_all_the_same() {
     points.push([0.75 + 0.5 * step, 0.75]);
     for periodic in [false, true] {
         let pairs = run(&points, 1.0, 1.0, periodic, 0.25);
-        assert!(pairs.conflicts >= MOST_CONFLICTS);
+        assert!(pairs.conflicts >= MAX_CONFLICTS);
         assert_eq!(pairs.min_distance, 0.5 * step);
         assert_eq!(pairs.worst.into_sorted()[0].first, 4000);
     }
     let same = vec![[0.5, 0.5]; 5000];
     let pairs = run(&same, 1.0, 1.0, true, 0.1);
     assert_eq!(
-        (pairs.conflicts >= MOST_CONFLICTS, pairs.min_distance),
+        (pairs.conflicts >= MAX_CONFLICTS, pairs.min_distance),
         (true, 0.0)
     );
     let worst: Vec<_> = pairs

@@ -26,9 +26,9 @@ const ABOVE: usize = 4;
 /// Rows kept from the start of a torus: those judged at the end and those their windows show.
 const SEAM: usize = 2 * BELOW;
 /// Most cells held, four bytes each.
-const MOST_CELLS: usize = 1 << 24;
+const MAX_CELLS: usize = 1 << 24;
 /// Most gaps on sides of tiles, 40 bytes each. They are few but in made-up sets full of gaps.
-const MOST_SHARED: usize = 1 << 20;
+const MAX_SHARED: usize = 1 << 20;
 
 /// The question and the grid on which it is answered.
 #[derive(Clone, Debug)]
@@ -74,7 +74,7 @@ impl Search {
     fn streams(&self) -> bool {
         let [columns, rows] = self.cells;
         let held = (self.band.rows + SEAM).saturating_mul(columns);
-        columns >= 8 && rows >= 4 * SEAM && held <= MOST_CELLS
+        columns >= 8 && rows >= 4 * SEAM && held <= MAX_CELLS
     }
 
     /// The row of an ordinate in the domain's unit; it does not fall when that rises.
@@ -159,7 +159,7 @@ impl Bands {
             let end = complete.saturating_sub(ABOVE);
             let begin = self.closed.max(search.first_tiles());
             let crowded =
-                samples > most || (complete - self.keep) * search.cells[0] > MOST_CELLS / 2;
+                samples > most || (complete - self.keep) * search.cells[0] > MAX_CELLS / 2;
             let least = if crowded { 1 } else { search.band.rows };
             let enough = self.held.len() >= self.next.max(search.band.samples) || crowded;
             if enough && end >= begin + least.max(1) {
@@ -167,7 +167,7 @@ impl Bands {
                 self.next = self.held.len() + search.band.samples;
             }
             let cells = (complete - self.keep).saturating_mul(search.cells[0]);
-            if cells > MOST_CELLS {
+            if cells > MAX_CELLS {
                 return Err(self.too_large(search));
             }
         }
@@ -204,7 +204,7 @@ impl Bands {
         for visit in self.visit(&task, visits, monitor)? {
             self.postpone(search, first, visit)?;
         }
-        if self.places.shared() > MOST_SHARED {
+        if self.places.shared() > MAX_SHARED {
             return Err(self.too_large(search));
         }
         self.closed = rows.end;
@@ -283,7 +283,7 @@ impl Bands {
         } else {
             (0, all)
         };
-        if count.saturating_mul(search.cells[0]) > MOST_CELLS {
+        if count.saturating_mul(search.cells[0]) > MAX_CELLS {
             return Err(self.too_large(search));
         }
         let (held, seam) = (mem::take(&mut self.held), mem::take(&mut self.seam));

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 use crate::support::{maximal_set, nearest, repeated};
 use tilescope_analysis::{
-    Boundary, GapKind, MOST_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
+    Boundary, GapKind, MAX_CONFLICTS, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
 const BOTH: [Boundary; 2] = [Boundary::Periodic, Boundary::Bounded];
@@ -351,7 +351,7 @@ fn a_radius_far_too_large_costs_no_time() {
     let torus = region(1.0, 1.0, Boundary::Periodic);
     let right = report(&points, torus, 1e-9);
     let wrong = report(&points, torus, 0.5);
-    assert_eq!(wrong.conflicts, MOST_CONFLICTS);
+    assert_eq!(wrong.conflicts, MAX_CONFLICTS);
     assert_eq!(wrong.min_distance, right.min_distance);
     assert_eq!(wrong.covering_radius, right.covering_radius);
     assert_eq!(wrong.worst_conflicts[0].distance, right.min_distance);

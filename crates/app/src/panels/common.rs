@@ -41,7 +41,7 @@ pub fn no_events(ui: &mut Ui, context: &PanelContext<'_>) {
         }
         Some(_) => format!(
             "A run of more than {} samples keeps its result alone: there are no events to step through.",
-            tilescope_session::words::grouped(tilescope_session::limits::MOST_STAGED as usize)
+            tilescope_session::words::grouped(tilescope_session::limits::MAX_STAGED as usize)
         ),
     };
     ui.label(egui::RichText::new(text).color(context.palette.muted))

@@ -27,9 +27,9 @@ const CANVAS: f32 = 0.5;
 /// Width of what stands beside the canvas of a lying window.
 const BESIDE: f32 = 366.0;
 /// What the canvas keeps beside a tall panel.
-const LEAST_CANVAS: f32 = 120.0;
+const MIN_CANVAS_WIDTH: f32 = 120.0;
 /// What an open panel has in the lowest window: what does not fit is scrolled.
-const LEAST_DRAWER: f32 = 96.0;
+const MIN_DRAWER_WIDTH: f32 = 96.0;
 /// Below this height the sentence has one line.
 const LOW: f32 = 720.0;
 
@@ -49,10 +49,10 @@ struct Places {
 /// lying window, all of an upright one.
 fn needed_height(ctx: &Context, room: Rect, state: &State) -> f32 {
     let bar = if state.window.bare { 0.0 } else { BAR };
-    let drawer = state.window.drawer.open.map_or(0.0, |_| LEAST_DRAWER);
+    let drawer = state.window.drawer.open.map_or(0.0, |_| MIN_DRAWER_WIDTH);
     let canvas = match state.window.drawer.arrangement {
         Arrangement::Landscape => 0.0,
-        _ => LEAST_CANVAS,
+        _ => MIN_CANVAS_WIDTH,
     };
     bar + canvas + controls(ctx, room, state) + TABS + drawer
 }
@@ -86,10 +86,10 @@ impl Places {
             let rest = room.height() - bar - controls - TABS;
             let panel = match (drawer.open, drawer.is_tall) {
                 (None, _) => 0.0,
-                (Some(_), true) => rest - LEAST_CANVAS,
+                (Some(_), true) => rest - MIN_CANVAS_WIDTH,
                 (Some(_), false) => {
                     let half = CANVAS * room.height();
-                    rest - half.min(rest - LEAST_DRAWER).max(LEAST_CANVAS)
+                    rest - half.min(rest - MIN_DRAWER_WIDTH).max(MIN_CANVAS_WIDTH)
                 }
             };
             canvas.min.y = room.top() + bar;

@@ -15,7 +15,7 @@ use tilescope_ui::widgets::Known;
 use super::common::no_events;
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
-use tilescope_workbench::state::{Found, MOST_FOUND};
+use tilescope_workbench::state::{Found, MAX_FOUND};
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;
@@ -45,8 +45,8 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
             palette.muted,
         ),
         (None, Found::Pending(_)) => ("looking\u{2026}".to_owned(), palette.muted),
-        (None, Found::Events(events)) if events.len() == MOST_FOUND => (
-            format!("the first {} events", grouped(MOST_FOUND)),
+        (None, Found::Events(events)) if events.len() == MAX_FOUND => (
+            format!("the first {} events", grouped(MAX_FOUND)),
             palette.muted,
         ),
         (None, Found::Failed(why)) => (why.clone(), palette.conflict),

@@ -15,7 +15,7 @@ use super::context::PanelContext;
 use tilescope_workbench::command::{Command, TimeCommand, ViewCommand, Which};
 
 /// Rows of a history that are shown at once.
-const MOST_ROWS: usize = 200;
+const MAX_ROWS: usize = 200;
 
 /// Shows the inspector.
 pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>) {
@@ -65,7 +65,7 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
     )
     .known_as("history");
     let cursor = debugger.state().cursor();
-    for &event in events.iter().take(MOST_ROWS) {
+    for &event in events.iter().take(MAX_ROWS) {
         let past = event < cursor;
         let text = format!(
             "{:>7}  {}",
@@ -80,10 +80,10 @@ fn history(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>)
             commands.push(Command::Time(TimeCommand::Jump(event + 1)));
         }
     }
-    if events.len() > MOST_ROWS {
+    if events.len() > MAX_ROWS {
         let text = format!(
             "and {} more: the event browser finds them",
-            grouped(events.len() - MOST_ROWS)
+            grouped(events.len() - MAX_ROWS)
         );
         ui.label(RichText::new(text).color(palette.muted));
     }

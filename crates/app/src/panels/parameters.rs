@@ -22,7 +22,7 @@ const FIELD_WIDTHS: [f32; 2] = [140.0, 160.0];
 /// What is left beside a field for its unit.
 const UNIT_WIDTH: f32 = 14.0;
 /// The panel has room for its fields from this width on, in screen points, without what is around it.
-pub(super) const LEAST_WIDTH: f32 = FIELD_START + FIELD_WIDTHS[0] + UNIT_WIDTH;
+pub(super) const MIN_WIDTH: f32 = FIELD_START + FIELD_WIDTHS[0] + UNIT_WIDTH;
 /// Above and below the button that runs.
 const AROUND_RUN: f32 = 6.0;
 /// The height of the line above the button that names what is not in the run shown.

@@ -193,15 +193,15 @@ pub fn least_size(panel: Panel, timeline: f32) -> Vec2 {
     match panel {
         Panel::Canvas => vec2(320.0, 160.0),
         Panel::Timeline => vec2(320.0, timeline),
-        Panel::Parameters => vec2(parameters::LEAST_WIDTH + BESIDE_PANEL, LEAST_PANEL.y),
+        Panel::Parameters => vec2(parameters::MIN_WIDTH + BESIDE_PANEL, MIN_PANEL_WIDTH.y),
         // It is moved in less.
         Panel::Passes => Vec2::ZERO,
-        _ => LEAST_PANEL,
+        _ => MIN_PANEL_WIDTH,
     }
 }
 
 /// What most panels need, and the names of those that share a tile at first.
-const LEAST_PANEL: Vec2 = vec2(272.0, 96.0);
+const MIN_PANEL_WIDTH: Vec2 = vec2(272.0, 96.0);
 /// A panel's margins, and the room of its scroll bar.
 const BESIDE_PANEL: f32 = 28.0;
 

@@ -4,7 +4,7 @@ use egui::{CursorIcon, FontId, Role, Sense, Ui, WidgetInfo, vec2};
 use tilescope_core::Stage;
 use tilescope_drawing::palette::Palette;
 use tilescope_session::combination::Combination;
-use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::words::{grouped, share};
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
         }
     }
     if !session.has_stages() {
-        let most = grouped(MOST_STAGED as usize);
+        let most = grouped(MAX_STAGED as usize);
         let text =
             format!("Above {most} samples only the result is kept: the stages between are not.");
         ui.add_space(4.0);

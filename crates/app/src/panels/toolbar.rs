@@ -83,7 +83,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         Popup::menu(&button)
             .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
             .show(|ui| {
-                ui.set_width(WIDEST_MENU.min(room.x - 40.0));
+                ui.set_width(MAX_MENU_WIDTH.min(room.x - 40.0));
                 let height = (room.y - 96.0).max(120.0);
                 egui::ScrollArea::vertical()
                     .max_height(height)
@@ -105,7 +105,7 @@ pub fn show_compact(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// The widest menu of a small window, in screen points.
-const WIDEST_MENU: f32 = 340.0;
+const MAX_MENU_WIDTH: f32 = 340.0;
 /// From this much room beside the menu on, a small window has its name on top: the verdict's is as wide as the longest.
 const ROOM_FOR_TITLE: f32 = 310.0;
 

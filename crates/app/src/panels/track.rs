@@ -19,7 +19,7 @@ use crate::panels::context::TimeContext;
 use tilescope_workbench::command::{Command, TimeCommand};
 
 /// No segment is narrower, in screen points.
-const LEAST_WIDTH: f32 = 54.0;
+const MIN_WIDTH: f32 = 54.0;
 pub(super) const HEIGHT: f32 = 54.0;
 /// Height on a small window: room for a finger.
 pub(super) const COMPACT_HEIGHT: f32 = 44.0;
@@ -40,7 +40,7 @@ fn segments(session: &Session, left: f32, right: f32) -> Vec<Segment> {
     let end = |place: usize| session.stage_end(place).unwrap_or(place);
     let range = |place: usize| place.checked_sub(1).map_or(0, end)..end(place);
     let total: usize = (0..count).map(|place| range(place).len()).sum();
-    let least = LEAST_WIDTH.min((right - left) / count as f32);
+    let least = MIN_WIDTH.min((right - left) / count as f32);
     let room = (right - left - least * count as f32).max(0.0);
     let mut at = left;
     let segment = |(place, &stage): (usize, &Stage)| {

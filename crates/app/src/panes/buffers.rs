@@ -17,15 +17,15 @@ use tilescope_workbench::passes::OnCanvas;
 use tilescope_workbench::passes::placed::Rows;
 
 /// More marks than this in view are not drawn: one would see no more than a surface.
-pub const MOST_MARKS: usize = 20_000;
+pub const MAX_MARKS: usize = 20_000;
 /// Between the tag and the corner of the canvas, in screen points.
 const INSET: Vec2 = vec2(22.0, 24.0);
 /// The height that a remark at the top of the canvas takes, in screen points.
 const NOTE: f32 = 32.0;
 /// Rings below this radius are dots, in screen points.
-const LEAST_RING: f32 = 3.0;
+const MIN_RING: f32 = 3.0;
 /// Squares below this size are surfaces without a border, in screen points.
-const LEAST_BORDERED: f32 = 5.0;
+const MIN_BORDERED: f32 = 5.0;
 
 /// Draws the rows of a buffer where they lie; returns what is remarked at the top of the canvas: `note`, or
 /// how much is left out.
@@ -61,7 +61,7 @@ pub fn show(
         }
     }
     let note = note.or_else(|| {
-        let most = tilescope_session::words::grouped(MOST_MARKS);
+        let most = tilescope_session::words::grouped(MAX_MARKS);
         let more = tilescope_session::words::grouped(left_out);
         (left_out > 0).then(|| format!("{most} marks of the buffer are drawn, changed rows first; {more} more are in view. Zoom in."))
     });
@@ -88,7 +88,7 @@ impl InView {
     /// Returns the marks of rows in view: changed ones first, as many as there may be.
     fn of(scene: &Scene<'_>, rows: &Rows<'_>) -> Self {
         let mut view = Self::default();
-        let mut rest = MOST_MARKS;
+        let mut rest = MAX_MARKS;
         for changed in [true, false] {
             let list = if changed {
                 &mut view.changed
@@ -151,7 +151,7 @@ impl Scene<'_> {
     fn draw(&self, view: &InView, sprites: &mut Sprites) {
         let ctx = self.painter.ctx();
         let ring = self.ring();
-        let [faint, strong] = if ring < LEAST_RING {
+        let [faint, strong] = if ring < MIN_RING {
             [sprites.stamp(ctx, Sprite::Dot, 1.4); 2]
         } else {
             [Sprite::Disk, Sprite::Halo].map(|sprite| sprites.stamp(ctx, sprite, ring))
@@ -214,7 +214,7 @@ fn add_ring(mesh: &mut Mesh, stamp: Stamp, at: Pos2, color: Color32) {
 fn add_square(mesh: &mut Mesh, rect: Rect, color: Color32, strong: bool) {
     let width = if strong { 1.5 } else { 1.0 };
     let inner = rect.shrink(0.25);
-    if inner.width().min(inner.height()) < LEAST_BORDERED {
+    if inner.width().min(inner.height()) < MIN_BORDERED {
         let ground = color.gamma_multiply(if strong { 0.7 } else { 0.3 });
         mesh.add_colored_rect(inner, ground);
         return;

@@ -14,7 +14,7 @@ use tilescope_session::Session;
 
 /// So many frames may pass until the window rests: work in the background asks for one whenever it gets on, however
 /// fast frames are, so that this is no bound on time; one that never rests is found all the same.
-pub const MOST_FRAMES: u64 = 50_000;
+pub const MAX_FRAMES: u64 = 50_000;
 
 /// Returns the window when its session is made and verified.
 pub fn opened() -> Harness<'static, App> {
@@ -25,7 +25,7 @@ pub fn opened() -> Harness<'static, App> {
 pub fn opened_at(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
-        .with_max_steps(MOST_FRAMES)
+        .with_max_steps(MAX_FRAMES)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     settle(&mut harness);
     harness

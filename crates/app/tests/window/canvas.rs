@@ -20,13 +20,13 @@ const BLOCKS_STAGE: usize = 1;
 const TILE_STAGE: usize = 2;
 const FIRST_ITERATION: usize = 4;
 
-use crate::support::{MOST_FRAMES, debugger, find, node, opened, session, settle};
+use crate::support::{MAX_FRAMES, debugger, find, node, opened, session, settle};
 
 /// Returns the window on its default session, its samples drawn by instancing or as meshes.
 fn window(instanced: bool) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size([1_100.0, 760.0])
-        .with_max_steps(MOST_FRAMES)
+        .with_max_steps(MAX_FRAMES)
         .wgpu()
         .build_eframe(move |creation| {
             let mut app = App::new(&creation.egui_ctx);

@@ -18,7 +18,7 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     let mut harness = Harness::builder()
         .with_size(size)
         .with_step_dt(FRAME)
-        .with_max_steps(support::MOST_FRAMES)
+        .with_max_steps(support::MAX_FRAMES)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
     support::settle(&mut harness);
     // Near enough to tell samples apart.

@@ -10,7 +10,7 @@ use super::measured::SPREAD_OF_COUNTS;
 const EACH: f64 = 40.0;
 
 /// Units that are looked at, at most.
-const MOST: f64 = 5.0;
+const MAX_UNITS: f64 = 5.0;
 
 /// The bins of a pair correlation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,14 +29,14 @@ impl Bins {
         let half = 0.499 * region.width.min(region.height);
         if let Some(radius) = radius.filter(|radius| *radius > 0.0) {
             // A radius that is none of the set's may hold all of it.
-            let reach = half.min(PairCorrelation::FARTHEST * r_max) / radius;
-            let count = (EACH * reach.min(MOST)).floor();
+            let reach = half.min(PairCorrelation::MAX_DISTANCE * r_max) / radius;
+            let count = (EACH * reach.min(MAX_UNITS)).floor();
             if count >= 1.0 {
                 let count = count as usize;
                 return Self::OfRadius { radius, count };
             }
         }
-        let farthest = (half / r_max * (1.0 - SPREAD_OF_COUNTS).sqrt()).min(MOST);
+        let farthest = (half / r_max * (1.0 - SPREAD_OF_COUNTS).sqrt()).min(MAX_UNITS);
         Self::OfSpacing {
             farthest,
             count: (EACH * farthest).ceil().max(1.0) as usize,
@@ -86,7 +86,7 @@ mod tests {
             let bins = Bins::of(Some(radius), 1_000_000, UNIT_SQUARE);
             let farthest = bins.farthest(1_000_000, UNIT_SQUARE);
             assert!(
-                (0.0..=PairCorrelation::FARTHEST).contains(&farthest),
+                (0.0..=PairCorrelation::MAX_DISTANCE).contains(&farthest),
                 "{radius}: {farthest}"
             );
         }

@@ -9,15 +9,15 @@ use super::pictures::{self, IN_A_ROW};
 use super::subject::{Place, Subject, places};
 
 /// A peak higher than this is cut off: those of lattices would flatten everything else.
-const HIGHEST: f64 = 8.0;
+const MAX_PEAK: f64 = 8.0;
 /// The same of a difference, of either sign.
-const FARTHEST: f64 = 4.0;
+const MAX_FREQUENCY: f64 = 4.0;
 /// Bands may reach this many times as high as the highest curve.
-const WIDEST: f64 = 1.5;
+const MAX_BAND: f64 = 1.5;
 /// Anisotropies of fewer frequencies scatter by decibels: they do not stretch their axis.
 const FEW: u64 = 50;
 /// Periodograms in a figure that has curves as well.
-const MOST_PICTURES: usize = 12;
+const MAX_PICTURES: usize = 12;
 
 const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 const DISTANCE: &str = "distance r / r_max";
@@ -25,7 +25,7 @@ const DISTANCE: &str = "distance r / r_max";
 /// Returns the one figure of everything, and how many periodograms it leaves out.
 pub fn figure(analysis: &Analysis) -> (Figure, usize) {
     let subjects = &analysis.subjects;
-    let left_out = subjects.len().saturating_sub(MOST_PICTURES);
+    let left_out = subjects.len().saturating_sub(MAX_PICTURES);
     let shown = &subjects[..subjects.len() - left_out];
     let mut pictures: Vec<Panel> = shown.iter().map(pictures::panel).collect();
     let (mut rows, pairs) = curve_rows(analysis);
@@ -64,9 +64,9 @@ pub fn figures(analysis: &Analysis) -> Vec<Figure> {
         title: title(analysis),
         rows,
     };
-    let pictures = subjects.chunks(MOST_PICTURES).enumerate();
+    let pictures = subjects.chunks(MAX_PICTURES).enumerate();
     let pictures = pictures.map(|(index, some)| {
-        let first = index * MOST_PICTURES + 1;
+        let first = index * MAX_PICTURES + 1;
         let panels: Vec<Panel> = some.iter().map(pictures::panel).collect();
         Figure {
             title: format!(
@@ -191,12 +191,12 @@ fn ends_of_bands(series: &[Series]) -> [f64; 2] {
 /// Returns an axis of what cannot be negative: it cuts off high peaks, and bands that would dwarf their curves.
 fn cut(label: &str, series: &[Series]) -> Axis {
     let top = highest(series);
-    if top > HIGHEST {
-        return Axis::new(format!("{label}, cut off at {HIGHEST}")).with_range(0.0, HIGHEST);
+    if top > MAX_PEAK {
+        return Axis::new(format!("{label}, cut off at {MAX_PEAK}")).with_range(0.0, MAX_PEAK);
     }
     let [low, high] = ends_of_bands(series);
-    if top > 0.0 && high > WIDEST * top {
-        return Axis::new(format!("{label}, bands cut off")).with_range(0.0, WIDEST * top);
+    if top > 0.0 && high > MAX_BAND * top {
+        return Axis::new(format!("{label}, bands cut off")).with_range(0.0, MAX_BAND * top);
     }
     if low < 0.0 {
         return Axis::new(label).with_range(0.0, 1.05 * high.max(top).max(1.0));
@@ -207,12 +207,12 @@ fn cut(label: &str, series: &[Series]) -> Axis {
 fn cut_difference(label: &str, series: &[Series]) -> Axis {
     let [low, high] = ends_of_bands(series);
     let (what, far) = match highest(series) {
-        far if far > FARTHEST => ("", far),
+        far if far > MAX_FREQUENCY => ("", far),
         _ => ("bands ", high.max(-low)),
     };
-    if far > FARTHEST {
-        return Axis::new(format!("{label}, {what}cut off at \u{b1}{FARTHEST}"))
-            .with_range(-FARTHEST, FARTHEST);
+    if far > MAX_FREQUENCY {
+        return Axis::new(format!("{label}, {what}cut off at \u{b1}{MAX_FREQUENCY}"))
+            .with_range(-MAX_FREQUENCY, MAX_FREQUENCY);
     }
     Axis::new(label)
 }
@@ -340,9 +340,9 @@ mod tests {
         assert!(wide.label.ends_with("bands cut off"));
         let range = axis(2.0, [-0.1, 2.5]).range.unwrap();
         assert!(range[0].abs() < 1e-12 && range[1] > 2.5, "{range:?}");
-        assert_eq!(axis(20.0, [19.0, 21.0]).range, Some([0.0, HIGHEST]));
+        assert_eq!(axis(20.0, [19.0, 21.0]).range, Some([0.0, MAX_PEAK]));
         let difference = cut_difference("d", &[curve(0.1, [-9.0, 9.0])]);
-        assert_eq!(difference.range, Some([-FARTHEST, FARTHEST]));
+        assert_eq!(difference.range, Some([-MAX_FREQUENCY, MAX_FREQUENCY]));
         assert_eq!(cut_difference("d", &[curve(0.1, [-1.0, 1.0])]).range, None);
     }
 

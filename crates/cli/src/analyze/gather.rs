@@ -231,7 +231,7 @@ impl Analysis {
             let [x, y] = subject.spectrum.picture_reach;
             x.min(y)
         };
-        let short = |subject: &&Subject| reach(subject) < 0.9 * Spectrum::MOST_NU;
+        let short = |subject: &&Subject| reach(subject) < 0.9 * Spectrum::MAX_NU;
         let notes: Vec<String> = (self.subjects.iter().filter(short))
             .map(|subject| {
                 format!(
@@ -239,7 +239,7 @@ impl Analysis {
                      --frequencies asks for more",
                     subject.label,
                     reach(subject),
-                    Spectrum::MOST_CYCLES
+                    Spectrum::MAX_CYCLES
                 )
             })
             .collect();

@@ -9,7 +9,7 @@ use tilescope_analysis::measures::{
     Discrepancy, FrequencyWindow, MeasureError, NearestDistances, Order, PairCorrelation,
     Periodogram, PowerCurve, Spectrum, largest_min_distance,
 };
-use tilescope_analysis::{MOST_CONFLICTS, Progress, Region, Report, VerifyError};
+use tilescope_analysis::{MAX_CONFLICTS, Progress, Region, Report, VerifyError};
 use tilescope_formats::{CheckError, Format, StreamReader};
 
 use super::bins::Bins;
@@ -142,7 +142,7 @@ impl<'a> Request<'a> {
         if let Some(nu) = self.nu {
             return Spectrum::window_to(nu, samples, region);
         }
-        let wide = Spectrum::window_to(Spectrum::MOST_NU, samples, region);
+        let wide = Spectrum::window_to(Spectrum::MAX_NU, samples, region);
         let bytes = wide.as_ref().ok().and_then(|wide| wide.bytes().ok());
         match wide {
             Ok(wide) if bytes.is_some_and(|bytes| bytes <= UNASKED_BYTES) => Ok(wide),
@@ -326,7 +326,7 @@ fn read(path: &Path, arguments: &SetArguments) -> Result<Read> {
                 }
                 if certain && found.report.more_conflicts() {
                     warnings.push(format!(
-                        "conflicts were counted up to {MOST_CONFLICTS}; there may be more"
+                        "conflicts were counted up to {MAX_CONFLICTS}; there may be more"
                     ));
                 }
                 return Ok(Read {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 /// Letters of a short name at most.
-const MOST: usize = 40;
+const MAX_LENGTH: usize = 40;
 
 /// Returns the names, with a number behind those that were there before.
 pub fn numbered(names: &[String]) -> Vec<String> {
@@ -45,7 +45,7 @@ pub fn short(names: &[String]) -> Vec<String> {
             let own = tail(index, count);
             (0..names.len()).all(|other| names[other] == names[index] || tail(other, count) != own)
         });
-        cut(&tail(index, alone.unwrap_or(most)), MOST)
+        cut(&tail(index, alone.unwrap_or(most)), MAX_LENGTH)
     };
     (0..names.len()).map(label).collect()
 }

@@ -14,7 +14,7 @@ use crate::options::{SetArguments, UNIT_SQUARE};
 use crate::output;
 
 /// Samples that figure 10 needs for a spectrum: of fewer it would show nothing.
-const LEAST: usize = 500;
+const MIN_SAMPLES: usize = 500;
 /// Part of either side of its domain over which a set must extend at least: those of another domain fill a corner of it.
 const FILLED: f64 = 0.5;
 
@@ -113,8 +113,8 @@ fn check(points: &[[f64; 2]], region: Region) -> Result<()> {
         return Err(MeasureError::AllEqual { count, point }.into());
     }
     ensure!(
-        count >= LEAST,
-        "{count} samples are too few to compare; there must be at least {LEAST}"
+        count >= MIN_SAMPLES,
+        "{count} samples are too few to compare; there must be at least {MIN_SAMPLES}"
     );
     for (axis, (name, side)) in [("x", width), ("y", height)].into_iter().enumerate() {
         let all = points.iter().map(|point| point[axis]);

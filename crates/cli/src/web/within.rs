@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 /// The longest path, in bytes, as it is written in a request.
-const MOST_BYTES: usize = 1024;
+const MAX_BYTES: usize = 1024;
 
 /// Returns the parts of a request's path, decoded; nothing if one of them is not a plain name. Hidden files, among
 /// them `.` and `..`, are not plain, nor is what means something else to any system: slashes of either kind, colons,
@@ -13,7 +13,7 @@ fn parts(path: &str) -> Option<Vec<String>> {
     if path == "/" {
         return Some(vec!["index.html".to_owned()]);
     }
-    if path.len() > MOST_BYTES {
+    if path.len() > MAX_BYTES {
         return None;
     }
     let is_plain = |part: &String| {
@@ -115,7 +115,7 @@ mod tests {
         ] {
             assert_eq!(parts(path), None, "{path}");
         }
-        assert_eq!(parts(&format!("/{}", "a".repeat(MOST_BYTES))), None);
+        assert_eq!(parts(&format!("/{}", "a".repeat(MAX_BYTES))), None);
         // Decoded once: what is left is a strange but plain name.
         assert_eq!(parts("/%252e%252e"), Some(vec!["%2e%2e".to_owned()]));
     }

@@ -32,8 +32,8 @@ const COUNT_BITS: u32 = 2;
 const PLACE_BITS: u32 = 30;
 
 /// Sides of any pattern, in units. A quotient of side and radius may be rounded to one unit less.
-const SHORTEST: u32 = MIN_SIDE_RADII_BOUNDED as u32 * R as u32 - 1;
-const LONGEST: u32 = MAX_SIDE_RADII as u32 * R as u32;
+const MIN_SIDE: u32 = MIN_SIDE_RADII_BOUNDED as u32 * R as u32 - 1;
+const MAX_SIDE: u32 = MAX_SIDE_RADII as u32 * R as u32;
 
 impl Pattern {
     /// Returns the pattern in its packed form: about 4.1 bytes a sample. Equal patterns made from
@@ -151,12 +151,12 @@ fn checked_body(bytes: &[u8]) -> Result<&[u8], PackedError> {
 }
 
 fn side(name: &'static str, units: u32) -> Result<i32, PackedError> {
-    if !(SHORTEST..=LONGEST).contains(&units) {
+    if !(MIN_SIDE..=MAX_SIDE).contains(&units) {
         return Err(PackedError::Side {
             name,
             units,
-            minimum: SHORTEST,
-            maximum: LONGEST,
+            minimum: MIN_SIDE,
+            maximum: MAX_SIDE,
         });
     }
     Ok(units as i32)

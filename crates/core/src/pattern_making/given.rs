@@ -15,7 +15,7 @@ const GIVEN_SLACK: i64 = 7_800;
 
 /// The fewest samples to a squared radius that can cover a plane: 2 / (3 sqrt 3), the triangular
 /// lattice's. Half of it allows for what lies beyond a closed border.
-const LEAST_DENSITY: f64 = 0.5 * 0.384_9;
+const MIN_DENSITY: f64 = 0.5 * 0.384_9;
 
 impl Pattern {
     /// Returns the pattern of given positions in user units: a set of radius `radius` on
@@ -65,7 +65,7 @@ pub(crate) fn check_count(count: usize, domain: &Domain) -> Result<(), PatternEr
     if count == 0 {
         return Err(PatternError::Empty);
     }
-    if (count as f64) < LEAST_DENSITY * area {
+    if (count as f64) < MIN_DENSITY * area {
         return Err(PatternError::TooFew { count, area });
     }
     Ok(())

@@ -11,7 +11,7 @@ use crate::scene::{Scene, moved};
 use crate::surface::{Arc, Stroke, Surface};
 
 /// Circles wider than this, in r, are hardly curved where they can be seen.
-const WIDEST: f64 = 50.0;
+const MAX_CIRCUMRADIUS: f64 = 50.0;
 /// Most circles drawn at once: beyond, one sees none.
 const MAX_CIRCLES: usize = 4_000;
 /// By how much a radius may exceed r from rounding alone.
@@ -84,7 +84,7 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
     let mut drawn = 0;
     for triangle in &net.tessellation.triangles {
         let reach = triangle.circumradius;
-        if !(1.0 + HAIR..WIDEST).contains(&reach) {
+        if !(1.0 + HAIR..MAX_CIRCUMRADIUS).contains(&reach) {
             continue;
         }
         let [low, high] = [-reach, reach].map(|by| moved(triangle.center, [by; 2]));

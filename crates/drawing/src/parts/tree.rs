@@ -13,9 +13,9 @@ use crate::surface::{Stroke, Surface, Tag};
 /// A line has a number if it is so many times as long: while nothing but blocks is shown, and later.
 const MIN_LENGTHS: [f32; 2] = [2.0, 4.0];
 /// The width of the first split's line, in screen points.
-const WIDEST: f32 = 6.0;
+const MAX_WIDTH: f32 = 6.0;
 /// The width of the lines deep in the tree.
-const THINNEST: f32 = 1.2;
+const MIN_WIDTH: f32 = 1.2;
 /// Wider lines are drawn before the others.
 const WIDE: f32 = 2.0;
 /// By how much a line is thinner than the one above it.
@@ -32,14 +32,14 @@ fn visible<'a>(scene: &'a Scene<'_>) -> impl Iterator<Item = (usize, &'a Split, 
             Axis::Y => ([rect.min.x, split.plane], [rect.max.x, split.plane]),
         };
         let ends = [low, high].map(|end| scene.at(end.map(radii)));
-        let seen = scene.visible_line(ends, WIDEST)?;
+        let seen = scene.visible_line(ends, MAX_WIDTH)?;
         Some((number, split, seen))
     })
 }
 
 /// Returns how wide the line of a split is, in screen points.
 fn width(split: &Split) -> f32 {
-    (WIDEST * TAPER.powi(split.depth as i32)).max(THINNEST)
+    (MAX_WIDTH * TAPER.powi(split.depth as i32)).max(MIN_WIDTH)
 }
 
 pub fn lines(scene: &Scene<'_>, surface: &mut impl Surface) {

@@ -22,7 +22,7 @@ const SAMPLE: f64 = 44.0;
 const GAP: f64 = 28.0;
 
 /// Cells of whole pixels may leave a tenth of an image's room unused.
-const LEAST_OF_ROOM: f64 = 0.9;
+const MIN_SHARE_OF_ROOM: f64 = 0.9;
 
 /// Returns the scene of a figure, 1200 pixels wide; its height follows from the number of rows.
 ///
@@ -149,7 +149,7 @@ fn true_to_scale(chart: &ImageChart, [x, y]: [[f64; 2]; 2], plot: Rect) -> Rect 
     // Below a pixel, halves: pictures are often made at scale 2.
     if (cell[0] / cell[1] - 1.0).abs() < 1e-9 && cell[0] >= 1.0 {
         let whole = (2.0 * cell[0] + 1e-9).floor() / 2.0;
-        if whole > LEAST_OF_ROOM * cell[0] {
+        if whole > MIN_SHARE_OF_ROOM * cell[0] {
             cell = [whole; 2];
         }
     }

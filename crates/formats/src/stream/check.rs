@@ -14,7 +14,7 @@ use crate::check::{Check, CheckError, Difference, Found, Judged, Overrides, diff
 use crate::detect::Detection;
 use crate::digest::{add_positions, digest_text};
 use crate::error::io_error;
-use crate::files::{MOST_IN_MEMORY, check};
+use crate::files::{MAX_IN_MEMORY, check};
 use crate::format::Precision;
 use crate::pipe::Input;
 
@@ -61,7 +61,7 @@ impl From<Check> for StreamCheck {
 ///
 /// # Errors
 ///
-/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file of more than [`MOST_IN_MEMORY`] points that
+/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file of more than [`MAX_IN_MEMORY`] points that
 /// a stream cannot judge.
 pub fn check_stream(
     path: &Path,
@@ -88,14 +88,14 @@ pub(super) fn check_from(
         return in_memory();
     };
     let shuffled = (reader.certificate()).is_some_and(|stated| stated.shuffle_seed.is_some());
-    if shuffled && reader.count().is_none_or(|count| count <= MOST_IN_MEMORY) {
+    if shuffled && reader.count().is_none_or(|count| count <= MAX_IN_MEMORY) {
         return in_memory();
     }
     // No point of a text file takes less than four bytes.
     let count = reader.count().unwrap_or(length / 4);
     match in_pieces(reader, overrides, control) {
         Err(CheckError::Verify(source)) if source.needs_memory() => {
-            let limit = MOST_IN_MEMORY;
+            let limit = MAX_IN_MEMORY;
             if count > limit {
                 return Err(CheckError::TooLarge {
                     count,

@@ -61,7 +61,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
                 tries += 1;
             };
             assert!(
-                tries > 0 && tries < MOST_TRIES,
+                tries > 0 && tries < MAX_TRIES,
                 "{small:?} took {tries} tries"
             );
             assert!(found == expected, "{small:?}");

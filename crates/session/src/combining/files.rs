@@ -132,7 +132,7 @@ fn read(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Held, Unrea
 fn from_disk(around: &Incoming, path: &Path, monitor: &Monitor) -> Result<Incoming, Unread> {
     #[cfg(not(target_arch = "wasm32"))]
     if around.folder.is_some() {
-        let limit = crate::limits::MOST_PATTERN_BYTES;
+        let limit = crate::limits::MAX_PATTERN_BYTES;
         return Incoming::from_path(path, limit, monitor);
     }
     let why = "it did not come with the layout; open both at once, and the set's certificate";

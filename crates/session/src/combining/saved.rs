@@ -12,7 +12,7 @@ use crate::session::Session;
 const VERSION: u32 = 1;
 
 /// The longest such file: a layout, and a view of as many bytes.
-const MOST_BYTES: usize = 2 * MAX_LAYOUT_BYTES as usize;
+const MAX_BYTES: usize = 2 * MAX_LAYOUT_BYTES as usize;
 
 /// What is saved.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -35,7 +35,7 @@ pub struct SavedCombination {
 #[non_exhaustive]
 pub enum SavedError {
     /// It is too long.
-    #[error("the session has {bytes} bytes; one of a combination may have {MOST_BYTES}")]
+    #[error("the session has {bytes} bytes; one of a combination may have {MAX_BYTES}")]
     TooLong {
         /// Its length.
         bytes: usize,
@@ -89,7 +89,7 @@ impl SavedCombination {
     pub fn to_json(&self) -> Result<String, SavedError> {
         let text = serde_json::to_string_pretty(self).map_err(SavedError::Form)?;
         let bytes = text.len();
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             return Err(SavedError::TooLong { bytes });
         }
         Ok(text)
@@ -98,7 +98,7 @@ impl SavedCombination {
     /// Reads a file's text: of a version that this program reads.
     pub fn from_json(text: &str) -> Result<Self, SavedError> {
         let bytes = text.len();
-        if bytes > MOST_BYTES {
+        if bytes > MAX_BYTES {
             return Err(SavedError::TooLong { bytes });
         }
         let value: Value = serde_json::from_str(text).map_err(SavedError::Form)?;

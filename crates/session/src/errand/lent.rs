@@ -13,7 +13,7 @@ use crate::session::Session;
 
 /// Sessions that are kept where errands are carried out: two that are compared, and two that may come to be where there is
 /// room for them.
-const MOST_KEPT: usize = if cfg!(target_arch = "wasm32") { 2 } else { 4 };
+const MAX_KEPT: usize = if cfg!(target_arch = "wasm32") { 2 } else { 4 };
 
 thread_local! {
     /// Sessions that were named since somebody asked.
@@ -99,7 +99,7 @@ pub fn keep(session: Session) {
     KNOWN.with_borrow_mut(|known| {
         known.retain(|other| other.generation != session.generation);
         known.push(Arc::new(session));
-        let surplus = known.len().saturating_sub(MOST_KEPT);
+        let surplus = known.len().saturating_sub(MAX_KEPT);
         known.drain(..surplus);
     });
 }

@@ -11,7 +11,7 @@ use tilescope_session::moment::{Shown, Still};
 use tilescope_session::session::Session;
 use tilescope_session::words::{counted, grouped};
 
-use tilescope_drawing::brushed::{Cause, Found, MOST_PAIRS, Pair};
+use tilescope_drawing::brushed::{Cause, Found, MAX_PAIRS, Pair};
 
 use super::measured::{Control, Samples, refusal};
 
@@ -218,7 +218,7 @@ pub fn cause(
     match brush.axis {
         Axis::Distance => {
             let range = brush.range.map(|distance| distance * set.radius);
-            let found = pairs_between(points, region, range, MOST_PAIRS, control)?;
+            let found = pairs_between(points, region, range, MAX_PAIRS, control)?;
             let pairs = found.pairs.iter().map(|pair| Pair {
                 ids: [pair.first, pair.second].map(|index| ids[index as usize]),
                 offset: pair.offset.map(|along| along / set.radius),

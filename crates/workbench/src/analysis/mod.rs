@@ -25,7 +25,7 @@ use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 
 /// Moments whose measures are kept, so that going back to them takes no time.
-pub const MOST_KEPT: usize = 48;
+pub const MAX_KEPT: usize = 48;
 
 /// An action of the analysis.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -236,7 +236,7 @@ impl Analysis {
                     self.growing = None;
                     self.kept.retain(|other| other.key != key);
                     self.kept.push(known);
-                    let surplus = self.kept.len().saturating_sub(MOST_KEPT);
+                    let surplus = self.kept.len().saturating_sub(MAX_KEPT);
                     self.kept.drain(..surplus);
                 } else {
                     self.growing = Some((known, set));

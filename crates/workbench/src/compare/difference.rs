@@ -10,7 +10,7 @@ use tilescope_session::moment::{Shown, Still};
 use tilescope_session::session::Session;
 
 /// Sets of more samples are compared in the background: it would take longer than a frame.
-const MOST_AT_ONCE: usize = 50_000;
+const MAX_AT_ONCE: usize = 50_000;
 
 /// A pair of moments: the generation of each session, and its cursor.
 type Key = [(u64, usize); 2];
@@ -66,7 +66,7 @@ impl Differences {
         if known || self.work.is_some() || self.failed == Some(key) || !comparable(a, b) {
             return;
         }
-        let few = a.session.run().samples.len() + b.session.run().samples.len() <= MOST_AT_ONCE;
+        let few = a.session.run().samples.len() + b.session.run().samples.len() <= MAX_AT_ONCE;
         if few {
             self.ready = Some((key, between(covering(a), covering(b))));
             return;

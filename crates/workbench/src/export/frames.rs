@@ -9,7 +9,7 @@ use super::refusal::Refusal;
 use crate::clock::Clock;
 
 /// The most frames of an animation.
-pub const MOST_FRAMES: usize = 600;
+pub const MAX_FRAMES: usize = 600;
 /// Frames that an animation has about at first, until something else is typed.
 const AT_FIRST: usize = 120;
 
@@ -29,7 +29,7 @@ pub struct Count {
 ///
 /// # Errors
 ///
-/// [`Refusal::NoEvents`], [`Refusal::EmptyRange`] and, above [`MOST_FRAMES`], [`Refusal::TooManyFrames`].
+/// [`Refusal::NoEvents`], [`Refusal::EmptyRange`] and, above [`MAX_FRAMES`], [`Refusal::TooManyFrames`].
 pub fn frames(
     session: &Session,
     range: &Range<usize>,
@@ -63,8 +63,8 @@ pub fn count(
     }
     let ticks = number(session, range, clock);
     let frames = ticks / every + 2;
-    if frames > MOST_FRAMES {
-        let enough = ticks / (MOST_FRAMES - 1) + 1;
+    if frames > MAX_FRAMES {
+        let enough = ticks / (MAX_FRAMES - 1) + 1;
         return Err(Refusal::TooManyFrames { frames, enough });
     }
     Ok(frames)
@@ -183,10 +183,10 @@ mod tests {
         let all = 0..events;
         let Err(Refusal::TooManyFrames { frames, enough }) = count(&session, &all, Clock::Event, 1)
         else {
-            panic!("{events} events are more than {MOST_FRAMES}");
+            panic!("{events} events are more than {MAX_FRAMES}");
         };
         assert_eq!(frames, events + 1);
-        assert!(count(&session, &all, Clock::Event, enough).unwrap() <= MOST_FRAMES);
+        assert!(count(&session, &all, Clock::Event, enough).unwrap() <= MAX_FRAMES);
         assert!(count(&session, &all, Clock::Event, enough - 1).is_err());
         for clock in Clock::ALL {
             let every = every_at_first(&session, &all, clock);

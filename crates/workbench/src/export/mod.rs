@@ -20,7 +20,7 @@ use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
 pub use form::{Entry, ExportForm};
-pub use frames::MOST_FRAMES;
+pub use frames::MAX_FRAMES;
 pub use picture::View;
 pub use refusal::Refusal;
 use tilescope_session::errand::Lent;

@@ -26,7 +26,7 @@ use tilescope_drawing::brushed::Found;
 use tilescope_drawing::camera::Camera;
 
 /// The most samples that a picture draws.
-pub const MOST_DRAWN: usize = 1_000_000;
+pub const MAX_DRAWN: usize = 1_000_000;
 
 /// What of the plane is seen, and how.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

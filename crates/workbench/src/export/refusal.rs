@@ -3,8 +3,8 @@
 use tilescope_session::words::grouped;
 
 use super::form::{MAX_DELAY_MS, MAX_EVERY, MAX_SCALE, MIN_DELAY_MS, MIN_SCALE};
-use super::frames::MOST_FRAMES;
-use super::picture::MOST_DRAWN;
+use super::frames::MAX_FRAMES;
+use super::picture::MAX_DRAWN;
 
 /// Why nothing can be exported.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -16,7 +16,7 @@ pub enum Refusal {
     /// Animations need events.
     #[error(
         "This session was made without events, so that there is no time to animate: runs of more than {} samples keep their result alone.",
-        grouped(tilescope_session::limits::MOST_STAGED as usize)
+        grouped(tilescope_session::limits::MAX_STAGED as usize)
     )]
     NoEvents,
     /// Animations need events, and a combination has none.
@@ -68,7 +68,7 @@ pub enum Refusal {
     },
     /// There would be too many frames.
     #[error(
-        "These are {} frames; the limit is {MOST_FRAMES}. A frame for every {} steps or more would do.",
+        "These are {} frames; the limit is {MAX_FRAMES}. A frame for every {} steps or more would do.",
         grouped(*.frames), grouped(*.enough)
     )]
     TooManyFrames {
@@ -95,7 +95,7 @@ pub enum Refusal {
     /// There is too much to draw.
     #[error(
         "About {} samples are in view; pictures draw {} at most. Zoom in.",
-        grouped(*.samples), grouped(MOST_DRAWN)
+        grouped(*.samples), grouped(MAX_DRAWN)
     )]
     TooManySamples {
         /// How many.

@@ -27,7 +27,7 @@ use tilescope_session::jobs::Monitor;
 use tilescope_session::verification::region_of;
 
 /// The longest animation that is made in memory.
-pub const MOST_ANIMATION_BYTES: usize = 512 << 20;
+pub const MAX_ANIMATION_BYTES: usize = 512 << 20;
 
 /// A file that was made.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -341,8 +341,8 @@ struct Limited(Vec<u8>);
 
 impl Write for Limited {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.0.len() + bytes.len() > MOST_ANIMATION_BYTES {
-            let most = tilescope_session::words::grouped(MOST_ANIMATION_BYTES);
+        if self.0.len() + bytes.len() > MAX_ANIMATION_BYTES {
+            let most = tilescope_session::words::grouped(MAX_ANIMATION_BYTES);
             return Err(io::Error::other(format!(
                 "it is longer than {most} bytes; fewer frames or a smaller scale would do"
             )));

@@ -8,7 +8,7 @@ use tilescope_session::words::last_part;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use super::{MOST_FILES, NamedBytes};
+use super::{MAX_FILES, NamedBytes};
 
 /// Why files were not packed.
 #[derive(Debug, thiserror::Error)]
@@ -63,10 +63,10 @@ pub fn unpacked(file: &NamedBytes) -> Result<Vec<NamedBytes>, String> {
     let failed = |why: &dyn std::fmt::Display| format!("{name} cannot be unpacked: {why}");
     let bytes = Cursor::new(file.bytes.as_slice());
     let mut archive = ZipArchive::new(bytes).map_err(|error| failed(&error))?;
-    if archive.len() > MOST_FILES {
+    if archive.len() > MAX_FILES {
         let count = archive.len();
         return Err(failed(&format!(
-            "it holds {count} files; at most {MOST_FILES} are read"
+            "it holds {count} files; at most {MAX_FILES} are read"
         )));
     }
     let mut about: Vec<(String, u64)> = Vec::new();

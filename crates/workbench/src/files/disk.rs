@@ -10,7 +10,7 @@ use tilescope_formats::certificate_path;
 use tilescope_session::incoming::disk::{plain_file, read_limited};
 use tilescope_session::incoming::{Unread, begins_as_object, holds_document, pick};
 use tilescope_session::jobs::{Job, Monitor, Wake};
-use tilescope_session::limits::MOST_PATTERN_BYTES;
+use tilescope_session::limits::MAX_PATTERN_BYTES;
 use tilescope_session::recipe::{OwnPattern, load};
 
 use super::{FileForm, Incoming, Purpose, SESSION_NAME};
@@ -56,7 +56,7 @@ pub(super) fn gather_paths(
     let (opened, left) = pick(&names, holds).ok_or("there is no file")?;
     let limit = match purpose {
         Some(Purpose::Open | Purpose::Combination) => MAX_BYTES as u64,
-        _ => MOST_PATTERN_BYTES,
+        _ => MAX_PATTERN_BYTES,
     };
     let read = Incoming::from_path(&paths[opened], limit, monitor);
     let incoming = read.map_err(sentence)?;
@@ -92,7 +92,7 @@ pub(super) fn find_pattern(
 }
 
 fn read_pattern(path: &Path, monitor: &Monitor) -> Result<OwnPattern, String> {
-    let read = Incoming::from_path(path, MOST_PATTERN_BYTES, monitor);
+    let read = Incoming::from_path(path, MAX_PATTERN_BYTES, monitor);
     load(&read.map_err(sentence)?)
 }
 

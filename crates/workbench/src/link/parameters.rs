@@ -10,7 +10,7 @@ use tilescope_session::words::grouped;
 
 use super::said::{Said, quoted};
 use super::text::{exact, finite, name, named};
-use super::{MOST_PATTERN_SIDE, MOST_SAMPLES};
+use super::{MAX_PATTERN_SIDE, MAX_SAMPLES};
 
 /// The keys, in the sequence in which they are written.
 pub const KEYS: [&str; 13] = [
@@ -153,7 +153,7 @@ fn fit(p: &mut Parameters, run: &str, said: &mut Said) {
     let side = p
         .pattern
         .side
-        .clamp(MIN_PATTERN_SIDE_RADII, MOST_PATTERN_SIDE);
+        .clamp(MIN_PATTERN_SIDE_RADII, MAX_PATTERN_SIDE);
     if exact(side) != exact(p.pattern.side) {
         said.say(format!(
             "The link asked for a pattern{run} of {} r; {side} r is used instead.",
@@ -182,14 +182,14 @@ pub fn excess(p: &Parameters) -> Vec<String> {
     let domain = p.validate_sequential();
     let samples = domain.map_or(0.0, |domain| domain.area_radii() * MAXIMAL_DENSITY);
     let mut excess = Vec::new();
-    if samples > MOST_SAMPLES {
-        let most = grouped(MOST_SAMPLES as usize);
+    if samples > MAX_SAMPLES {
+        let most = grouped(MAX_SAMPLES as usize);
         excess.push(format!(
             "the radius, as a link asks for at most {most} samples"
         ));
     }
-    if p.pattern.side > MOST_PATTERN_SIDE {
-        let most = MOST_PATTERN_SIDE;
+    if p.pattern.side > MAX_PATTERN_SIDE {
+        let most = MAX_PATTERN_SIDE;
         excess.push(format!(
             "the pattern's side, as a link asks for at most {most} r"
         ));
@@ -204,7 +204,7 @@ fn radii(p: &Parameters) -> [f64; 2] {
         Boundary::Bounded => MIN_SIDE_RADII_BOUNDED,
     };
     // Sides are up to 1e30, so that their product is no infinity.
-    let crowded = (MAXIMAL_DENSITY * p.width * p.height / MOST_SAMPLES).sqrt();
+    let crowded = (MAXIMAL_DENSITY * p.width * p.height / MAX_SAMPLES).sqrt();
     let least = crowded.max(p.width.max(p.height) / MAX_SIDE_RADII);
     [least, p.width.min(p.height) / shortest]
 }
@@ -224,7 +224,7 @@ fn fit_radius(p: &mut Parameters, run: &str, said: &mut Said) {
         p.radius = up(least);
         said.say(format!(
             "The link asked for radius{run} {asked}, which makes more than the {} samples that a link may ask for or a domain that is too long; {} is used instead.",
-            grouped(MOST_SAMPLES as usize),
+            grouped(MAX_SAMPLES as usize),
             exact(p.radius)
         ));
     } else if p.radius > largest {
@@ -347,8 +347,8 @@ mod tests {
             let (p, said) = of(pairs);
             assert!(said.text().contains(part), "{pairs:?}: {}", said.text());
             let domain = p.validate_sequential().expect("parameters to sample");
-            assert!(domain.area_radii() * MAXIMAL_DENSITY <= MOST_SAMPLES);
-            assert!(p.pattern.side <= MOST_PATTERN_SIDE);
+            assert!(domain.area_radii() * MAXIMAL_DENSITY <= MAX_SAMPLES);
+            assert!(p.pattern.side <= MAX_PATTERN_SIDE);
             // What is nearest needs no correction.
             let pairs: Vec<_> = differing(&p, &Parameters::default()).collect();
             let pairs: Vec<_> = pairs.iter().map(|(k, v)| (*k, v.as_str())).collect();

@@ -18,7 +18,7 @@ use super::said::{Said, quoted};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::write::{LINKS, NINE_SETS, layer_name};
 use super::{
-    MOST_BOOKMARKS, MOST_BYTES, MOST_COMBINATION, MOST_SAMPLES, MOST_STOPS, MOST_TEXT, VERSION,
+    MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION,
 };
 use crate::clock::Clock;
 use crate::layout;
@@ -105,15 +105,15 @@ impl Reader {
 
     /// Returns what is read of a text, which ends between two parts.
     fn cut<'a>(&mut self, text: &'a str) -> &'a str {
-        if text.len() <= MOST_BYTES {
+        if text.len() <= MAX_BYTES {
             return text;
         }
         self.said.say(format!(
             "The link has {} bytes; what lies behind the first {} was left out.",
             grouped(text.len()),
-            grouped(MOST_BYTES)
+            grouped(MAX_BYTES)
         ));
-        let mut end = MOST_BYTES;
+        let mut end = MAX_BYTES;
         while !text.is_char_boundary(end) {
             end -= 1;
         }
@@ -159,7 +159,7 @@ impl Reader {
         }
         let at = self.take("at", |text| text.parse().ok());
         let stage = self.take("stage", |text| {
-            (!text.is_empty() && text.len() <= MOST_TEXT).then(|| text.to_owned())
+            (!text.is_empty() && text.len() <= MAX_TEXT).then(|| text.to_owned())
         });
         content.moment = match (at, stage) {
             (Some(cursor), _) => NamedMoment::Event(cursor),
@@ -273,9 +273,9 @@ impl Reader {
     }
 
     fn stops(&mut self, content: &mut Content) {
-        content.breakpoints = self.list("break", "breakpoint", MOST_STOPS, breakpoint);
-        content.watches = self.list("watch", "watch", MOST_STOPS, short);
-        content.bookmarks = self.list("mark", "bookmark", MOST_BOOKMARKS, bookmark);
+        content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
+        content.watches = self.list("watch", "watch", MAX_STOPS, short);
+        content.bookmarks = self.list("mark", "bookmark", MAX_BOOKMARKS, bookmark);
         let marks = &mut content.bookmarks;
         marks.sort_by(|a, b| (&a.run, a.event).cmp(&(&b.run, b.event)));
         marks.dedup_by(|a, b| (&a.run, a.event) == (&b.run, b.event));
@@ -313,7 +313,7 @@ impl Reader {
 }
 
 fn short(text: &str) -> Option<String> {
-    (text.chars().count() <= MOST_TEXT).then(|| text.to_owned())
+    (text.chars().count() <= MAX_TEXT).then(|| text.to_owned())
 }
 
 /// Reads the event with the note behind it; between them is the run and the anchor of one from another run.
@@ -348,11 +348,11 @@ fn breakpoint(text: &str) -> Option<SavedBreakpoint> {
 }
 
 fn combination(text: &str) -> Result<Combination, String> {
-    if text.len() > MOST_COMBINATION {
+    if text.len() > MAX_COMBINATION {
         return Err(format!(
             "its layout has {} characters, and a link's has at most {}",
             grouped(text.len()),
-            grouped(MOST_COMBINATION)
+            grouped(MAX_COMBINATION)
         ));
     }
     let json = match text {
@@ -362,10 +362,10 @@ fn combination(text: &str) -> Result<Combination, String> {
     let layout = Combination::from_json(&json).map_err(|error| error.to_string())?;
     let placed = layout.placed().map_err(|error| error.to_string())?;
     let expected = placed.expected + of_patterns(&placed.places);
-    if expected > MOST_SAMPLES {
+    if expected > MAX_SAMPLES {
         return Err(format!(
             "it and its patterns make about {expected:.0} samples, and a link may ask for {}",
-            grouped(MOST_SAMPLES as usize)
+            grouped(MAX_SAMPLES as usize)
         ));
     }
     let of_file = |source: &Source| matches!(source, Source::File { .. });

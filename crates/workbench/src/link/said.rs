@@ -1,7 +1,7 @@
 //! What did not come of a link, in sentences: as many as one reads.
 
 /// The most sentences that are kept.
-const MOST: usize = 8;
+const MAX_WARNINGS: usize = 8;
 /// The most characters of what is quoted.
 const QUOTED: usize = 40;
 
@@ -15,7 +15,7 @@ pub struct Said {
 impl Said {
     /// Says something.
     pub fn say(&mut self, sentence: String) {
-        if self.sentences.len() < MOST {
+        if self.sentences.len() < MAX_WARNINGS {
             self.sentences.push(sentence);
         } else {
             self.more += 1;
@@ -70,8 +70,8 @@ mod tests {
             said.say(format!("Part {k}."));
         }
         let sentences = said.sentences();
-        assert_eq!(sentences.len(), MOST + 1);
-        assert_eq!(sentences[MOST], "992 more parts were left out.");
+        assert_eq!(sentences.len(), MAX_WARNINGS + 1);
+        assert_eq!(sentences[MAX_WARNINGS], "992 more parts were left out.");
         assert_eq!(quoted("a\nb"), "a\u{fffd}b");
         assert_eq!(quoted(&"x".repeat(99)).chars().count(), QUOTED + 1);
     }

@@ -11,14 +11,14 @@ use tilescope_session::words::counted;
 use super::content::{Content, NamedMoment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rounded, slug};
-use super::{MOST_BOOKMARKS, MOST_CHARACTERS, MOST_COMBINATION, MOST_STOPS, MOST_TEXT, VERSION};
+use super::{MAX_BOOKMARKS, MAX_CHARACTERS, MAX_COMBINATION, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::layout;
 use tilescope_drawing::camera::Camera;
 
 /// A permalink.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Link {
-    /// The fragment of the address, without its `#`: at most [`MOST_CHARACTERS`] letters, digits and marks.
+    /// The fragment of the address, without its `#`: at most [`MAX_CHARACTERS`] letters, digits and marks.
     pub fragment: String,
     /// What is at hand and not in the link, as phrases such as "the panel layout".
     pub left_out: Vec<String>,
@@ -70,7 +70,7 @@ impl Writer {
 
     /// Returns how many characters the value of a key may have.
     fn room(&self, key: &str) -> usize {
-        MOST_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
+        MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
     }
 
     fn run(&mut self, content: &Content) {
@@ -99,7 +99,7 @@ impl Writer {
         } else {
             base64(json.as_bytes())
         };
-        if value.len() <= MOST_COMBINATION {
+        if value.len() <= MAX_COMBINATION {
             self.put("combine", value);
         } else {
             self.left_out
@@ -155,7 +155,7 @@ impl Writer {
     }
 
     fn stops(&mut self, content: &Content) {
-        let fits = |text: &str| text.chars().count() <= MOST_TEXT;
+        let fits = |text: &str| text.chars().count() <= MAX_TEXT;
         let breakpoint = |b: &SavedBreakpoint| {
             let condition = b.condition.as_deref().unwrap_or_default();
             fits(condition).then(|| {
@@ -166,7 +166,7 @@ impl Writer {
         };
         let watch = |text: &String| fits(text).then(|| escaped(&item(text)));
         let mark = |mark: &Bookmark| {
-            let note: String = mark.note.chars().take(MOST_TEXT).collect();
+            let note: String = mark.note.chars().take(MAX_TEXT).collect();
             let colon = if note.is_empty() { "" } else { ":" };
             let run = match &mark.anchor {
                 _ if mark.run.is_empty() => String::new(),
@@ -182,15 +182,15 @@ impl Writer {
         self.list(
             "break",
             "breakpoints",
-            MOST_STOPS,
+            MAX_STOPS,
             &content.breakpoints,
             breakpoint,
         );
-        self.list("watch", "watches", MOST_STOPS, &content.watches, watch);
+        self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
         self.list(
             "mark",
             "bookmarks",
-            MOST_BOOKMARKS,
+            MAX_BOOKMARKS,
             &content.bookmarks,
             mark,
         );
@@ -198,7 +198,7 @@ impl Writer {
         match long.count() {
             0 => {}
             count => self.left_out.push(format!(
-                "the ends of {} of more than {MOST_TEXT} characters",
+                "the ends of {} of more than {MAX_TEXT} characters",
                 counted(count, "note", "notes")
             )),
         }

@@ -13,7 +13,7 @@ use tilescope_session::words::sentence;
 
 use super::model::{Badge, PassEntry, Visit};
 use super::placed::Placed;
-use super::table::{BufferTable, MOST_NUMBERS};
+use super::table::{BufferTable, MAX_NUMBERS};
 
 /// A word that is set on the device behind a pass: what if it were another?
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -119,7 +119,7 @@ impl Walker {
     /// Returns the rows of a buffer that are read back.
     async fn table(&self, name: Name) -> Result<Table, GpuError> {
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
-        let rows = MOST_NUMBERS / columns.max(1);
+        let rows = MAX_NUMBERS / columns.max(1);
         self.stepper.table(name, rows.max(1)).await
     }
 

@@ -5,7 +5,7 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters, Rect, Stage};
 use tilescope_gpu::PassReport;
 use tilescope_gpu::layout::{Access, Name};
 use tilescope_gpu::twin::Difference;
-use tilescope_session::limits::MOST_STAGED;
+use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::words::{grouped, sentence};
 
 use super::placed::Placed;
@@ -114,11 +114,11 @@ pub fn refusal(parameters: &Parameters) -> Option<String> {
         Ok(domain) => domain.area_radii() * MAXIMAL_DENSITY,
         Err(error) => return Some(sentence(&error.to_string())),
     };
-    (expected > MOST_STAGED).then(|| {
+    (expected > MAX_STAGED).then(|| {
         format!(
             "About {} samples are expected; passes can be looked at in runs of up to {} samples.",
             grouped(expected.round() as usize),
-            grouped(MOST_STAGED as usize),
+            grouped(MAX_STAGED as usize),
         )
     })
 }

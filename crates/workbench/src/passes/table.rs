@@ -5,7 +5,7 @@ use tilescope_gpu::layout::{Access, Name};
 
 /// The most numbers that are read back of a buffer each time, rows times columns: 4 MB for one side of a table, at most
 /// about 80 MB for the ten buffers of the largest pass.
-pub const MOST_NUMBERS: u64 = 500_000;
+pub const MAX_NUMBERS: u64 = 500_000;
 
 /// Which side of a pass a table shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

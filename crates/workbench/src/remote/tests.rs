@@ -8,7 +8,7 @@ use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
 use tilescope_session::words::{grouped, stage_name};
 
-use super::{MOST_BYTES, REQUESTS, Request, TARGETS, read};
+use super::{MAX_BYTES, REQUESTS, Request, TARGETS, read};
 use crate::clock::Clock;
 use crate::link::{self, COLOURINGS, choice_name, layer_name, slug};
 
@@ -142,17 +142,17 @@ fn every_field_of_the_state_is_documented() {
 fn the_limits_of_a_page_are_documented() {
     let count = |most: f64| grouped(most as usize);
     let expected = [
-        count(tilescope_session::limits::MOST_STAGED_ON_A_PAGE),
-        count(link::MOST_SAMPLES_ON_A_PAGE),
-        count(tilescope_session::limits::MOST_ON_A_PAGE),
-        format!("{} r", link::MOST_PATTERN_SIDE_ON_A_PAGE),
-        grouped(tilescope_session::limits::MOST_PASSES_ON_A_PAGE),
-        grouped(link::MOST_BYTES),
-        grouped(link::MOST_CHARACTERS),
-        link::MOST_STOPS.to_string(),
-        link::MOST_BOOKMARKS.to_string(),
-        link::MOST_TEXT.to_string(),
-        grouped(MOST_BYTES),
+        count(tilescope_session::limits::MAX_STAGED_ON_A_PAGE),
+        count(link::MAX_SAMPLES_ON_A_PAGE),
+        count(tilescope_session::limits::MAX_ON_A_PAGE),
+        format!("{} r", link::MAX_PATTERN_SIDE_ON_A_PAGE),
+        grouped(tilescope_session::limits::MAX_PASSES_ON_A_PAGE),
+        grouped(link::MAX_BYTES),
+        grouped(link::MAX_CHARACTERS),
+        link::MAX_STOPS.to_string(),
+        link::MAX_BOOKMARKS.to_string(),
+        link::MAX_TEXT.to_string(),
+        grouped(MAX_BYTES),
     ];
     let rows = table("limit");
     let limits: Vec<&str> = rows.iter().map(|row| row[1]).collect();

@@ -2,7 +2,7 @@
 
 use tilescope_session::errand;
 use tilescope_session::jobs::Job;
-use tilescope_session::limits::MOST_PASSES_ON_A_PAGE;
+use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
 use tilescope_session::look::Look;
 use tilescope_session::recipe::Recipe;
 use tilescope_session::sampling::Sampling;
@@ -71,10 +71,10 @@ impl State {
                     .to_owned(),
             );
         }
-        if cfg!(target_arch = "wasm32") && session.summary.count > MOST_PASSES_ON_A_PAGE {
+        if cfg!(target_arch = "wasm32") && session.summary.count > MAX_PASSES_ON_A_PAGE {
             return Some(format!(
                 "A page shows the passes of runs of up to {} samples; the native program has no such limit.",
-                tilescope_session::words::grouped(MOST_PASSES_ON_A_PAGE)
+                tilescope_session::words::grouped(MAX_PASSES_ON_A_PAGE)
             ));
         }
         match &self.gpu.device {

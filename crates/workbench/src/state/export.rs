@@ -12,9 +12,9 @@ use super::effects::Context;
 use super::{RunView, State, Time};
 use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
-use crate::export::picture::MOST_DRAWN;
+use crate::export::picture::MAX_DRAWN;
 use crate::export::{
-    Content, Entry, ExportCommand, ExportForm, Kind, MOST_FRAMES, Order, Refusal, View,
+    Content, Entry, ExportCommand, ExportForm, Kind, MAX_FRAMES, Order, Refusal, View,
 };
 use crate::files::Delivery;
 
@@ -167,7 +167,7 @@ impl Exports {
                 let frames = self.frame_count(form, source)?;
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
                 Ok(format!(
-                    "{frames} frames of at most {MOST_FRAMES}, {size}, {secs:.1} s"
+                    "{frames} frames of at most {MAX_FRAMES}, {size}, {secs:.1} s"
                 ))
             }
         }
@@ -321,7 +321,7 @@ fn checked_view(
     let view = source.view(form.kind, form.print)?;
     let (low, high) = view.camera.visible(source.run.viewport);
     let samples = session.index.count_in(low, high);
-    if samples > MOST_DRAWN {
+    if samples > MAX_DRAWN {
         return Err(Refusal::TooManySamples { samples });
     }
     let scale = if form.has_scale() { form.scale()? } else { 1.0 };

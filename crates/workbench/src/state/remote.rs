@@ -217,11 +217,11 @@ impl State {
 }
 
 /// The greatest number up to which readers of JSON that have 64-bit floats alone tell all whole numbers apart.
-const MOST_EXACT: u64 = 1 << 53;
+const MAX_EXACT: u64 = 1 << 53;
 
 /// Returns a seed as it is told: as text where a number would be rounded.
 fn seed(seed: u64) -> Value {
-    if seed <= MOST_EXACT {
+    if seed <= MAX_EXACT {
         json!(seed)
     } else {
         json!(seed.to_string())

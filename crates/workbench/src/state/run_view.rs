@@ -25,9 +25,9 @@ mod time;
 mod work;
 
 pub use debug::Looking;
-pub use debug::{EventQuery, Found, MOST_FOUND};
+pub use debug::{EventQuery, Found, MAX_FOUND};
 pub use hits::Counting;
-pub use hits::{Hits, MOST_HITS};
+pub use hits::{Hits, MAX_HITS};
 pub(super) use time::{next_line, none_there};
 
 /// How the making of a session ends.

@@ -13,7 +13,7 @@ use crate::command::TimeCommand;
 use crate::passes::PassCommand;
 
 /// So many conditions of breakpoints are looked at in a frame: some tens of milliseconds.
-const MOST_CONDITIONS: u32 = 10_000;
+const MAX_CONDITIONS: u32 = 10_000;
 
 /// How time runs.
 #[derive(Default)]
@@ -96,7 +96,7 @@ impl Time {
             self.continuing = None;
             return;
         };
-        let left = Cell::new(MOST_CONDITIONS);
+        let left = Cell::new(MAX_CONDITIONS);
         let stop = debugger.run_while(direction, &|| {
             let before = left.get();
             left.set(before.saturating_sub(1));

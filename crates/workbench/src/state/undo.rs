@@ -11,7 +11,7 @@ use crate::draft::Field;
 use crate::layout::Layout;
 
 /// Most steps that are remembered.
-const MOST_STEPS: usize = 200;
+const MAX_STEPS: usize = 200;
 
 /// What the run at hand was made from, so that it can be made again.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,7 +124,7 @@ impl State {
     fn push(&mut self, part: Part, memento: Memento) {
         let History { past, future, .. } = &mut self.history;
         past.push(Change { part, memento });
-        let surplus = past.len().saturating_sub(MOST_STEPS);
+        let surplus = past.len().saturating_sub(MAX_STEPS);
         past.drain(..surplus);
         future.clear();
     }
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn only_so_many_steps_are_remembered() {
         let mut state = State::new(Arc::new(|| {}));
-        for step in 0..MOST_STEPS + 10 {
+        for step in 0..MAX_STEPS + 10 {
             let field = [Field::Seed, Field::Leaf][step % 2];
             type_in(&mut state, field, &(step + 6).to_string());
         }
@@ -284,6 +284,6 @@ mod tests {
             state.apply(Command::Undo);
             undone += 1;
         }
-        assert_eq!(undone, MOST_STEPS);
+        assert_eq!(undone, MAX_STEPS);
     }
 }

@@ -10,7 +10,7 @@ use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
 use tilescope_session::Session;
 use tilescope_workbench::analysis::brush::FIRST_PEAK;
 use tilescope_workbench::analysis::measured::{Measured, Part, Samples};
-use tilescope_workbench::analysis::{AnalysisCommand, MOST_KEPT};
+use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
@@ -113,7 +113,7 @@ fn going_back_takes_no_time_and_memory_is_bounded() {
     assert!(is_whole(&state), "known without waiting");
     jump(&mut state, 3_000);
     assert!(Arc::ptr_eq(&there, &measured(&state)));
-    for step in 0..MOST_KEPT {
+    for step in 0..MAX_KEPT {
         jump(&mut state, 3_100 + step);
         state.settle();
         assert!(is_whole(&state));

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use emath::{Rect, pos2, vec2};
 use tilescope_formats::certificate_path;
 use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
-use tilescope_workbench::export::{Entry, ExportCommand, Kind, MOST_FRAMES, Refusal};
+use tilescope_workbench::export::{Entry, ExportCommand, Kind, MAX_FRAMES, Refusal};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, fill_in, opened, settled, told, write};
@@ -138,7 +138,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
             &[&quoted, "0.5 to 8"],
         );
     }
-    let limit = MOST_FRAMES.to_string();
+    let limit = MAX_FRAMES.to_string();
     let every = [(Entry::Every, "1")];
     refused(Kind::Picture, &path("a.gif"), &[], &[".png .svg"]);
     refused(Kind::Animation, &path("a.mp4"), &[], &[".gif .apng .png"]);

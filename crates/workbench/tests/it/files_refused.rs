@@ -1,7 +1,7 @@
 //! Bytes that are broken, too many or made to do harm: each is refused with a sentence, and the session at hand stays.
 
 use tilescope_session::incoming::{Incoming, NamedBytes};
-use tilescope_workbench::files::{FileCommand, MOST_FILES, gather, packed, refusals, unpacked};
+use tilescope_workbench::files::{FileCommand, MAX_FILES, gather, packed, refusals, unpacked};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{opened, told};
@@ -133,11 +133,11 @@ fn lengths_are_judged_before_anything_is_read() {
     );
     assert!(said[2].as_ref().unwrap().contains("2,147,483,648"));
     assert!(said[4].as_ref().unwrap().contains("200,000,000"));
-    let many = vec![("a.csv", 1); MOST_FILES + 1];
+    let many = vec![("a.csv", 1); MAX_FILES + 1];
     let said = refusals(&many);
-    assert!(said[..MOST_FILES].iter().all(Option::is_none));
+    assert!(said[..MAX_FILES].iter().all(Option::is_none));
     assert!(
-        said[MOST_FILES]
+        said[MAX_FILES]
             .as_ref()
             .unwrap()
             .contains("more than 64 files")
@@ -193,7 +193,7 @@ fn sets_and_certificates_find_each_other_and_documents_go_first() {
     let many: Vec<NamedBytes> = (0..200).map(|k| file(&format!("{k}.csv"), "")).collect();
     let (incoming, left) = gather(many).unwrap();
     assert_eq!((incoming.name.as_str(), left.len()), ("0.csv", 199));
-    assert!(incoming.beside.len() <= MOST_FILES);
+    assert!(incoming.beside.len() <= MAX_FILES);
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn archives_that_are_none_or_hold_too_much_are_refused() {
         .position(|bytes| bytes == b"1,2")
         .unwrap();
     altered[at] = b'7';
-    let many = packed(files(MOST_FILES + 1).collect()).unwrap();
+    let many = packed(files(MAX_FILES + 1).collect()).unwrap();
     for (bytes, said) in [
         (b"".to_vec(), "cannot be unpacked"),
         (b"PK\x03\x04 nothing else".to_vec(), "cannot be unpacked"),

@@ -48,10 +48,10 @@ fn cells_of(spectrum: &Spectrum) -> String {
     let least = spectrum.picture_reach[0].min(spectrum.picture_reach[1]);
     // The rim may lack a part of a cell.
     let cell = 2.0 * least / picture.size.min(picture.rows) as f64;
-    if least < Spectrum::MOST_NU - cell {
+    if least < Spectrum::MAX_NU - cell {
         let longest = (picture.size * picture.side).max(picture.rows * picture.row_side) / 2;
-        let so_far = if longest as f64 > 0.9 * Spectrum::MOST_CYCLES {
-            let cycles = tilescope_session::words::grouped(Spectrum::MOST_CYCLES as usize);
+        let so_far = if longest as f64 > 0.9 * Spectrum::MAX_CYCLES {
+            let cycles = tilescope_session::words::grouped(Spectrum::MAX_CYCLES as usize);
             format!("({cycles} cycles)")
         } else {
             "so far".to_owned()
@@ -66,7 +66,7 @@ const fn frequencies() -> Axis<'static> {
     Axis {
         label: FREQUENCY,
         sign: "\u{3bd}",
-        range: [0.0, Spectrum::MOST_NU],
+        range: [0.0, Spectrum::MAX_NU],
     }
 }
 

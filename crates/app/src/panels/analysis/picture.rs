@@ -16,7 +16,7 @@ use super::plot::Dragged;
 pub const BLACK: f64 = 3.0;
 
 /// The picture is no wider than this, in screen points.
-const MOST_SIDE: f32 = 250.0;
+const MAX_SIDE: f32 = 250.0;
 
 /// Shows the picture in a square of the whole width, frequencies up to `reach` from its middle to its nearer sides; returns what
 /// was done to the ring.
@@ -27,11 +27,11 @@ pub fn show(
     brush: Option<[f64; 2]>,
     palette: &Palette,
 ) -> Option<Dragged> {
-    let side = ui.available_width().min(MOST_SIDE);
+    let side = ui.available_width().min(MAX_SIDE);
     let room = vec2(ui.available_width(), side);
     let (place, response) = ui.allocate_exact_size(room, Sense::CLICK | Sense::DRAG);
     let rect = Rect::from_center_size(place.center(), vec2(side, side));
-    let reach = Spectrum::MOST_NU;
+    let reach = Spectrum::MAX_NU;
     let name =
         "Periodogram, frequencies up to \u{3bd} = 2.5 from its middle; a ring can be dragged";
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));

@@ -31,7 +31,7 @@ pub(crate) const HALF_DIAGONAL: f32 = 2_897.5;
 pub(crate) const SITE_SLACK: f32 = 12.5;
 
 /// Squares of this side are not divided further when a place is to be proven covered.
-const FINEST: i32 = 64;
+const MIN_SQUARE: i32 = 64;
 
 type Lanes = [f32; LANES];
 
@@ -68,13 +68,13 @@ impl Default for Near {
 const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 
 /// More samples than are ever about as near to a pixel as the nearest: a disk of 3.6 r holds fewer than 64 that are r apart.
-pub(crate) const MOST_SITES: usize = 65;
+pub(crate) const MAX_SITES: usize = 65;
 
 /// A square of a cell: its lowest corner and its side.
 type Square = (i32, i32, i32);
 
-/// Squares that wait to be proven covered: three of each side from a pixel's to [`FINEST`], and one.
-const MOST_WAITING: usize = 24;
+/// Squares that wait to be proven covered: three of each side from a pixel's to [`MIN_SQUARE`], and one.
+const MAX_WAITING: usize = 24;
 
 /// A sample's offset.
 pub(crate) type Site = (i64, i64);
@@ -134,7 +134,7 @@ impl Near {
         simd: S,
         x: f32,
         y: f32,
-        sites: &mut [u8; MOST_SITES],
+        sites: &mut [u8; MAX_SITES],
     ) -> usize {
         let (nearest, _) = self.square(simd, x, y);
         let limit = site_limit(nearest);
@@ -144,7 +144,7 @@ impl Near {
             .enumerate()
             .filter(|(_, squared)| **squared <= limit)
         {
-            if count < MOST_SITES {
+            if count < MAX_SITES {
                 sites[count] = k as u8;
                 count += 1;
             }
@@ -238,7 +238,7 @@ impl Near {
 
     #[inline(always)]
     fn square_may_be_open<S: Simd>(&self, simd: S, square: Square) -> bool {
-        let mut waiting = [square; MOST_WAITING];
+        let mut waiting = [square; MAX_WAITING];
         let mut count = 1;
         while count > 0 {
             count -= 1;
@@ -246,7 +246,7 @@ impl Near {
             if self.covers_square(simd, (x, y, side)) {
                 continue;
             }
-            if side <= FINEST {
+            if side <= MIN_SQUARE {
                 return true;
             }
             let half = side / 2;

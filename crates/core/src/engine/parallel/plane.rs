@@ -31,14 +31,14 @@ const HALO: i32 = 6;
 
 /// The longest side of a window that is computed at once, in cells. Larger ones leave the second-level cache;
 /// smaller ones have more halo.
-pub(super) const LONGEST_SIDE: i32 = 320;
+pub(super) const MAX_SIDE: i32 = 320;
 
 /// Windows for each thread between two looks at the observer.
 pub(super) const WINDOWS_A_THREAD: usize = 6;
 
 /// The most repairs of repairs: a halo of 768 cells. One suffices nearly always; only a pattern from a file with
 /// holes everywhere could need more.
-const MOST_REPAIRS: usize = 7;
+const MAX_REPAIRS: usize = 7;
 
 /// Unsure cells this near to each other are repaired together.
 const NEIGHBOURS: i32 = 8;
@@ -224,10 +224,10 @@ impl Plane {
         depth: usize,
         window: &Rect,
     ) -> Result<Counts, SampleError> {
-        let is_last = depth > MOST_REPAIRS;
+        let is_last = depth > MAX_REPAIRS;
         if is_last && self.whole.is_none() {
             return Err(SampleError::Entangled {
-                radii: f64::from(HALO << MOST_REPAIRS),
+                radii: f64::from(HALO << MAX_REPAIRS),
             });
         }
         while scratch.0.len() <= depth {
@@ -268,9 +268,9 @@ fn pieces_at_once() -> usize {
     WINDOWS_A_THREAD * rayon::current_num_threads()
 }
 
-/// Cuts a part of the domain into windows of at most [`LONGEST_SIDE`] cells and a bit.
+/// Cuts a part of the domain into windows of at most [`MAX_SIDE`] cells and a bit.
 fn pieces(part: &Rect) -> Vec<Rect> {
-    let side = i64::from(LONGEST_SIDE) << CELL_BITS;
+    let side = i64::from(MAX_SIDE) << CELL_BITS;
     let starts = |low: i32, high: i32| {
         let cut = move |at: i64| (at, (at + side).min(high.into()));
         (i64::from(low)..i64::from(high))
@@ -448,9 +448,9 @@ mod tests {
         assert!(
             matches!(&computed, Ok((points, .., counts)) if points.len() > 800 && counts.eliminated > 0)
         );
-        assert_eq!(found(&plane, MOST_REPAIRS + 1), computed);
+        assert_eq!(found(&plane, MAX_REPAIRS + 1), computed);
         plane.whole = None;
         let refused = Err(SampleError::Entangled { radii: 768.0 });
-        assert_eq!(found(&plane, MOST_REPAIRS + 1), refused);
+        assert_eq!(found(&plane, MAX_REPAIRS + 1), refused);
     }
 }

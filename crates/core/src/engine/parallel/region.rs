@@ -366,4 +366,4 @@ fn row_covers<S: Simd>(simd: S, slots: &[Slots], first: usize, x: i32, y: i32) -
 }
 
 /// The widest search of a cell's surroundings stays in the padding.
-pub(crate) const WIDEST: i32 = PAD;
+pub(crate) const MAX_REACH: i32 = PAD;

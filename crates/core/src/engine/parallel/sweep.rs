@@ -18,13 +18,13 @@ use crate::stage::Stage;
 use super::counts::Counts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
-use super::plane::{LONGEST_SIDE, Plane, Pool, WINDOWS_A_THREAD};
+use super::plane::{MAX_SIDE, Plane, Pool, WINDOWS_A_THREAD};
 
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
-const SHORTEST_SIDE: i32 = 64;
+const MIN_SIDE: i32 = 64;
 
 /// More samples to a squared radius than a set has, bounded domains apart.
-const MOST_DENSITY: f64 = 0.71;
+const MAX_DENSITY: f64 = 0.71;
 
 /// Where a [`Sweep`] is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,7 +75,7 @@ impl Sweep {
         // Enough windows for every thread where the domain is small, and all about as large.
         let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
-        let longest = side.clamp(SHORTEST_SIDE, LONGEST_SIDE);
+        let longest = side.clamp(MIN_SIDE, MAX_SIDE);
         let sides = cells.map(|cells: i32| {
             (cells as u32).div_ceil((cells as u32).div_ceil(longest as u32)) as i32
         });
@@ -155,7 +155,7 @@ impl Sweep {
         mut self,
         observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary), SampleError> {
-        let expected = self.plane.domain().area_radii() * MOST_DENSITY;
+        let expected = self.plane.domain().area_radii() * MAX_DENSITY;
         let mut joined = Joined::default();
         joined.points.reserve(expected as usize);
         let mut before = self.next(observer)?;

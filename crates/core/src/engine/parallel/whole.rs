@@ -20,7 +20,7 @@ use super::region::Region;
 
 /// The largest domain, in squared radii, that is run as a whole, which nobody can stop: about 700,000 samples. The longest
 /// domains that are narrow enough to need it are not larger.
-const LARGEST: f64 = 1_048_576.0;
+const MAX_AREA: f64 = 1_048_576.0;
 
 /// How many times a domain lies in a frame that is not worth computing any more.
 const REPETITIONS: f64 = 9.0;
@@ -38,7 +38,7 @@ impl Whole {
     /// ends at the borders.
     pub(super) fn new(parameters: &Parameters, pattern: &Pattern, domain: &Domain) -> Option<Self> {
         let area = domain.area_radii();
-        (domain.is_periodic() && area <= LARGEST).then(|| Self {
+        (domain.is_periodic() && area <= MAX_AREA).then(|| Self {
             parameters: *parameters,
             pattern: Arc::new(pattern.clone()),
             area,

@@ -210,7 +210,7 @@ proptest! {
         let mut bytes = MARK.to_vec();
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend(flags.to_le_bytes());
-        bytes.extend(words.into_iter().flat_map(|w| (w % (LONGEST + 9)).to_le_bytes()));
+        bytes.extend(words.into_iter().flat_map(|w| (w % (MAX_SIDE + 9)).to_le_bytes()));
         bytes.extend(body);
         bytes.extend([0; CHECKSUM_BYTES]);
         let bytes = sealed(bytes);

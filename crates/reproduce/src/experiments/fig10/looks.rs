@@ -18,7 +18,7 @@ pub const DRAWN: usize = 1000;
 /// Squares of frequencies along a picture of a spectrum; an odd number.
 pub const CELLS: usize = 113;
 /// Fewer say nothing about a spectrum.
-const FEWEST: usize = 500;
+const MIN_SAMPLES: usize = 500;
 
 /// The mean spectrum of a sampler's sets.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,7 +49,7 @@ impl Task {
     pub fn of(sampler: Sampler, settings: &Settings) -> Option<Self> {
         let count = settings.pick(25_000, 12_800).min(sampler.most(settings));
         let sets = sampler.sets(count, settings.pick(10, 4), settings);
-        (count >= FEWEST && sets > 0).then_some(Self {
+        (count >= MIN_SAMPLES && sets > 0).then_some(Self {
             sampler,
             count,
             sets,
@@ -132,9 +132,9 @@ impl Task {
     }
 }
 
-/// Returns the window of frequencies that [`CELLS`] squares along an axis fill, up to about [`Spectrum::MOST_NU`].
+/// Returns the window of frequencies that [`CELLS`] squares along an axis fill, up to about [`Spectrum::MAX_NU`].
 fn window(count: usize) -> FrequencyWindow {
-    let wide = 2.0 * Spectrum::MOST_NU * (count as f64).sqrt() / CELLS as f64;
+    let wide = 2.0 * Spectrum::MAX_NU * (count as f64).sqrt() / CELLS as f64;
     let side = 2 * (0.5 * (wide - 1.0)).round().max(0.0) as u32 + 1;
     FrequencyWindow::centered((CELLS as u32 * side - 1) / 2)
 }
@@ -174,7 +174,7 @@ mod tests {
             assert!(kdrt.low < 0.2 && kdrt.low > 0.01, "{}", kdrt.low);
             assert_eq!(kdrt.picture.len(), CELLS * CELLS);
             assert!(
-                (kdrt.reach / Spectrum::MOST_NU - 1.0).abs() < 0.1,
+                (kdrt.reach / Spectrum::MAX_NU - 1.0).abs() < 0.1,
                 "{}",
                 kdrt.reach
             );

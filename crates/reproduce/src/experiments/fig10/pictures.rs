@@ -116,7 +116,7 @@ fn whole(all: &[Found], corners: &[Vec<[f64; 2]>]) -> Result<Picture, ReproduceE
 /// Returns how far the first spectrum reaches, as nu.
 fn reach(all: &[Found]) -> f64 {
     let mut looks = all.iter().filter_map(|one| one.look.as_ref());
-    looks.next().map_or(Spectrum::MOST_NU, |look| look.reach)
+    looks.next().map_or(Spectrum::MAX_NU, |look| look.reach)
 }
 
 /// Names of the figure's rows, and the frequencies of the second.
@@ -150,7 +150,7 @@ fn whole_caption(all: &[Found]) -> String {
          left part of the zone plate from {} samples, Gaussian filter; a horizon at {SHOWN} samples per pixel, mean of each pixel. RMSE \
          is that of the whole image from the first set, the one shown; SNR is the exact image's mean square over that of the error. The tables \
          have means over sets.",
-        Spectrum::MOST_NU,
+        Spectrum::MAX_NU,
         first.map_or_else(String::new, |one| count(one.count as u64))
     )
 }

@@ -21,9 +21,9 @@ pub const NYQUIST: f64 = 0.5;
 /// Width of the classes of local frequency, in cycles per pixel.
 const CLASS: f64 = 0.05;
 /// A class of fewer pixels says nothing.
-const LEAST: f64 = 40.0;
+const MIN_PIXELS: f64 = 40.0;
 /// An image of fewer pixels along a side says nothing.
-const SMALLEST: usize = 32;
+const MIN_SIDE: usize = 32;
 
 /// A zone plate about the lower left corner of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,7 +152,7 @@ impl Task {
             let sides = share * (whole.1 + 2 * MARGIN) as f64;
             (sides as usize).saturating_sub(2 * MARGIN)
         };
-        (side >= SMALLEST).then(|| Self {
+        (side >= MIN_SIDE).then(|| Self {
             sampler,
             count,
             plate: Plate { side },
@@ -215,7 +215,7 @@ fn measured(plate: Plate, exact: &[f64], errors: &[f64]) -> Plated {
         signal.add(*exact);
     }
     let full = classes.iter().enumerate();
-    let full = full.filter(|one| one.1.count >= LEAST);
+    let full = full.filter(|one| one.1.count >= MIN_PIXELS);
     Plated {
         index: 0,
         count: 0,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use tilescope_analysis::measures::{Periodogram, chi_square_quantile};
 
 /// Frequencies, of each opposite pair one, that a ring must have.
-const LEAST: usize = 100;
+const MIN_FREQUENCIES: usize = 100;
 /// How often chance alone may pass the limit.
 const CHANCE: f64 = 0.01;
 
@@ -27,7 +27,7 @@ impl Peaks {
     pub fn of(periodogram: &Periodogram) -> Self {
         let rings = rings(periodogram);
         let means: Vec<[f64; 2]> = rings.iter().filter_map(|ring| mean(ring)).collect();
-        let whole = || rings.iter().filter(|ring| ring.len() >= LEAST);
+        let whole = || rings.iter().filter(|ring| ring.len() >= MIN_FREQUENCIES);
         let frequencies: usize = whole().map(Vec::len).sum();
         let limit = limit(periodogram.sets as f64, frequencies as f64);
         let ratios = whole().flatten();

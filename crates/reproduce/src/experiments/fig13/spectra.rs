@@ -15,7 +15,7 @@ use crate::error::ReproduceError;
 use crate::sets::Set;
 
 /// Frequencies, of each opposite pair one, that an annulus must have for its anisotropy to count: a variance of few is biased.
-const LEAST_PAIRS: u64 = 100;
+const MIN_PAIRS: u64 = 100;
 
 /// What is kept of the sets of one method and radius.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -172,7 +172,7 @@ pub fn excess(profile: &RadialProfile) -> f64 {
 
 /// Whether an annulus has frequencies enough for its anisotropy to count.
 fn many(annulus: &Annulus) -> bool {
-    annulus.count >= 2 * LEAST_PAIRS && annulus.anisotropy_db.is_finite()
+    annulus.count >= 2 * MIN_PAIRS && annulus.anisotropy_db.is_finite()
 }
 
 /// Standard deviation of variance over squared mean, in parts of it, among so many independent means of `sets` exponential values: by

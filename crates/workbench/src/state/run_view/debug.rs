@@ -16,7 +16,7 @@ use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::session::Session;
 
 /// Most events that a query or a history shows.
-pub const MOST_FOUND: usize = 100_000;
+pub const MAX_FOUND: usize = 100_000;
 
 /// The events that touched what is selected.
 #[derive(Default)]
@@ -243,7 +243,7 @@ impl Errand for Looking {
         match self.aim {
             Aim::Query(text) => Query::parse(&text).map_or_else(
                 |_| Vec::new(),
-                |query| query.find_all(recording, MOST_FOUND),
+                |query| query.find_all(recording, MAX_FOUND),
             ),
             Aim::Sample(id) => why::history_of_sample(recording, id),
             Aim::Place(point) => why::history_of_place(recording, point),

@@ -11,10 +11,10 @@ use super::{Found, RunView};
 use crate::state::effects::Context;
 
 /// Most places that are marked.
-pub const MOST_HITS: usize = 20_000;
+pub const MAX_HITS: usize = 20_000;
 
 /// After so many conditions that could not be computed there are none that can.
-const MOST_UNCLEAR: usize = 1_000;
+const MAX_UNCLEAR: usize = 1_000;
 
 /// A generation, and the breakpoints that stop a run of it.
 type Key = (u64, Vec<(LineId, String)>);
@@ -34,9 +34,9 @@ impl Hits {
             Found::Nothing => None,
             Found::Pending(_) => Some("Being counted\u{2026}".to_owned()),
             Found::Failed(why) => Some(why.clone()),
-            Found::Events(events) if events.len() == MOST_HITS => Some(format!(
+            Found::Events(events) if events.len() == MAX_HITS => Some(format!(
                 "They stop a run {} times or more; the first are on the timeline.",
-                tilescope_session::words::grouped(MOST_HITS)
+                tilescope_session::words::grouped(MAX_HITS)
             )),
             Found::Events(events) => Some(format!(
                 "They stop a run {}.",
@@ -45,7 +45,7 @@ impl Hits {
         }
     }
 
-    /// Returns the events before which a run would stop, the first [`MOST_HITS`] of them.
+    /// Returns the events before which a run would stop, the first [`MAX_HITS`] of them.
     #[must_use]
     pub fn events(&self) -> &[usize] {
         self.found.events()
@@ -113,7 +113,7 @@ fn hits(recording: &Arc<Recording>, stops: &[(LineId, String)], monitor: &Monito
     debugger.jump(0);
     let go_on = || !monitor.is_cancelled();
     let (mut found, mut unclear) = (Vec::new(), 0);
-    while found.len() < MOST_HITS && unclear < MOST_UNCLEAR && go_on() {
+    while found.len() < MAX_HITS && unclear < MAX_UNCLEAR && go_on() {
         match debugger.run_while(Direction::Forwards, &go_on) {
             Stop::Breakpoint(_) | Stop::Target => found.push(debugger.state().cursor()),
             // A condition that cannot be computed stops a run, but is no hit.

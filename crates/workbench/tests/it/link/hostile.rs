@@ -4,8 +4,8 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::State;
 use tilescope_workbench::link::{
-    Content, MOST_BOOKMARKS, MOST_CHARACTERS, MOST_PATTERN_SIDE, MOST_SAMPLES, MOST_STOPS,
-    MOST_TEXT, read, write,
+    Content, MAX_BOOKMARKS, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_STOPS,
+    MAX_TEXT, read, write,
 };
 
 use super::support::{Draws, opened, said, settle, state};
@@ -13,8 +13,8 @@ use super::support::{Draws, opened, said, settle, state};
 fn check_parameters(p: &Parameters) {
     let domain = p.validate_sequential().expect("parameters to sample");
     let samples = domain.area_radii() * MAXIMAL_DENSITY;
-    assert!(samples <= MOST_SAMPLES, "{samples} samples");
-    assert!(p.pattern.side <= MOST_PATTERN_SIDE);
+    assert!(samples <= MAX_SAMPLES, "{samples} samples");
+    assert!(p.pattern.side <= MAX_PATTERN_SIDE);
 }
 
 /// What may be opened, whatever the text was; and what is written of it is read as the same.
@@ -25,21 +25,21 @@ fn check(text: &str) -> Content {
         check_parameters(second);
     }
     if let Some(layout) = &content.combination {
-        assert!(layout.placed().expect("a layout").expected <= MOST_SAMPLES);
+        assert!(layout.placed().expect("a layout").expected <= MAX_SAMPLES);
     }
-    assert!(content.breakpoints.len() <= MOST_STOPS && content.watches.len() <= MOST_STOPS);
-    assert!(content.bookmarks.len() <= MOST_BOOKMARKS);
+    assert!(content.breakpoints.len() <= MAX_STOPS && content.watches.len() <= MAX_STOPS);
+    assert!(content.bookmarks.len() <= MAX_BOOKMARKS);
     let notes = content.bookmarks.iter().map(|mark| &mark.note);
     let texts = content.watches.iter().chain(notes);
     assert!(
         texts
             .into_iter()
-            .all(|text| text.chars().count() <= MOST_TEXT)
+            .all(|text| text.chars().count() <= MAX_TEXT)
     );
     assert!(content.view.layout.is_whole());
     assert!(said.text().len() < 4_000, "a notice, no book");
     let link = write(&content);
-    assert!(link.fragment.len() <= MOST_CHARACTERS);
+    assert!(link.fragment.len() <= MAX_CHARACTERS);
     let (again, unsaid) = read(&link.fragment);
     assert_eq!(unsaid.text(), "", "{}", link.fragment);
     assert_eq!(write(&again).fragment, link.fragment);

@@ -19,7 +19,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::compare::{CompareCommand, Rival};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::link::{MOST_CHARACTERS, MOST_TEXT, read};
+use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
 use tilescope_workbench::{Command, State};
 
 use super::support::{Draws, digest, opened, said, settle, state};
@@ -286,14 +286,14 @@ fn what_does_not_fit_is_left_out_and_told() {
         state.apply(Command::Debug(DebugCommand::Watch(format!("p + {line}"))));
         state.apply(Command::Debug(DebugCommand::EditWatch(
             0,
-            "x".repeat(MOST_TEXT + 1),
+            "x".repeat(MAX_TEXT + 1),
         )));
     }
     let link = state.link();
     assert!(link.fragment.contains("&layout="));
     assert_eq!(link.left_out, ["8 of 40 breakpoints", "8 of 40 watches"]);
     for k in 0..40 {
-        let long = DebugCommand::EditWatch(k, "\u{e9}".repeat(MOST_TEXT));
+        let long = DebugCommand::EditWatch(k, "\u{e9}".repeat(MAX_TEXT));
         state.apply(Command::Debug(long));
     }
     for k in 0..80 {
@@ -304,7 +304,7 @@ fn what_does_not_fit_is_left_out_and_told() {
     }
     let link = state.link();
     let len = link.fragment.len();
-    assert!((7_900..=MOST_CHARACTERS).contains(&len), "{len}");
+    assert!((7_900..=MAX_CHARACTERS).contains(&len), "{len}");
     let left = link.left_out.join("; ");
     for part in [
         "of 80 bookmarks",

@@ -17,7 +17,7 @@ use crate::parameters::{Insertion, Search};
 use crate::random::Key;
 
 use super::frame::PAD;
-use super::near::{MOST_SITES, Near};
+use super::near::{MAX_SITES, Near};
 use super::region::{Region, flag};
 
 use candidate::Candidate;
@@ -82,7 +82,7 @@ pub(crate) struct GapBuffers {
     pub near: Near,
     wide: Near,
     /// The samples that may make a candidate in the pixel at work, as indices of samples gathered.
-    sites: [u8; MOST_SITES],
+    sites: [u8; MAX_SITES],
     candidates: Vec<Candidate>,
     todo: Vec<(u32, u8)>,
     pub inserted: Vec<Inserted>,
@@ -103,7 +103,7 @@ impl Default for GapBuffers {
             farthest: 0.0,
             near: Near::default(),
             wide: Near::default(),
-            sites: [0; MOST_SITES],
+            sites: [0; MAX_SITES],
             candidates: Vec::new(),
             todo: Vec::new(),
             inserted: Vec::new(),

@@ -8,7 +8,7 @@ use crate::stages::detect::Border;
 
 use super::super::frame::CELL_BITS;
 use super::super::near::Site;
-use super::super::region::{Region, WIDEST};
+use super::super::region::{Region, MAX_REACH};
 use super::super::stamp::PIXEL_SIDE;
 use super::candidate::minus;
 use super::pixel::{Pixel, centre, each_bit};
@@ -76,7 +76,7 @@ impl<const TAGS: bool> Region<TAGS> {
     ) {
         let (x, y) = centre(number);
         gaps.wide
-            .gather(&self.slots, self.frame.stride(), cell, WIDEST);
+            .gather(&self.slots, self.frame.stride(), cell, MAX_REACH);
         let sites = gaps.wide.list_sites(simd, x, y, &mut gaps.sites);
         let spot = Spot {
             cell,
