@@ -1,5 +1,5 @@
-// A worker of the page: it carries out one errand at a time, so that the page never waits.
-// The first message brings the bindings and the compiled program; sessions and errands follow.
+// A worker of the page: it runs one task at a time, so that the page stays responsive.
+// The first message brings the bindings and the compiled program; sessions and tasks follow.
 
 let program;
 
@@ -9,15 +9,15 @@ async function begin({ bindings, module }) {
   return loaded;
 }
 
-async function carryOut({ id, name, input }) {
-  const { perform, known, last_panic } = await program;
-  const tell = (activity, fraction) => postMessage({ id, activity, fraction });
+async function runTask({ id, name, input }) {
+  const { perform, kept_sessions, last_panic } = await program;
+  const report = (activity, fraction) => postMessage({ id, activity, fraction });
   try {
-    const outcome = perform(name, new Uint8Array(input), tell);
+    const outcome = perform(name, new Uint8Array(input), report);
     if (Array.isArray(outcome)) {
       postMessage({ id, unknown: outcome });
     } else {
-      postMessage({ id, outcome: outcome.buffer, known: known() }, [outcome.buffer]);
+      postMessage({ id, outcome: outcome.buffer, kept: kept_sessions() }, [outcome.buffer]);
     }
   } catch (error) {
     postMessage({ id, fault: last_panic() ?? String(error) });
@@ -29,13 +29,13 @@ onmessage = async ({ data }) => {
     program = begin(data);
     program.catch((error) => postMessage({ broken: String(error) }));
   } else if (data.session) {
-    const { learn, last_panic } = await program;
+    const { keep_session, last_panic } = await program;
     try {
-      learn(new Uint8Array(data.session));
+      keep_session(new Uint8Array(data.session));
     } catch (error) {
       postMessage({ fault: last_panic() ?? String(error) });
     }
   } else {
-    await carryOut(data);
+    await runTask(data);
   }
 };

@@ -14,18 +14,18 @@ pub use saved::{SavedCombination, SavedError};
 
 use crate::combination::{Combination, CombinationError, MAX_COMBINED};
 use crate::encoding::as_json;
-use crate::errand::{Errand, Lent};
 use crate::incoming::Incoming;
 use crate::jobs::Monitor;
 use crate::limits::MAX_STAGED;
 use crate::session::{MakeError, Session};
+use crate::task::{SessionRef, Task};
 
 use files::Files;
 use progress::{Gluing, OneSet, Sets, stopped};
 
 /// Makes a combination that needs no files.
 #[derive(Serialize, Deserialize)]
-pub struct Combining {
+pub struct CombineTask {
     /// The layout.
     #[serde(with = "as_json")]
     pub layout: Layout,
@@ -33,20 +33,20 @@ pub struct Combining {
     pub generation: u64,
 }
 
-impl Errand for Combining {
+impl Task for CombineTask {
     type Outcome = Result<Session, MakeError>;
     const NAME: &'static str = "combine";
 
-    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
         Ok(make(self.layout, None, self.generation, monitor)?)
     }
 
-    fn given_up(monitor: &Monitor) -> Option<Self::Outcome> {
-        Some(Err(MakeError::given_up(monitor)))
+    fn cancelled(monitor: &Monitor) -> Option<Self::Outcome> {
+        Some(Err(MakeError::cancelled_by(monitor)))
     }
 
     fn keep(made: Self::Outcome) {
-        Lent::keep(made);
+        SessionRef::keep(made);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Values in forms that errands can carry.
+//! Values in forms that tasks can carry.
 
 /// Values that only a format can hold that says what follows, within one that does not.
 pub mod as_json {

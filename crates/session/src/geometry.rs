@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region, Tessellation};
 
-use crate::errand::{self, Errand};
 use crate::jobs::{Job, Monitor, Wake};
 use crate::moment::Shown;
 use crate::session::Session;
+use crate::task::{self, Task};
 use crate::units::radii;
 
 /// Sets with more samples than this are not triangulated for the canvas: it would take seconds for each moment.
@@ -28,16 +28,16 @@ pub struct Geometry {
 
 /// Has samples triangulated, in r.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Triangulating {
+pub struct TriangulateTask {
     points: Vec<[f64; 2]>,
     region: Region,
 }
 
-impl Errand for Triangulating {
+impl Task for TriangulateTask {
     type Outcome = Option<Tessellation>;
     const NAME: &'static str = "triangulate";
 
-    fn carry_out(self, _: &Monitor) -> Self::Outcome {
+    fn run(self, _: &Monitor) -> Self::Outcome {
         Tessellation::of(&self.points, self.region, 1.0).ok()
     }
 }
@@ -81,7 +81,7 @@ impl Geometry {
             return;
         }
         let (points, region) = (covering(shown), region_of(shown.session));
-        let job = errand::start(wake, Triangulating { points, region });
+        let job = task::start(wake, TriangulateTask { points, region });
         self.work = Some((key, job));
     }
 

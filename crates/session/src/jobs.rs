@@ -1,4 +1,4 @@
-//! Background work: a job runs on its own thread natively; on the web an errand runs in a worker, a function at once and a
+//! Background work: a job runs on its own thread natively; on the web a task runs in a worker, a function at once and a
 //! future beside the window. It reports progress, can be cancelled, and hands over its result when asked.
 //! It never touches the window but to wake it.
 

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use tilescope_core::{Fate, Origin, Point, Stage, Standing};
 use tilescope_debugger::{Context, Debugger, Event, Status};
 
-use crate::errand::Lent;
 use crate::session::Session;
+use crate::task::SessionRef;
 
 /// A moment of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -198,7 +198,7 @@ impl<'a> Shown<'a> {
 /// A moment with its session, which can be taken to another thread.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Still {
-    session: Lent,
+    session: SessionRef,
     moment: Moment,
 }
 
@@ -207,7 +207,7 @@ impl Still {
     #[must_use]
     pub fn of(session: &Arc<Session>, moment: Moment) -> Self {
         Self {
-            session: Lent(Arc::clone(session)),
+            session: SessionRef(Arc::clone(session)),
             moment,
         }
     }

@@ -1,4 +1,4 @@
-//! Makes sessions: errands that sample on the CPU, and a run on a GPU.
+//! Makes sessions: tasks that sample on the CPU, and a run on a GPU.
 
 use std::sync::Arc;
 
@@ -6,61 +6,61 @@ use serde::{Deserialize, Serialize};
 use tilescope_core::{Parameters, Pattern, PatternSpec, Run, SampleError, Stage};
 use tilescope_gpu::{Gpu, GpuError, GpuSweep, Stepper};
 
-use crate::errand::{self, Errand, Lent};
 use crate::jobs::Monitor;
 use crate::recipe::Recipe;
 use crate::session::{Failure, MakeError, Reporter, Session, keeps_everything};
+use crate::task::{self, SessionRef, Task};
 
 /// What comes of making a session.
 pub type Made = Result<Session, MakeError>;
 
 /// Samples on the CPU.
 #[derive(Serialize, Deserialize)]
-pub struct Sampling {
+pub struct SampleTask {
     /// What is made.
     pub recipe: Recipe,
     /// What the session is known by.
     pub generation: u64,
 }
 
-impl Errand for Sampling {
+impl Task for SampleTask {
     type Outcome = Made;
     const NAME: &'static str = "sample";
 
-    fn carry_out(self, monitor: &Monitor) -> Made {
+    fn run(self, monitor: &Monitor) -> Made {
         Ok(Session::sample(&self.recipe, self.generation, monitor)?)
     }
 
-    fn given_up(monitor: &Monitor) -> Option<Made> {
-        Some(Err(MakeError::given_up(monitor)))
+    fn cancelled(monitor: &Monitor) -> Option<Made> {
+        Some(Err(MakeError::cancelled_by(monitor)))
     }
 
     fn keep(made: Made) {
-        Lent::keep(made);
+        SessionRef::keep(made);
     }
 }
 
 /// Makes the pattern that a description asks for.
 #[derive(Serialize, Deserialize)]
-pub struct Patterning(pub PatternSpec);
+pub struct PatternTask(pub PatternSpec);
 
-impl Errand for Patterning {
+impl Task for PatternTask {
     type Outcome = Result<Arc<Pattern>, MakeError>;
     const NAME: &'static str = "pattern";
 
-    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
         let mut observer = Reporter { monitor };
         Ok(Pattern::of_spec(&self.0, &mut observer)?)
     }
 
-    fn given_up(monitor: &Monitor) -> Option<Self::Outcome> {
-        Some(Err(MakeError::given_up(monitor)))
+    fn cancelled(monitor: &Monitor) -> Option<Self::Outcome> {
+        Some(Err(MakeError::cancelled_by(monitor)))
     }
 }
 
 /// Prepares what a GPU has made, with the events of the same run on the CPU.
 #[derive(Serialize, Deserialize)]
-pub struct Twin {
+pub struct GpuSessionTask {
     /// What the GPU made.
     pub run: Run,
     /// What it was asked to make.
@@ -69,11 +69,11 @@ pub struct Twin {
     pub generation: u64,
 }
 
-impl Errand for Twin {
+impl Task for GpuSessionTask {
     type Outcome = Made;
     const NAME: &'static str = "twin";
 
-    fn carry_out(self, monitor: &Monitor) -> Made {
+    fn run(self, monitor: &Monitor) -> Made {
         let mut observer = Reporter { monitor };
         let recipe = &self.recipe;
         Ok(Session::of_gpu(
@@ -84,12 +84,12 @@ impl Errand for Twin {
         )?)
     }
 
-    fn given_up(monitor: &Monitor) -> Option<Made> {
-        Some(Err(MakeError::given_up(monitor)))
+    fn cancelled(monitor: &Monitor) -> Option<Made> {
+        Some(Err(MakeError::cancelled_by(monitor)))
     }
 
     fn keep(made: Made) {
-        Lent::keep(made);
+        SessionRef::keep(made);
     }
 }
 
@@ -112,20 +112,20 @@ pub async fn on_gpu(
     let pattern = if let Some(own) = &recipe.own {
         Arc::clone(&own.pattern)
     } else {
-        let making = Patterning(recipe.parameters.pattern);
-        let made = errand::on_behalf(making, monitor).await;
+        let making = PatternTask(recipe.parameters.pattern);
+        let made = task::run_for(making, monitor).await;
         made.map_err(MakeError::fault)??
     };
     let parameters = &recipe.parameters;
     let error = match run_on(gpu, parameters, &pattern, &mut observer).await {
         Ok(run) => {
             let engine = format!("GPU ({name})");
-            let twin = Twin {
+            let twin = GpuSessionTask {
                 run,
                 recipe,
                 generation,
             };
-            let session = errand::on_behalf(twin, monitor).await;
+            let session = task::run_for(twin, monitor).await;
             let mut session = session.map_err(MakeError::fault)??;
             session.engine = engine;
             return Ok(session);
@@ -133,8 +133,8 @@ pub async fn on_gpu(
         Err(GpuError::Sample(error)) => return Err(error.into()),
         Err(error) => error,
     };
-    let sampling = Sampling { recipe, generation };
-    let session = errand::on_behalf(sampling, monitor).await;
+    let sampling = SampleTask { recipe, generation };
+    let session = task::run_for(sampling, monitor).await;
     let mut session = session.map_err(MakeError::fault)??;
     session.failure = Some(Failure { name, error });
     Ok(session)

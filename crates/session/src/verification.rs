@@ -5,9 +5,9 @@ use tilescope_analysis::{
     Boundary, Conflict, Gap, Region, Report, VerifyError, VerifyOptions, verify,
 };
 
-use crate::errand::{Errand, Lent};
 use crate::jobs::Monitor;
 use crate::session::Session;
+use crate::task::{SessionRef, Task};
 
 /// A place that decides a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -112,13 +112,13 @@ impl Verdict {
 
 /// Has the result of a session judged.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Judging(pub Lent);
+pub struct VerifyTask(pub SessionRef);
 
-impl Errand for Judging {
+impl Task for VerifyTask {
     type Outcome = Result<Verdict, String>;
     const NAME: &'static str = "verify";
 
-    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
         let session = &self.0;
         let (points, region) = (session.run().positions(), region_of(session));
         let verdict = Verdict::of(&points, region, session.run().domain.radius(), monitor);

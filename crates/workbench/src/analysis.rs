@@ -15,12 +15,12 @@ use brush::{Brush, Marks};
 use held::Held;
 use measured::{Measured, Part, Samples, refusal};
 pub use reference::Reference;
-use tilescope_session::errand::{self, Errand};
 use tilescope_session::geometry::{Key, key_of, region_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{Shown, Still};
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
+use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 use tilescope_session::words::grouped;
 
@@ -197,15 +197,15 @@ impl Analysis {
                 return;
             };
             let measured = Measured::clone(&known.measured);
-            let going_on = GoingOn {
+            let going_on = ContinueMeasuringTask {
                 measured,
                 part,
                 set,
             };
-            (part, errand::start(wake, going_on))
+            (part, task::start(wake, going_on))
         } else {
-            let beginning = Beginning(Still::of(session, shown.moment()));
-            (Part::Pairs, errand::start(wake, beginning))
+            let beginning = StartMeasuringTask(Still::of(session, shown.moment()));
+            (Part::Pairs, task::start(wake, beginning))
         };
         self.work = Some(Work {
             key,
@@ -264,13 +264,13 @@ impl Analysis {
 
 /// Has the first part of a moment measured.
 #[derive(Serialize, Deserialize)]
-pub struct Beginning(Still);
+pub struct StartMeasuringTask(Still);
 
-impl Errand for Beginning {
+impl Task for StartMeasuringTask {
     type Outcome = Step;
     const NAME: &'static str = "begin to measure";
 
-    fn carry_out(self, monitor: &Monitor) -> Step {
+    fn run(self, monitor: &Monitor) -> Step {
         let set = Arc::new(samples(&self.0));
         let mut measured = Measured::nothing(&set);
         one_more(&mut measured, Part::Pairs, &set, monitor)?;
@@ -280,17 +280,17 @@ impl Errand for Beginning {
 
 /// Has one more part of a moment measured.
 #[derive(Serialize, Deserialize)]
-pub struct GoingOn {
+pub struct ContinueMeasuringTask {
     measured: Measured,
     part: Part,
     set: Arc<Samples>,
 }
 
-impl Errand for GoingOn {
+impl Task for ContinueMeasuringTask {
     type Outcome = Step;
     const NAME: &'static str = "go on measuring";
 
-    fn carry_out(mut self, monitor: &Monitor) -> Step {
+    fn run(mut self, monitor: &Monitor) -> Step {
         one_more(&mut self.measured, self.part, &self.set, monitor)?;
         Ok((self.set, self.measured))
     }

@@ -10,9 +10,9 @@ use tilescope_core::{Insertion, Order, Parameters, Search, Variant};
 use tilescope_debugger::{Divergence, first_divergence, first_divergence_of_runs};
 
 use difference::Differences;
-use tilescope_session::errand::{self, Errand, Lent};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::session::Session;
+use tilescope_session::task::{self, SessionRef, Task};
 
 /// An action of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -209,8 +209,8 @@ impl Comparison {
             }
         };
         if !known {
-            let pair = [a, b].map(|session| Lent(Arc::clone(session)));
-            let job = errand::start(wake, Dividing(pair));
+            let pair = [a, b].map(|session| SessionRef(Arc::clone(session)));
+            let job = task::start(wake, DivergenceTask(pair));
             self.parting = Parting::Pending(wanted, job);
         }
     }
@@ -243,13 +243,13 @@ fn known(pair: Pair, outcome: Result<Divergence, String>) -> Parting {
 
 /// Has found out where two runs part.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Dividing([Lent; 2]);
+pub struct DivergenceTask([SessionRef; 2]);
 
-impl Errand for Dividing {
+impl Task for DivergenceTask {
     type Outcome = Divergence;
     const NAME: &'static str = "divergence";
 
-    fn carry_out(self, _: &Monitor) -> Divergence {
+    fn run(self, _: &Monitor) -> Divergence {
         let [a, b] = &self.0;
         divergence_of(a, b)
     }

@@ -23,7 +23,7 @@ pub use form::{Entry, ExportForm};
 pub use frames::MAX_FRAMES;
 pub use picture::View;
 pub use refusal::Refusal;
-use tilescope_session::errand::Lent;
+use tilescope_session::task::SessionRef;
 
 /// What can be written.
 #[derive(
@@ -149,7 +149,7 @@ pub struct Order {
     /// The file.
     pub path: PathBuf,
     /// The session.
-    pub session: Lent,
+    pub session: SessionRef,
     /// What to write.
     pub content: Content,
 }

@@ -1,45 +1,45 @@
-//! All kinds of errands by name, for a worker that is sent one.
+//! All kinds of tasks by name, for workers.
 
-use tilescope_session::errand::{Errand, Refused, carry_out};
 use tilescope_session::jobs::Monitor;
+use tilescope_session::task::{Task, TaskError, run};
 
-macro_rules! errands {
-    ($($errand:ty,)*) => {
-        /// Carries out the errand called `name` and returns its outcome as bytes.
+macro_rules! tasks {
+    ($($task:ty,)*) => {
+        /// Runs the task called `name` and returns its outcome as bytes.
         ///
         /// # Errors
         ///
-        /// [`Refused`]: sessions that it is about are not here, or it is no errand of this program.
-        pub fn perform(name: &str, input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, Refused> {
+        /// [`TaskError`]: it refers to sessions that are not kept here, or there is no such task.
+        pub fn perform(name: &str, input: &[u8], monitor: &Monitor) -> Result<Vec<u8>, TaskError> {
             match name {
-                $(<$errand>::NAME => carry_out::<$errand>(input, monitor),)*
-                other => Err(Refused::Fault(format!("there is no job called {other:?}"))),
+                $(<$task>::NAME => run::<$task>(input, monitor),)*
+                other => Err(TaskError::Failed(format!("there is no job called {other:?}"))),
             }
         }
 
         /// Their names.
         #[cfg(test)]
-        const NAMES: &[&str] = &[$(<$errand>::NAME,)*];
+        const NAMES: &[&str] = &[$(<$task>::NAME,)*];
     };
 }
 
-errands! {
-    tilescope_session::sampling::Patterning,
-    tilescope_session::sampling::Sampling,
-    tilescope_session::sampling::Twin,
-    tilescope_session::combining::Combining,
-    tilescope_session::verification::Judging,
-    tilescope_session::geometry::Triangulating,
-    crate::state::run_view::Counting,
-    crate::state::run_view::Looking,
-    crate::analysis::Beginning,
-    crate::analysis::GoingOn,
-    crate::analysis::reference::Measuring,
-    crate::analysis::brush::Causing,
-    crate::compare::Dividing,
-    crate::compare::difference::Differing,
+tasks! {
+    tilescope_session::sampling::PatternTask,
+    tilescope_session::sampling::SampleTask,
+    tilescope_session::sampling::GpuSessionTask,
+    tilescope_session::combining::CombineTask,
+    tilescope_session::verification::VerifyTask,
+    tilescope_session::geometry::TriangulateTask,
+    crate::state::run_view::CountHitsTask,
+    crate::state::run_view::FindEventsTask,
+    crate::analysis::StartMeasuringTask,
+    crate::analysis::ContinueMeasuringTask,
+    crate::analysis::reference::MeasureReferenceTask,
+    crate::analysis::brush::BrushTask,
+    crate::compare::DivergenceTask,
+    crate::compare::difference::DifferenceTask,
     crate::files::ReadTask,
-    crate::state::export::Delivering,
+    crate::state::export::ExportTask,
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The app on a page. `page` is what the page starts and asks, `pool` takes errands to workers, `worker` is what
+//! The app on a page. `page` is what the page starts and asks, `pool` takes tasks to workers, `worker` is what
 //! runs in one. Nothing is drawn or computed here.
 
 #![cfg(target_arch = "wasm32")]

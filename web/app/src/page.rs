@@ -11,7 +11,7 @@ use js_sys::Object;
 use serde::Deserialize;
 use tilescope_app::App;
 use tilescope_app::panes::leads_zoom;
-use tilescope_session::errand::carry_with;
+use tilescope_session::task::set_task_pool;
 use tilescope_ui::focus::{self, End};
 use tilescope_workbench::Command;
 use tilescope_workbench::command::LinkCommand;
@@ -91,7 +91,7 @@ pub async fn start(
         module: hooks::given("module").unwrap_or(JsValue::UNDEFINED),
         workers: ((cores as usize).saturating_sub(1)).clamp(1, MAX_WORKERS),
     });
-    carry_with(Some(Rc::new(pool.clone())));
+    set_task_pool(Some(Rc::new(pool.clone())));
     let runner = WebRunner::new();
     let shared = Rc::<Shared>::default();
     let web_options = web_options(&options, &shared);
@@ -104,7 +104,7 @@ pub async fn start(
         )
         .await;
     if let Err(error) = started {
-        carry_with(None);
+        set_task_pool(None);
         pool.close();
         return Err(error);
     }
@@ -225,7 +225,7 @@ impl Tilescope {
     /// Ends the app: nothing is drawn or told any more.
     pub fn destroy(&self) {
         hooks::tell(None);
-        carry_with(None);
+        set_task_pool(None);
         self.pool.close();
         self.runner.destroy();
     }

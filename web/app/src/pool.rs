@@ -1,5 +1,5 @@
-//! Workers that carry out errands, so that the page never waits. One that does not stop when nobody waits for it any more,
-//! or that breaks, is replaced.
+//! The page's web workers, which run tasks so that the page stays responsive. A worker that breaks, or that does not stop
+//! soon after its task was cancelled, is replaced.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -7,20 +7,19 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use js_sys::{Array, Object, Reflect, Uint8Array};
-use tilescope_session::errand::{Answer, Carrier, End, Parcel, session_bytes};
 use tilescope_session::jobs::Monitor;
+use tilescope_session::task::{Answer, PendingTask, TaskEnd, TaskPool, session_bytes};
 use wasm_bindgen::prelude::Closure;
 use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Event, MessageEvent, Worker, WorkerOptions, WorkerType};
 
-/// An errand that nobody waits for may come to its end by itself within so many milliseconds: what its worker knows is
-/// then not lost.
+/// A cancelled task may end by itself within so many milliseconds, so that its worker keeps the sessions it has.
 const GRACE_MS: i32 = 200;
 
-/// So many workers that break one after the other before they have done anything are replaced.
+/// No more workers are started after so many in a row have broken before finishing a task.
 const MAX_BROKEN: u32 = 3;
 
-/// What workers are made of.
+/// What is needed to start a worker.
 pub struct Program {
     /// The address of their script.
     pub worker: String,
@@ -28,48 +27,48 @@ pub struct Program {
     pub bindings: String,
     /// The compiled program.
     pub module: JsValue,
-    /// The most workers.
+    /// The largest number of workers.
     pub workers: usize,
 }
 
-/// The workers, and the errands that wait for one.
+/// The workers, and the tasks that wait for an idle one.
 #[derive(Clone)]
 pub struct Pool(Rc<RefCell<Inner>>);
 
 struct Inner {
     program: Program,
     slots: Vec<Slot>,
-    waiting: VecDeque<Parcel>,
+    waiting: VecDeque<PendingTask>,
     next_id: u32,
-    /// Whether errands are given out; before that they wait.
+    /// Whether tasks are sent to workers; until then they wait.
     is_open: bool,
-    /// Workers that broke before they did anything, since one did its work.
+    /// Workers that broke before finishing a task, since a task was last finished.
     broken: u32,
 }
 
 struct Slot {
     worker: Worker,
-    /// The generations of the sessions that it knows.
-    known: Vec<u64>,
+    /// The generations of the sessions that it keeps.
+    kept: Vec<u64>,
     busy: Option<Busy>,
-    /// Whether it has ever come to an end of an errand.
+    /// Whether it has finished a task.
     has_worked: bool,
-    /// Kept for as long as the worker may call them.
+    /// The worker calls these for as long as it lives.
     _on_message: Closure<dyn FnMut(MessageEvent)>,
     _on_error: Closure<dyn FnMut(Event)>,
 }
 
 struct Busy {
     id: u32,
-    parcel: Parcel,
-    /// Whether it is to end by itself soon.
-    given_grace: bool,
-    /// Whether the sessions that it lacks were sent.
-    was_taught: bool,
+    task: PendingTask,
+    /// Whether it was cancelled and [`GRACE_MS`] have begun.
+    in_grace: bool,
+    /// Whether the sessions that the worker lacked were sent.
+    sessions_sent: bool,
 }
 
 impl Pool {
-    /// Returns workers of a program; the first one starts now.
+    /// A pool of workers; the first starts now.
     pub fn new(program: Program) -> Self {
         let pool = Self(Rc::new(RefCell::new(Inner {
             program,
@@ -83,15 +82,15 @@ impl Pool {
         pool
     }
 
-    /// Gives errands out from now on. What was cancelled before that is not begun: the session that every window begins with
-    /// where a link asks for another.
+    /// Sends tasks to workers from now on. Tasks cancelled before that never start: a link may replace the session that
+    /// every window begins with.
     pub fn open(&self) {
         self.0.borrow_mut().is_open = true;
         self.tick();
-        self.go_on();
+        self.send_waiting();
     }
 
-    /// Ends all workers; what they were at is given up.
+    /// Ends all workers and cancels their tasks.
     pub fn close(&self) {
         let (slots, waiting) = {
             let mut inner = self.0.borrow_mut();
@@ -104,30 +103,30 @@ impl Pool {
         for slot in slots {
             slot.worker.terminate();
             if let Some(busy) = slot.busy {
-                (busy.parcel.answer)(End::GivenUp);
+                (busy.task.answer)(TaskEnd::Cancelled);
             }
         }
-        for parcel in waiting {
-            (parcel.answer)(End::GivenUp);
+        for task in waiting {
+            (task.answer)(TaskEnd::Cancelled);
         }
     }
 
-    /// Sees to errands that nobody waits for. Called with every frame.
+    /// Ends cancelled tasks. Called with every frame.
     pub fn tick(&self) {
         self.drop_cancelled();
         let mut graced = Vec::new();
         {
             let mut inner = self.0.borrow_mut();
             for busy in inner.slots.iter_mut().filter_map(|slot| slot.busy.as_mut()) {
-                if busy.parcel.monitor.is_cancelled() && !busy.given_grace {
-                    busy.given_grace = true;
+                if busy.task.monitor.is_cancelled() && !busy.in_grace {
+                    busy.in_grace = true;
                     graced.push(busy.id);
                 }
             }
         }
         for id in graced {
             let pool = self.clone();
-            let end = Closure::once_into_js(move || pool.give_up(id));
+            let end = Closure::once_into_js(move || pool.abandon(id));
             if let Some(window) = web_sys::window() {
                 let end = end.unchecked_ref();
                 let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(end, GRACE_MS);
@@ -135,24 +134,24 @@ impl Pool {
         }
     }
 
-    /// Gives up the errands that wait though nobody waits for them any more.
+    /// Drops waiting tasks that were cancelled.
     fn drop_cancelled(&self) {
-        let dropped: VecDeque<Parcel> = {
+        let dropped: VecDeque<PendingTask> = {
             let mut inner = self.0.borrow_mut();
             let waiting = std::mem::take(&mut inner.waiting);
             let (gone, kept) = waiting
                 .into_iter()
-                .partition(|parcel| parcel.monitor.is_cancelled());
+                .partition(|task| task.monitor.is_cancelled());
             inner.waiting = kept;
             gone
         };
-        for parcel in dropped {
-            (parcel.answer)(End::GivenUp);
+        for task in dropped {
+            (task.answer)(TaskEnd::Cancelled);
         }
     }
 
-    /// Ends the worker that is at an errand nobody waits for, if it still is.
-    fn give_up(&self, id: u32) {
+    /// Replaces the worker that runs a task, if it still does.
+    fn abandon(&self, id: u32) {
         let slot = {
             let mut inner = self.0.borrow_mut();
             let at = |slot: &Slot| slot.busy.as_ref().is_some_and(|busy| busy.id == id);
@@ -164,10 +163,10 @@ impl Pool {
         };
         slot.worker.terminate();
         if let Some(busy) = slot.busy {
-            (busy.parcel.answer)(End::GivenUp);
+            (busy.task.answer)(TaskEnd::Cancelled);
         }
         self.add();
-        self.go_on();
+        self.send_waiting();
     }
 
     /// Adds a worker if there may be one more.
@@ -182,8 +181,8 @@ impl Pool {
                 inner.program.workers = inner.slots.len();
                 let waiting = std::mem::take(&mut inner.waiting);
                 drop(inner);
-                for parcel in waiting {
-                    (parcel.answer)(End::Fault(no_worker(&error)));
+                for task in waiting {
+                    (task.answer)(TaskEnd::Failed(no_worker(&error)));
                 }
             }
         }
@@ -195,7 +194,7 @@ impl Pool {
         let worker = Worker::new_with_options(&program.worker, &options)?;
         let (pool, from) = (self.clone(), worker.clone());
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
-            pool.hear(&from, &event.data());
+            pool.receive(&from, &event.data());
         });
         worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
         let (pool, from) = (self.clone(), worker.clone());
@@ -204,7 +203,7 @@ impl Pool {
             let message = Reflect::get(&event, &"message".into());
             let message = message.ok().and_then(|message| message.as_string());
             let why = message.unwrap_or_else(|| "its script cannot be loaded".to_owned());
-            pool.break_down(&from, &why);
+            pool.remove_broken(&from, &why);
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
         worker.set_onmessageerror(Some(on_error.as_ref().unchecked_ref()));
@@ -215,7 +214,7 @@ impl Pool {
         worker.post_message(&first)?;
         Ok(Slot {
             worker,
-            known: Vec::new(),
+            kept: Vec::new(),
             busy: None,
             has_worked: false,
             _on_message: on_message,
@@ -223,8 +222,8 @@ impl Pool {
         })
     }
 
-    /// A worker cannot go on: the errand that it was at fails, and it is replaced with the next errand.
-    fn break_down(&self, worker: &Worker, why: &str) {
+    /// Removes a broken worker: its task fails; the next task starts a new worker.
+    fn remove_broken(&self, worker: &Worker, why: &str) {
         let slot = {
             let mut inner = self.0.borrow_mut();
             let place = inner.slots.iter().position(|slot| slot.worker == *worker);
@@ -237,24 +236,24 @@ impl Pool {
         slot.worker.terminate();
         if let Some(busy) = slot.busy {
             let text = format!("a background job failed ({why}); this is a fault of the program");
-            (busy.parcel.answer)(End::Fault(text));
+            (busy.task.answer)(TaskEnd::Failed(text));
         }
         if is_hopeless {
             let waiting = std::mem::take(&mut self.0.borrow_mut().waiting);
-            for parcel in waiting {
-                (parcel.answer)(End::Fault(no_worker(&why.into())));
+            for task in waiting {
+                (task.answer)(TaskEnd::Failed(no_worker(&why.into())));
             }
         }
-        self.go_on();
+        self.send_waiting();
     }
 
-    fn hear(&self, worker: &Worker, message: &JsValue) {
+    fn receive(&self, worker: &Worker, message: &JsValue) {
         let get = |name: &str| {
             let value = Reflect::get(message, &name.into()).unwrap_or(JsValue::UNDEFINED);
             (!value.is_undefined()).then_some(value)
         };
         if let Some(why) = get("broken").or_else(|| get("fault")) {
-            self.break_down(worker, &why.as_string().unwrap_or_default());
+            self.remove_broken(worker, &why.as_string().unwrap_or_default());
         } else if let Some(fraction) = get("fraction") {
             let activity = get("activity").and_then(|activity| activity.as_string());
             let monitor = self.monitor_of(worker);
@@ -265,53 +264,55 @@ impl Pool {
         } else if let Some(unknown) = get("unknown") {
             let sent = self.send_sessions(worker, &generations(&unknown));
             if let Err(why) = sent {
-                self.break_down(worker, &why);
+                self.remove_broken(worker, &why);
             }
         } else if let Some(outcome) = get("outcome") {
             let bytes = Uint8Array::new(&outcome).to_vec();
-            self.finish(worker, bytes, get("known").map(|known| generations(&known)));
+            self.finish(worker, bytes, get("kept").map(|kept| generations(&kept)));
         }
     }
 
     fn monitor_of(&self, worker: &Worker) -> Option<Arc<Monitor>> {
         let inner = self.0.borrow();
         let slot = inner.slots.iter().find(|slot| slot.worker == *worker)?;
-        Some(Arc::clone(&slot.busy.as_ref()?.parcel.monitor))
+        Some(Arc::clone(&slot.busy.as_ref()?.task.monitor))
     }
 
-    fn finish(&self, worker: &Worker, bytes: Vec<u8>, known: Option<Vec<u64>>) {
+    fn finish(&self, worker: &Worker, bytes: Vec<u8>, kept: Option<Vec<u64>>) {
         let busy = {
             let mut inner = self.0.borrow_mut();
             inner.broken = 0;
             let slot = inner.slots.iter_mut().find(|slot| slot.worker == *worker);
             slot.and_then(|slot| {
                 slot.has_worked = true;
-                slot.known = known.unwrap_or_default();
+                slot.kept = kept.unwrap_or_default();
                 slot.busy.take()
             })
         };
-        self.go_on();
+        self.send_waiting();
         if let Some(busy) = busy {
-            (busy.parcel.answer)(End::Outcome(bytes));
+            (busy.task.answer)(TaskEnd::Done(bytes));
         }
     }
 
-    /// Sends the sessions that a worker lacks, and its errand again.
+    /// Sends the sessions that a worker lacks, then its task again.
     fn send_sessions(&self, worker: &Worker, unknown: &[u64]) -> Result<(), String> {
         let mut inner = self.0.borrow_mut();
         let slot = inner.slots.iter_mut().find(|slot| slot.worker == *worker);
         let Some(busy) = slot.and_then(|slot| slot.busy.as_mut()) else {
             return Ok(());
         };
-        if std::mem::replace(&mut busy.was_taught, true) {
-            return Err(format!("sessions {unknown:?} are not understood"));
+        if std::mem::replace(&mut busy.sessions_sent, true) {
+            return Err(format!(
+                "sessions {unknown:?} were sent and are still missing"
+            ));
         }
-        let sessions = busy.parcel.sessions.iter();
+        let sessions = busy.task.sessions.iter();
         let lacking: Vec<_> = sessions
             .filter(|session| unknown.contains(&session.generation))
             .collect();
         if lacking.is_empty() {
-            return Err(format!("sessions {unknown:?} are nowhere"));
+            return Err(format!("sessions {unknown:?} are not there"));
         }
         for session in lacking {
             let bytes = session_bytes(session)?;
@@ -319,11 +320,11 @@ impl Pool {
             let message = object(&[("session", bytes.clone().into())]);
             post(worker, &message, &bytes)?;
         }
-        send(worker, busy.id, &busy.parcel)
+        send(worker, busy.id, &busy.task)
     }
 
-    /// Gives waiting errands to idle workers. A page that is not shown has no frames that would see to what was cancelled.
-    fn go_on(&self) {
+    /// Sends waiting tasks to idle workers. Cancelled tasks are dropped here too, since a hidden page draws no frames.
+    fn send_waiting(&self) {
         self.drop_cancelled();
         loop {
             let mut inner = self.0.borrow_mut();
@@ -331,11 +332,11 @@ impl Pool {
                 return;
             }
             let idle = inner.idle();
-            let failed = idle.and_then(|place| inner.give(place));
+            let failed = idle.and_then(|place| inner.send_next(place));
             let may_grow = inner.slots.len() < inner.program.workers;
             drop(inner);
             match (idle, failed) {
-                (_, Some((answer, why))) => answer(End::Fault(why)),
+                (_, Some((answer, why))) => answer(TaskEnd::Failed(why)),
                 (Some(_), None) => {}
                 (None, None) if may_grow => self.add(),
                 (None, None) => return,
@@ -345,7 +346,7 @@ impl Pool {
 }
 
 impl Inner {
-    /// Takes note of a worker that broke; returns whether no more are tried. An errand may break one that has worked before.
+    /// Counts a worker that broke before finishing a task; returns whether starting more is pointless.
     fn note_broken(&mut self, slot: &Slot) -> bool {
         if !slot.has_worked {
             self.broken += 1;
@@ -357,7 +358,7 @@ impl Inner {
         is_hopeless
     }
 
-    /// Returns the idle worker that knows most of what the next errand is about.
+    /// The idle worker that keeps the most sessions of the next task.
     fn idle(&self) -> Option<usize> {
         let next = self.waiting.front()?;
         let idle = self
@@ -365,52 +366,52 @@ impl Inner {
             .iter()
             .enumerate()
             .filter(|(_, slot)| slot.busy.is_none());
-        let knows = |slot: &Slot| {
+        let kept = |slot: &Slot| {
             let sessions = next.sessions.iter();
             sessions
-                .filter(|session| slot.known.contains(&session.generation))
+                .filter(|session| slot.kept.contains(&session.generation))
                 .count()
         };
-        let best = idle.max_by_key(|(place, slot)| (knows(slot), std::cmp::Reverse(*place)))?;
+        let best = idle.max_by_key(|(place, slot)| (kept(slot), std::cmp::Reverse(*place)))?;
         Some(best.0)
     }
 
-    /// Gives the next errand to a worker; returns it with the reason if it cannot be sent.
-    fn give(&mut self, place: usize) -> Option<(Answer, String)> {
-        let parcel = self.waiting.pop_front()?;
+    /// Sends the next task to a worker; where that fails, returns who to answer and the reason.
+    fn send_next(&mut self, place: usize) -> Option<(Answer, String)> {
+        let task = self.waiting.pop_front()?;
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
         let slot = &mut self.slots[place];
-        match send(&slot.worker, id, &parcel) {
+        match send(&slot.worker, id, &task) {
             Ok(()) => {
                 slot.busy = Some(Busy {
                     id,
-                    parcel,
-                    given_grace: false,
-                    was_taught: false,
+                    task,
+                    in_grace: false,
+                    sessions_sent: false,
                 });
                 None
             }
-            Err(why) => Some((parcel.answer, why)),
+            Err(why) => Some((task.answer, why)),
         }
     }
 }
 
-impl Carrier for Pool {
-    fn carry(&self, parcel: Parcel) {
+impl TaskPool for Pool {
+    fn run(&self, task: PendingTask) {
         let none = {
             let mut inner = self.0.borrow_mut();
-            inner.waiting.push_back(parcel);
+            inner.waiting.push_back(task);
             inner.slots.is_empty() && inner.program.workers == 0
         };
         if none {
-            let parcel = self.0.borrow_mut().waiting.pop_back();
-            if let Some(parcel) = parcel {
-                (parcel.answer)(End::Fault(no_worker(&JsValue::NULL)));
+            let task = self.0.borrow_mut().waiting.pop_back();
+            if let Some(task) = task {
+                (task.answer)(TaskEnd::Failed(no_worker(&JsValue::NULL)));
             }
             return;
         }
-        self.go_on();
+        self.send_waiting();
     }
 }
 
@@ -421,11 +422,11 @@ fn no_worker(error: &JsValue) -> String {
         .to_owned()
 }
 
-fn send(worker: &Worker, id: u32, parcel: &Parcel) -> Result<(), String> {
-    let input = Uint8Array::from(&parcel.input[..]).buffer();
+fn send(worker: &Worker, id: u32, task: &PendingTask) -> Result<(), String> {
+    let input = Uint8Array::from(&task.input[..]).buffer();
     let message = object(&[
         ("id", id.into()),
-        ("name", parcel.name.into()),
+        ("name", task.name.into()),
         ("input", input.clone().into()),
     ]);
     post(worker, &message, &input)

@@ -1,4 +1,4 @@
-//! How a session in the making tells of its progress, hears that it is to stop, and says why it did not come to be.
+//! Progress, cancellation and errors of making a session.
 
 use std::ops::ControlFlow;
 
@@ -18,36 +18,36 @@ pub enum MakeError {
     /// The combination failed, or was cancelled.
     #[error(transparent)]
     Combination(#[from] CombinationError),
-    /// It failed, or was cancelled, where its error could not come from as it was.
-    #[error("{said}")]
-    Elsewhere {
+    /// It failed, or was cancelled, in a worker, whose error arrives as text.
+    #[error("{message}")]
+    InWorker {
         /// The stage in which it was cancelled, if it was.
         cancelled: Option<Stage>,
         /// The error in words.
-        said: String,
+        message: String,
     },
 }
 
-/// An error as it can be sent.
+/// A [`MakeError`] as it is sent.
 #[derive(Serialize, Deserialize)]
-struct Said(Option<Stage>, String);
+struct SentError(Option<Stage>, String);
 
 impl Serialize for MakeError {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Said(self.cancelled(), self.to_string()).serialize(serializer)
+        SentError(self.cancelled(), self.to_string()).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for MakeError {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Said(cancelled, said) = Said::deserialize(deserializer)?;
-        Ok(Self::Elsewhere { cancelled, said })
+        let SentError(cancelled, message) = SentError::deserialize(deserializer)?;
+        Ok(Self::InWorker { cancelled, message })
     }
 }
 
 impl MakeError {
-    /// Returns the error of a session whose making was stopped from outside.
-    pub fn given_up(monitor: &Monitor) -> Self {
+    /// The error of a session whose making was cancelled, in the stage that `monitor` reported last.
+    pub fn cancelled_by(monitor: &Monitor) -> Self {
         let activity = monitor.activity();
         let stages = [
             Stage::Pattern,
@@ -61,18 +61,18 @@ impl MakeError {
         let mut stages = stages.into_iter().chain(iterations);
         let stage = stages.find(|stage| stage.to_string() == activity);
         let stage = stage.unwrap_or(Stage::Pattern);
-        Self::Elsewhere {
+        Self::InWorker {
             cancelled: Some(stage),
-            said: SampleError::Cancelled { stage }.to_string(),
+            message: SampleError::Cancelled { stage }.to_string(),
         }
     }
 
     /// Returns a fault of the program, in words, as an error.
     #[must_use]
-    pub const fn fault(said: String) -> Self {
-        Self::Elsewhere {
+    pub const fn fault(message: String) -> Self {
+        Self::InWorker {
             cancelled: None,
-            said,
+            message,
         }
     }
 
@@ -83,14 +83,14 @@ impl MakeError {
             Self::Sample(SampleError::Cancelled { stage }) => Some(*stage),
             Self::Sample(_) => None,
             Self::Combination(error) => error.cancelled(),
-            Self::Elsewhere { cancelled, .. } => *cancelled,
+            Self::InWorker { cancelled, .. } => *cancelled,
         }
     }
 }
 
-/// Carries a run's progress to the window, and the wish to cancel back.
+/// Reports a run's progress to a [`Monitor`] and stops the run when it was cancelled.
 pub struct Reporter<'a> {
-    /// Whom it is reported to.
+    /// Receives the progress.
     pub monitor: &'a Monitor,
 }
 

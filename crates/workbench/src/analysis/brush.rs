@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
-use tilescope_session::errand::{self, Errand};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{Shown, Still};
 use tilescope_session::session::Session;
+use tilescope_session::task::{self, Task};
 use tilescope_session::words::{counted, grouped};
 
 use tilescope_drawing::brushed::{Cause, Found, MAX_PAIRS, Pair};
@@ -147,8 +147,8 @@ impl Marks {
             return;
         }
         let still = Still::of(session, shown.moment());
-        let causing = Causing { still, brush: of.1 };
-        self.work = Some((of, errand::start(wake, causing)));
+        let causing = BrushTask { still, brush: of.1 };
+        self.work = Some((of, task::start(wake, causing)));
     }
 
     fn poll(&mut self) {
@@ -187,16 +187,16 @@ impl Marks {
 
 /// Has the causes of what is brushed at a moment found.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Causing {
+pub struct BrushTask {
     still: Still,
     brush: Brush,
 }
 
-impl Errand for Causing {
+impl Task for BrushTask {
     type Outcome = Outcome;
     const NAME: &'static str = "causes";
 
-    fn carry_out(self, monitor: &Monitor) -> Outcome {
+    fn run(self, monitor: &Monitor) -> Outcome {
         let still = &self.still;
         let ids: Vec<u32> = still.covering().into_iter().map(|(_, id)| id).collect();
         let all = still.session().run().samples.len();

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tilescope_analysis::{Boundary, Region};
 use tilescope_core::{Boundary as Border, Pattern, PatternSpec, Unobserved};
-use tilescope_session::errand::{self, Errand};
 use tilescope_session::jobs::{Job, Monitor, Wake};
+use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 
 use super::measured::{Measured, Samples, refusal};
@@ -62,7 +62,7 @@ impl Reference {
 
     pub(super) fn want(&mut self, wake: &Wake) {
         match self {
-            Self::Unknown => *self = Self::Pending(errand::start(wake, Measuring)),
+            Self::Unknown => *self = Self::Pending(task::start(wake, MeasureReferenceTask)),
             Self::Pending(job) => {
                 if let Some(outcome) = job.poll() {
                     self.take(outcome);
@@ -92,13 +92,13 @@ impl Reference {
 
 /// Has the reference measured.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Measuring;
+pub struct MeasureReferenceTask;
 
-impl Errand for Measuring {
+impl Task for MeasureReferenceTask {
     type Outcome = Result<Measured, String>;
     const NAME: &'static str = "measure the reference";
 
-    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
         measure(monitor)
     }
 }

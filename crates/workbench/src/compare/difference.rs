@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use tilescope_core::Point;
 
-use tilescope_session::errand::{self, Errand};
 use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::moment::{Shown, Still};
 use tilescope_session::session::Session;
+use tilescope_session::task::{self, Task};
 
 /// Sets of more samples are compared in the background: it would take longer than a frame.
 const MAX_AT_ONCE: usize = 50_000;
@@ -71,8 +71,9 @@ impl Differences {
             self.ready = Some((key, between(covering(a), covering(b))));
             return;
         }
-        let differing = Differing([Still::of(first, a.moment()), Still::of(second, b.moment())]);
-        self.work = Some((key, errand::start(wake, differing)));
+        let differing =
+            DifferenceTask([Still::of(first, a.moment()), Still::of(second, b.moment())]);
+        self.work = Some((key, task::start(wake, differing)));
     }
 
     fn take(&mut self) {
@@ -100,13 +101,13 @@ impl Differences {
 
 /// Has found what only one of two moments holds.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Differing([Still; 2]);
+pub struct DifferenceTask([Still; 2]);
 
-impl Errand for Differing {
+impl Task for DifferenceTask {
     type Outcome = Difference;
     const NAME: &'static str = "difference";
 
-    fn carry_out(self, _: &Monitor) -> Difference {
+    fn run(self, _: &Monitor) -> Difference {
         let [first, second] = &self.0;
         between(first.covering(), second.covering())
     }

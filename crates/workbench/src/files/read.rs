@@ -13,11 +13,11 @@ use tilescope_debugger::{Debugger, PatternFile, Session as Saved, SessionError};
 use tilescope_formats::CERTIFICATE_SUFFIX;
 use tilescope_session::combining::{SavedCombination, make};
 use tilescope_session::encoding::as_json;
-use tilescope_session::errand::{Errand, Lent};
 use tilescope_session::incoming::holds_combination;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::recipe::{self, OwnPattern, Recipe, load};
 use tilescope_session::session::{Reporter, Session};
+use tilescope_session::task::{SessionRef, Task};
 
 use super::{Incoming, NamedBytes, Purpose, gather, unpacked};
 use crate::analysis::held::{self, Held};
@@ -111,22 +111,22 @@ pub struct Combined {
 
 type Made = Result<Done, String>;
 
-impl Errand for ReadTask {
+impl Task for ReadTask {
     type Outcome = Outcome;
     const NAME: &'static str = "read";
 
-    fn carry_out(self, monitor: &Monitor) -> Outcome {
+    fn run(self, monitor: &Monitor) -> Outcome {
         read(self, monitor)
     }
 
-    fn given_up(_: &Monitor) -> Option<Outcome> {
+    fn cancelled(_: &Monitor) -> Option<Outcome> {
         Some(Outcome::of(Err("cancelled: nothing was opened".to_owned())))
     }
 
     fn keep(outcome: Outcome) {
         match outcome.done {
-            Ok(Done::Opened(opened)) => Lent::keep::<()>(Ok(opened.session)),
-            Ok(Done::Combined(combined)) => Lent::keep::<()>(Ok(combined.session)),
+            Ok(Done::Opened(opened)) => SessionRef::keep::<()>(Ok(opened.session)),
+            Ok(Done::Combined(combined)) => SessionRef::keep::<()>(Ok(combined.session)),
             _ => {}
         }
     }

@@ -17,9 +17,7 @@ use super::parameters::{self, KEYS, VARIANT};
 use super::said::{Said, quoted};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::write::{LINKS, NINE_SETS, layer_name};
-use super::{
-    MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION,
-};
+use super::{MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION};
 use crate::clock::Clock;
 use crate::layout;
 use crate::view::{is_near, sound_camera, speed};

@@ -187,13 +187,7 @@ impl Writer {
             breakpoint,
         );
         self.list("watch", "watches", MAX_STOPS, &content.watches, watch);
-        self.list(
-            "mark",
-            "bookmarks",
-            MAX_BOOKMARKS,
-            &content.bookmarks,
-            mark,
-        );
+        self.list("mark", "bookmarks", MAX_BOOKMARKS, &content.bookmarks, mark);
         let long = content.bookmarks.iter().filter(|mark| !fits(&mark.note));
         match long.count() {
             0 => {}

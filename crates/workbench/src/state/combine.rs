@@ -2,10 +2,10 @@
 
 use tilescope_core::combine::file::Layout;
 use tilescope_session::combination::{CombineCommand, NINE};
-use tilescope_session::combining::Combining;
-use tilescope_session::errand;
+use tilescope_session::combining::CombineTask;
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
+use tilescope_session::task;
 use tilescope_session::words::sentence;
 
 use super::State;
@@ -37,8 +37,8 @@ impl State {
         self.files.stop_reading();
         self.jobs.generation += 1;
         let generation = self.jobs.generation;
-        let combining = Combining { layout, generation };
-        self.runs.first.sampling = Some(errand::start(&self.jobs.wake, combining));
+        let combining = CombineTask { layout, generation };
+        self.runs.first.sampling = Some(task::start(&self.jobs.wake, combining));
     }
 
     /// Shows a new combination, its seams among the layers.

@@ -1,12 +1,12 @@
 //! Making runs by the engine that was chosen, and looking at the passes of the GPU.
 
-use tilescope_session::errand;
 use tilescope_session::jobs::Job;
 use tilescope_session::limits::MAX_PASSES_ON_A_PAGE;
 use tilescope_session::look::Look;
 use tilescope_session::recipe::Recipe;
-use tilescope_session::sampling::Sampling;
+use tilescope_session::sampling::SampleTask;
 use tilescope_session::session::Session;
+use tilescope_session::task;
 use tilescope_session::words::sentence;
 
 use super::{State, Which};
@@ -24,7 +24,7 @@ impl State {
             Some(gpu) => Job::start_future(&self.jobs.wake, move |monitor| async move {
                 tilescope_session::sampling::on_gpu(gpu, &recipe, generation, &monitor).await
             }),
-            None => errand::start(&self.jobs.wake, Sampling { recipe, generation }),
+            None => task::start(&self.jobs.wake, SampleTask { recipe, generation }),
         };
         self.on(which, |run, _| run.sampling = Some(job));
     }

@@ -234,7 +234,7 @@ impl Exports {
         };
         Ok(Order {
             path: form.file().to_owned(),
-            session: tilescope_session::errand::Lent(Arc::clone(session)),
+            session: tilescope_session::task::SessionRef(Arc::clone(session)),
             content,
         })
     }
@@ -356,5 +356,5 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
 }
 
 mod outcome;
-pub use outcome::Delivering;
+pub use outcome::ExportTask;
 pub use outcome::Outcome;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use tilescope_session::combining::SavedCombination;
-use tilescope_session::errand;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::task;
 use tilescope_session::verification::region_of;
 use tilescope_session::words::last_part;
 
@@ -163,7 +163,7 @@ impl FileState {
             generation: context.next_generation(),
             run,
         };
-        let job = errand::start(&context.wake, task);
+        let job = task::start(&context.wake, task);
         self.wait_for(purpose, path, job);
     }
 

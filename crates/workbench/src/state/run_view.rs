@@ -24,9 +24,9 @@ mod passes;
 mod time;
 mod work;
 
-pub use debug::Looking;
+pub use debug::FindEventsTask;
 pub use debug::{EventQuery, Found, MAX_FOUND};
-pub use hits::Counting;
+pub use hits::CountHitsTask;
 pub use hits::{Hits, MAX_HITS};
 pub(super) use time::{next_line, none_there};
 

@@ -1,4 +1,4 @@
-//! Errands are carried out in another thread's memory, as in a worker: what comes back is what a thread would have made.
+//! Tasks run in the memory of another thread, as in a web worker, and return what a thread of the window returns.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -7,10 +7,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use tilescope_debugger::{Debugger, Event, LineId, digest};
 use tilescope_session::combination::CombineCommand;
-use tilescope_session::errand::{Carrier, End, Parcel, carry_with, learn, lent, session_bytes};
 use tilescope_session::layers::Layer;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
+use tilescope_session::task::{
+    PendingTask, TaskEnd, TaskPool, keep_session, session_bytes, session_ref, set_task_pool,
+};
 
 use super::*;
 use crate::analysis::AnalysisCommand;
@@ -22,66 +24,68 @@ use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
 use crate::state::{State, Verification};
 
-type Reply = Result<Vec<u8>, Refused>;
+type Reply = Result<Vec<u8>, TaskError>;
 
-/// What is sent to the other memory.
-enum Letter {
-    Errand(&'static str, Vec<u8>),
+/// A message to the other thread.
+enum Message {
+    Task(&'static str, Vec<u8>),
     Session(Vec<u8>),
 }
 
-/// Takes errands to a thread of their own, which knows nothing but what it was sent.
-struct Elsewhere {
-    letters: Sender<Letter>,
+/// Runs tasks on a thread that shares no memory with the window.
+struct OtherThread {
+    messages: Sender<Message>,
     replies: Receiver<Reply>,
-    /// The names of what was carried, and whether sessions had to follow.
+    /// The names of the tasks that ran, and whether sessions had to be sent.
     log: RefCell<Vec<(&'static str, bool)>>,
 }
 
-impl Elsewhere {
+impl OtherThread {
     fn new() -> Rc<Self> {
-        let (letters, inbox) = channel();
+        let (messages, inbox) = channel();
         let (outbox, replies) = channel();
         std::thread::spawn(move || {
             let monitor = Monitor::reporting(|_, _| {});
-            for letter in inbox {
-                match letter {
-                    Letter::Errand(name, input) => {
+            for message in inbox {
+                match message {
+                    Message::Task(name, input) => {
                         let _ = outbox.send(perform(name, &input, &monitor));
                     }
-                    Letter::Session(bytes) => learn(&bytes).expect("a session"),
+                    Message::Session(bytes) => keep_session(&bytes).expect("a session"),
                 }
             }
         });
         Rc::new(Self {
-            letters,
+            messages,
             replies,
             log: RefCell::default(),
         })
     }
 
     fn ask(&self, name: &'static str, input: &[u8]) -> Reply {
-        let letter = Letter::Errand(name, input.to_vec());
-        self.letters.send(letter).expect("a thread");
+        let message = Message::Task(name, input.to_vec());
+        self.messages.send(message).expect("a thread");
         self.replies.recv().expect("a reply")
     }
 }
 
-impl Carrier for Elsewhere {
-    fn carry(&self, parcel: Parcel) {
-        let mut reply = self.ask(parcel.name, &parcel.input);
-        let follows = matches!(reply, Err(Refused::Unknown(_)));
-        if follows {
-            for session in &parcel.sessions {
+impl TaskPool for OtherThread {
+    fn run(&self, task: PendingTask) {
+        let mut reply = self.ask(task.name, &task.input);
+        let lacked_sessions = matches!(reply, Err(TaskError::UnknownSessions(_)));
+        if lacked_sessions {
+            for session in &task.sessions {
                 let bytes = session_bytes(session).expect("bytes");
-                self.letters.send(Letter::Session(bytes)).expect("a thread");
+                self.messages
+                    .send(Message::Session(bytes))
+                    .expect("a thread");
             }
-            reply = self.ask(parcel.name, &parcel.input);
+            reply = self.ask(task.name, &task.input);
         }
-        self.log.borrow_mut().push((parcel.name, follows));
-        (parcel.answer)(match reply {
-            Ok(bytes) => End::Outcome(bytes),
-            Err(refused) => End::Fault(format!("{refused:?}")),
+        self.log.borrow_mut().push((task.name, lacked_sessions));
+        (task.answer)(match reply {
+            Ok(bytes) => TaskEnd::Done(bytes),
+            Err(refused) => TaskEnd::Failed(format!("{refused:?}")),
         });
     }
 }
@@ -194,19 +198,19 @@ fn hand_over(state: &mut State) -> Vec<String> {
 }
 
 #[test]
-fn what_is_done_elsewhere_is_what_a_thread_does() {
+fn what_is_done_other_is_what_a_thread_does() {
     let here = visit();
-    let elsewhere = Elsewhere::new();
-    carry_with(Some(elsewhere.clone()));
+    let other = OtherThread::new();
+    set_task_pool(Some(other.clone()));
     let there = visit();
-    carry_with(None);
+    set_task_pool(None);
     for (here, there) in here.iter().zip(&there) {
         let differ = here.chars().zip(there.chars()).position(|(a, b)| a != b);
         let around = differ.unwrap_or(0).saturating_sub(100);
         let part = |text: &str| text.chars().skip(around).take(200).collect::<String>();
         assert!(here == there, "{} is {}", part(here), part(there));
     }
-    let log = elsewhere.log.borrow();
+    let log = other.log.borrow();
     // Those of a GPU, and one for sets of more samples.
     let others = ["difference", "pattern", "twin"];
     for name in NAMES.iter().filter(|name| !others.contains(name)) {
@@ -214,27 +218,30 @@ fn what_is_done_elsewhere_is_what_a_thread_does() {
         assert!(is_carried, "{name} of {log:?}");
     }
     // What was made there is known there.
-    assert!(log.iter().all(|(_, follows)| !follows), "{log:?}");
+    assert!(
+        log.iter().all(|(_, lacked_sessions)| !lacked_sessions),
+        "{log:?}"
+    );
 }
 
 #[test]
 fn a_memory_that_has_forgotten_is_told_again() {
-    let made = |elsewhere: &Rc<Elsewhere>| {
-        carry_with(Some(elsewhere.clone()));
+    let made = |other: &Rc<OtherThread>| {
+        set_task_pool(Some(other.clone()));
         let mut state = State::new(Arc::new(|| {}));
         state.settle();
         state
     };
-    let first = Elsewhere::new();
+    let first = OtherThread::new();
     let mut state = made(&first);
-    let second = Elsewhere::new();
-    carry_with(Some(second.clone()));
+    let second = OtherThread::new();
+    set_task_pool(Some(second.clone()));
     state.apply(Command::View(
         Which::First,
         ViewCommand::Pick(Selection::Sample(5)),
     ));
     state.settle();
-    carry_with(None);
+    set_task_pool(None);
     assert_eq!(*second.log.borrow(), [("look", true)]);
     assert!(!state.runs.first.history_found.events().is_empty());
 }
@@ -247,7 +254,7 @@ fn names_are_all_different_and_what_is_no_errand_is_refused() {
     assert_eq!(names.len(), NAMES.len());
     let monitor = Monitor::reporting(|_, _| {});
     let unknown = perform("tidy up", &[], &monitor);
-    assert!(matches!(unknown, Err(Refused::Fault(text)) if text.contains("tidy up")));
+    assert!(matches!(unknown, Err(TaskError::Failed(text)) if text.contains("tidy up")));
     for name in NAMES {
         let cut = perform(name, &[255; 3], &monitor);
         assert!(cut.is_err() || *name == "measure the reference", "{name}");
@@ -256,13 +263,13 @@ fn names_are_all_different_and_what_is_no_errand_is_refused() {
 
 #[test]
 fn bytes_that_are_no_session_are_refused_and_a_cancelled_errand_says_so() {
-    assert!(learn(&[1, 2, 3]).is_err());
+    assert!(keep_session(&[1, 2, 3]).is_err());
     let monitor = Monitor::reporting(|_, _| {});
-    let sampling = tilescope_session::sampling::Sampling {
+    let sampling = tilescope_session::sampling::SampleTask {
         recipe: tilescope_core::Parameters::default().into(),
         generation: 1,
     };
-    let (input, _) = lent::packed(&sampling).unwrap();
+    let (input, _) = session_ref::packed(&sampling).unwrap();
     monitor.cancel();
     let bytes = perform("sample", &input, &monitor).unwrap();
     let made: Result<Session, tilescope_session::session::MakeError> =

@@ -1,8 +1,8 @@
 //! An export at work, and what is told of it when it ends.
 
-use tilescope_session::errand::{self, Errand};
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::{Job, Monitor};
+use tilescope_session::task::{self, Task};
 use tilescope_session::words::{counted, sentence};
 
 use super::{ExportSource, Exports};
@@ -28,20 +28,20 @@ pub enum Ended {
 
 /// Has the files of an order made and put where they are to go.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Delivering {
+pub struct ExportTask {
     order: Order,
     delivery: Delivery,
 }
 
-impl Errand for Delivering {
+impl Task for ExportTask {
     type Outcome = Outcome;
     const NAME: &'static str = "export";
 
-    fn carry_out(self, monitor: &Monitor) -> Outcome {
+    fn run(self, monitor: &Monitor) -> Outcome {
         deliver(&self.order, self.delivery, monitor)
     }
 
-    fn given_up(_: &Monitor) -> Option<Outcome> {
+    fn cancelled(_: &Monitor) -> Option<Outcome> {
         Some(Err(WriteError::Cancelled))
     }
 }
@@ -83,8 +83,8 @@ impl Exports {
                 return;
             }
         }
-        let delivering = Delivering { order, delivery };
-        self.work = Some(errand::start(&context.wake, delivering));
+        let delivering = ExportTask { order, delivery };
+        self.work = Some(task::start(&context.wake, delivering));
     }
 
     /// Takes what the system's dialog and the export at work have come to.

@@ -11,9 +11,9 @@ use super::RunView;
 use crate::command::DebugCommand;
 
 use crate::state::effects::Context;
-use tilescope_session::errand::{self, Errand, Lent};
 use tilescope_session::jobs::{Job, Monitor};
 use tilescope_session::session::Session;
+use tilescope_session::task::{self, SessionRef, Task};
 
 /// Most events that a query or a history shows.
 pub const MAX_FOUND: usize = 100_000;
@@ -162,8 +162,8 @@ impl RunView {
     fn look(&self, aim: Aim, context: &Context) -> Found {
         match &self.session {
             Some(session) if self.debugger.is_some() => {
-                let session = Lent(Arc::clone(session));
-                Found::Pending(errand::start(&context.wake, Looking { session, aim }))
+                let session = SessionRef(Arc::clone(session));
+                Found::Pending(task::start(&context.wake, FindEventsTask { session, aim }))
             }
             _ => Found::Nothing,
         }
@@ -227,24 +227,22 @@ enum Aim {
 
 /// Has events of a session looked for.
 #[derive(Serialize, Deserialize)]
-pub struct Looking {
-    session: Lent,
+pub struct FindEventsTask {
+    session: SessionRef,
     aim: Aim,
 }
 
-impl Errand for Looking {
+impl Task for FindEventsTask {
     type Outcome = Vec<usize>;
     const NAME: &'static str = "look";
 
-    fn carry_out(self, _: &Monitor) -> Self::Outcome {
+    fn run(self, _: &Monitor) -> Self::Outcome {
         let Some(recording) = self.session.recording() else {
             return Vec::new();
         };
         match self.aim {
-            Aim::Query(text) => Query::parse(&text).map_or_else(
-                |_| Vec::new(),
-                |query| query.find_all(recording, MAX_FOUND),
-            ),
+            Aim::Query(text) => Query::parse(&text)
+                .map_or_else(|_| Vec::new(), |query| query.find_all(recording, MAX_FOUND)),
             Aim::Sample(id) => why::history_of_sample(recording, id),
             Aim::Place(point) => why::history_of_place(recording, point),
         }

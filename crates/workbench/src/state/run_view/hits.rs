@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording, Stop};
-use tilescope_session::errand::{self, Errand, Lent};
 use tilescope_session::jobs::Monitor;
+use tilescope_session::task::{self, SessionRef, Task};
 
 use super::{Found, RunView};
 use crate::state::effects::Context;
@@ -82,24 +82,24 @@ impl RunView {
         self.hits.found = if stops.is_empty() {
             Found::Nothing
         } else {
-            let session = Lent(Arc::clone(session));
-            Found::Pending(errand::start(&context.wake, Counting { session, stops }))
+            let session = SessionRef(Arc::clone(session));
+            Found::Pending(task::start(&context.wake, CountHitsTask { session, stops }))
         };
     }
 }
 
 /// Has the stops of a session's run found.
 #[derive(Serialize, Deserialize)]
-pub struct Counting {
-    session: Lent,
+pub struct CountHitsTask {
+    session: SessionRef,
     stops: Vec<(LineId, String)>,
 }
 
-impl Errand for Counting {
+impl Task for CountHitsTask {
     type Outcome = Vec<usize>;
     const NAME: &'static str = "hits";
 
-    fn carry_out(self, monitor: &Monitor) -> Self::Outcome {
+    fn run(self, monitor: &Monitor) -> Self::Outcome {
         let recording = self.session.recording();
         recording.map_or_else(Vec::new, |recording| hits(recording, &self.stops, monitor))
     }

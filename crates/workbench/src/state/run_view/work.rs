@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use tilescope_session::errand::{self, Lent};
 use tilescope_session::jobs::Job;
 use tilescope_session::selection::Selection;
 use tilescope_session::session::Session;
-use tilescope_session::verification::{Judging, Verdict};
+use tilescope_session::task::{self, SessionRef};
+use tilescope_session::verification::{Verdict, VerifyTask};
 use tilescope_session::words::sentence;
 
 use super::{Made, RunView};
@@ -59,8 +59,8 @@ impl RunView {
     /// Has the session verified.
     pub(in crate::state) fn verify(&mut self, context: &Context) {
         if let Some(session) = self.session.clone() {
-            let judging = Judging(Lent(session));
-            self.verification = Verification::Pending(errand::start(&context.wake, judging));
+            let judging = VerifyTask(SessionRef(session));
+            self.verification = Verification::Pending(task::start(&context.wake, judging));
         }
     }
 

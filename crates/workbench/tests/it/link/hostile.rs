@@ -4,8 +4,8 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::State;
 use tilescope_workbench::link::{
-    Content, MAX_BOOKMARKS, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_STOPS,
-    MAX_TEXT, read, write,
+    Content, MAX_BOOKMARKS, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_STOPS, MAX_TEXT,
+    read, write,
 };
 
 use super::support::{Draws, opened, said, settle, state};

@@ -8,7 +8,7 @@ use crate::stages::detect::Border;
 
 use super::super::frame::CELL_BITS;
 use super::super::near::Site;
-use super::super::region::{Region, MAX_REACH};
+use super::super::region::{MAX_REACH, Region};
 use super::super::stamp::PIXEL_SIDE;
 use super::candidate::minus;
 use super::pixel::{Pixel, centre, each_bit};
