@@ -42,7 +42,7 @@ fn report_progress(activity: &str, fraction: f32) {
     }
     REPORTED_MS.set(now);
     REPORT.with_borrow(|report| {
-        if let Some(report) = tell {
+        if let Some(report) = report {
             // A page that was closed cannot be called.
             let _ = report.call2(&JsValue::NULL, &activity.into(), &fraction.into());
         }
