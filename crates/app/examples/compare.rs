@@ -9,7 +9,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 
@@ -32,7 +32,7 @@ fn main() {
         image.save(&path).expect("a writable folder");
         println!("{}", path.display());
     };
-    let start = |rival| Command::Compare(CompareCommand::Start(rival));
+    let start = |preset| Command::Compare(CompareCommand::Start(preset));
     shoot(
         "none",
         vec![Command::Window(WindowCommand::OpenPanel(Panel::Compare))],
@@ -40,11 +40,11 @@ fn main() {
     shoot(
         "order",
         vec![
-            start(Rival::Order),
+            start(ComparePreset::Order),
             Command::Time(TimeCommand::ShowStage(3)),
         ],
     );
-    shoot("seeds", vec![start(Rival::NextSeed)]);
+    shoot("seeds", vec![start(ComparePreset::NextSeed)]);
     shoot(
         "seeds-near",
         vec![Command::View(
@@ -55,7 +55,7 @@ fn main() {
     shoot(
         "order-fitted",
         vec![
-            start(Rival::Order),
+            start(ComparePreset::Order),
             Command::View(Which::First, ViewCommand::Fit),
         ],
     );
@@ -70,7 +70,7 @@ fn main() {
         vec![
             Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
             Command::Run,
-            start(Rival::Search),
+            start(ComparePreset::Search),
             Command::Compare(CompareCommand::GoToDivergence),
         ],
     );

@@ -10,7 +10,7 @@ use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
 use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::export::{ExportCommand, Kind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
@@ -71,7 +71,7 @@ fn panels(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
         }
         save(harness, folder, &format!("{name}-{}", panel.name()));
     }
-    let start = Command::Compare(CompareCommand::Start(Rival::Order));
+    let start = Command::Compare(CompareCommand::Start(ComparePreset::Order));
     harness.state_mut().state.apply(start);
     save(harness, folder, &format!("{name}-compared"));
     let close = Command::Compare(CompareCommand::Close);

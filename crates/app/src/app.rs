@@ -10,7 +10,7 @@ use tilescope_session::look::Look;
 use tilescope_ui::focus;
 use tilescope_ui::presses::Presses;
 use tilescope_ui::spoken::{Speaker, Spoken};
-use tilescope_ui::theme::{self, Manner};
+use tilescope_ui::theme::{self, InputStyle};
 use tilescope_ui::widgets::{Kebab, Known};
 
 use crate::panes::Canvas;
@@ -29,7 +29,7 @@ pub struct App {
     canvas: Canvas,
     commands: Vec<Command>,
     shown_look: Look,
-    shown_manner: Manner,
+    shown_input_style: InputStyle,
     /// What had the focus in the frame before.
     focused: Option<egui::Id>,
     /// Puts a text on the clipboard, if it returns true; otherwise the window does.
@@ -51,7 +51,7 @@ impl App {
         ctx.add_plugin(Presses::default());
         Self {
             shown_look: state.appearance.look,
-            shown_manner: Manner::default(),
+            shown_input_style: InputStyle::default(),
             state,
             canvas: Canvas::default(),
             commands: Vec::new(),
@@ -297,30 +297,30 @@ impl App {
 
     fn follow_look(&mut self, ctx: &Context) {
         let is_compact = self.state.window.drawer.arrangement.is_compact();
-        let manner = Manner {
+        let input_style = InputStyle {
             touch: is_compact,
             still: self.state.appearance.reduced_motion,
         };
         let look = self.state.appearance.look;
-        if (self.shown_look, self.shown_manner) == (look, manner) {
+        if (self.shown_look, self.shown_input_style) == (look, input_style) {
             return;
         }
         if self.shown_look != look {
             ctx.set_theme(theme::theme_of(look));
         }
-        if self.shown_manner != manner {
-            theme::restyle(ctx, manner);
+        if self.shown_input_style != input_style {
+            theme::restyle(ctx, input_style);
         }
         let zoom = |look: Look, is_compact| if is_compact { 1.0 } else { look.zoom() };
         let (before, after) = (
-            zoom(self.shown_look, self.shown_manner.touch),
+            zoom(self.shown_look, self.shown_input_style.touch),
             zoom(look, is_compact),
         );
         // Who enlarges the window otherwise keeps that.
         if before.to_bits() != after.to_bits() {
             ctx.set_zoom_factor(after);
         }
-        (self.shown_look, self.shown_manner) = (look, manner);
+        (self.shown_look, self.shown_input_style) = (look, input_style);
         ctx.request_repaint();
     }
 

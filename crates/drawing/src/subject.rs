@@ -5,7 +5,7 @@ use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::moment::Shown;
 use tilescope_session::session::Session;
-use tilescope_session::verification::Sight;
+use tilescope_session::verification::WitnessMark;
 
 use crate::brushed::Found;
 use crate::camera::Camera;
@@ -28,7 +28,7 @@ pub struct Subject<'a> {
     /// The selected place, in r.
     pub place: Option<[f64; 2]>,
     /// The place that a verdict was followed to.
-    pub sight: Option<Sight>,
+    pub witness_mark: Option<WitnessMark>,
     /// The triangulation of the moment, as far as it is known.
     pub geometry: &'a Geometry,
     /// What only one of two compared runs has.

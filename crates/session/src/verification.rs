@@ -39,7 +39,7 @@ pub struct Verdict {
 
 /// A place to fly to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sight {
+pub enum WitnessMark {
     /// Two samples, by id, and their distance in r.
     Pair([u32; 2], f64),
     /// The centre of an empty circle and its radius, in r.
@@ -85,12 +85,12 @@ impl Verdict {
 
     /// Returns the place that shows `witness`, if it is known.
     #[must_use]
-    pub fn sight(&self, witness: Witness, session: &Session) -> Option<Sight> {
+    pub fn witness_mark(&self, witness: Witness, session: &Session) -> Option<WitnessMark> {
         let radius = self.report.radius;
         let pair = || {
             let pair = self.closest?;
             let id = |index: usize| session.run().result.get(index).copied();
-            Some(Sight::Pair(
+            Some(WitnessMark::Pair(
                 [id(pair.first)?, id(pair.second)?],
                 pair.distance / radius,
             ))
@@ -98,7 +98,7 @@ impl Verdict {
         let circle = || {
             let gap = self.largest?;
             let center = gap.center.map(|value| value / radius);
-            Some(Sight::Circle(center, gap.distance / radius))
+            Some(WitnessMark::Circle(center, gap.distance / radius))
         };
         match witness {
             Witness::ClosestPair => pair(),

@@ -1,12 +1,12 @@
 //! Type, spacing and the colours of widgets, light and dark.
 
-mod manner;
+mod input_style;
 
 use egui::{FontFamily, Theme};
 use tilescope_drawing::palette::{DARK, LIGHT, Palette};
 use tilescope_session::look::Look;
 
-pub use manner::{FINGER, Manner, install, is_for_fingers, restyle, row_height};
+pub use input_style::{FINGER, InputStyle, install, is_for_fingers, restyle, row_height};
 
 /// The family of headings.
 #[must_use]

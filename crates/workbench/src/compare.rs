@@ -19,7 +19,7 @@ use tilescope_session::task::{self, SessionRef, Task};
 #[serde(rename_all = "kebab-case")]
 pub enum CompareCommand {
     /// Samples a second run.
-    Start(Rival),
+    Start(ComparePreset),
     /// Keeps the run at hand as the second one, so that the next can be compared with it.
     Keep,
     /// Has the two runs change places: all panels show the first one.
@@ -39,7 +39,7 @@ pub enum CompareCommand {
 /// What the second run is to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Rival {
+pub enum ComparePreset {
     /// The same with the next seed.
     NextSeed,
     /// The same with the other reach of detectors: the paper's 2 r, or what the proof needs.
@@ -58,7 +58,7 @@ pub enum Rival {
     Typed,
 }
 
-impl Rival {
+impl ComparePreset {
     /// Every one.
     pub const ALL: [Self; 8] = [
         Self::NextSeed,
@@ -312,39 +312,39 @@ mod tests {
                 ..Parameters::default()
             },
         );
-        let differing = |rival: Rival| -> Vec<String> {
-            let second = rival.parameters(&first, &typed);
+        let differing = |preset: ComparePreset| -> Vec<String> {
+            let second = preset.parameters(&first, &typed);
             contrast(&first, &second)
                 .into_iter()
                 .map(|(name, ..)| name)
                 .collect()
         };
-        for (rival, expected) in [
-            (Rival::NextSeed, &["seed"][..]),
-            (Rival::Search, &["search"]),
-            (Rival::Insertion, &["insertion"]),
-            (Rival::Order, &["order"]),
-            (Rival::Variant, &["variant"]),
-            (Rival::Leaf, &["leaf"]),
-            (Rival::Engine, &[]),
-            (Rival::Typed, &["radius"]),
+        for (preset, expected) in [
+            (ComparePreset::NextSeed, &["seed"][..]),
+            (ComparePreset::Search, &["search"]),
+            (ComparePreset::Insertion, &["insertion"]),
+            (ComparePreset::Order, &["order"]),
+            (ComparePreset::Variant, &["variant"]),
+            (ComparePreset::Leaf, &["leaf"]),
+            (ComparePreset::Engine, &[]),
+            (ComparePreset::Typed, &["radius"]),
         ] {
-            assert_eq!(differing(rival), expected, "{rival:?}");
+            assert_eq!(differing(preset), expected, "{preset:?}");
         }
     }
 
     #[test]
     fn two_changes_lead_back() {
         let first = Parameters::default();
-        for rival in [
-            Rival::Search,
-            Rival::Insertion,
-            Rival::Order,
-            Rival::Variant,
+        for preset in [
+            ComparePreset::Search,
+            ComparePreset::Insertion,
+            ComparePreset::Order,
+            ComparePreset::Variant,
         ] {
-            let second = rival.parameters(&first, &first);
+            let second = preset.parameters(&first, &first);
             assert_ne!(second, first);
-            assert_eq!(rival.parameters(&second, &first), first);
+            assert_eq!(preset.parameters(&second, &first), first);
         }
     }
 

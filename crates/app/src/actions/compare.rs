@@ -4,7 +4,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::{Action, List, Menu};
 use tilescope_workbench::command::{Command, Which};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::state::State;
 
 const NO_SECOND: &str = "There is no second run.";
@@ -21,13 +21,13 @@ pub(super) fn compare(list: &mut List, state: &State) {
             refusal,
         });
     };
-    for rival in Rival::ALL {
-        let name = format!("Compare with {}", rival.name());
+    for preset in ComparePreset::ALL {
+        let name = format!("Compare with {}", preset.name());
         add(
             name,
             None,
-            Command::Compare(CompareCommand::Start(rival)),
-            state.rival_refusal(rival),
+            Command::Compare(CompareCommand::Start(preset)),
+            state.preset_refusal(preset),
         );
     }
     let no_session = state

@@ -7,7 +7,7 @@ use tilescope_session::words::{grouped, stage_name};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
 use tilescope_workbench::command::{Command, Which};
-use tilescope_workbench::compare::{CompareCommand, Comparison, Rival, contrast_of, difference};
+use tilescope_workbench::compare::{CompareCommand, Comparison, ComparePreset, contrast_of, difference};
 use tilescope_workbench::state::RunView;
 
 /// What the panel is shown from.
@@ -19,7 +19,7 @@ pub struct CompareContext<'a> {
     /// Run B, if there is one, and what is known of the two together.
     pub second: Option<&'a (RunView, Comparison)>,
     /// What run A can be compared with, and why it cannot now.
-    pub rivals: Vec<(Rival, Option<String>)>,
+    pub presets: Vec<(ComparePreset, Option<String>)>,
     /// Why one cannot go to where the two part, if so.
     pub parting: Option<&'static str>,
 }
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, context: &CompareContext<'_>, commands: &mut Vec<Comman
         let text = "A second run beside this one: same view, same moment, what differs, and the first event at which the two part.";
         ui.label(RichText::new(text).color(palette.muted));
     }
-    rivals(ui, context, &mut own);
+    presets(ui, context, &mut own);
     commands.extend(own.into_iter().map(Command::Compare));
 }
 
@@ -99,14 +99,14 @@ fn second(ui: &mut Ui, side: &RunView, palette: &Palette, commands: &mut Vec<Com
     }
 }
 
-fn rivals(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareCommand>) {
+fn presets(ui: &mut Ui, context: &CompareContext<'_>, own: &mut Vec<CompareCommand>) {
     heading(ui, "Compare this run with");
-    for (rival, refusal) in &context.rivals {
-        let button = ui.add_enabled(refusal.is_none(), Button::new(rival.name()).frame(true));
-        button.known_as(format_args!("compare.{}", Kebab(*rival)));
+    for (preset, refusal) in &context.presets {
+        let button = ui.add_enabled(refusal.is_none(), Button::new(preset.name()).frame(true));
+        button.known_as(format_args!("compare.{}", Kebab(*preset)));
         let button = button.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
         if button.clicked() {
-            own.push(CompareCommand::Start(*rival));
+            own.push(CompareCommand::Start(*preset));
         }
     }
     let kept = ui.add_enabled(

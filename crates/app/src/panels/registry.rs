@@ -19,7 +19,7 @@ use crate::actions::keys_of;
 use crate::panes::Canvas;
 use crate::panes::CanvasContext;
 use tilescope_workbench::command::{Command, TimeCommand};
-use tilescope_workbench::compare::Rival;
+use tilescope_workbench::compare::ComparePreset;
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::State;
@@ -124,12 +124,12 @@ impl<'a> AnalysisContext<'a> {
 
 impl<'a> CompareContext<'a> {
     fn of(state: &'a State) -> Self {
-        let rivals = Rival::ALL.map(|rival| (rival, state.rival_refusal(rival)));
+        let presets = ComparePreset::ALL.map(|preset| (preset, state.preset_refusal(preset)));
         Self {
             palette: Palette::of(state.appearance.look),
             first: &state.runs.first,
             second: state.runs.second.as_ref(),
-            rivals: rivals.into(),
+            presets: presets.into(),
             parting: state.parting_refusal(),
         }
     }

@@ -8,7 +8,7 @@ use tilescope_workbench::analysis::AnalysisCommand;
 use tilescope_workbench::analysis::brush::{Axis, Brush};
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::export::Kind;
 use tilescope_workbench::files::Purpose;
 use tilescope_workbench::layout::Panel;
@@ -150,7 +150,7 @@ fn what_a_key_does_not_enter_has_an_action_that_leaves_it() {
             .any(|action| action.name == name && action.refusal.is_none())
     };
     assert!(!has(&state, "Close B"));
-    let start = CompareCommand::Start(Rival::NextSeed);
+    let start = CompareCommand::Start(ComparePreset::NextSeed);
     state.apply(Command::Compare(start));
     assert!(has(&state, "Close B"));
     state.apply(Command::Compare(CompareCommand::Close));

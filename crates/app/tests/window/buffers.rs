@@ -14,7 +14,7 @@ use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
@@ -307,7 +307,7 @@ fn only_the_first_of_two_compared_runs_has_them() {
     let mut harness = with_passes();
     apply(
         &mut harness,
-        Command::Compare(CompareCommand::Start(Rival::Typed)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Typed)),
     );
     go(&mut harness, "tile", Name::Places);
     pass(&mut harness, PassCommand::ShowCanvas);

@@ -9,7 +9,7 @@ use tilescope_session::selection::Selection;
 use tilescope_workbench::Command;
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::layout::Panel;
 
 use crate::support::{cursor, find, is_disabled, node, opened_at, settle};
@@ -203,7 +203,7 @@ fn every_primary_action_can_be_done() {
     click(&mut harness, "fit");
     // The verdict leads to its witness.
     click(&mut harness, "verdict");
-    assert!(harness.state().state.runs.first.sight.is_some());
+    assert!(harness.state().state.runs.first.witness_mark.is_some());
     click(&mut harness, "tab.parameters");
     click(&mut harness, "run");
     assert!(harness.state().state.runs.first.session.is_some());
@@ -269,7 +269,7 @@ fn a_selected_sample_and_two_runs_fit() {
     let state = &mut harness.state_mut().state;
     for command in [
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
-        Command::Compare(CompareCommand::Start(Rival::Order)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Order)),
         Command::Window(WindowCommand::Drawer(DrawerCommand::Show(Some(
             Panel::Inspector,
         )))),

@@ -8,7 +8,7 @@ use tilescope_debugger::{Direction, Divergence, Step};
 use tilescope_session::jobs::Job;
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{FormCommand, TimeCommand, ViewCommand, Which, WindowCommand};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::RunView;
@@ -21,9 +21,9 @@ fn apply(harness: &mut Harness<'_, App>, command: Command) {
     settle(harness);
 }
 
-fn compared(rival: Rival) -> Harness<'static, App> {
+fn compared(preset: ComparePreset) -> Harness<'static, App> {
     let mut harness = opened();
-    apply(&mut harness, Command::Compare(CompareCommand::Start(rival)));
+    apply(&mut harness, Command::Compare(CompareCommand::Start(preset)));
     harness
 }
 
@@ -93,7 +93,7 @@ fn another_seed_is_sampled_verified_and_shares_no_sample() {
 
 #[test]
 fn the_same_parameters_give_the_same_run_to_the_last_event() {
-    let mut harness = compared(Rival::Typed);
+    let mut harness = compared(ComparePreset::Typed);
     assert_eq!(divergence(&harness.state().state), Divergence::Same);
     let [_, first, second] = differing(&harness.state().state);
     assert_eq!([first, second], [0, 0]);
@@ -107,7 +107,7 @@ fn the_same_parameters_give_the_same_run_to_the_last_event() {
 
 #[test]
 fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
-    let mut harness = compared(Rival::Search);
+    let mut harness = compared(ComparePreset::Search);
     let Divergence::Events { a, b, .. } = divergence(&harness.state().state) else {
         panic!("the searches must part at an event");
     };
@@ -125,7 +125,7 @@ fn the_papers_search_parts_where_the_first_longer_search_reaches_further() {
 
 #[test]
 fn clocks_run_together_until_they_are_told_not_to() {
-    let mut harness = compared(Rival::NextSeed);
+    let mut harness = compared(ComparePreset::NextSeed);
     apply(
         &mut harness,
         Command::Time(TimeCommand::Clock(Clock::Stage)),
@@ -156,7 +156,7 @@ fn clocks_run_together_until_they_are_told_not_to() {
 
 #[test]
 fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
-    let mut harness = compared(Rival::NextSeed);
+    let mut harness = compared(ComparePreset::NextSeed);
     let cameras = |harness: &Harness<'_, App>| {
         let state = &harness.state().state;
         [state.runs.first.camera, second(state).camera]
@@ -191,7 +191,7 @@ fn cameras_move_together_from_either_canvas_until_they_are_told_not_to() {
 
 #[test]
 fn the_runs_change_places_and_the_second_one_goes() {
-    let mut harness = compared(Rival::NextSeed);
+    let mut harness = compared(ComparePreset::NextSeed);
     let seed = |state: &State| {
         state
             .runs
@@ -265,16 +265,16 @@ fn what_cannot_be_compared_says_why() {
         Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
     );
     assert!(is_disabled(&harness, "compare.engine"));
-    let refusal = harness.state().state.rival_refusal(Rival::Engine);
+    let refusal = harness.state().state.preset_refusal(ComparePreset::Engine);
     assert!(refusal.expect("a reason").contains("GPU"));
     apply(
         &mut harness,
         Command::Form(FormCommand::Type(Field::Radius, "0".to_owned())),
     );
-    let refusal = harness.state().state.rival_refusal(Rival::Typed);
+    let refusal = harness.state().state.preset_refusal(ComparePreset::Typed);
     assert!(refusal.expect("a reason").contains("radius"));
     // A refused command does nothing.
-    let start = CompareCommand::Start(Rival::Typed);
+    let start = CompareCommand::Start(ComparePreset::Typed);
     apply(&mut harness, Command::Compare(start));
     assert!(harness.state().state.runs.second.is_none());
     harness.key_press_modifiers(Modifiers::NONE, Key::X);
@@ -284,31 +284,31 @@ fn what_cannot_be_compared_says_why() {
 
 #[test]
 fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
-    for rival in [Rival::Leaf, Rival::Insertion, Rival::NextSeed] {
-        let mut harness = compared(rival);
+    for preset in [ComparePreset::Leaf, ComparePreset::Insertion, ComparePreset::NextSeed] {
+        let mut harness = compared(preset);
         let Divergence::Events { a, b, .. } = divergence(&harness.state().state) else {
-            panic!("{rival:?} parts at an event");
+            panic!("{preset:?} parts at an event");
         };
         harness.key_press(Key::D);
         harness.run();
         settle(&mut harness);
-        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{rival:?}");
+        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{preset:?}");
         // From there on time goes on in both, and back again to the same places.
         let mut last = cursors(&harness.state().state);
         for cursor in (a + 2..a + 400).step_by(7) {
             apply(&mut harness, Command::Time(TimeCommand::Jump(cursor)));
             let now = cursors(&harness.state().state);
-            assert!(now[1] >= last[1], "{rival:?}: {last:?} {now:?}");
+            assert!(now[1] >= last[1], "{preset:?}: {last:?} {now:?}");
             last = now;
         }
         apply(&mut harness, Command::Time(TimeCommand::Jump(a + 1)));
-        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{rival:?}");
+        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{preset:?}");
     }
 }
 
 #[test]
 fn a_key_zooms_once_whichever_canvas_has_the_pointer() {
-    let mut harness = compared(Rival::NextSeed);
+    let mut harness = compared(ComparePreset::NextSeed);
     let scale = |harness: &Harness<'_, App>| harness.state().state.runs.first.camera.scale;
     for viewport in [
         harness.state().state.runs.first.viewport,
@@ -327,7 +327,7 @@ fn a_key_zooms_once_whichever_canvas_has_the_pointer() {
 
 #[test]
 fn a_kept_run_is_at_the_same_moment_even_when_clocks_are_apart() {
-    let mut harness = compared(Rival::NextSeed);
+    let mut harness = compared(ComparePreset::NextSeed);
     apply(
         &mut harness,
         Command::Compare(CompareCommand::LinkClocks(false)),
@@ -354,7 +354,7 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
     apply(&mut harness, Command::Debug(set));
     apply(
         &mut harness,
-        Command::Compare(CompareCommand::Start(Rival::NextSeed)),
+        Command::Compare(CompareCommand::Start(ComparePreset::NextSeed)),
     );
     harness.key_press(Key::X);
     harness.run();
@@ -385,7 +385,7 @@ fn breakpoints_are_the_users_whichever_run_is_in_front() {
 
 #[test]
 fn what_goes_wrong_with_the_second_run_is_said_of_it() {
-    let mut harness = compared(Rival::NextSeed);
+    let mut harness = compared(ComparePreset::NextSeed);
     let (side, _) = harness.state_mut().state.runs.second.as_mut().unwrap();
     let cancelled = SampleError::Cancelled { stage: Stage::Tile };
     let wake: tilescope_session::jobs::Wake = std::sync::Arc::new(|| {});
@@ -409,8 +409,8 @@ fn what_goes_wrong_with_the_second_run_is_said_of_it() {
 #[test]
 fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
     let note = "Too many samples differ to mark them at this scale: zoom in.";
-    let drawn = |rival: Rival, command: Command| {
-        let mut harness = compared(rival);
+    let drawn = |preset: ComparePreset, command: Command| {
+        let mut harness = compared(preset);
         harness.state_mut().state.appearance.reduced_motion = true;
         apply(&mut harness, Command::Time(TimeCommand::LastStage));
         apply(&mut harness, command);
@@ -422,15 +422,15 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
         harness.output().shapes.iter().any(said)
     };
     assert!(drawn(
-        Rival::NextSeed,
+        ComparePreset::NextSeed,
         Command::View(Which::First, ViewCommand::Fit)
     ));
     assert!(!drawn(
-        Rival::NextSeed,
+        ComparePreset::NextSeed,
         Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 9.0))
     ));
     assert!(!drawn(
-        Rival::Search,
+        ComparePreset::Search,
         Command::View(Which::First, ViewCommand::Fit)
     ));
 }

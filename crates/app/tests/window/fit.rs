@@ -13,7 +13,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
@@ -57,7 +57,7 @@ fn busy(size: [f32; 2]) -> Harness<'static, App> {
         Command::Debug(DebugCommand::Watch("distance".to_owned())),
         Command::Debug(DebugCommand::Bookmark),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
-        Command::Compare(CompareCommand::Start(Rival::Order)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {
         state.apply(command);
     }

@@ -12,7 +12,7 @@ use tilescope_session::selection::Selection;
 use tilescope_ui::spoken::Spoken;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::export::{ExportCommand, Kind};
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -70,7 +70,7 @@ fn crowded() -> Harness<'static, App> {
         Command::Time(TimeCommand::Jump(3_100)),
         Command::Debug(DebugCommand::Bookmark),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
-        Command::Compare(CompareCommand::Start(Rival::Order)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {
         apply(&mut harness, command);
     }

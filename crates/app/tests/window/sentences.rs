@@ -16,7 +16,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::export::{Entry, ExportCommand, Kind};
@@ -284,7 +284,7 @@ fn two_runs_and_the_debugger() {
     told.after([
         Command::Run,
         Command::Window(WindowCommand::OpenPanel(Panel::Compare)),
-        Command::Compare(CompareCommand::Start(Rival::Typed)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Typed)),
     ]);
     told.says(&[
         (
@@ -298,9 +298,9 @@ fn two_runs_and_the_debugger() {
         ("compare.go", "Go there in both"),
         ("compare.keep", "the run after this one"),
     ]);
-    let refusal = told.harness.state().state.rival_refusal(Rival::Engine);
+    let refusal = told.harness.state().state.preset_refusal(ComparePreset::Engine);
     assert!(refusal.expect("a reason").contains("Choose the GPU"));
-    told.after([Command::Compare(CompareCommand::Start(Rival::NextSeed))]);
+    told.after([Command::Compare(CompareCommand::Start(ComparePreset::NextSeed))]);
     told.says(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
     told.after([
         Command::Compare(CompareCommand::Keep),

@@ -9,7 +9,7 @@ use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, FormCommand, TimeCommand, WindowCommand};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
@@ -61,7 +61,7 @@ fn a_session_is_opened_where_it_was_left() {
 fn the_second_run_comes_back_too() {
     let path = folder("second").join("two.json");
     let mut harness = busy();
-    let start = CompareCommand::Start(Rival::NextSeed);
+    let start = CompareCommand::Start(ComparePreset::NextSeed);
     apply(&mut harness, Command::Compare(start));
     go(&mut harness, Purpose::Save, &path);
     let mut other = opened();

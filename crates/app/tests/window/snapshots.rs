@@ -11,7 +11,7 @@ use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::embedding::Embedding;
 use tilescope_workbench::layout::{Layout, Panel};
@@ -50,7 +50,7 @@ fn prepared(size: [f32; 2]) -> Harness<'static, App> {
         Command::Debug(DebugCommand::Bookmark),
         Command::Debug(DebugCommand::Note(0, "the first one dies".to_owned())),
         Command::View(Which::First, ViewCommand::Pick(Selection::Sample(40))),
-        Command::Compare(CompareCommand::Start(Rival::Order)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {
         state.apply(command);
     }

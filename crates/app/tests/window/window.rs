@@ -121,7 +121,7 @@ fn a_failing_verdict_is_red_and_flies_to_the_gap() {
     harness.run();
     let after = harness.state().state.runs.first.camera;
     assert!(after.scale > 5.0 * before.scale && (after.center[0] - before.center[0]).abs() > 1e-3);
-    assert!(harness.state().state.runs.first.sight.is_some());
+    assert!(harness.state().state.runs.first.witness_mark.is_some());
 }
 
 #[test]

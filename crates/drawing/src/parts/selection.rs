@@ -4,7 +4,7 @@ use emath::{Align2, vec2};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Stage, Standing};
 use tilescope_session::moment::Shown;
-use tilescope_session::verification::Sight;
+use tilescope_session::verification::WitnessMark;
 
 use crate::scene::Scene;
 use crate::surface::{Mark, Stroke, Surface, dashed_circle};
@@ -12,8 +12,8 @@ use crate::surface::{Mark, Stroke, Surface, dashed_circle};
 /// Draws the current samples and the place that a verdict was followed to.
 pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let (subject, palette) = (&scene.subject, scene.palette);
-    if let Some(found) = subject.sight {
-        sight(scene, surface, found);
+    if let Some(found) = subject.witness_mark {
+        witness_mark(scene, surface, found);
     }
     let radius = (0.45 * scene.scale()).clamp(6.0, 14.0);
     let stroke = Stroke::new(1.2, palette.halo.gamma_multiply(0.8));
@@ -59,7 +59,7 @@ fn causes(shown: &Shown<'_>, id: u32) -> Vec<u32> {
     }
 }
 
-fn sight(scene: &Scene<'_>, surface: &mut impl Surface, sight: Sight) {
+fn witness_mark(scene: &Scene<'_>, surface: &mut impl Surface, witness_mark: WitnessMark) {
     let palette = scene.palette;
     let color = |is_well| {
         if is_well {
@@ -68,8 +68,8 @@ fn sight(scene: &Scene<'_>, surface: &mut impl Surface, sight: Sight) {
             palette.conflict
         }
     };
-    match sight {
-        Sight::Pair([a, b], distance) => {
+    match witness_mark {
+        WitnessMark::Pair([a, b], distance) => {
             let from = scene.session.place(a);
             let ends = [scene.at(from), scene.at(scene.session.image_near(b, from))];
             surface.line(ends, Stroke::new(2.5, color(distance >= 1.0)));
@@ -77,7 +77,7 @@ fn sight(scene: &Scene<'_>, surface: &mut impl Surface, sight: Sight) {
             let text = format!("{distance:.6} r");
             scene.tag(surface, middle, Align2::LEFT_BOTTOM, text);
         }
-        Sight::Circle(center, radius) => {
+        WitnessMark::Circle(center, radius) => {
             let color = color(radius <= 1.0 + tilescope_analysis::COVERING_TOLERANCE);
             let (at, reach) = (
                 scene.at(center),

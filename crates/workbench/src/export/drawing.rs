@@ -89,7 +89,7 @@ fn subject<'a>(
             Selection::Place(place) => Some(place),
             Selection::Sample(_) | Selection::Nothing => None,
         },
-        sight: None,
+        witness_mark: None,
         geometry,
         contrast: None,
         causes,

@@ -9,7 +9,7 @@ use tilescope_session::recipe::Recipe;
 use super::{RunView, State};
 use crate::command::{ViewCommand, Which};
 use crate::compare::link::{common, corresponding};
-use crate::compare::{CompareCommand, Comparison, Rival};
+use crate::compare::{CompareCommand, Comparison, ComparePreset};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
 use tilescope_drawing::subject::{Contrast, Subject};
@@ -18,7 +18,7 @@ use tilescope_session::moment::Moment;
 impl State {
     pub(super) fn apply_to_comparison(&mut self, command: CompareCommand) {
         match command {
-            CompareCommand::Start(rival) => self.start_comparison(rival),
+            CompareCommand::Start(preset) => self.start_comparison(preset),
             CompareCommand::Keep => self.keep(),
             CompareCommand::Swap => self.swap(),
             CompareCommand::Close => self.runs.second = None,
@@ -37,17 +37,17 @@ impl State {
 
     /// Returns why there cannot be such a second run now, or `None` if there can.
     #[must_use]
-    pub fn rival_refusal(&self, rival: Rival) -> Option<String> {
+    pub fn preset_refusal(&self, preset: ComparePreset) -> Option<String> {
         let Some(session) = &self.runs.first.session else {
             return Some("There is no session yet.".to_owned());
         };
-        if rival == Rival::Typed {
+        if preset == ComparePreset::Typed {
             return self.run_refusal();
         }
         if session.combination.is_some() {
             return Some(super::combine::NO_PARAMETERS.to_owned());
         }
-        if rival == Rival::Engine && self.other_engine() == Engine::Gpu {
+        if preset == ComparePreset::Engine && self.other_engine() == Engine::Gpu {
             return match &self.gpu.device {
                 Device::Ready(_) => None,
                 Device::Unknown => Some(
@@ -57,7 +57,7 @@ impl State {
             };
         }
         let first = &session.run().parameters;
-        let second = rival.parameters(first, &self.form.draft.parameters);
+        let second = preset.parameters(first, &self.form.draft.parameters);
         let refused = second.validate_sequential().err();
         refused.map(|error| tilescope_session::words::sentence(&error.to_string()))
     }
@@ -91,23 +91,23 @@ impl State {
         if by_gpu { Engine::Cpu } else { Engine::Gpu }
     }
 
-    fn start_comparison(&mut self, rival: Rival) {
-        if self.rival_refusal(rival).is_some() {
+    fn start_comparison(&mut self, preset: ComparePreset) {
+        if self.preset_refusal(preset).is_some() {
             return;
         }
         let Some(session) = &self.runs.first.session else {
             return;
         };
-        let recipe = match rival {
-            Rival::Typed => self.typed(),
+        let recipe = match preset {
+            ComparePreset::Typed => self.typed(),
             _ => Recipe {
-                parameters: rival
+                parameters: preset
                     .parameters(&session.run().parameters, &self.form.draft.parameters),
                 own: session.own.clone(),
             },
         };
-        let engine = match rival {
-            Rival::Engine => self.other_engine(),
+        let engine = match preset {
+            ComparePreset::Engine => self.other_engine(),
             _ => self.gpu.engine,
         };
         self.window.open_panel(Panel::Compare);

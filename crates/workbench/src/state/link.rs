@@ -227,7 +227,7 @@ impl State {
         self.on(Which::First, |run, context| {
             run.pick(Selection::Nothing, context);
         });
-        self.runs.first.sight = None;
+        self.runs.first.witness_mark = None;
         self.take_moment(&content.moment, said);
         self.take_linked_stops(content, said);
         for part in self.look_as(&content.view) {

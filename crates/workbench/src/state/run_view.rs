@@ -10,7 +10,7 @@ use tilescope_session::geometry::Geometry;
 use tilescope_session::jobs::Job;
 use tilescope_session::moment::{Moment, Shown};
 use tilescope_session::session::{MakeError, Session};
-use tilescope_session::verification::{Sight, Verdict};
+use tilescope_session::verification::{WitnessMark, Verdict};
 
 use super::{Appearance, Verification};
 use crate::passes::Passes;
@@ -56,7 +56,7 @@ pub struct RunView {
     /// The selected place, in r.
     pub place: Option<[f64; 2]>,
     /// The place that a verdict was followed to.
-    pub sight: Option<Sight>,
+    pub witness_mark: Option<WitnessMark>,
     /// The triangulation of the moment.
     pub geometry: Geometry,
     /// What the run at work is made from, where no file takes part.
@@ -99,7 +99,7 @@ impl Default for RunView {
             hovered: None,
             selected: None,
             place: None,
-            sight: None,
+            witness_mark: None,
             geometry: Geometry::default(),
             asked: None,
             rows: None,
@@ -179,7 +179,7 @@ impl RunView {
             hovered: self.hovered,
             selected: self.selected,
             place: self.place,
-            sight: self.sight,
+            witness_mark: self.witness_mark,
             geometry: &self.geometry,
             contrast,
             causes: None,

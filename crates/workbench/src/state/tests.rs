@@ -8,7 +8,7 @@ use emath::Rect;
 use tilescope_core::{Search, Variant};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
-use tilescope_session::verification::{Sight, Witness};
+use tilescope_session::verification::{WitnessMark, Witness};
 
 use super::*;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
@@ -129,7 +129,7 @@ fn a_failing_verdict_leads_to_its_witness() {
         Which::First,
         ViewCommand::FlyToWitness(Witness::Verdict),
     ));
-    let Some(Sight::Circle(center, radius)) = state.runs.first.sight else {
+    let Some(WitnessMark::Circle(center, radius)) = state.runs.first.witness_mark else {
         panic!("a gap is the witness");
     };
     assert!(radius > 1.0);
@@ -145,13 +145,13 @@ fn a_valid_set_shows_its_extremes() {
         Which::First,
         ViewCommand::FlyToWitness(Witness::Verdict),
     ));
-    assert!(matches!(state.runs.first.sight, Some(Sight::Pair(_, d)) if (1.0..1.01).contains(&d)));
+    assert!(matches!(state.runs.first.witness_mark, Some(WitnessMark::Pair(_, d)) if (1.0..1.01).contains(&d)));
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyToWitness(Witness::LargestHole),
     ));
     assert!(
-        matches!(state.runs.first.sight, Some(Sight::Circle(_, r)) if (0.9..=1.0001).contains(&r))
+        matches!(state.runs.first.witness_mark, Some(WitnessMark::Circle(_, r)) if (0.9..=1.0001).contains(&r))
     );
 }
 

@@ -18,7 +18,7 @@ use super::*;
 use crate::analysis::AnalysisCommand;
 use crate::analysis::brush::{Axis, Brush};
 use crate::command::{AppearanceCommand, Command, DebugCommand, ViewCommand, Which, WindowCommand};
-use crate::compare::{CompareCommand, Rival};
+use crate::compare::{CompareCommand, ComparePreset};
 use crate::export::{ExportCommand, Kind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
@@ -111,7 +111,7 @@ fn visit() -> Vec<String> {
     state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
     state.advance(0.0);
     state.settle();
-    state.apply(Command::Compare(CompareCommand::Start(Rival::NextSeed)));
+    state.apply(Command::Compare(CompareCommand::Start(ComparePreset::NextSeed)));
     state.settle();
     state.advance(0.0);
     state.settle();

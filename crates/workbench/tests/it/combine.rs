@@ -16,7 +16,7 @@ use tilescope_formats::{
 use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::export::{Kind, picture};
 use tilescope_workbench::{Command, State};
 
@@ -89,15 +89,15 @@ fn one_goes_through_its_stages() {
     assert_eq!(session.count_after(1), session.summary.tiled);
     // There are no events, no parameters to vary and no passes: each is refused with a sentence.
     assert!(state.runs.first.debugger.is_none());
-    let refusal = state.rival_refusal(Rival::NextSeed).unwrap();
+    let refusal = state.preset_refusal(ComparePreset::NextSeed).unwrap();
     assert!(refusal.contains("layout"), "{refusal}");
-    assert!(state.rival_refusal(Rival::Typed).is_none());
+    assert!(state.preset_refusal(ComparePreset::Typed).is_none());
     assert!(state.passes_refusal().unwrap().contains("combination"));
     let refusal = state.export_source().kind_refusal(Kind::Animation).unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
     // Beside a run of the panel's parameters, and swapped with it.
     let draft = state.form.draft.parameters;
-    state.apply(Command::Compare(CompareCommand::Start(Rival::Typed)));
+    state.apply(Command::Compare(CompareCommand::Start(ComparePreset::Typed)));
     state.settle();
     state.apply(Command::Compare(CompareCommand::Swap));
     state.settle();

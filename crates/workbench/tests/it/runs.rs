@@ -9,7 +9,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
@@ -141,7 +141,7 @@ fn bookmarks_of_other_runs_are_in_sessions_and_links() {
 fn bookmarks_go_with_the_user_when_two_runs_change_places() {
     let mut state = lecture();
     let set = marks(&state);
-    let start = CompareCommand::Start(Rival::NextSeed);
+    let start = CompareCommand::Start(ComparePreset::NextSeed);
     apply(&mut state, Command::Compare(start));
     apply(&mut state, Command::Compare(CompareCommand::Swap));
     assert_eq!(marks(&state).len(), set.len());

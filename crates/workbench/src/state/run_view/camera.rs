@@ -4,7 +4,7 @@ use emath::Rect;
 use tilescope_core::Stage;
 use tilescope_session::selection::Selection;
 use tilescope_session::units::radii;
-use tilescope_session::verification::{Sight, Witness};
+use tilescope_session::verification::{WitnessMark, Witness};
 
 use super::RunView;
 use crate::command::ViewCommand;
@@ -32,7 +32,7 @@ impl RunView {
                 context.ask(Effect::Inspect);
             }
             ViewCommand::Fit => {
-                self.sight = None;
+                self.witness_mark = None;
                 self.fitted = true;
                 // Whoever asks for all of the pattern asks for all of the domain, too.
                 if let Some((_, fitted)) = &mut self.before_pattern {
@@ -220,12 +220,12 @@ impl RunView {
         let (Some(session), Some(verdict)) = (&self.session, self.verdict()) else {
             return;
         };
-        let Some(sight) = verdict.sight(witness, session) else {
+        let Some(witness_mark) = verdict.witness_mark(witness, session) else {
             return;
         };
-        let center = match sight {
-            Sight::Circle(center, _) => center,
-            Sight::Pair([a, b], _) => {
+        let center = match witness_mark {
+            WitnessMark::Circle(center, _) => center,
+            WitnessMark::Pair([a, b], _) => {
                 let from = session.place(a);
                 let to = session.image_near(b, from);
                 [0, 1].map(|k| f64::midpoint(from[k], to[k]))
@@ -234,7 +234,7 @@ impl RunView {
         // The verdict is about the result.
         let last = session.stages.len() - 1;
         self.show_stage(last);
-        self.sight = Some(sight);
+        self.witness_mark = Some(witness_mark);
         self.fly_to(center, 9.0, context);
     }
 

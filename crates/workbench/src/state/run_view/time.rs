@@ -172,7 +172,7 @@ impl RunView {
         let finished = shown.stage == tilescope_core::Stage::Finish;
         self.hovered = hovered;
         if !finished {
-            self.sight = None;
+            self.witness_mark = None;
         }
     }
 }

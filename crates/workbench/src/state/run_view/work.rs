@@ -26,7 +26,7 @@ impl RunView {
             _ => Selection::Nothing,
         };
         self.stage = session.stages.len() - 1;
-        (self.hovered, self.selected, self.sight) = (None, None, None);
+        (self.hovered, self.selected, self.witness_mark) = (None, None, None);
         self.place = None;
         let session = Arc::new(session);
         self.session = Some(Arc::clone(&session));

@@ -16,7 +16,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, DebugCommand, FormCommand, LinkCommand, TimeCommand, ViewCommand, Which,
     WindowCommand,
 };
-use tilescope_workbench::compare::{CompareCommand, Rival};
+use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::link::{MAX_CHARACTERS, MAX_TEXT, read};
@@ -73,7 +73,7 @@ fn a_busy_session_is_there_again() {
         Command::Appearance(AppearanceCommand::Look(Look::Light)),
         Command::Window(WindowCommand::OpenPanel(Panel::Events)),
         Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0], 9.0)),
-        Command::Compare(CompareCommand::Start(Rival::Order)),
+        Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {
         state.apply(command);
     }
@@ -188,9 +188,9 @@ fn view_command(draws: &mut Draws) -> Command {
             "%zz \u{1f600}:;".repeat(draws.below(30)),
         )),
         _ => Command::Compare(CompareCommand::Start(*draws.of(&[
-            Rival::NextSeed,
-            Rival::Leaf,
-            Rival::Search,
+            ComparePreset::NextSeed,
+            ComparePreset::Leaf,
+            ComparePreset::Search,
         ]))),
     }
 }

@@ -13,7 +13,7 @@ use super::{Palette, semibold};
 
 /// What a window's style follows beside its colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Manner {
+pub struct InputStyle {
     /// Whether everything that can be pressed is large enough for a finger.
     pub touch: bool,
     /// Whether nothing moves by itself.
@@ -26,26 +26,26 @@ pub const FINGER: f32 = 40.0;
 /// Gives `ctx` the fonts and both themes, and shows `theme`.
 pub fn install(ctx: &Context, theme: Theme) {
     ctx.set_fonts(fonts());
-    restyle(ctx, Manner::default());
+    restyle(ctx, InputStyle::default());
     ctx.set_theme(theme);
 }
 
-/// Gives both themes of `ctx` a manner.
-pub fn restyle(ctx: &Context, manner: Manner) {
+/// Applies a style of input to both themes of `ctx`.
+pub fn restyle(ctx: &Context, input: InputStyle) {
     for theme in [Theme::Dark, Theme::Light] {
-        ctx.set_style_of(theme, style(palette_of(theme), manner));
+        ctx.set_style_of(theme, style(palette_of(theme), input));
     }
-    ctx.data_mut(|data| data.insert_temp(manner_id(), manner.touch));
+    ctx.data_mut(|data| data.insert_temp(touch_id(), input.touch));
 }
 
-fn manner_id() -> egui::Id {
+fn touch_id() -> egui::Id {
     egui::Id::unique("made for fingers")
 }
 
 /// Returns whether what can be pressed should be large enough for a finger.
 #[must_use]
 pub fn is_for_fingers(ctx: &Context) -> bool {
-    ctx.data(|data| data.get_temp(manner_id()).unwrap_or(false))
+    ctx.data(|data| data.get_temp(touch_id()).unwrap_or(false))
 }
 
 /// Returns the height of a row that can be pressed: `height`, or enough for a finger.
@@ -111,10 +111,10 @@ fn fonts() -> FontDefinitions {
     fonts
 }
 
-fn style(palette: &Palette, manner: Manner) -> Style {
+fn style(palette: &Palette, input: InputStyle) -> Style {
     let mut style = Style {
         visuals: visuals(palette),
-        animation_time: if manner.still { 0.0 } else { 0.12 },
+        animation_time: if input.still { 0.0 } else { 0.12 },
         ..Style::default()
     };
     let fonts = [
@@ -132,14 +132,14 @@ fn style(palette: &Palette, manner: Manner) -> Style {
     style.spacing.interact_size.y = 24.0;
     style.spacing.window_margin = Margin::same(18);
     style.interaction.tooltip_delay = 0.25;
-    if manner.touch {
+    if input.touch {
         style.spacing.button_padding = vec2(12.0, 8.0);
         style.spacing.interact_size = vec2(48.0, FINGER - 4.0);
         style.spacing.icon_width = 20.0;
         style.spacing.icon_width_inner = 12.0;
         style.spacing.window_margin = Margin::same(12);
     }
-    if manner.still {
+    if input.still {
         style.scroll_animation = egui::style::ScrollAnimation::none();
     }
     style
