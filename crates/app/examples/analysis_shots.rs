@@ -9,7 +9,7 @@ use tilescope_debugger::{Direction, Target};
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::analysis::AnalysisCommand;
-use tilescope_workbench::analysis::brush::{Axis, Brush};
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which, WindowCommand,
 };
@@ -66,9 +66,9 @@ fn main() {
     );
     shoot("analysis-file", vec![go]);
     let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
-    let distances = brush(Axis::Distance, 1.0, 1.05);
+    let distances = brush(BrushAxis::Distance, 1.0, 1.05);
     shoot("analysis-distances", vec![near(), distances]);
-    shoot("analysis-ring", vec![brush(Axis::Frequency, 0.8, 1.0)]);
+    shoot("analysis-ring", vec![brush(BrushAxis::Frequency, 0.8, 1.0)]);
     shoot(
         "analysis-ring-dark",
         vec![
@@ -83,7 +83,7 @@ fn main() {
         ))],
     );
     let large = vec![
-        brush(Axis::Distance, 1.0, 1.01),
+        brush(BrushAxis::Distance, 1.0, 1.01),
         Command::Appearance(AppearanceCommand::Look(Look::Dark)),
         Command::Form(FormCommand::Type(Field::Radius, "0.0014".to_owned())),
         Command::Run,

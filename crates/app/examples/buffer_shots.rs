@@ -14,7 +14,7 @@ use tilescope_workbench::command::{
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::passes::{PassCommand, Passes, Side};
+use tilescope_workbench::passes::{PassCommand, PassSide, Passes};
 
 fn main() {
     let folder = std::env::args().nth(1).unwrap_or_else(|| ".".to_owned());
@@ -64,7 +64,7 @@ fn main() {
         );
     }
     go(&mut harness, "detectors", Name::Grid);
-    let before = PassCommand::Side(Side::Before);
+    let before = PassCommand::Side(PassSide::Before);
     let filter = PassCommand::Filter("flags>=4".to_owned());
     let commands = [before, filter, PassCommand::PickRow(Some(9_000))].map(Command::Passes);
     apply(&mut harness, commands.to_vec());

@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use tilescope_canvas::instanced::{InstancedCanvas, Limits, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Domain, Point, R};
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::look::{SampleLook, Symbol};
 
 /// Frames per figure.
 const FRAMES: u32 = 10;
@@ -38,7 +38,7 @@ fn spread(count: u32, side: f64) -> Vec<Point> {
     (1..=count).map(one).collect()
 }
 
-fn look(id: u32) -> Look {
+fn look(id: u32) -> SampleLook {
     let shade = (id % 200) as u8;
     let color = Color32::from_rgb(250 - shade, 90, 40 + shade);
     let symbol = if id.is_multiple_of(9) {
@@ -46,7 +46,7 @@ fn look(id: u32) -> Look {
     } else {
         Symbol::Dot
     };
-    Look::new(symbol, color).with_disk(true)
+    SampleLook::new(symbol, color).with_disk(true)
 }
 
 fn timed<T>(name: &str, work: impl FnOnce() -> T) -> T {
@@ -117,7 +117,7 @@ fn main() {
     timed("all looks uploaded", || canvas.set_looks(1, look));
     timed("one look in a thousand changed", || {
         let changed = (0..count).step_by(1_000);
-        let changes: Vec<(u32, Look)> = changed.map(|id| (id, Look::HIDDEN)).collect();
+        let changes: Vec<(u32, SampleLook)> = changed.map(|id| (id, SampleLook::HIDDEN)).collect();
         canvas.change_looks(2, &changes);
     });
     measure(&mut harness, canvas, fitting);

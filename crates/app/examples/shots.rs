@@ -16,7 +16,7 @@ use tilescope_workbench::command::{
     WindowCommand,
 };
 use tilescope_workbench::draft::{Choice, Field};
-use tilescope_workbench::export::{Entry, ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
 
@@ -94,7 +94,7 @@ fn main() {
         vec![
             Command::Time(TimeCommand::ShowStage(3)),
             near(),
-            Command::Export(ExportCommand::Open(Kind::Result)),
+            Command::Export(ExportCommand::Open(ExportKind::Result)),
         ],
     );
     shoot(
@@ -278,10 +278,10 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
 /// The export sheet, in what it can write.
 fn exports(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     for (name, kind) in [
-        ("export-result", Kind::Result),
-        ("export-samples", Kind::Samples),
-        ("export-picture", Kind::Picture),
-        ("export-animation", Kind::Animation),
+        ("export-result", ExportKind::Result),
+        ("export-samples", ExportKind::Samples),
+        ("export-picture", ExportKind::Picture),
+        ("export-animation", ExportKind::Animation),
     ] {
         let open = Command::Export(ExportCommand::Open(kind));
         shoot(
@@ -292,7 +292,10 @@ fn exports(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
     let wrong = |entry, text: &str| Command::Export(ExportCommand::Type(entry, text.to_owned()));
     shoot(
         "export-refused",
-        vec![wrong(Entry::Every, "1"), wrong(Entry::Scale, "1e9")],
+        vec![
+            wrong(NumberField::Every, "1"),
+            wrong(NumberField::Scale, "1e9"),
+        ],
     );
     shoot("export-closed", vec![Command::Export(ExportCommand::Close)]);
 }

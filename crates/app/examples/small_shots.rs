@@ -11,7 +11,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::Notice;
@@ -79,7 +79,7 @@ fn panels(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
 }
 
 fn sheets(harness: &mut Harness<'_, App>, folder: &str, name: &str) {
-    for kind in [Kind::Result, Kind::Animation] {
+    for kind in [ExportKind::Result, ExportKind::Animation] {
         let open = Command::Export(ExportCommand::Open(kind));
         harness.state_mut().state.apply(open);
         save(harness, folder, &format!("{name}-export-{kind:?}"));

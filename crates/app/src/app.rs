@@ -38,7 +38,7 @@ pub struct App {
     screener: fn() -> bool,
     /// Files that were dropped on the page, while they are read.
     #[cfg(target_arch = "wasm32")]
-    dropped: Option<tilescope_session::jobs::Job<tilescope_workbench::files::web::Found>>,
+    dropped: Option<tilescope_session::jobs::Job<tilescope_workbench::files::web::ReadFiles>>,
 }
 
 impl App {
@@ -173,7 +173,7 @@ impl App {
             .and_then(tilescope_session::jobs::Job::poll);
         if let Some(outcome) = read {
             self.dropped = None;
-            let found = outcome.unwrap_or_else(|why| tilescope_workbench::files::web::Found {
+            let found = outcome.unwrap_or_else(|why| tilescope_workbench::files::web::ReadFiles {
                 refused: vec![why],
                 ..Default::default()
             });

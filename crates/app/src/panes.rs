@@ -77,7 +77,7 @@ impl Canvas {
         let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
         let subject = context.subjects[0];
         let Some((second, comparison)) = &context.runs.second else {
-            let side = Side {
+            let side = PaneSide {
                 which: Which::First,
                 rect,
                 name: "Canvas of samples",
@@ -89,7 +89,7 @@ impl Canvas {
         };
         ui.painter().rect_filled(rect, 0.0, context.palette.line);
         let [left, right] = titles::halves(rect);
-        let left = Side {
+        let left = PaneSide {
             rect: titles::heading(ui, left, context, &titles::first_title(context)),
             which: Which::First,
             name: "Canvas of run A",
@@ -101,7 +101,7 @@ impl Canvas {
             self.second.draw_with(&device);
         }
         let subject = context.subjects[1];
-        let right = Side {
+        let right = PaneSide {
             rect: titles::heading(ui, right, context, &titles::second_title(context, second)),
             which: Which::Second,
             name: "Canvas of run B",
@@ -121,14 +121,14 @@ impl Canvas {
 }
 
 /// One of the pictures, and where it goes.
-struct Side<'a> {
+struct PaneSide<'a> {
     which: Which,
     rect: Rect,
     name: &'a str,
     subject: Option<Subject<'a>>,
 }
 
-impl Side<'_> {
+impl PaneSide<'_> {
     fn show(
         &self,
         ui: &mut Ui,

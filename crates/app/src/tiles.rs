@@ -2,7 +2,7 @@
 
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
-use tilescope_workbench::layout::{self, Axis, Layout, MAX_DEPTH, Panel};
+use tilescope_workbench::layout::{self, Direction, Layout, MAX_DEPTH, Panel};
 
 /// Containers are numbered from here on; panels have the numbers below.
 const CONTAINERS: u64 = 1_000;
@@ -45,8 +45,8 @@ struct Maker {
 }
 
 impl Maker {
-    fn insert(&mut self, tile: &layout::Tile) -> TileId {
-        if let layout::Tile::Panel(panel) = tile {
+    fn insert(&mut self, tile: &layout::LayoutTile) -> TileId {
+        if let layout::LayoutTile::Panel(panel) = tile {
             let id = tile_of(*panel);
             self.tiles.insert(id, Tile::Pane(*panel));
             return id;
@@ -55,10 +55,10 @@ impl Maker {
         self.containers += 1;
         let children: Vec<TileId> = tile.children().map(|tile| self.insert(tile)).collect();
         let container = match tile {
-            layout::Tile::Linear { axis, tiles } => {
+            layout::LayoutTile::Linear { axis, tiles } => {
                 let dir = match axis {
-                    Axis::Horizontal => LinearDir::Horizontal,
-                    Axis::Vertical => LinearDir::Vertical,
+                    Direction::Horizontal => LinearDir::Horizontal,
+                    Direction::Vertical => LinearDir::Vertical,
                 };
                 let mut linear = Linear::new(dir, children.clone());
                 for (child, (_, share)) in children.into_iter().zip(tiles) {
@@ -66,13 +66,13 @@ impl Maker {
                 }
                 Container::Linear(linear)
             }
-            layout::Tile::Tabs { open, .. } => {
+            layout::LayoutTile::Tabs { open, .. } => {
                 let active = children.get(*open).copied();
                 let mut tabs = Tabs::new(children);
                 tabs.active = active;
                 Container::Tabs(tabs)
             }
-            layout::Tile::Panel(_) => return id,
+            layout::LayoutTile::Panel(_) => return id,
         };
         self.tiles.insert(id, Tile::Container(container));
         id
@@ -86,26 +86,26 @@ pub fn layout(tree: &Tree<Panel>) -> Option<Layout> {
     Some(Layout { root })
 }
 
-fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::Tile> {
+fn tile(tiles: &Tiles<Panel>, id: TileId, depth: usize) -> Option<layout::LayoutTile> {
     if depth > MAX_DEPTH {
         return None;
     }
     let inner = |id: &TileId| tile(tiles, *id, depth + 1);
     Some(match tiles.get(id)? {
-        Tile::Pane(panel) => layout::Tile::Panel(*panel),
+        Tile::Pane(panel) => layout::LayoutTile::Panel(*panel),
         Tile::Container(Container::Tabs(tabs)) => {
             let open = |id: &TileId| Some(*id) == tabs.active;
-            layout::Tile::Tabs {
+            layout::LayoutTile::Tabs {
                 open: tabs.children.iter().position(open).unwrap_or_default(),
                 tiles: tabs.children.iter().map(inner).collect::<Option<_>>()?,
             }
         }
         Tile::Container(Container::Linear(linear)) => {
             let shared = |id: &TileId| Some((inner(id)?, linear.shares[*id]));
-            layout::Tile::Linear {
+            layout::LayoutTile::Linear {
                 axis: match linear.dir {
-                    LinearDir::Horizontal => Axis::Horizontal,
-                    LinearDir::Vertical => Axis::Vertical,
+                    LinearDir::Horizontal => Direction::Horizontal,
+                    LinearDir::Vertical => Direction::Vertical,
                 },
                 tiles: linear.children.iter().map(shared).collect::<Option<_>>()?,
             }

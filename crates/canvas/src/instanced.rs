@@ -15,12 +15,12 @@ use eframe::egui_wgpu::{Callback, RenderState, wgpu};
 use egui::{Painter, Rect};
 use tilescope_core::{Domain, Point, R};
 
-use gpu::{Gpu, Kind, Part};
-use order::{LEVELS, Order};
+use gpu::{Gpu, InstanceKind, InstanceRange};
+use order::{CellOrder, LEVELS};
 pub use set::Symbols;
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::look::Look;
-use view::{Copy, View};
+use tilescope_drawing::look::SampleLook;
+use view::{Copy, PlaneView};
 pub use view::{Marks, PaintOptions};
 
 /// Disks of fewer pixels of radius are not drawn.
@@ -82,7 +82,7 @@ impl Limits {
 #[derive(Clone, Copy, Default)]
 struct Motion {
     frame: u64,
-    view: Option<View>,
+    view: Option<PlaneView>,
     moving: bool,
     /// How many layers the frame has so far.
     layers: u32,
@@ -94,7 +94,7 @@ pub struct InstancedCanvas {
     limits: Limits,
     generation: Option<u64>,
     version: Option<u64>,
-    order: Order,
+    order: CellOrder,
     size: [f64; 2],
     periodic: bool,
     /// By place in the buffers.
@@ -118,7 +118,7 @@ impl InstancedCanvas {
             },
             generation: None,
             version: None,
-            order: Order::default(),
+            order: CellOrder::default(),
             size: [0.0; 2],
             periodic: false,
             looks: Vec::new(),
@@ -154,18 +154,18 @@ impl InstancedCanvas {
         }
         (self.generation, self.version) = (None, None);
         if count > limit.min(u64::from(u32::MAX)) {
-            self.order = Order::default();
+            self.order = CellOrder::default();
             self.looks = Vec::new();
             self.gpu.replace(&[]);
             return Err(InstancedError::TooMany { count, limit });
         }
-        self.order = Order::new(domain, points);
+        self.order = CellOrder::new(domain, points);
         self.size = [domain.width(), domain.height()].map(|side| f64::from(side) / f64::from(R));
         self.periodic = domain.is_periodic();
         let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
         let places: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
         self.gpu.replace(&places);
-        self.looks = vec![Look::HIDDEN.packed(); points.len()];
+        self.looks = vec![SampleLook::HIDDEN.packed(); points.len()];
         self.gpu.write_looks(0, &self.looks);
         self.generation = Some(generation);
         Ok(())
@@ -185,7 +185,7 @@ impl InstancedCanvas {
 
     /// Gives every sample the look that `look` returns for its id, unless `version` is that of the looks it has;
     /// uploads what changed and returns how many samples that are.
-    pub fn set_looks(&mut self, version: u64, look: impl Fn(u32) -> Look) -> usize {
+    pub fn set_looks(&mut self, version: u64, look: impl Fn(u32) -> SampleLook) -> usize {
         if self.version == Some(version) {
             return 0;
         }
@@ -204,7 +204,7 @@ impl InstancedCanvas {
 
     /// Gives the listed samples new looks, which makes the looks those of `version`; uploads what changed and
     /// returns how many samples that are. Ids of no sample are passed over.
-    pub fn change_looks(&mut self, version: u64, looks: &[(u32, Look)]) -> usize {
+    pub fn change_looks(&mut self, version: u64, looks: &[(u32, SampleLook)]) -> usize {
         self.version = Some(version);
         let mut changed = Vec::new();
         for (id, look) in looks {
@@ -245,7 +245,7 @@ impl InstancedCanvas {
         camera: Camera,
         options: &PaintOptions,
     ) -> bool {
-        let view = View::of(painter, rect, camera);
+        let view = PlaneView::of(painter, rect, camera);
         let (moving, layer) = self.next_layer(painter.ctx().cumulative_frame_nr(), view);
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
@@ -265,7 +265,7 @@ impl InstancedCanvas {
             let mut frame = view.frame(copy.shift, options);
             frame.scale[3] = opacity;
             let number = self.drawn.replace(self.drawn.get().wrapping_add(1));
-            Part {
+            InstanceRange {
                 number,
                 frame,
                 ranges,
@@ -285,16 +285,16 @@ impl InstancedCanvas {
         camera: Camera,
         options: &PaintOptions,
     ) -> bool {
-        let view = View::of(painter, rect, camera);
+        let view = PlaneView::of(painter, rect, camera);
         let clip = painter.clip_rect().intersect(rect);
         let copies = view.copies(clip, self.size, self.periodic, options);
         let seen = count(&self.parts(&copies, LEVELS, options.cull));
         let kind = self.kind(options.marks, view.scale(), seen, false);
-        kind.is_some_and(|(kind, _)| kind == Kind::Point)
+        kind.is_some_and(|(kind, _)| kind == InstanceKind::Point)
     }
 
     /// Returns whether the view differs from the last frame's, and the number of this layer in its frame.
-    fn next_layer(&self, frame: u64, view: View) -> (bool, u32) {
+    fn next_layer(&self, frame: u64, view: PlaneView) -> (bool, u32) {
         let last = self.motion.get();
         let next = if last.view.is_some() && last.frame == frame {
             Motion {
@@ -314,18 +314,24 @@ impl InstancedCanvas {
     }
 
     /// Returns what is drawn of `seen` samples, and the most of them, if anything.
-    fn kind(&self, marks: Marks, scale: f64, seen: usize, moving: bool) -> Option<(Kind, usize)> {
+    fn kind(
+        &self,
+        marks: Marks,
+        scale: f64,
+        seen: usize,
+        moving: bool,
+    ) -> Option<(InstanceKind, usize)> {
         let limit = |limit| if moving { limit } else { usize::MAX };
         let (symbols, points) = (self.limits.moving_symbols, self.limits.moving_points);
         match marks {
             Marks::Disks if scale < MIN_DISK_PIXELS => None,
-            Marks::Disks => Some((Kind::Disk, limit(symbols))),
+            Marks::Disks => Some((InstanceKind::Disk, limit(symbols))),
             Marks::Symbols(_) => {
                 let fine = scale >= MIN_SYMBOL_SCALE && seen <= self.limits.symbols;
                 if fine || seen <= UNCROWDED {
-                    Some((Kind::Symbol, limit(symbols)))
+                    Some((InstanceKind::Symbol, limit(symbols)))
                 } else {
-                    Some((Kind::Point, limit(points)))
+                    Some((InstanceKind::Point, limit(points)))
                 }
             }
         }

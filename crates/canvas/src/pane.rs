@@ -10,16 +10,16 @@ use tilescope_drawing::palette::Palette;
 use tilescope_drawing::parts;
 use tilescope_drawing::scene::Scene;
 use tilescope_session::layers::Layer;
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 
 use crate::UNIT;
 use crate::brushed::Edges;
-use crate::raster::{Coverage, Density, Frame, MadeFrom};
+use crate::raster::{Coverage, Density, MadeFrom, PixelGrid};
 use crate::resident::Resident;
 use crate::sheet::Sheet;
 use crate::sprites::Sprites;
 use crate::stack::{Stack, note};
-use crate::strokes::Kept;
+use crate::strokes::KeptShapes;
 use tilescope_drawing::looks::{Key, Looks, Swatches};
 use tilescope_drawing::subject::Subject;
 
@@ -30,9 +30,9 @@ pub struct Pane {
     swatches: Swatches,
     /// Without a GPU to draw on, or where it has no room, samples are drawn as meshes.
     resident: Option<Resident>,
-    kept: Kept<(MadeFrom, bool)>,
-    gaps: Picture,
-    points: Picture,
+    kept: KeptShapes<(MadeFrom, bool)>,
+    gaps: PanePicture,
+    points: PanePicture,
     edges: Edges,
 }
 
@@ -61,7 +61,7 @@ impl Pane {
         if scene.stage == Stage::Pattern {
             return None;
         }
-        let frame = Frame {
+        let frame = PixelGrid {
             camera: subject.camera,
             viewport: rect,
             pixels_per_point: ui.ctx().pixels_per_point(),
@@ -69,7 +69,7 @@ impl Pane {
         self.parts(&painter, &scene, frame)
     }
 
-    fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: Frame) -> Option<String> {
+    fn parts(&mut self, painter: &Painter, scene: &Scene<'_>, frame: PixelGrid) -> Option<String> {
         let (subject, palette) = (&scene.subject, scene.palette);
         let made_from = (frame, Key::of(subject, palette));
         let triangulated = subject.geometry.of(&scene.shown).is_some();
@@ -113,9 +113,9 @@ impl Pane {
 
 /// A picture, as long as it is known, and what it was made from.
 #[derive(Default)]
-struct Picture(Option<(MadeFrom, TextureHandle)>);
+struct PanePicture(Option<(MadeFrom, TextureHandle)>);
 
-impl Picture {
+impl PanePicture {
     /// Draws the picture, pixel on pixel, which `make` makes if anything changed.
     fn paint(&mut self, painter: &Painter, made_from: MadeFrom, make: impl FnOnce() -> ColorImage) {
         let texture = self.texture(painter.ctx(), made_from, make);
@@ -146,7 +146,7 @@ impl Picture {
 }
 
 /// Returns which pixels are covered at a moment, and which of them inserted samples of its iteration cover.
-fn coverage(frame: &Frame, shown: &Shown<'_>) -> Coverage {
+fn coverage(frame: &PixelGrid, shown: &ShownMoment<'_>) -> Coverage {
     let (session, stage) = (shown.session, shown.stage);
     let mut coverage = Coverage::open(frame, session);
     let inserted_now = match stage {
@@ -166,7 +166,7 @@ fn coverage(frame: &Frame, shown: &Shown<'_>) -> Coverage {
 }
 
 /// Returns a picture of all samples in view as points.
-fn as_points(scene: &Scene<'_>, looks: &Looks<'_>, frame: &Frame) -> ColorImage {
+fn as_points(scene: &Scene<'_>, looks: &Looks<'_>, frame: &PixelGrid) -> ColorImage {
     let mut density = Density::empty(frame);
     scene
         .session

@@ -8,7 +8,7 @@ use tilescope_drawing::camera::Camera;
 
 /// A grid of pixels over the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub struct PixelGrid {
     /// The view.
     pub camera: Camera,
     /// Where the canvas is, in screen points.
@@ -18,9 +18,9 @@ pub struct Frame {
 }
 
 /// What pictures and meshes follow from.
-pub type MadeFrom = (Frame, tilescope_drawing::looks::Key);
+pub type MadeFrom = (PixelGrid, tilescope_drawing::looks::Key);
 
-impl Frame {
+impl PixelGrid {
     /// Returns the pixels of a row and of a column.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
@@ -69,7 +69,7 @@ const OPEN: u8 = 0;
 impl Coverage {
     /// Returns what `frame` shows of the domain with nothing covered yet.
     #[must_use]
-    pub fn open(frame: &Frame, session: &Session) -> Self {
+    pub fn open(frame: &PixelGrid, session: &Session) -> Self {
         let size = frame.size();
         let mut cells = vec![OUTSIDE; size[0] * size[1]];
         let domain = session.size_radii();
@@ -168,7 +168,7 @@ pub struct Density {
 impl Density {
     /// Returns an empty picture.
     #[must_use]
-    pub fn empty(frame: &Frame) -> Self {
+    pub fn empty(frame: &PixelGrid) -> Self {
         let size = frame.size();
         Self {
             size,

@@ -7,7 +7,7 @@ use tilescope_core::Stage;
 use tilescope_session::layers::Layer;
 
 use crate::instanced::{InstancedCanvas, PaintOptions, Symbols};
-use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::look::{SampleLook, Symbol};
 use tilescope_drawing::looks::{Key, Looks};
 use tilescope_drawing::scene::Scene;
 
@@ -58,7 +58,7 @@ impl Resident {
         self.version += 1;
         match before.and_then(|before| changed(scene, before, key)) {
             Some(ids) => {
-                let changes: Vec<(u32, Look)> = ids.map(|id| (id, looks.of(id))).collect();
+                let changes: Vec<(u32, SampleLook)> = ids.map(|id| (id, looks.of(id))).collect();
                 self.canvas.change_looks(self.version, &changes);
             }
             None => {

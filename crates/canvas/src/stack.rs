@@ -13,7 +13,7 @@ use crate::brushed::Edges;
 use crate::resident::Resident;
 use crate::sheet::Sheet;
 use crate::sprites::Sprites;
-use crate::strokes::Kept;
+use crate::strokes::KeptShapes;
 
 /// What is shown of a crowd. Samples, which may be no more than points, lie below lines.
 const OF_CROWD: [Part; 10] = [
@@ -51,7 +51,7 @@ pub struct Stack<'a, K> {
     pub scene: &'a Scene<'a>,
     pub looks: &'a Looks<'a>,
     pub sprites: &'a mut Sprites,
-    pub kept: &'a mut Kept<K>,
+    pub kept: &'a mut KeptShapes<K>,
     /// The edges of brushed pairs.
     pub edges: &'a Edges,
     /// The samples on the GPU, if it has them.

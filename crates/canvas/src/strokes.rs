@@ -147,12 +147,12 @@ impl Strokes {
 }
 
 /// Shapes of layers, kept as long as nothing changes that they show.
-pub struct Kept<K> {
+pub struct KeptShapes<K> {
     key: Option<K>,
     layers: Vec<Option<Vec<Shape>>>,
 }
 
-impl<K> Default for Kept<K> {
+impl<K> Default for KeptShapes<K> {
     fn default() -> Self {
         Self {
             key: None,
@@ -161,7 +161,7 @@ impl<K> Default for Kept<K> {
     }
 }
 
-impl<K: PartialEq> Kept<K> {
+impl<K: PartialEq> KeptShapes<K> {
     /// Forgets everything that was made from another key; returns it.
     pub fn follow(&mut self, key: K) -> Vec<Shape> {
         if self.key.as_ref() == Some(&key) {
@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn layers_are_kept_until_the_key_changes() {
-        let mut kept = Kept::default();
+        let mut kept = KeptShapes::default();
         let mut made = 0;
         for (key, expected) in [(1, 1), (1, 1), (2, 2), (2, 2), (1, 3)] {
             let old = kept.follow(key);

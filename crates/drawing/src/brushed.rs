@@ -46,7 +46,7 @@ pub enum Cause {
 
 /// What was found, with a number of its own.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct BrushedCause {
     /// Changes with everything that is found, so that pictures made from another are not reused.
     pub serial: u64,
     /// The causes.
@@ -56,7 +56,7 @@ pub struct Found {
 /// Returns the colour of a sample by how far its share is from the mean one, and its size, 1 for the mean share: what adds
 /// more to the power is large, what adds less small. None where no shares are known.
 #[must_use]
-pub fn tint(found: Option<&Found>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
+pub fn tint(found: Option<&BrushedCause>, id: u32, palette: &Palette) -> Option<(Color32, f32)> {
     let Cause::Shares {
         shares,
         strongest,
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn shares_of_either_sign_differ_in_size_and_colour_and_others_have_no_tint() {
-        let found = Found {
+        let found = BrushedCause {
             serial: 1,
             cause: Cause::Shares {
                 frequencies: 4,

@@ -21,7 +21,7 @@ pub enum Symbol {
 
 /// How a sample looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct SampleLook {
     /// Its symbol.
     pub symbol: Symbol,
     /// The colour of symbol and disk.
@@ -34,7 +34,7 @@ pub struct Look {
     pub size: f32,
 }
 
-impl Look {
+impl SampleLook {
     /// Nothing is drawn.
     pub const HIDDEN: Self = Self {
         symbol: Symbol::None,
@@ -117,10 +117,10 @@ mod tests {
             Symbol::Ring,
         ] {
             for (disk, outlined) in [(false, false), (false, true), (true, false), (true, true)] {
-                let look = Look::new(symbol, Color32::RED).with_disk(disk);
+                let look = SampleLook::new(symbol, Color32::RED).with_disk(disk);
                 let look = look.with_outline(outlined);
                 assert!(seen.insert(look.packed()));
-                assert!(seen.insert(Look { size: 2.0, ..look }.packed()));
+                assert!(seen.insert(SampleLook { size: 2.0, ..look }.packed()));
             }
         }
     }

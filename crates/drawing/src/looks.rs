@@ -10,7 +10,7 @@ use tilescope_session::layers::{Colouring, Layer, Layers};
 
 use crate::age::Ages;
 use crate::brushed;
-use crate::look::{Look, Symbol};
+use crate::look::{SampleLook, Symbol};
 use crate::subject::Subject;
 
 /// All that looks follow from.
@@ -120,16 +120,16 @@ impl<'a> Looks<'a> {
 
     /// Returns how a sample looks.
     #[must_use]
-    pub fn of(&self, id: u32) -> Look {
+    pub fn of(&self, id: u32) -> SampleLook {
         let has = |layer| self.subject.layers.has(layer);
         match self.subject.shown.standing(id) {
             Standing::Eliminated { .. } if has(Layer::Eliminated) => {
-                Look::new(Symbol::Cross, self.ghost)
+                SampleLook::new(Symbol::Cross, self.ghost)
             }
             Standing::Dropped
                 if has(Layer::Eliminated) && self.subject.shown.stage == Stage::Tile =>
             {
-                Look::new(Symbol::Dot, self.dropped)
+                SampleLook::new(Symbol::Dot, self.dropped)
             }
             Standing::Valid | Standing::Tiled => {
                 let (layer, symbol) = match self.origin(id) {
@@ -137,12 +137,12 @@ impl<'a> Looks<'a> {
                     Origin::Tiled { .. } => (Layer::Samples, Symbol::Dot),
                 };
                 let symbol = if has(layer) { symbol } else { Symbol::None };
-                Look::new(symbol, self.color(id))
+                SampleLook::new(symbol, self.color(id))
                     .with_disk(true)
                     .with_outline(symbol == Symbol::Diamond)
                     .with_size(self.tint(id).map_or(1.0, |(_, size)| size))
             }
-            _ => Look::HIDDEN,
+            _ => SampleLook::HIDDEN,
         }
     }
 

@@ -1,7 +1,7 @@
 //! How much of the KD-tree there is at a moment.
 
 use tilescope_core::{RunEvent, Stage};
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 
 /// How many splits and leaves there are at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct Made {
 impl Made {
     /// Returns how many there are: all of them unless the moment lies within the stage that makes them.
     #[must_use]
-    pub fn at(shown: &Shown<'_>) -> Self {
+    pub fn at(shown: &ShownMoment<'_>) -> Self {
         let blocks = &shown.session.run().blocks;
         let mut made = Self {
             splits: blocks.splits.len(),

@@ -3,7 +3,7 @@
 use emath::{Align2, Pos2, Rect, vec2};
 use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
 use tilescope_session::units::radii;
 
@@ -21,7 +21,7 @@ pub struct Scene<'a> {
     /// The run.
     pub session: &'a Session,
     /// The moment.
-    pub shown: Shown<'a>,
+    pub shown: ShownMoment<'a>,
     /// The stage.
     pub stage: Stage,
     /// The colours.

@@ -3,18 +3,18 @@
 
 use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::{Colouring, Layers};
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::session::Session;
 use tilescope_session::verification::WitnessMark;
 
-use crate::brushed::Found;
+use crate::brushed::BrushedCause;
 use crate::camera::Camera;
 
 /// A moment, and how it is seen.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     /// The moment.
-    pub shown: Shown<'a>,
+    pub shown: ShownMoment<'a>,
     /// The view.
     pub camera: Camera,
     /// The layers shown.
@@ -34,7 +34,7 @@ pub struct Subject<'a> {
     /// What only one of two compared runs has.
     pub contrast: Option<Contrast<'a>>,
     /// The causes of what is brushed.
-    pub causes: Option<&'a Found>,
+    pub causes: Option<&'a BrushedCause>,
 }
 
 /// The samples that only one of two compared runs has, seen from one of them.

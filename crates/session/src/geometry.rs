@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tilescope_analysis::{Boundary, Region, Tessellation};
 
 use crate::jobs::{Job, Monitor, Wake};
-use crate::moment::Shown;
+use crate::moment::ShownMoment;
 use crate::session::Session;
 use crate::task::{self, Task};
 use crate::units::radii;
@@ -44,14 +44,14 @@ impl Task for TriangulateTask {
 
 /// Returns what a moment is known by.
 #[must_use]
-pub fn key_of(shown: &Shown<'_>) -> Key {
+pub fn key_of(shown: &ShownMoment<'_>) -> Key {
     (shown.session.generation, shown.cursor())
 }
 
 impl Geometry {
     /// Returns the triangulation of a moment, made now; none where there is none, or too many samples for it.
     #[must_use]
-    pub fn made(shown: &Shown<'_>) -> Self {
+    pub fn made(shown: &ShownMoment<'_>) -> Self {
         let mut geometry = Self::default();
         if shown.session.run().samples.len() <= MAX_SAMPLES {
             let made = Tessellation::of(&covering(shown), region_of(shown.session), 1.0);
@@ -62,14 +62,14 @@ impl Geometry {
 
     /// Returns the triangulation of a moment, in r, if it is the one that is known.
     #[must_use]
-    pub fn of(&self, shown: &Shown<'_>) -> Option<&Arc<Tessellation>> {
+    pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Arc<Tessellation>> {
         let (key, ready) = self.ready.as_ref()?;
         (*key == key_of(shown)).then_some(ready)
     }
 
     /// Takes what is finished, and has the moment's triangulation made if it is neither known nor on its way. One is made
     /// at a time; the one that is asked for last is made in the end.
-    pub fn want(&mut self, shown: &Shown<'_>, wake: &Wake) {
+    pub fn want(&mut self, shown: &ShownMoment<'_>, wake: &Wake) {
         self.poll();
         let key = key_of(shown);
         let known = self.ready.as_ref().is_some_and(|(ready, _)| *ready == key);
@@ -114,7 +114,7 @@ impl Geometry {
 }
 
 /// Returns the places of the samples that cover their disks, in r.
-fn covering(shown: &Shown<'_>) -> Vec<[f64; 2]> {
+fn covering(shown: &ShownMoment<'_>) -> Vec<[f64; 2]> {
     let covering = shown.moment().covering(shown.session);
     let places = covering.into_iter();
     places.map(|(_, id)| shown.session.place(id)).collect()

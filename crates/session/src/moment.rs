@@ -109,7 +109,7 @@ impl Moment {
 
 /// The moment that is shown.
 #[derive(Clone, Copy)]
-pub struct Shown<'a> {
+pub struct ShownMoment<'a> {
     /// The session.
     pub session: &'a Session,
     /// Where its cursor stands, if events were kept.
@@ -118,7 +118,7 @@ pub struct Shown<'a> {
     pub stage: Stage,
 }
 
-impl<'a> Shown<'a> {
+impl<'a> ShownMoment<'a> {
     /// Returns the moment without what it is of.
     #[must_use]
     pub fn moment(&self) -> Moment {

@@ -2,7 +2,7 @@
 
 use tilescope_core::{Boundary, Stage};
 
-use crate::moment::Shown;
+use crate::moment::ShownMoment;
 use crate::session::Session;
 use crate::units::radii;
 use crate::words::{counted, grouped, share, stage_name};
@@ -19,7 +19,7 @@ pub fn name_in(session: &Session, stage: Stage) -> String {
 
 /// Returns what has happened last at a moment: the stage, where it is whole, else the event.
 #[must_use]
-pub fn happened(shown: Option<&Shown<'_>>) -> String {
+pub fn happened(shown: Option<&ShownMoment<'_>>) -> String {
     let Some(shown) = shown else {
         return "The default session is being sampled.".to_owned();
     };

@@ -32,7 +32,7 @@ pub fn keeps_everything(parameters: &Parameters) -> Result<bool, SampleError> {
 /// A run and what the window needs to show it.
 #[derive(Serialize, Deserialize)]
 pub struct Session {
-    source: Source,
+    source: RunSource,
     /// Its stages, in their sequence.
     pub stages: Vec<Stage>,
     /// The event that begins each stage but the first, where there are events.
@@ -66,7 +66,7 @@ pub struct Session {
 
 /// Where a session's run is kept.
 #[derive(Serialize, Deserialize)]
-enum Source {
+enum RunSource {
     /// With every event of it.
     Recorded(Arc<Recording>),
     /// The run alone.
@@ -148,8 +148,8 @@ impl Session {
     #[must_use]
     pub fn run(&self) -> &Run {
         match &self.source {
-            Source::Recorded(recording) => recording.run(),
-            Source::Run(run) => run,
+            RunSource::Recorded(recording) => recording.run(),
+            RunSource::Run(run) => run,
         }
     }
 
@@ -172,8 +172,8 @@ impl Session {
     #[must_use]
     pub const fn recording(&self) -> Option<&Arc<Recording>> {
         match &self.source {
-            Source::Recorded(recording) => Some(recording),
-            Source::Run(_) => None,
+            RunSource::Recorded(recording) => Some(recording),
+            RunSource::Run(_) => None,
         }
     }
 
@@ -207,13 +207,13 @@ impl Session {
     /// Prepares a finished run of the CPU, without events.
     #[must_use]
     pub fn from_run(run: Run, generation: u64) -> Self {
-        Self::of(Source::Run(Box::new(run)), generation)
+        Self::of(RunSource::Run(Box::new(run)), generation)
     }
 
     /// Prepares a recorded run.
     #[must_use]
     pub fn from_recording(recording: Arc<Recording>, generation: u64) -> Self {
-        Self::of(Source::Recorded(recording), generation)
+        Self::of(RunSource::Recorded(recording), generation)
     }
 
     /// Prepares a combination. It clips from no common pattern, so that its first stage is that of its pieces.
@@ -225,14 +225,14 @@ impl Session {
         session
     }
 
-    fn of(source: Source, generation: u64) -> Self {
+    fn of(source: RunSource, generation: u64) -> Self {
         let run = match &source {
-            Source::Recorded(recording) => recording.run(),
-            Source::Run(run) => run,
+            RunSource::Recorded(recording) => recording.run(),
+            RunSource::Run(run) => run,
         };
         let (mut stages, mut starts, mut last, mut outline) =
             (run.stages(), Vec::new(), None, None);
-        if let Source::Recorded(recording) = &source {
+        if let RunSource::Recorded(recording) = &source {
             // Now, in the background, rather than with the first search.
             recording.prepare();
             last = last_iteration(recording);

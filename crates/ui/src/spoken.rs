@@ -19,7 +19,7 @@ type Hearer = Box<dyn Fn(&Spoken) + Send + Sync>;
 /// Finds out after each frame what there is to say.
 pub struct Speaker {
     hearer: Hearer,
-    before: Option<Told>,
+    before: Option<SpokenFocus>,
     /// While time runs by itself values change in every frame, and nobody can listen to that.
     pub is_playing: bool,
 }
@@ -36,13 +36,13 @@ impl Speaker {
     }
 
     fn follow(&mut self, tree: &TreeUpdate) {
-        let now = Told::of(tree);
+        let now = SpokenFocus::of(tree);
         let spoken = now.as_ref().and_then(|now| now.since(self.before.as_ref()));
         let is_of_value = match (&now, &self.before) {
             (Some(now), Some(before)) => now.focus == before.focus,
             _ => false,
         };
-        let writes = |told: &Option<Told>| told.as_ref().is_some_and(|told| told.is_field);
+        let writes = |told: &Option<SpokenFocus>| told.as_ref().is_some_and(|told| told.is_field);
         let is_left = now.is_none() && writes(&self.before);
         self.before = now;
         if is_left {
@@ -72,7 +72,7 @@ impl Plugin for Speaker {
 
 /// What there is to say of what has the focus.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Told {
+struct SpokenFocus {
     focus: NodeId,
     is_field: bool,
     name: String,
@@ -83,7 +83,7 @@ struct Told {
     chosen: String,
 }
 
-impl Told {
+impl SpokenFocus {
     /// Returns it of the node that has the focus; the window itself is none.
     fn of(tree: &TreeUpdate) -> Option<Self> {
         let root = tree.tree.as_ref().map(|tree| tree.root);

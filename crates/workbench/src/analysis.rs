@@ -13,11 +13,11 @@ use tilescope_core::Stage;
 
 use brush::{Brush, Marks};
 use held::Held;
-use measured::{Measured, Part, Samples, refusal};
+use measured::{MeasurePart, MeasuredSet, Samples, refusal};
 pub use reference::Reference;
 use tilescope_session::geometry::{Key, key_of, region_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
-use tilescope_session::moment::{Shown, Still};
+use tilescope_session::moment::{ShownMoment, Still};
 use tilescope_session::sentence::name_in;
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, Task};
@@ -49,16 +49,16 @@ pub struct Known {
     /// Its name.
     pub name: String,
     /// What is measured of it.
-    pub measured: Arc<Measured>,
+    pub measured: Arc<MeasuredSet>,
 }
 
 /// A set, and what is known of it after one more part.
-pub type Step = Result<(Arc<Samples>, Measured), Option<String>>;
+pub type Step = Result<(Arc<Samples>, MeasuredSet), Option<String>>;
 
-struct Work {
+struct MeasureWork {
     key: Key,
     name: String,
-    part: Part,
+    part: MeasurePart,
     job: Job<Step>,
 }
 
@@ -67,7 +67,7 @@ struct Work {
 pub struct Analysis {
     /// The moment of the frame before.
     at: Option<Key>,
-    work: Option<Work>,
+    work: Option<MeasureWork>,
     /// What is known of the moment at hand, and its samples, while not all is known.
     growing: Option<(Known, Arc<Samples>)>,
     /// All that is known of moments, the one looked at last at the end.
@@ -89,7 +89,7 @@ pub struct Analysis {
 impl Analysis {
     /// Returns what is known of a moment; in part, while it is being measured.
     #[must_use]
-    pub fn of(&self, shown: &Shown<'_>) -> Option<&Known> {
+    pub fn of(&self, shown: &ShownMoment<'_>) -> Option<&Known> {
         let key = key_of(shown);
         let growing = self.growing.as_ref().map(|(known, _)| known);
         growing
@@ -101,7 +101,7 @@ impl Analysis {
     /// Returns the moment of the session shown that was measured last as a whole: it is shown, faded, until another takes
     /// its place.
     #[must_use]
-    pub fn last(&self, shown: &Shown<'_>) -> Option<&Known> {
+    pub fn last(&self, shown: &ShownMoment<'_>) -> Option<&Known> {
         let generation = shown.session.generation;
         let mut own = self.kept.iter().rev();
         own.find(|known| known.key.0 == generation)
@@ -109,33 +109,33 @@ impl Analysis {
 
     /// Returns what is being measured and how much of it is done, from 0 to 1.
     #[must_use]
-    pub fn progress(&self) -> Option<(Part, f32)> {
+    pub fn progress(&self) -> Option<(MeasurePart, f32)> {
         let work = self.work.as_ref()?;
         Some((work.part, work.job.fraction()))
     }
 
     /// Returns whether the user does not want this moment measured.
     #[must_use]
-    pub fn is_stopped(&self, shown: &Shown<'_>) -> bool {
+    pub fn is_stopped(&self, shown: &ShownMoment<'_>) -> bool {
         self.stopped == Some(key_of(shown))
     }
 
     /// Returns why a moment cannot be measured.
     #[must_use]
-    pub fn failure(&self, shown: &Shown<'_>) -> Option<&str> {
+    pub fn failure(&self, shown: &ShownMoment<'_>) -> Option<&str> {
         let (key, why) = self.failed.as_ref()?;
         (*key == key_of(shown)).then_some(why)
     }
 
     /// Returns whether a moment is known as a whole.
     #[must_use]
-    pub fn is_whole(&self, shown: &Shown<'_>) -> bool {
+    pub fn is_whole(&self, shown: &ShownMoment<'_>) -> bool {
         self.of(shown)
             .is_some_and(|known| known.measured.missing().is_none())
     }
 
     /// Carries out a command while the moment `shown` is looked at.
-    pub fn apply(&mut self, command: AnalysisCommand, shown: Option<&Shown<'_>>) {
+    pub fn apply(&mut self, command: AnalysisCommand, shown: Option<&ShownMoment<'_>>) {
         match command {
             AnalysisCommand::Stop => {
                 if let Some(shown) = shown {
@@ -151,7 +151,7 @@ impl Analysis {
 
     /// Takes what is finished, and has the next part of the moment measured. Whatever is at work for another moment is
     /// stopped; a new one begins when the cursor has rested from one call to the next.
-    pub fn want(&mut self, session: &Arc<Session>, shown: &Shown<'_>, wake: &Wake) {
+    pub fn want(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         self.poll();
         self.reference.want(wake);
         self.marks.want(session, shown, self.brush, wake);
@@ -188,7 +188,7 @@ impl Analysis {
         self.growing = self.growing.take().filter(|(known, _)| known.key == key);
     }
 
-    fn begin(&mut self, session: &Arc<Session>, shown: &Shown<'_>, wake: &Wake) {
+    fn begin(&mut self, session: &Arc<Session>, shown: &ShownMoment<'_>, wake: &Wake) {
         let key = key_of(shown);
         let growing = self.growing.clone().filter(|(known, _)| known.key == key);
         let name = name_of(shown);
@@ -196,7 +196,7 @@ impl Analysis {
             let Some(part) = known.measured.missing() else {
                 return;
             };
-            let measured = Measured::clone(&known.measured);
+            let measured = MeasuredSet::clone(&known.measured);
             let going_on = ContinueMeasuringTask {
                 measured,
                 part,
@@ -205,9 +205,9 @@ impl Analysis {
             (part, task::start(wake, going_on))
         } else {
             let beginning = StartMeasuringTask(Still::of(session, shown.moment()));
-            (Part::Pairs, task::start(wake, beginning))
+            (MeasurePart::Pairs, task::start(wake, beginning))
         };
-        self.work = Some(Work {
+        self.work = Some(MeasureWork {
             key,
             name,
             part,
@@ -272,8 +272,8 @@ impl Task for StartMeasuringTask {
 
     fn run(self, monitor: &Monitor) -> Step {
         let set = Arc::new(samples(&self.0));
-        let mut measured = Measured::nothing(&set);
-        one_more(&mut measured, Part::Pairs, &set, monitor)?;
+        let mut measured = MeasuredSet::nothing(&set);
+        one_more(&mut measured, MeasurePart::Pairs, &set, monitor)?;
         Ok((set, measured))
     }
 }
@@ -281,8 +281,8 @@ impl Task for StartMeasuringTask {
 /// Has one more part of a moment measured.
 #[derive(Serialize, Deserialize)]
 pub struct ContinueMeasuringTask {
-    measured: Measured,
-    part: Part,
+    measured: MeasuredSet,
+    part: MeasurePart,
     set: Arc<Samples>,
 }
 
@@ -297,8 +297,8 @@ impl Task for ContinueMeasuringTask {
 }
 
 fn one_more(
-    measured: &mut Measured,
-    part: Part,
+    measured: &mut MeasuredSet,
+    part: MeasurePart,
     set: &Samples,
     monitor: &Monitor,
 ) -> Result<(), Option<String>> {
@@ -322,7 +322,7 @@ pub fn samples(still: &Still) -> Samples {
 
 /// Returns what a moment is called.
 #[must_use]
-pub fn name_of(shown: &Shown<'_>) -> String {
+pub fn name_of(shown: &ShownMoment<'_>) -> String {
     let stage = match shown.stage {
         Stage::Iterate(k) => format!("iteration {k}"),
         stage => name_in(shown.session, stage).to_lowercase(),

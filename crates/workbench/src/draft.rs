@@ -69,7 +69,7 @@ pub struct Draft {
 
 /// Why a draft cannot be run, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
+pub struct DraftRefusal {
     /// The field it belongs to; `None` for a combination of choices.
     pub field: Option<Field>,
     /// The reason, as a sentence.
@@ -138,12 +138,12 @@ impl Draft {
     /// Returns everything that is wrong, field by field: unreadable texts first, then what the
     /// core refuses. An empty list means that the draft can be run.
     #[must_use]
-    pub fn refusals(&self) -> Vec<Refusal> {
-        let mut refusals: Vec<Refusal> = FIELDS
+    pub fn refusals(&self) -> Vec<DraftRefusal> {
+        let mut refusals: Vec<DraftRefusal> = FIELDS
             .into_iter()
             .filter_map(|field| {
                 let reason = self.unreadable(field)?;
-                Some(Refusal {
+                Some(DraftRefusal {
                     field: Some(field),
                     reason,
                 })
@@ -153,7 +153,7 @@ impl Draft {
             let field = field_of(&error);
             if !refusals.iter().any(|refusal| refusal.field == field) {
                 let reason = sentence(&error.to_string());
-                refusals.push(Refusal { field, reason });
+                refusals.push(DraftRefusal { field, reason });
             }
         }
         // Algorithm 4 as printed keeps every event, however many there are.
@@ -262,10 +262,10 @@ fn field_of(error: &ParameterError) -> Option<Field> {
     }
 }
 
-fn too_many(expected: Option<f64>, most: f64) -> Option<Refusal> {
+fn too_many(expected: Option<f64>, most: f64) -> Option<DraftRefusal> {
     let expected = expected.filter(|expected| *expected > most)?;
     let [expected, most] = [expected, most].map(|count| grouped(count as usize));
-    Some(Refusal {
+    Some(DraftRefusal {
         field: Some(Field::Radius),
         reason: format!(
             "About {expected} samples would result; a browser has room for {most}, and the native program for more."

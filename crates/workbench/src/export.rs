@@ -19,10 +19,10 @@ use tilescope_session::moment::Moment;
 use tilescope_formats::{Format, Precision};
 
 use crate::clock::Clock;
-pub use form::{Entry, ExportForm};
+pub use form::{ExportForm, NumberField};
 pub use frames::MAX_FRAMES;
-pub use picture::View;
-pub use refusal::Refusal;
+pub use picture::PictureView;
+pub use refusal::ExportRefusal;
 use tilescope_session::task::SessionRef;
 
 /// What can be written.
@@ -30,7 +30,7 @@ use tilescope_session::task::SessionRef;
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum ExportKind {
     /// The samples of the result.
     #[default]
     Result,
@@ -42,7 +42,7 @@ pub enum Kind {
     Animation,
 }
 
-impl Kind {
+impl ExportKind {
     /// Every kind.
     pub const ALL: [Self; 4] = [Self::Result, Self::Samples, Self::Picture, Self::Animation];
 
@@ -120,17 +120,17 @@ pub fn extension(path: &Path) -> Option<String> {
 #[serde(rename_all = "kebab-case")]
 pub enum ExportCommand {
     /// Opens the sheet.
-    Open(Kind),
+    Open(ExportKind),
     /// Closes the sheet; an export at work goes on.
     Close,
     /// Chooses what to write.
-    Choose(Kind),
+    Choose(ExportKind),
     /// Types the name of the file.
     Path(String),
     /// Chooses the number type of coordinates.
     Precision(Precision),
     /// Types a number.
-    Type(Entry, String),
+    Type(NumberField, String),
     /// Chooses whether a picture is coloured for print instead of as in the window.
     Print(bool),
     /// Chooses what the frames of an animation are counted in.
@@ -145,18 +145,18 @@ pub enum ExportCommand {
 
 /// All that an export needs to know, so that the window may go on meanwhile.
 #[derive(Clone, serde::Serialize, serde::Deserialize)]
-pub struct Order {
+pub struct ExportJob {
     /// The file.
     pub path: PathBuf,
     /// The session.
     pub session: SessionRef,
     /// What to write.
-    pub content: Content,
+    pub content: ExportContent,
 }
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub enum Content {
+pub enum ExportContent {
     /// Samples: the result, or those of a moment.
     Samples {
         /// The moment, if not the result.
@@ -169,7 +169,7 @@ pub enum Content {
         /// The moment.
         moment: Moment,
         /// What of it is seen.
-        view: View,
+        view: PictureView,
         /// The causes of what is brushed.
         causes: Option<Cause>,
         /// Pixels of the file for a point of the window; SVG has none.
@@ -180,7 +180,7 @@ pub enum Content {
         /// The cursor of each frame.
         cursors: Vec<usize>,
         /// What is seen.
-        view: View,
+        view: PictureView,
         /// Pixels for a point of the window.
         scale: f64,
         /// Hundredths of a second for a frame.

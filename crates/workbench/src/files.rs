@@ -13,7 +13,7 @@ pub mod web;
 pub use archive::{PackError, packed, unpacked};
 #[cfg(not(target_arch = "wasm32"))]
 pub use disk::{browse, certificate_of};
-pub use read::{Combined, Done, Opened, Outcome, ReadTask, Source, read};
+pub use read::{Combined, Done, FileOutcome, FileSource, Opened, ReadTask, read};
 #[cfg(not(target_arch = "wasm32"))]
 pub use save::save;
 pub use save::{SaveTask, render, with_json};
@@ -138,7 +138,7 @@ pub struct Filing {
     /// Why others that came with it were not even read.
     pub refused: Vec<String>,
     /// The work.
-    pub job: Job<Outcome>,
+    pub job: Job<FileOutcome>,
 }
 
 /// Where files go that are written.

@@ -72,7 +72,7 @@ enum Slot {
 }
 
 /// What there is to know of a panel but for what it shows.
-struct Row {
+struct PanelRow {
     panel: Panel,
     name: &'static str,
     /// Stands for it in links: the same in every version.
@@ -81,8 +81,8 @@ struct Row {
     slot: (Slot, u8),
 }
 
-const fn row(panel: Panel, name: &'static str, letter: char, slot: (Slot, u8)) -> Row {
-    Row {
+const fn row(panel: Panel, name: &'static str, letter: char, slot: (Slot, u8)) -> PanelRow {
+    PanelRow {
         panel,
         name,
         letter,
@@ -91,7 +91,7 @@ const fn row(panel: Panel, name: &'static str, letter: char, slot: (Slot, u8)) -
 }
 
 /// Every panel, in the sequence of the enum: what is needed most comes first.
-const ROWS: [Row; 14] = [
+const ROWS: [PanelRow; 14] = [
     row(Panel::Parameters, "Parameters", 'p', (Slot::Left, 0)),
     row(Panel::Canvas, "Canvas", 'c', (Slot::Middle, 0)),
     row(Panel::Timeline, "Timeline", 't', (Slot::Bottom, 0)),
@@ -119,7 +119,7 @@ impl Panel {
         1 << self as u32
     }
 
-    const fn row(self) -> &'static Row {
+    const fn row(self) -> &'static PanelRow {
         &ROWS[self as usize]
     }
 
@@ -145,7 +145,7 @@ pub const MAX_TILES: usize = 100;
 
 /// Along what the tiles of a container stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
+pub enum Direction {
     /// Side by side.
     Horizontal,
     /// One above the other.
@@ -154,26 +154,26 @@ pub enum Axis {
 
 /// A part of the window.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Tile {
+pub enum LayoutTile {
     /// A panel.
     Panel(Panel),
     /// Tiles of which one is seen.
     Tabs {
         /// The tiles, in the sequence of their tabs.
-        tiles: Vec<Tile>,
+        tiles: Vec<LayoutTile>,
         /// The place of the one that is seen.
         open: usize,
     },
     /// Tiles that divide the room, each by its share of all shares.
     Linear {
         /// Along what they stand.
-        axis: Axis,
+        axis: Direction,
         /// The tiles and their shares, which are finite and not negative.
-        tiles: Vec<(Tile, f32)>,
+        tiles: Vec<(LayoutTile, f32)>,
     },
 }
 
-impl Tile {
+impl LayoutTile {
     /// Returns the tiles right within this one.
     pub fn children(&self) -> impl Iterator<Item = &Self> {
         let (tabs, linear): (&[Self], &[(Self, f32)]) = match self {
@@ -295,30 +295,33 @@ impl Tile {
 #[serde(into = "String", try_from = "String")]
 pub struct Layout {
     /// The tile that fills the window.
-    pub root: Tile,
+    pub root: LayoutTile,
 }
 
 impl Default for Layout {
     fn default() -> Self {
         let tabs = |slot| {
-            let mut rows: Vec<&Row> = ROWS.iter().filter(|row| row.slot.0 == slot).collect();
+            let mut rows: Vec<&PanelRow> = ROWS.iter().filter(|row| row.slot.0 == slot).collect();
             rows.sort_by_key(|row| row.slot.1);
-            let tiles = rows.iter().map(|row| Tile::Panel(row.panel)).collect();
-            Tile::Tabs { tiles, open: 0 }
+            let tiles = rows
+                .iter()
+                .map(|row| LayoutTile::Panel(row.panel))
+                .collect();
+            LayoutTile::Tabs { tiles, open: 0 }
         };
-        let linear = |axis, tiles| Tile::Linear { axis, tiles };
+        let linear = |axis, tiles| LayoutTile::Linear { axis, tiles };
         let right = vec![(tabs(Slot::Upper), 0.44), (tabs(Slot::Lower), 0.56)];
         let middle = vec![
             (tabs(Slot::Left), 0.195),
             (tabs(Slot::Middle), 0.605),
-            (linear(Axis::Vertical, right), 0.2),
+            (linear(Direction::Vertical, right), 0.2),
         ];
         let rows = vec![
-            (linear(Axis::Horizontal, middle), 0.874),
-            (Tile::Panel(Panel::Timeline), 0.126),
+            (linear(Direction::Horizontal, middle), 0.874),
+            (LayoutTile::Panel(Panel::Timeline), 0.126),
         ];
         Self {
-            root: linear(Axis::Vertical, rows),
+            root: linear(Direction::Vertical, rows),
         }
     }
 }
@@ -328,8 +331,8 @@ impl Layout {
     #[must_use]
     pub fn alone(panel: Panel) -> Self {
         Self {
-            root: Tile::Tabs {
-                tiles: vec![Tile::Panel(panel)],
+            root: LayoutTile::Tabs {
+                tiles: vec![LayoutTile::Panel(panel)],
                 open: 0,
             },
         }
@@ -376,7 +379,7 @@ impl Layout {
             } else {
                 self.root.seen_tabs()
             };
-            tabs?.push(Tile::Panel(panel));
+            tabs?.push(LayoutTile::Panel(panel));
         }
         Some(self)
     }
@@ -391,14 +394,14 @@ struct Room<L> {
 
 impl<L: Fn(Panel) -> Vec2> Room<L> {
     /// Returns the least size of a tile.
-    fn of(&self, tile: &Tile) -> Vec2 {
+    fn of(&self, tile: &LayoutTile) -> Vec2 {
         match tile {
-            Tile::Panel(panel) => (self.least)(*panel),
-            Tile::Tabs { tiles, .. } => {
+            LayoutTile::Panel(panel) => (self.least)(*panel),
+            LayoutTile::Tabs { tiles, .. } => {
                 let sizes = tiles.iter().map(|tile| self.of(tile));
                 sizes.fold(Vec2::ZERO, Vec2::max) + vec2(0.0, self.bar)
             }
-            Tile::Linear { axis, tiles } => {
+            LayoutTile::Linear { axis, tiles } => {
                 let axis = axis.index();
                 let mut all = Vec2::ZERO;
                 for (tile, _) in tiles {
@@ -416,17 +419,17 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
         self.gap * tiles.saturating_sub(1) as f32
     }
 
-    fn enlarge(&self, tile: &mut Tile, size: Vec2) {
+    fn enlarge(&self, tile: &mut LayoutTile, size: Vec2) {
         let (axis, tiles) = match tile {
-            Tile::Panel(_) => return,
-            Tile::Tabs { tiles, .. } => {
+            LayoutTile::Panel(_) => return,
+            LayoutTile::Tabs { tiles, .. } => {
                 let below = (size - vec2(0.0, self.bar)).max(Vec2::ZERO);
                 for tile in tiles {
                     self.enlarge(tile, below);
                 }
                 return;
             }
-            Tile::Linear { axis, tiles } => (axis.index(), tiles),
+            LayoutTile::Linear { axis, tiles } => (axis.index(), tiles),
         };
         let room = (size[axis] - self.gaps(tiles.len())).max(0.0);
         let total: f32 = tiles.iter().map(|(_, share)| share).sum();
@@ -449,7 +452,7 @@ impl<L: Fn(Panel) -> Vec2> Room<L> {
     }
 }
 
-impl Axis {
+impl Direction {
     const fn index(self) -> usize {
         match self {
             Self::Horizontal => 0,
@@ -572,20 +575,20 @@ mod tests {
         let emptied = text::read("VHT-2000T_cg-8000-8000t2000-").expect("a layout");
         assert!(emptied.is_whole() && !text::written(&emptied).contains("T-"));
         // A single panel has nowhere to put others, and tabs have.
-        let root = Tile::Panel(Panel::Canvas);
+        let root = LayoutTile::Panel(Panel::Canvas);
         assert_eq!(Layout { root }.completed(), None);
         assert!(Layout::alone(Panel::Canvas).completed().unwrap().is_whole());
     }
 
     #[test]
     fn unsound_layouts_are_known() {
-        let tabs = |tiles, open| Tile::Tabs { tiles, open };
-        let row = |share| Tile::Linear {
-            axis: Axis::Horizontal,
-            tiles: vec![(tabs(vec![Tile::Panel(Panel::Canvas)], 0), share)],
+        let tabs = |tiles, open| LayoutTile::Tabs { tiles, open };
+        let row = |share| LayoutTile::Linear {
+            axis: Direction::Horizontal,
+            tiles: vec![(tabs(vec![LayoutTile::Panel(Panel::Canvas)], 0), share)],
         };
         assert!(Layout { root: row(0.5) }.completed().is_some());
-        let canvas = || Tile::Panel(Panel::Canvas);
+        let canvas = || LayoutTile::Panel(Panel::Canvas);
         for root in [
             row(f32::NAN),
             row(-1.0),

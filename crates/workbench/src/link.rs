@@ -8,13 +8,13 @@ mod said;
 mod text;
 mod write;
 
-pub use content::{Content, NamedMoment};
+pub use content::{LinkContent, NamedMoment};
 pub use parameters::excess;
 pub use read::COLOURINGS;
 #[cfg(test)]
 pub use read::keys;
 pub use read::read;
-pub use said::Said;
+pub use said::LinkWarnings;
 pub use said::quoted;
 pub use text::{name as choice_name, named as choice_named, slug};
 pub use write::layer_name;

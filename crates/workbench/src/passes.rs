@@ -20,12 +20,12 @@ use tilescope_session::moment::Moment;
 use tilescope_session::words::sentence;
 
 pub use device::Fault;
-pub use model::{Badge, Line, PassEntry, Visit};
+pub use model::{Badge, PassEntry, PassLine, Visit};
 pub use placed::OnCanvas;
-pub use shown::Shown;
-pub use table::Side;
+pub use shown::ShownBuffer;
+pub use table::PassSide;
 
-use device::{Arrival, Subject, Survey, Walker};
+use device::{Arrival, DeviceRun, Survey, Walker};
 
 /// What the panel asks for.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -44,7 +44,7 @@ pub enum PassCommand {
     /// Show a buffer of the pass, by its place.
     Buffer(usize),
     /// Show one side of the pass.
-    Side(Side),
+    Side(PassSide),
     /// Show the rows that a filter lets pass.
     Filter(String),
     /// Select a row of the buffer, or none.
@@ -68,7 +68,7 @@ pub enum PassCommand {
 }
 
 /// What runs in the background.
-enum Work {
+enum PassWork {
     Idle,
     Survey(Job<Survey>),
     Visit(Job<Arrival>),
@@ -76,12 +76,12 @@ enum Work {
 
 /// The passes of one run.
 pub struct Passes {
-    subject: Subject,
+    subject: DeviceRun,
     wake: Wake,
     entries: Vec<PassEntry>,
-    lines: Vec<Line>,
+    lines: Vec<PassLine>,
     restarts: u32,
-    work: Work,
+    work: PassWork,
     walker: Option<Walker>,
     selected: Option<usize>,
     /// Whether the selected pass is still to be visited.
@@ -89,7 +89,7 @@ pub struct Passes {
     /// The stage to go to once the passes are known.
     wanted_stage: Option<Stage>,
     visit: Option<Visit>,
-    shown: Shown,
+    shown: ShownBuffer,
     /// Whether the rows shown are on the canvas, too.
     is_on_canvas: bool,
     /// The moment of the timeline at which the passes were dealt with last.
@@ -112,7 +112,7 @@ impl Passes {
             return Err(refusal);
         }
         let mut passes = Self {
-            subject: Subject {
+            subject: DeviceRun {
                 gpu: Arc::clone(gpu),
                 parameters: *parameters,
                 fault: None,
@@ -121,13 +121,13 @@ impl Passes {
             entries: Vec::new(),
             lines: Vec::new(),
             restarts: 0,
-            work: Work::Idle,
+            work: PassWork::Idle,
             walker: None,
             selected: None,
             is_wanted: false,
             wanted_stage: None,
             visit: None,
-            shown: Shown::default(),
+            shown: ShownBuffer::default(),
             is_on_canvas: true,
             moment: None,
             notice: None,
@@ -182,12 +182,12 @@ impl Passes {
             self.export_told = Some(outcome.unwrap_or_else(|failure| Err(sentence(&failure))));
         }
         let has_arrived = match &self.work {
-            Work::Idle => false,
-            Work::Survey(job) => match job.poll() {
+            PassWork::Idle => false,
+            PassWork::Survey(job) => match job.poll() {
                 Some(outcome) => self.surveyed(outcome),
                 None => false,
             },
-            Work::Visit(job) => match job.poll() {
+            PassWork::Visit(job) => match job.poll() {
                 Some(outcome) => self.visited(outcome),
                 None => false,
             },
@@ -200,10 +200,10 @@ impl Passes {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn settle(&mut self) {
         loop {
-            match std::mem::replace(&mut self.work, Work::Idle) {
-                Work::Survey(job) => self.surveyed(job.wait()),
-                Work::Visit(job) => self.visited(job.wait()),
-                Work::Idle => break,
+            match std::mem::replace(&mut self.work, PassWork::Idle) {
+                PassWork::Survey(job) => self.surveyed(job.wait()),
+                PassWork::Visit(job) => self.visited(job.wait()),
+                PassWork::Idle => break,
             };
             self.go_on();
         }
@@ -215,7 +215,7 @@ impl Passes {
     /// Goes to the pass that ends a stage; as soon as the passes are known, if they are not. Returns whether there is
     /// such a pass, or may be.
     pub fn select_stage(&mut self, stage: Stage) -> bool {
-        if matches!(self.work, Work::Survey(_)) {
+        if matches!(self.work, PassWork::Survey(_)) {
             self.wanted_stage = Some(stage);
             return true;
         }
@@ -254,7 +254,7 @@ impl Passes {
 
     /// Returns the lines of their list.
     #[must_use]
-    pub fn lines(&self) -> &[Line] {
+    pub fn lines(&self) -> &[PassLine] {
         &self.lines
     }
 
@@ -279,7 +279,7 @@ impl Passes {
 
     /// Returns what is shown of them.
     #[must_use]
-    pub const fn shown(&self) -> &Shown {
+    pub const fn shown(&self) -> &ShownBuffer {
         &self.shown
     }
 
@@ -347,9 +347,9 @@ impl Passes {
     #[must_use]
     pub fn activity(&self) -> Option<(String, f32)> {
         match &self.work {
-            Work::Idle => None,
-            Work::Survey(job) => Some((job.activity(), job.fraction())),
-            Work::Visit(job) => Some((job.activity(), job.fraction())),
+            PassWork::Idle => None,
+            PassWork::Survey(job) => Some((job.activity(), job.fraction())),
+            PassWork::Visit(job) => Some((job.activity(), job.fraction())),
         }
     }
 

@@ -15,10 +15,10 @@ pub use gpu::GpuState;
 pub use page::PageStart;
 use parts::JobContext;
 pub use parts::{FileState, Links, Messages, Runs};
-pub use run_view::{EventQuery, Found, Hits, MAX_FOUND, MAX_HITS, RunView};
+pub use run_view::{EventQuery, FoundEvents, Hits, MAX_FOUND, MAX_HITS, RunView};
 use tilescope_drawing::subject::Subject;
 use tilescope_session::jobs::{Job, Wake};
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::verification::Verdict;
 pub use time::Time;
 pub use window::WindowState;
@@ -132,7 +132,7 @@ impl State {
 
     /// Returns the moment that is shown.
     #[must_use]
-    pub fn shown(&self) -> Option<Shown<'_>> {
+    pub fn shown(&self) -> Option<ShownMoment<'_>> {
         self.runs.first.shown()
     }
 

@@ -19,7 +19,7 @@ pub const MAX_OFFSET: f64 = 200_000.0;
 
 /// How a session is looked at: parts of the state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
+pub struct SavedView {
     /// The view of the domain; none shows all of it, however large the window is.
     pub camera: Option<Camera>,
     /// How moments are drawn.
@@ -36,7 +36,7 @@ pub struct View {
     pub links: [bool; 3],
 }
 
-impl Default for View {
+impl Default for SavedView {
     fn default() -> Self {
         Self {
             camera: None,
@@ -63,7 +63,7 @@ enum SavedSelection {
     Place([f64; 2]),
 }
 
-impl View {
+impl SavedView {
     /// Returns what is written.
     #[must_use]
     pub fn to_json(&self) -> Value {
@@ -234,8 +234,8 @@ mod tests {
     use super::*;
     use crate::clock::Clock;
 
-    fn view() -> View {
-        let mut view = View {
+    fn view() -> SavedView {
+        let mut view = SavedView {
             camera: Some(Camera {
                 center: [3.25, -1.5],
                 scale: 12.0,
@@ -246,7 +246,7 @@ mod tests {
                 ..Parameters::default()
             }),
             links: [true, false, true],
-            ..View::default()
+            ..SavedView::default()
         };
         view.appearance.layers.toggle(Layer::Disks);
         view.appearance.colouring = Colouring::Provenance;
@@ -261,15 +261,15 @@ mod tests {
     fn what_is_written_is_read() {
         let text = serde_json::to_string(&view().to_json()).unwrap();
         let (back, dropped) =
-            View::from_json(&serde_json::from_str(&text).unwrap(), &View::default());
+            SavedView::from_json(&serde_json::from_str(&text).unwrap(), &SavedView::default());
         assert_eq!(back, view());
         assert_eq!(dropped, [""; 0]);
         // What is not said stays, but for the second run.
-        let alone = View {
+        let alone = SavedView {
             second: None,
             ..back.clone()
         };
-        assert_eq!(View::from_json(&Value::Null, &back), (alone, vec![]));
+        assert_eq!(SavedView::from_json(&Value::Null, &back), (alone, vec![]));
     }
 
     #[test]
@@ -286,7 +286,7 @@ mod tests {
             "clock": "event",
             "unknown": [1, 2, 3],
         });
-        let (view, dropped) = View::from_json(&broken, &View::default());
+        let (view, dropped) = SavedView::from_json(&broken, &SavedView::default());
         let expected = [
             "camera",
             "colouring",
@@ -305,7 +305,7 @@ mod tests {
         };
         assert!(large.validate_sequential().is_ok());
         let (view_of_large, dropped) =
-            View::from_json(&json!({ "second": large }), &View::default());
+            SavedView::from_json(&json!({ "second": large }), &SavedView::default());
         assert_eq!((view_of_large.second, dropped), (None, vec!["second"]));
         let layers = view.appearance.layers;
         assert!(layers.has(Layer::Samples) && !layers.has(Layer::Blocks));

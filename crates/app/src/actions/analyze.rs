@@ -5,7 +5,7 @@ use tilescope_session::look::Look;
 
 use super::{List, Menu, NO_SESSION, NONE};
 use tilescope_workbench::analysis::AnalysisCommand;
-use tilescope_workbench::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
 use tilescope_workbench::arrangement::DrawerCommand;
 use tilescope_workbench::command::{Command, WindowCommand};
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -67,15 +67,19 @@ fn brushes(list: &mut List, state: &State) {
     for (name, axis, [from, to]) in [
         (
             "Brush frequencies about the first peak",
-            Axis::Frequency,
+            BrushAxis::Frequency,
             FIRST_PEAK,
         ),
         (
             "Brush frequencies below the first peak",
-            Axis::Frequency,
+            BrushAxis::Frequency,
             [0.1, 0.6],
         ),
-        ("Brush distances just above r", Axis::Distance, [1.0, 1.05]),
+        (
+            "Brush distances just above r",
+            BrushAxis::Distance,
+            [1.0, 1.05],
+        ),
     ] {
         let brush = Command::Analysis(AnalysisCommand::Brush(Brush::between(axis, from, to)));
         add(name, None, brush, no_session);

@@ -5,7 +5,7 @@ use tilescope_session::combination::CombineCommand;
 
 use super::{COMMAND, List, Menu, SHIFT};
 use tilescope_workbench::command::{Command, FormCommand, LinkCommand, Which};
-use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::state::State;
 
@@ -40,15 +40,19 @@ pub(super) fn add(list: &mut List, state: &State) {
         (
             "Export samples\u{2026}",
             Some((COMMAND, Key::E)),
-            Kind::Result,
+            ExportKind::Result,
         ),
-        ("Export samples of this moment\u{2026}", None, Kind::Samples),
+        (
+            "Export samples of this moment\u{2026}",
+            None,
+            ExportKind::Samples,
+        ),
         (
             "Export picture of this moment\u{2026}",
             Some((COMMAND | SHIFT, Key::E)),
-            Kind::Picture,
+            ExportKind::Picture,
         ),
-        ("Export animation\u{2026}", None, Kind::Animation),
+        ("Export animation\u{2026}", None, ExportKind::Animation),
     ] {
         let refusal = state
             .export_source()

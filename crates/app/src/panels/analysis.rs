@@ -11,14 +11,14 @@ use std::sync::Arc;
 use egui::{Button, Color32, DragValue, FontId, ProgressBar, RichText, Sense, Ui, vec2};
 use tilescope_analysis::measures::Spectrum;
 use tilescope_drawing::palette::Palette;
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Kebab, Known, heading};
 
-use plot::{Dragged, Line};
-use tilescope_workbench::analysis::brush::{Axis, Brush, FIRST_PEAK};
+use plot::{Dash, Dragged};
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis, FIRST_PEAK};
 use tilescope_workbench::analysis::held::Held;
-use tilescope_workbench::analysis::measured::Measured;
+use tilescope_workbench::analysis::measured::MeasuredSet;
 use tilescope_workbench::analysis::{Analysis, AnalysisCommand, name_of};
 use tilescope_workbench::command::Command;
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -44,10 +44,10 @@ pub struct AnalysisContext<'a> {
 /// What is shown: sets and how they are told apart.
 struct Sets<'a> {
     /// What is known of the moment.
-    now: Option<&'a Measured>,
+    now: Option<&'a MeasuredSet>,
     /// What was measured last, of another moment, while the moment at hand is not known.
-    before: Option<&'a Measured>,
-    reference: Option<&'a Arc<Measured>>,
+    before: Option<&'a MeasuredSet>,
+    reference: Option<&'a Arc<MeasuredSet>>,
     held: Option<&'a Arc<Held>>,
     /// r of the run, in the unit of the file.
     unit: f64,
@@ -57,7 +57,7 @@ struct Sets<'a> {
 }
 
 impl<'a> Sets<'a> {
-    fn of(context: &AnalysisContext<'a>, shown: &Shown<'a>) -> Self {
+    fn of(context: &AnalysisContext<'a>, shown: &ShownMoment<'a>) -> Self {
         let now = context.analysis.of(shown).map(|known| &*known.measured);
         let whole = now.is_some_and(|now| now.missing().is_none());
         let before = context.analysis.last(shown).map(|known| &*known.measured);
@@ -73,13 +73,13 @@ impl<'a> Sets<'a> {
     }
 
     /// Returns a part of what is measured, and whether it is of another moment.
-    fn part<T>(&self, part: impl Fn(&'a Measured) -> Option<T>) -> Option<(T, bool)> {
+    fn part<T>(&self, part: impl Fn(&'a MeasuredSet) -> Option<T>) -> Option<(T, bool)> {
         let now = self.now.and_then(&part).map(|found| (found, false));
         now.or_else(|| self.before.and_then(&part).map(|found| (found, true)))
     }
 
     fn spectrum(&self) -> Option<(&'a Arc<Spectrum>, bool)> {
-        self.part(Measured::spectrum_so_far)
+        self.part(MeasuredSet::spectrum_so_far)
     }
 }
 
@@ -132,7 +132,7 @@ fn rest(
 fn status(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
-    shown: &Shown<'_>,
+    shown: &ShownMoment<'_>,
     sets: &Sets<'_>,
     own: &mut Vec<AnalysisCommand>,
 ) {
@@ -176,7 +176,7 @@ fn capital(text: &str) -> String {
 fn progress(
     ui: &mut Ui,
     context: &AnalysisContext<'_>,
-    shown: &Shown<'_>,
+    shown: &ShownMoment<'_>,
     own: &mut Vec<AnalysisCommand>,
 ) {
     let (palette, analysis) = (context.palette, &context.analysis);
@@ -233,13 +233,13 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
     } else {
         "this moment"
     };
-    entry(ui, Line::Solid, palette.accent, this).known_as("analysis.moment");
+    entry(ui, Dash::Solid, palette.accent, this).known_as("analysis.moment");
     let reference = &context.analysis.reference;
     let name = match reference {
         tilescope_workbench::analysis::Reference::Failed(why) => format!("reference: {why}"),
         _ => format!("reference: {}", reference.name()),
     };
-    entry(ui, Line::Dotted, palette.text, &name).known_as("analysis.reference");
+    entry(ui, Dash::Dotted, palette.text, &name).known_as("analysis.reference");
     match context.held.clone() {
         Some(Ok(held)) => {
             let guessed = if held.guessed {
@@ -249,7 +249,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
             };
             let radius = held.measured.radius;
             let name = format!("file: {}{guessed}, judged at r = {radius}", held.name());
-            entry(ui, Line::Dashed, palette.conflict, &name).known_as("analysis.file");
+            entry(ui, Dash::Dashed, palette.conflict, &name).known_as("analysis.file");
             if let Some(reason) = numbers::unjudged(&held.measured, sets.unit) {
                 ui.label(RichText::new(reason).size(12.0).color(palette.muted))
                     .known_as("analysis.unjudged");
@@ -264,7 +264,7 @@ fn entries(ui: &mut Ui, context: &AnalysisContext<'_>, sets: &Sets<'_>) {
 }
 
 /// A line and what it is.
-fn entry(ui: &mut Ui, line: Line, color: Color32, text: &str) -> egui::Response {
+fn entry(ui: &mut Ui, line: Dash, color: Color32, text: &str) -> egui::Response {
     let muted = ui.visuals().weak_text_color();
     ui.horizontal_top(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(26.0, 17.0), Sense::hover());
@@ -303,8 +303,8 @@ fn file(
 fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCommand>) {
     let (palette, brush) = (context.palette, context.analysis.brush);
     for (axis, name, sign, start) in [
-        (Axis::Frequency, "Frequencies", "\u{3bd}", FIRST_PEAK),
-        (Axis::Distance, "Distances", " r", [1.0, 1.05]),
+        (BrushAxis::Frequency, "Frequencies", "\u{3bd}", FIRST_PEAK),
+        (BrushAxis::Distance, "Distances", " r", [1.0, 1.05]),
     ] {
         let range = Brush::along(brush, axis);
         ui.horizontal(|ui| {
@@ -321,8 +321,8 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
                     .speed(0.005)
                     .fixed_decimals(3);
                 let field = match axis {
-                    Axis::Frequency => field.prefix("\u{3bd} "),
-                    Axis::Distance => field.suffix(sign),
+                    BrushAxis::Frequency => field.prefix("\u{3bd} "),
+                    BrushAxis::Distance => field.suffix(sign),
                 };
                 let field = ui.add_enabled(on, field);
                 let label = format!("Brush: {name} {which}");
@@ -357,7 +357,7 @@ fn brushed(ui: &mut Ui, context: &AnalysisContext<'_>, own: &mut Vec<AnalysisCom
 
 /// Issues what was done to a range of `axis`, if that changes the brush.
 fn drag(
-    axis: Axis,
+    axis: BrushAxis,
     dragged: Option<Dragged>,
     brush: Option<Brush>,
     own: &mut Vec<AnalysisCommand>,

@@ -129,7 +129,7 @@ pub fn show(ui: &mut Ui, state: &State, canvas: &mut Canvas, commands: &mut Vec<
     let needed = needed_height(ui.ctx(), room, state);
     let mut high = room;
     high.max.y = room.top() + needed.max(room.height());
-    let mut shown = Shown {
+    let mut shown = CompactPanel {
         state,
         canvas,
         commands,
@@ -183,13 +183,13 @@ fn scrolled(ui: &mut Ui, high: Rect, by_wheel: bool, add: impl FnOnce(&mut Ui, R
 }
 
 /// What is shown, and what is done to it.
-struct Shown<'a> {
+struct CompactPanel<'a> {
     state: &'a State,
     canvas: &'a mut Canvas,
     commands: &'a mut Vec<Command>,
 }
 
-impl Shown<'_> {
+impl CompactPanel<'_> {
     /// In this sequence the Tab key goes through it, too.
     fn all(&mut self, ui: &mut Ui, places: &Places) {
         self.bar(ui, places);

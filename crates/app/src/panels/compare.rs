@@ -7,7 +7,9 @@ use tilescope_session::words::{grouped, stage_name};
 use tilescope_ui::widgets::{Kebab, Known, heading, primary_button, row};
 
 use tilescope_workbench::command::{Command, Which};
-use tilescope_workbench::compare::{CompareCommand, Comparison, ComparePreset, contrast_of, difference};
+use tilescope_workbench::compare::{
+    CompareCommand, ComparePreset, Comparison, contrast_of, difference,
+};
 use tilescope_workbench::state::RunView;
 
 /// What the panel is shown from.

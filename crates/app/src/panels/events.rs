@@ -15,7 +15,7 @@ use tilescope_ui::widgets::Known;
 use super::common::no_events;
 use super::context::PanelContext;
 use tilescope_workbench::command::{Command, DebugCommand};
-use tilescope_workbench::state::{Found, MAX_FOUND};
+use tilescope_workbench::state::{FoundEvents, MAX_FOUND};
 
 /// Height of a row, unless it is made for fingers.
 const ROW: f32 = 20.0;
@@ -40,30 +40,32 @@ pub fn show(ui: &mut Ui, context: &PanelContext<'_>, commands: &mut Vec<Command>
     }
     let (note, color) = match (&context.run.query.error, &context.run.query.found) {
         (Some(error), _) => (error.clone(), palette.conflict),
-        (None, Found::Nothing) => (
+        (None, FoundEvents::Nothing) => (
             format!("{} events", grouped(debugger.recording().len())),
             palette.muted,
         ),
-        (None, Found::Pending(_)) => ("looking\u{2026}".to_owned(), palette.muted),
-        (None, Found::Events(events)) if events.len() == MAX_FOUND => (
+        (None, FoundEvents::Pending(_)) => ("looking\u{2026}".to_owned(), palette.muted),
+        (None, FoundEvents::Events(events)) if events.len() == MAX_FOUND => (
             format!("the first {} events", grouped(MAX_FOUND)),
             palette.muted,
         ),
-        (None, Found::Failed(why)) => (why.clone(), palette.conflict),
-        (None, Found::Events(events)) => (counted(events.len(), "event", "events"), palette.muted),
+        (None, FoundEvents::Failed(why)) => (why.clone(), palette.conflict),
+        (None, FoundEvents::Events(events)) => {
+            (counted(events.len(), "event", "events"), palette.muted)
+        }
     };
     ui.label(RichText::new(note).color(color))
         .known_as("found-events");
     ui.add_space(2.0);
     let found = match &context.run.query.found {
-        Found::Events(events) => Some(events.as_slice()),
+        FoundEvents::Events(events) => Some(events.as_slice()),
         _ => None,
     };
     list(ui, context, debugger, found, commands);
 }
 
 /// A row to be shown: an event, how far it is indented, and whether it can be expanded, or is.
-struct Line {
+struct EventRow {
     event: usize,
     level: usize,
     expanded: Option<bool>,
@@ -81,12 +83,12 @@ fn list(
     let rows = context.run.rows.as_ref();
     let count = found.map_or_else(|| rows.map_or(0, OutlineRows::len), <[usize]>::len);
     let line = |row: usize| match found {
-        Some(events) => Some(Line {
+        Some(events) => Some(EventRow {
             event: events[row],
             level: 0,
             expanded: None,
         }),
-        None => rows?.row(row).map(|row| Line {
+        None => rows?.row(row).map(|row| EventRow {
             event: row.event,
             level: row.level,
             expanded: row.has_children.then_some(row.expanded),
@@ -140,7 +142,7 @@ fn show_row(
     ui: &mut Ui,
     context: &PanelContext<'_>,
     debugger: &Debugger,
-    line: &Line,
+    line: &EventRow,
     current: bool,
     commands: &mut Vec<Command>,
 ) {

@@ -10,7 +10,9 @@ use tilescope_ui::widgets::{Kebab, Known, primary_button};
 use super::sheet::{above_middle, entered, escaped, just_opened, scrolled, select_all};
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::Command;
-use tilescope_workbench::export::{Entry, ExportCommand, ExportForm, Kind, Refusal};
+use tilescope_workbench::export::{
+    ExportCommand, ExportForm, ExportKind, ExportRefusal, NumberField,
+};
 use tilescope_workbench::state::{ExportSource, Exports, State};
 
 /// Width of a typed number.
@@ -68,12 +70,12 @@ impl Sheet<'_> {
         self.file(ui);
         ui.add_space(6.0);
         match self.form.kind {
-            Kind::Result | Kind::Samples => self.precision(ui),
-            Kind::Picture => {
+            ExportKind::Result | ExportKind::Samples => self.precision(ui),
+            ExportKind::Picture => {
                 self.scale(ui);
                 self.colours(ui);
             }
-            Kind::Animation => {
+            ExportKind::Animation => {
                 self.scale(ui);
                 self.colours(ui);
                 self.frames(ui);
@@ -89,7 +91,7 @@ impl Sheet<'_> {
     fn kinds(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            for kind in Kind::ALL {
+            for kind in ExportKind::ALL {
                 let refusal = self.source.kind_refusal(kind);
                 let refusal = refusal.map(|refusal| refusal.to_string());
                 let chosen = self.form.kind == kind;
@@ -107,19 +109,19 @@ impl Sheet<'_> {
 
     fn explanation(&self) -> String {
         match self.form.kind {
-            Kind::Result if self.in_browser => {
+            ExportKind::Result if self.in_browser => {
                 "The result is written, read back and verified; it is downloaded with its certificate, in one archive."
                     .to_owned()
             }
-            Kind::Result => {
+            ExportKind::Result => {
                 "The result is written, read back and verified; its certificate is put beside it."
                     .to_owned()
             }
-            Kind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
-            Kind::Picture => {
+            ExportKind::Samples => "The samples that cover their disks at the moment shown. The certificate says whether this set is conflict-free and maximal; before the end of a run it need be neither.".to_owned(),
+            ExportKind::Picture => {
                 format!("The canvas as it is, with the parameters inside. {LEFT_OUT}")
             }
-            Kind::Animation => self.animation(),
+            ExportKind::Animation => self.animation(),
         }
     }
 
@@ -176,7 +178,7 @@ impl Sheet<'_> {
             let format = self.form.kind.format(self.form.file());
             let format = format.unwrap_or_default();
             let known = self.form.kind.extensions();
-            let all = Refusal::Extension { known };
+            let all = ExportRefusal::Extension { known };
             (format!("Format: {format}. {all}"), self.palette.muted)
         };
         ui.label(RichText::new(told).small().color(color))
@@ -214,7 +216,7 @@ impl Sheet<'_> {
     fn scale(&mut self, ui: &mut Ui) {
         let has_scale = self.form.has_scale();
         self.named(ui, "Scale", |sheet, ui, label| {
-            sheet.number(ui, Entry::Scale, has_scale, label);
+            sheet.number(ui, NumberField::Scale, has_scale, label);
             let unit = if has_scale {
                 "pixels for a point of the window"
             } else {
@@ -237,7 +239,7 @@ impl Sheet<'_> {
 
     fn frames(&mut self, ui: &mut Ui) {
         self.named(ui, "A frame every", |sheet, ui, label| {
-            sheet.number(ui, Entry::Every, true, label);
+            sheet.number(ui, NumberField::Every, true, label);
             // The passes of the GPU have no events.
             let clocks = Clock::ALL.into_iter().filter(|&c| c != Clock::Pass);
             for clock in clocks {
@@ -253,7 +255,7 @@ impl Sheet<'_> {
 
     fn delay(&mut self, ui: &mut Ui) {
         self.named(ui, "Delay", |sheet, ui, label| {
-            sheet.number(ui, Entry::Delay, true, label);
+            sheet.number(ui, NumberField::Delay, true, label);
             let unit = "ms for a frame";
             ui.label(RichText::new(unit).color(sheet.palette.muted));
         });
@@ -273,11 +275,11 @@ impl Sheet<'_> {
         });
     }
 
-    fn number(&mut self, ui: &mut Ui, entry: Entry, enabled: bool, label: egui::Id) {
+    fn number(&mut self, ui: &mut Ui, entry: NumberField, enabled: bool, label: egui::Id) {
         let (text, is_wrong) = match entry {
-            Entry::Scale => (&self.form.scale, self.form.scale().is_err()),
-            Entry::Every => (&self.form.every, self.form.every().is_err()),
-            Entry::Delay => (&self.form.delay, self.form.delay().is_err()),
+            NumberField::Scale => (&self.form.scale, self.form.scale().is_err()),
+            NumberField::Every => (&self.form.every, self.form.every().is_err()),
+            NumberField::Delay => (&self.form.delay, self.form.delay().is_err()),
         };
         let mut text = text.clone();
         let edit = TextEdit::singleline(&mut text)
@@ -363,9 +365,9 @@ impl Sheet<'_> {
             (_, kind) => {
                 let verb = if self.in_browser { "Download" } else { "Write" };
                 let what = match kind {
-                    Kind::Result | Kind::Samples => "file and certificate",
-                    Kind::Picture => "picture",
-                    Kind::Animation => "animation",
+                    ExportKind::Result | ExportKind::Samples => "file and certificate",
+                    ExportKind::Picture => "picture",
+                    ExportKind::Animation => "animation",
                 };
                 format!("{verb} {what}")
             }

@@ -6,7 +6,7 @@ use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Origin, Standing};
 use tilescope_debugger::{Debugger, why};
 use tilescope_drawing::palette::Palette;
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::words::{counted, event_number, grouped};
 use tilescope_ui::widgets::{Known, heading, row};
 
@@ -124,7 +124,7 @@ fn why(
 }
 
 /// Shows a place in r, as everything in the window, and in the unit of the domain, as the fields and files have it.
-fn coordinates(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
+fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: [f64; 2], palette: &Palette) {
     let radius = shown.session.run().domain.radius();
     let [x, y] = at.map(|value| format!("{value:.4} r"));
     row(ui, "x", &x, palette);
@@ -133,7 +133,7 @@ fn coordinates(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) 
     row(ui, "In files", &format!("{x:.6}, {y:.6}"), palette);
 }
 
-fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
+fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: [f64; 2], palette: &Palette) {
     coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
     let reach = 3.5;
@@ -155,7 +155,7 @@ fn place(ui: &mut Ui, shown: &Shown<'_>, at: [f64; 2], palette: &Palette) {
 }
 
 /// Shows the gap that holds a place.
-fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &Shown<'_>, at: [f64; 2]) {
+fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: [f64; 2]) {
     let palette = context.palette;
     let Some(tessellation) = context.run.geometry.of(shown) else {
         return;
@@ -182,7 +182,13 @@ fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &Shown<'_>, at: [f64; 2])
     }
 }
 
-fn sample(ui: &mut Ui, shown: &Shown<'_>, id: u32, palette: &Palette, commands: &mut Vec<Command>) {
+fn sample(
+    ui: &mut Ui,
+    shown: &ShownMoment<'_>,
+    id: u32,
+    palette: &Palette,
+    commands: &mut Vec<Command>,
+) {
     let session = shown.session;
     let run = session.run();
     row(ui, "Id", &grouped(id as usize), palette);

@@ -7,14 +7,14 @@ use tilescope_ui::widgets::{Kebab, Known, heading, symbol};
 
 use super::context::PanelContext;
 use tilescope_drawing::age::{Ages, LAST_TILED};
-use tilescope_drawing::brushed::{Cause, Found};
+use tilescope_drawing::brushed::{BrushedCause, Cause};
 use tilescope_workbench::command::{AppearanceCommand, Command};
 
 /// Shows the legend.
 pub fn show(
     ui: &mut Ui,
     context: &PanelContext<'_>,
-    causes: Option<&Found>,
+    causes: Option<&BrushedCause>,
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;

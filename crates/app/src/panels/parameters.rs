@@ -11,7 +11,7 @@ use tilescope_ui::widgets::{Known, heading, primary_button};
 
 use super::engine;
 use tilescope_workbench::command::{Command, FormCommand, Which};
-use tilescope_workbench::draft::{Choice, Field, Refusal};
+use tilescope_workbench::draft::{Choice, DraftRefusal, Field};
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::state::{Form, GpuState};
 
@@ -291,7 +291,7 @@ fn number(
     field: Field,
     name: &str,
     unit: &str,
-    refusals: &[Refusal],
+    refusals: &[DraftRefusal],
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
@@ -314,7 +314,7 @@ fn pair(
     context: &FormContext<'_>,
     name: &str,
     fields: [(Field, &str); 2],
-    refusals: &[Refusal],
+    refusals: &[DraftRefusal],
     commands: &mut Vec<Command>,
 ) {
     let palette = context.palette;
@@ -383,7 +383,7 @@ const fn key(field: Field) -> &'static str {
     }
 }
 
-fn refused(ui: &mut Ui, field: Field, refusal: &Refusal, palette: &Palette) {
+fn refused(ui: &mut Ui, field: Field, refusal: &DraftRefusal, palette: &Palette) {
     let id = format_args!("refusal-{}", key(field));
     trouble(ui, &refusal.reason, palette).known_as(id);
 }

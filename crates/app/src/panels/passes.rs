@@ -15,7 +15,7 @@ use tilescope_ui::widgets::{Icon, Kebab, Known, icon_button};
 
 use self::list::{color, mark};
 use tilescope_workbench::passes::model::{PassEntry, Visit, access_text};
-use tilescope_workbench::passes::table::{BufferTable, Side};
+use tilescope_workbench::passes::table::{BufferTable, PassSide};
 use tilescope_workbench::passes::{Badge, Fault, PassCommand, Passes};
 
 /// The width of the list, in screen points.
@@ -301,7 +301,7 @@ fn tools(
         return;
     }
     ui.horizontal(|ui| {
-        for side in Side::ALL {
+        for side in PassSide::ALL {
             let button = ui.selectable_label(shown.side() == side, side.name());
             let id = format_args!("side.{}", Kebab(side));
             if button.known_as(id).clicked() {

@@ -11,7 +11,7 @@ use super::verification;
 use crate::actions::{Action, Menu, actions};
 use crate::panels::context::PanelContext;
 use tilescope_workbench::command::{AppearanceCommand, Command, ViewCommand, Which};
-use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::state::State;
 
 /// From this much room behind the menus on, in screen points, the run is named.
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             export.known_as("export");
             let why = "There is nothing to export before the first session is ready.";
             if export.on_disabled_hover_text(why).clicked() {
-                commands.push(Command::Export(ExportCommand::Open(Kind::Result)));
+                commands.push(Command::Export(ExportCommand::Open(ExportKind::Result)));
             }
             ui.add_space(6.0);
             verification::chip(ui, &PanelContext::of(state), commands);

@@ -5,11 +5,11 @@ use tilescope_app::actions::actions;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_workbench::analysis::AnalysisCommand;
-use tilescope_workbench::analysis::brush::{Axis, Brush};
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::arrangement::{Arrangement, DrawerCommand};
 use tilescope_workbench::command::{AppearanceCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::export::Kind;
+use tilescope_workbench::export::ExportKind;
 use tilescope_workbench::files::Purpose;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::{Command, State};
@@ -68,7 +68,7 @@ fn escape_leaves_one_thing_after_another() {
     let arrange = DrawerCommand::Arrange(Arrangement::Portrait);
     state.apply(Command::Window(WindowCommand::Drawer(arrange)));
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Legend)));
-    let brush = Brush::between(Axis::Distance, 1.0, 1.05);
+    let brush = Brush::between(BrushAxis::Distance, 1.0, 1.05);
     state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
     state.apply(Command::View(
         Which::First,
@@ -115,9 +115,9 @@ fn the_key_that_opens_a_sheet_or_the_list_closes_it() {
         (
             Modifiers::COMMAND,
             Key::E,
-            (None, Some(Kind::Result), false),
+            (None, Some(ExportKind::Result), false),
         ),
-        (both, Key::E, (None, Some(Kind::Picture), false)),
+        (both, Key::E, (None, Some(ExportKind::Picture), false)),
         (Modifiers::COMMAND, Key::K, (None, None, true)),
     ] {
         assert!(press(&mut state, modifiers, key));

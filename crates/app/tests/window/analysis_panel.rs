@@ -8,7 +8,7 @@ use tilescope_app::App;
 use tilescope_core::Boundary;
 use tilescope_workbench::Command;
 use tilescope_workbench::analysis::AnalysisCommand;
-use tilescope_workbench::analysis::brush::{Axis, Brush};
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::files::{FileCommand, Purpose};
@@ -255,7 +255,7 @@ fn the_keyboard_reaches_the_analysis_its_brush_and_the_way_out() {
     harness.run();
     settle(&mut harness);
     let brush = harness.state().state.analysis.brush;
-    assert_eq!(brush, Brush::between(Axis::Distance, 1.0, 1.05));
+    assert_eq!(brush, Brush::between(BrushAxis::Distance, 1.0, 1.05));
     tab_to(&mut harness, "brush.distance.to");
     assert!(harness.state().state.runs.first.session.is_some());
     harness.key_press(Key::Escape);
@@ -277,7 +277,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     harness.drop_at(at(0.4));
     harness.run();
     let brush = harness.state().state.analysis.brush.expect("a brush");
-    assert_eq!(brush.axis, Axis::Distance);
+    assert_eq!(brush.axis, BrushAxis::Distance);
     let [low, high] = brush.range;
     assert!(low > 1.0 && high < 2.0 && high - low > 0.3, "{brush:?}");
     // A frequency takes the place of a distance.
@@ -290,7 +290,7 @@ fn dragging_over_a_chart_brushes_and_a_click_ends_it() {
     harness.drop_at(at(0.4));
     harness.run();
     let brush = harness.state().state.analysis.brush.expect("a brush");
-    assert!(brush.axis == Axis::Frequency && brush.range[0] < brush.range[1]);
+    assert!(brush.axis == BrushAxis::Frequency && brush.range[0] < brush.range[1]);
     node(&harness, "chart.P").click();
     harness.run();
     assert_eq!(harness.state().state.analysis.brush, None);
@@ -349,9 +349,9 @@ fn what_is_brushed_is_seen_on_the_canvas_and_goes_again() {
         image.into_raw()
     };
     let without = picture(None);
-    let pairs = picture(Brush::between(Axis::Distance, 1.0, 1.05));
-    let ring = picture(Brush::between(Axis::Frequency, 0.8, 1.0));
-    let nothing = picture(Brush::between(Axis::Distance, 0.1, 0.9));
+    let pairs = picture(Brush::between(BrushAxis::Distance, 1.0, 1.05));
+    let ring = picture(Brush::between(BrushAxis::Frequency, 0.8, 1.0));
+    let nothing = picture(Brush::between(BrushAxis::Distance, 0.1, 0.9));
     let again = picture(None);
     assert!(differing(&harness, &without, &pairs, width) > 5_000);
     assert!(differing(&harness, &without, &ring, width) > 5_000);

@@ -19,7 +19,7 @@ use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::Field;
 use tilescope_workbench::layout::Panel;
 use tilescope_workbench::passes::placed::Rows;
-use tilescope_workbench::passes::{PassCommand, Side};
+use tilescope_workbench::passes::{PassCommand, PassSide};
 use tilescope_workbench::{Command, State};
 
 use crate::support::{find, is_disabled, node, opened, settle, text};
@@ -115,11 +115,11 @@ fn places_and_the_grid_are_on_the_canvas_where_the_session_has_its_samples() {
     let mut harness = with_passes();
     go(&mut harness, "tile", Name::Places);
     assert_eq!(points(&harness), samples(&harness, |_| true));
-    pass(&mut harness, PassCommand::Side(Side::Before));
+    pass(&mut harness, PassCommand::Side(PassSide::Before));
     assert!(points(&harness).is_empty());
     on_canvas(&harness, &["places", "before"]);
     go(&mut harness, "survive", Name::Grid);
-    pass(&mut harness, PassCommand::Side(Side::After));
+    pass(&mut harness, PassCommand::Side(PassSide::After));
     assert_eq!(
         points(&harness),
         samples(&harness, |fate| fate == Fate::Kept)

@@ -23,7 +23,10 @@ fn apply(harness: &mut Harness<'_, App>, command: Command) {
 
 fn compared(preset: ComparePreset) -> Harness<'static, App> {
     let mut harness = opened();
-    apply(&mut harness, Command::Compare(CompareCommand::Start(preset)));
+    apply(
+        &mut harness,
+        Command::Compare(CompareCommand::Start(preset)),
+    );
     harness
 }
 
@@ -284,7 +287,11 @@ fn what_cannot_be_compared_says_why() {
 
 #[test]
 fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
-    for preset in [ComparePreset::Leaf, ComparePreset::Insertion, ComparePreset::NextSeed] {
+    for preset in [
+        ComparePreset::Leaf,
+        ComparePreset::Insertion,
+        ComparePreset::NextSeed,
+    ] {
         let mut harness = compared(preset);
         let Divergence::Events { a, b, .. } = divergence(&harness.state().state) else {
             panic!("{preset:?} parts at an event");
@@ -292,7 +299,11 @@ fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
         harness.key_press(Key::D);
         harness.run();
         settle(&mut harness);
-        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{preset:?}");
+        assert_eq!(
+            cursors(&harness.state().state),
+            [a + 1, b + 1],
+            "{preset:?}"
+        );
         // From there on time goes on in both, and back again to the same places.
         let mut last = cursors(&harness.state().state);
         for cursor in (a + 2..a + 400).step_by(7) {
@@ -302,7 +313,11 @@ fn both_runs_stand_behind_the_first_event_that_differs_however_long_they_are() {
             last = now;
         }
         apply(&mut harness, Command::Time(TimeCommand::Jump(a + 1)));
-        assert_eq!(cursors(&harness.state().state), [a + 1, b + 1], "{preset:?}");
+        assert_eq!(
+            cursors(&harness.state().state),
+            [a + 1, b + 1],
+            "{preset:?}"
+        );
     }
 }
 

@@ -8,7 +8,7 @@ use tilescope_app::App;
 use tilescope_session::look::Look;
 use tilescope_workbench::Command;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, WindowCommand};
-use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind};
 
 use crate::support::{is_disabled, node, opened, settle, text};
 
@@ -17,7 +17,7 @@ fn press(harness: &mut Harness<'_, App>, modifiers: Modifiers, key: Key) {
     harness.run();
 }
 
-fn kind(harness: &Harness<'_, App>) -> Option<Kind> {
+fn kind(harness: &Harness<'_, App>) -> Option<ExportKind> {
     let form = harness.state().state.files.exports.sheet.as_ref();
     form.map(|form| form.kind)
 }
@@ -43,7 +43,7 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
     press(&mut harness, Modifiers::NONE, Key::Home);
     press(&mut harness, Modifiers::NONE, Key::E);
     press(&mut harness, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
-    assert_eq!(kind(&harness), Some(Kind::Picture));
+    assert_eq!(kind(&harness), Some(ExportKind::Picture));
     // What is typed goes into the file's name, in the place of the one proposed.
     node(&harness, "export.path").type_text(&path.to_string_lossy());
     harness.run();
@@ -87,7 +87,7 @@ fn a_picture_is_written_by_keys_and_replaced_only_after_a_question() {
 fn the_kinds_are_chosen_by_their_names_and_keep_the_file() {
     let mut harness = opened();
     press(&mut harness, Modifiers::COMMAND, Key::E);
-    assert_eq!(kind(&harness), Some(Kind::Result));
+    assert_eq!(kind(&harness), Some(ExportKind::Result));
     assert!(text(&harness, "export.prospect").contains("10,041"));
     for (kind, extension) in [
         ("export.samples", ".csv"),
@@ -121,7 +121,7 @@ fn what_is_wrong_is_said_in_the_sheet_and_in_the_menu() {
     harness
         .state_mut()
         .state
-        .apply(export(ExportCommand::Open(Kind::Animation)));
+        .apply(export(ExportCommand::Open(ExportKind::Animation)));
     harness.run();
     assert!(is_disabled(&harness, "export.write"));
     assert!(is_disabled(&harness, "export.samples"));
@@ -175,13 +175,13 @@ fn every_kind_of_the_sheet_is_drawn_in_both_themes() {
             .state_mut()
             .state
             .apply(Command::Appearance(AppearanceCommand::Look(look)));
-        for kind in Kind::ALL {
+        for kind in ExportKind::ALL {
             let command = Command::Export(ExportCommand::Open(kind));
             harness.state_mut().state.apply(command);
             harness.run();
             let picture = harness.render().expect("a picture");
             pictures.insert(picture.as_raw().clone());
         }
-        assert_eq!(pictures.len(), Kind::ALL.len(), "{look:?}");
+        assert_eq!(pictures.len(), ExportKind::ALL.len(), "{look:?}");
     }
 }

@@ -14,7 +14,7 @@ use tilescope_workbench::Command;
 use tilescope_workbench::command::{DebugCommand, TimeCommand, ViewCommand, Which, WindowCommand};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::draft::Field;
-use tilescope_workbench::export::{ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
 
@@ -96,7 +96,7 @@ fn whatever_can_have_the_focus_has_a_name_of_its_own() {
 #[test]
 fn sheets_and_lists_have_names_too() {
     let mut harness = opened_at([1440.0, 900.0]);
-    for kind in Kind::ALL {
+    for kind in ExportKind::ALL {
         apply(&mut harness, Command::Export(ExportCommand::Open(kind)));
         check(&harness, &format!("the sheet of {kind:?}"));
     }

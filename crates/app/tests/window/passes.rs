@@ -8,7 +8,7 @@ use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Choice, Gpu};
 use tilescope_session::jobs::Wake;
 use tilescope_workbench::passes::table::BufferTable;
-use tilescope_workbench::passes::{Badge, Fault, Line, PassCommand, Passes, Side};
+use tilescope_workbench::passes::{Badge, Fault, PassCommand, PassLine, PassSide, Passes};
 
 fn gpu() -> &'static Arc<Gpu> {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
@@ -82,7 +82,7 @@ fn every_stage_of_two_variants_ends_equal_to_the_cpu() {
         let equal = entries.iter().filter(|e| e.badge == Badge::Equal).count();
         assert!(equal >= 5, "{equal} stages");
         let stages = passes.lines().iter();
-        let stages = stages.filter(|line| matches!(line, Line::Stage { .. }));
+        let stages = stages.filter(|line| matches!(line, PassLine::Stage { .. }));
         assert_eq!(stages.count(), equal);
     }
 }
@@ -128,7 +128,7 @@ fn going_back_replays_and_shows_the_same_tables() {
 /// Returns both sides of a table. Lists that many invocations append to have their rows in any sequence.
 fn contents(table: &BufferTable) -> [Vec<Vec<i64>>; 2] {
     let lists = [Name::Heads, Name::List, Name::Unsure, Name::Proposals];
-    [Side::Before, Side::After].map(|side| {
+    [PassSide::Before, PassSide::After].map(|side| {
         let rows = 0..table.rows();
         let mut rows: Vec<_> = rows.map(|row| table.side(side, row).to_vec()).collect();
         if lists.contains(&table.name) {
@@ -152,11 +152,11 @@ fn what_a_pass_wrote_is_there_before_the_next() {
             };
             // Counters and arguments are cleared between passes; the tables of one pass follow another's elsewhere.
             let clears = [Name::Counters, Name::Arguments, Name::Heads, Name::Sums];
-            if let Some(known) = after.insert(table.name, rows(Side::After))
+            if let Some(known) = after.insert(table.name, rows(PassSide::After))
                 && !clears.contains(&table.name)
             {
                 assert!(
-                    known == rows(Side::Before),
+                    known == rows(PassSide::Before),
                     "{:?} before pass {pass}",
                     table.name
                 );

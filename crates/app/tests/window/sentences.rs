@@ -19,10 +19,10 @@ use tilescope_workbench::command::{
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
 use tilescope_workbench::device::Engine;
 use tilescope_workbench::draft::{Choice, Field};
-use tilescope_workbench::export::{Entry, ExportCommand, Kind};
+use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField};
 use tilescope_workbench::files::{FileCommand, Purpose};
 use tilescope_workbench::layout::Panel;
-use tilescope_workbench::passes::{PassCommand, Side};
+use tilescope_workbench::passes::{PassCommand, PassSide};
 
 use crate::analysis_panel::noise;
 use crate::sessions::pattern;
@@ -108,7 +108,7 @@ fn export(command: ExportCommand) -> Command {
     Command::Export(command)
 }
 
-fn typed(entry: Entry, text: &str) -> Command {
+fn typed(entry: NumberField, text: &str) -> Command {
     export(ExportCommand::Type(entry, text.to_owned()))
 }
 
@@ -160,7 +160,7 @@ fn the_window_and_its_export_sheet() {
 fn the_export_sheet(told: &mut Told) {
     told.after([
         Command::Time(TimeCommand::FirstStage),
-        export(ExportCommand::Open(Kind::Animation)),
+        export(ExportCommand::Open(ExportKind::Animation)),
     ]);
     told.says(&[
         ("export.prospect", "*is empty: there is nothing to animate*"),
@@ -170,23 +170,26 @@ fn the_export_sheet(told: &mut Told) {
         ("export.animation", "Animation"),
         ("export.write", "Write animation"),
     ]);
-    let every = |text| typed(Entry::Every, text);
+    let every = |text| typed(NumberField::Every, text);
     told.after([Command::Time(TimeCommand::LastStage), every("0")]);
     told.says(&[("export.prospect", "*whole number from 1 to 10,000,000*")]);
-    told.after([every("1"), typed(Entry::Delay, "5")]);
+    told.after([every("1"), typed(NumberField::Delay, "5")]);
     told.says(&[("export.prospect", "The delay is \"5\" ms*")]);
-    told.after([typed(Entry::Delay, "40"), typed(Entry::Scale, "9")]);
+    told.after([
+        typed(NumberField::Delay, "40"),
+        typed(NumberField::Scale, "9"),
+    ]);
     told.says(&[(
         "export.prospect",
         "The scale is \"9\"; it must be a number from 0.5 to 8.",
     )]);
     let lines = export(ExportCommand::Clock(Clock::Line));
-    told.after([typed(Entry::Scale, "2"), lines]);
+    told.after([typed(NumberField::Scale, "2"), lines]);
     told.says(&[
         ("export.line", "lines"),
         ("export.prospect", "* frames of at most 600, *"),
     ]);
-    told.after([export(ExportCommand::Open(Kind::Result))]);
+    told.after([export(ExportCommand::Open(ExportKind::Result))]);
     told.says(&[
         ("export.prospect", "10,041 samples.*"),
         ("export.write", "Write file and certificate"),
@@ -197,7 +200,10 @@ fn the_export_sheet(told: &mut Told) {
     let path = folder.path().join("moment.png");
     let path = export(ExportCommand::Path(path_text(&path)));
     let write = || export(ExportCommand::Write);
-    told.after([export(ExportCommand::Open(Kind::Picture)), path.clone()]);
+    told.after([
+        export(ExportCommand::Open(ExportKind::Picture)),
+        path.clone(),
+    ]);
     told.says(&[
         ("export.write", "Write picture"),
         (
@@ -208,7 +214,11 @@ fn the_export_sheet(told: &mut Told) {
     ]);
     told.after([write()]);
     told.says(&[("notice", "Wrote the picture to *")]);
-    told.after([export(ExportCommand::Open(Kind::Picture)), path, write()]);
+    told.after([
+        export(ExportCommand::Open(ExportKind::Picture)),
+        path,
+        write(),
+    ]);
     told.says(&[
         (
             "export.taken",
@@ -298,9 +308,15 @@ fn two_runs_and_the_debugger() {
         ("compare.go", "Go there in both"),
         ("compare.keep", "the run after this one"),
     ]);
-    let refusal = told.harness.state().state.preset_refusal(ComparePreset::Engine);
+    let refusal = told
+        .harness
+        .state()
+        .state
+        .preset_refusal(ComparePreset::Engine);
     assert!(refusal.expect("a reason").contains("Choose the GPU"));
-    told.after([Command::Compare(CompareCommand::Start(ComparePreset::NextSeed))]);
+    told.after([Command::Compare(CompareCommand::Start(
+        ComparePreset::NextSeed,
+    ))]);
     told.says(&[("run-a", "Run A: seed 1*"), ("run-b", "Run B: seed 2*")]);
     told.after([
         Command::Compare(CompareCommand::Keep),
@@ -513,12 +529,12 @@ fn passes_on_a_device() {
         "on-canvas",
         "On the canvas: pass 7 tile, buffer places, after: * rows, *",
     )]);
-    told.after([pass(PassCommand::Side(Side::Before))]);
+    told.after([pass(PassCommand::Side(PassSide::Before))]);
     told.says(&[(
         "on-canvas",
         "*buffer places, before: no pass has written it so far",
     )]);
-    told.after([pass(PassCommand::Side(Side::After)), filter("row<10")]);
+    told.after([pass(PassCommand::Side(PassSide::After)), filter("row<10")]);
     told.says(&[("on-canvas", "*after: 10 rows, 10 changed")]);
     told.after([filter("")]);
     go_to(&mut told, "tile", Name::Starts);

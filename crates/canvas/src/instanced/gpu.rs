@@ -21,7 +21,7 @@ const SLOT_BYTES: u32 = 256;
 /// The parameters of one layer, as the shader reads them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Frame {
+pub struct LayerUniforms {
     /// Filled in when the target is known.
     pub target_size: [f32; 2],
     pub middle: [f32; 2],
@@ -37,7 +37,7 @@ pub struct Frame {
 
 /// What is drawn of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum InstanceKind {
     Disk,
     Symbol,
     Point,
@@ -45,9 +45,9 @@ pub enum Kind {
 
 /// What the renderer needs to draw, by canvas.
 #[derive(Default)]
-struct Residents(HashMap<u64, Resident>);
+struct Residents(HashMap<u64, GpuBuffers>);
 
-struct Resident {
+struct GpuBuffers {
     pipelines: [wgpu::RenderPipeline; 3],
     frames: wgpu::Buffer,
     parameters: wgpu::BindGroup,
@@ -76,7 +76,7 @@ impl Gpu {
             mapped_at_creation: false,
         });
         let layout = bind_group_layout(device);
-        let resident = Resident {
+        let resident = GpuBuffers {
             pipelines: pipelines(render, &layout),
             parameters: bind_group(device, &layout, &frames),
             frames,
@@ -127,7 +127,12 @@ impl Gpu {
     }
 
     /// Returns the callback that draws `parts`, by way of the picture of a layer if one is named.
-    pub const fn drawing(&self, kind: Kind, parts: Vec<Part>, still: Option<u32>) -> Drawing {
+    pub const fn drawing(
+        &self,
+        kind: InstanceKind,
+        parts: Vec<InstanceRange>,
+        still: Option<u32>,
+    ) -> Drawing {
         Drawing {
             key: self.key,
             revision: self.revision.get(),
@@ -151,20 +156,20 @@ impl Drop for Gpu {
 pub struct Drawing {
     key: u64,
     revision: u64,
-    kind: Kind,
-    parts: Vec<Part>,
+    kind: InstanceKind,
+    parts: Vec<InstanceRange>,
     still: Option<u32>,
 }
 
 /// Places to draw and the parameters for them.
-pub struct Part {
+pub struct InstanceRange {
     /// How many parts the canvas drew before: tells the parts of a frame apart.
     pub number: u32,
-    pub frame: Frame,
+    pub frame: LayerUniforms,
     pub ranges: Vec<Range<u32>>,
 }
 
-impl Part {
+impl InstanceRange {
     const fn offset(&self) -> u32 {
         (self.number % SLOTS) * SLOT_BYTES
     }
@@ -172,7 +177,7 @@ impl Part {
 
 impl Drawing {
     /// Draws the samples in a pass over the whole target.
-    fn draw(&self, resident: &Resident, pass: &mut wgpu::RenderPass<'static>) {
+    fn draw(&self, resident: &GpuBuffers, pass: &mut wgpu::RenderPass<'static>) {
         pass.set_pipeline(&resident.pipelines[self.kind as usize]);
         pass.set_vertex_buffer(0, resident.places.slice(..));
         pass.set_vertex_buffer(1, resident.looks.slice(..));
@@ -182,14 +187,14 @@ impl Drawing {
             pass.set_bind_group(0, &resident.parameters, &[part.offset()]);
             for range in part.ranges.iter().filter(|range| range.end <= count) {
                 match self.kind {
-                    Kind::Point => pass.draw(range.clone(), 0..1),
-                    Kind::Disk | Kind::Symbol => pass.draw(0..4, range.clone()),
+                    InstanceKind::Point => pass.draw(range.clone(), 0..1),
+                    InstanceKind::Disk | InstanceKind::Symbol => pass.draw(0..4, range.clone()),
                 }
             }
         }
     }
 
-    fn origin(&self, frame: impl Fn(&Part) -> Frame) -> Origin {
+    fn origin(&self, frame: impl Fn(&InstanceRange) -> LayerUniforms) -> Origin {
         let parts = self.parts.iter();
         Origin {
             kind: self.kind,
@@ -214,7 +219,7 @@ impl CallbackTrait for Drawing {
         let Some(resident) = residents.and_then(|all| all.0.get_mut(&self.key)) else {
             return Vec::new();
         };
-        let frame = |part: &Part| Frame {
+        let frame = |part: &InstanceRange| LayerUniforms {
             target_size: screen.size_in_pixels.map(|side| side as f32),
             ..part.frame
         };
@@ -269,7 +274,7 @@ fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
             ty: wgpu::BindingType::Buffer {
                 ty: wgpu::BufferBindingType::Uniform,
                 has_dynamic_offset: true,
-                min_binding_size: wgpu::BufferSize::new(size_of::<Frame>() as u64),
+                min_binding_size: wgpu::BufferSize::new(size_of::<LayerUniforms>() as u64),
             },
             count: None,
         }],
@@ -289,7 +294,7 @@ fn bind_group(
             resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                 buffer: frames,
                 offset: 0,
-                size: wgpu::BufferSize::new(size_of::<Frame>() as u64),
+                size: wgpu::BufferSize::new(size_of::<LayerUniforms>() as u64),
             }),
         }],
     })

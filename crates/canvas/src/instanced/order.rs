@@ -18,7 +18,7 @@ const BEYOND: f64 = 1.5;
 
 /// Which sample is where in the buffers, and which places hold the samples of a cell.
 #[derive(Debug, Default)]
-pub struct Order {
+pub struct CellOrder {
     side: f64,
     cells: [usize; 2],
     size: [f64; 2],
@@ -30,7 +30,7 @@ pub struct Order {
     pub places: Vec<u32>,
 }
 
-impl Order {
+impl CellOrder {
     /// Returns the order of `points`: the same for the same points.
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
         let size = [domain.width(), domain.height()].map(|side| f64::from(side) / f64::from(R));
@@ -176,7 +176,7 @@ mod tests {
         (domain, points)
     }
 
-    fn ids(order: &Order, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<u32> {
+    fn ids(order: &CellOrder, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<u32> {
         let ranges = order.ranges(low, high, levels);
         let places = ranges.into_iter().flatten();
         places.map(|place| order.ids[place as usize]).collect()
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn every_sample_has_one_place() {
         let (domain, points) = grid();
-        let order = Order::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points);
         let mut all = order.ids.clone();
         all.sort_unstable();
         assert!(all.iter().copied().eq(0..10_000));
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_view_holds_all_its_samples_and_few_others() {
         let (domain, points) = grid();
-        let order = Order::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points);
         let (low, high) = ([20.0, 31.0], [40.0, 44.0]);
         let seen = ids(&order, low, high, LEVELS);
         let radii = |units: i32| f64::from(units) / f64::from(R);
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn levels_are_a_64th_a_16th_a_quarter_and_all_everywhere() {
         let (domain, points) = grid();
-        let order = Order::new(&domain, &points);
+        let order = CellOrder::new(&domain, &points);
         for (levels, share) in [(1, 64), (2, 16), (3, 4), (4, 1)] {
             for corner in [[0.0, 0.0], [0.0, 50.0], [50.0, 0.0], [50.0, 50.0]] {
                 let far = corner.map(|from| from + 49.0);
@@ -238,9 +238,9 @@ mod tests {
     #[test]
     fn samples_outside_the_domain_are_found_and_none_is_well() {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
-        let order = Order::new(&domain, &[Point::new(-R, 5 * R)]);
+        let order = CellOrder::new(&domain, &[Point::new(-R, 5 * R)]);
         assert_eq!(ids(&order, [-1.2, 4.0], [-0.9, 6.0], LEVELS), [0]);
-        let empty = Order::new(&domain, &[]);
+        let empty = CellOrder::new(&domain, &[]);
         assert!(empty.ranges([0.0; 2], [SIDE; 2], LEVELS).is_empty());
     }
 }

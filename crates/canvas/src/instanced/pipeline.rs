@@ -2,12 +2,12 @@
 
 use eframe::egui_wgpu::{RenderState, wgpu};
 
-use super::gpu::{BYTES_PER_SAMPLE, Kind};
+use super::gpu::{BYTES_PER_SAMPLE, InstanceKind};
 
 const PLACE: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Sint32x2];
 const LOOK: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![1 => Unorm8x4, 2 => Uint32];
 
-/// Returns the pipelines of disks, symbols and points, in the order of [`Kind`].
+/// Returns the pipelines of disks, symbols and points, in the order of [`InstanceKind`].
 pub fn pipelines(
     render: &RenderState,
     layout: &wgpu::BindGroupLayout,
@@ -20,18 +20,18 @@ pub fn pipelines(
         ["disk_gamma", "symbol_gamma", "point_gamma"]
     };
     [
-        (Kind::Disk, "disk_corner"),
-        (Kind::Symbol, "symbol_corner"),
-        (Kind::Point, "point"),
+        (InstanceKind::Disk, "disk_corner"),
+        (InstanceKind::Symbol, "symbol_corner"),
+        (InstanceKind::Point, "point"),
     ]
     .map(|(kind, vertex)| {
         // A point is one vertex: as an instance of its own it would cost far more on some devices.
         let (step_mode, topology) = match kind {
-            Kind::Point => (
+            InstanceKind::Point => (
                 wgpu::VertexStepMode::Vertex,
                 wgpu::PrimitiveTopology::PointList,
             ),
-            Kind::Disk | Kind::Symbol => (
+            InstanceKind::Disk | InstanceKind::Symbol => (
                 wgpu::VertexStepMode::Instance,
                 wgpu::PrimitiveTopology::TriangleStrip,
             ),

@@ -6,19 +6,19 @@ use std::ops::Range;
 
 use eframe::egui_wgpu::{RenderState, wgpu};
 
-use super::gpu::{Frame, Kind};
+use super::gpu::{InstanceKind, LayerUniforms};
 use super::pipeline::pipeline;
 
 /// What a picture was made from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
-    pub kind: Kind,
+    pub kind: InstanceKind,
     /// Counts the uploads of places and looks.
     pub revision: u64,
-    pub parts: Vec<(Frame, Vec<Range<u32>>)>,
+    pub parts: Vec<(LayerUniforms, Vec<Range<u32>>)>,
 }
 
-struct Picture {
+struct StillPicture {
     origin: Option<Origin>,
     size: [u32; 2],
     view: wgpu::TextureView,
@@ -30,7 +30,7 @@ pub struct Stills {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
-    pictures: HashMap<u32, Picture>,
+    pictures: HashMap<u32, StillPicture>,
 }
 
 impl Stills {
@@ -104,7 +104,7 @@ impl Stills {
         }
     }
 
-    fn blank(&self, device: &wgpu::Device, [width, height]: [u32; 2]) -> Picture {
+    fn blank(&self, device: &wgpu::Device, [width, height]: [u32; 2]) -> StillPicture {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("samples at rest"),
             size: wgpu::Extent3d {
@@ -128,7 +128,7 @@ impl Stills {
                 resource: wgpu::BindingResource::TextureView(&view),
             }],
         });
-        Picture {
+        StillPicture {
             origin: None,
             size: [width, height],
             view,

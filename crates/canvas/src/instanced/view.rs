@@ -4,7 +4,7 @@
 use egui::{Color32, Painter, Rect};
 use tilescope_core::R;
 
-use super::gpu::Frame;
+use super::gpu::LayerUniforms;
 use super::set::Symbols;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::radii;
@@ -89,7 +89,7 @@ impl PaintOptions {
 
 /// A view of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct PlaneView {
     pub camera: Camera,
     pub rect: Rect,
     pub pixels_per_point: f32,
@@ -103,7 +103,7 @@ pub struct Copy {
     pub high: [f64; 2],
 }
 
-impl View {
+impl PlaneView {
     pub fn of(painter: &Painter, rect: Rect, camera: Camera) -> Self {
         Self {
             camera,
@@ -152,7 +152,7 @@ impl View {
     }
 
     /// Returns the shader's parameters for a copy of the domain that is shifted by `shift` r.
-    pub fn frame(&self, shift: [f64; 2], options: &PaintOptions) -> Frame {
+    pub fn frame(&self, shift: [f64; 2], options: &PaintOptions) -> LayerUniforms {
         let pixels = self.pixels_per_point;
         let center = [0, 1].map(|k| self.camera.center[k] - shift[k]);
         // Beyond these bounds nothing is in view, whatever they become.
@@ -162,7 +162,7 @@ impl View {
             Marks::Disks => 0,
             Marks::Symbols(symbols) => symbols.0,
         };
-        Frame {
+        LayerUniforms {
             target_size: [0.0; 2],
             middle: [middle.x * pixels, middle.y * pixels],
             whole: whole.map(|w| w as i32),
@@ -190,8 +190,8 @@ mod tests {
     use super::*;
     use egui::{pos2, vec2};
 
-    fn view(center: [f64; 2], scale: f64) -> View {
-        View {
+    fn view(center: [f64; 2], scale: f64) -> PlaneView {
+        PlaneView {
             camera: Camera { center, scale },
             rect: Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 100.0)),
             pixels_per_point: 1.0,

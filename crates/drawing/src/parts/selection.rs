@@ -3,7 +3,7 @@
 use emath::{Align2, vec2};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Stage, Standing};
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::verification::WitnessMark;
 
 use crate::scene::Scene;
@@ -44,7 +44,7 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 }
 
 /// Returns the samples that made `id` what it is.
-fn causes(shown: &Shown<'_>, id: u32) -> Vec<u32> {
+fn causes(shown: &ShownMoment<'_>, id: u32) -> Vec<u32> {
     if let Standing::Eliminated { by } = shown.standing(id) {
         return vec![by];
     }

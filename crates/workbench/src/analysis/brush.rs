@@ -6,12 +6,12 @@ use std::sync::Arc;
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
-use tilescope_session::moment::{Shown, Still};
+use tilescope_session::moment::{ShownMoment, Still};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, Task};
 use tilescope_session::words::{counted, grouped};
 
-use tilescope_drawing::brushed::{Cause, Found, MAX_PAIRS, Pair};
+use tilescope_drawing::brushed::{BrushedCause, Cause, MAX_PAIRS, Pair};
 
 use super::measured::{Control, Samples, refusal};
 
@@ -24,7 +24,7 @@ pub const FIRST_PEAK: [f64; 2] = [1.0, 1.3];
 /// What a range is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Axis {
+pub enum BrushAxis {
     /// Frequencies, as nu.
     #[serde(alias = "Frequency")]
     Frequency,
@@ -33,7 +33,7 @@ pub enum Axis {
     Distance,
 }
 
-impl Axis {
+impl BrushAxis {
     /// Returns how far a brush of it may reach.
     #[must_use]
     pub const fn end(self) -> f64 {
@@ -48,7 +48,7 @@ impl Axis {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Brush {
     /// What it is of.
-    pub axis: Axis,
+    pub axis: BrushAxis,
     /// Its ends, rising.
     pub range: [f64; 2],
 }
@@ -56,7 +56,7 @@ pub struct Brush {
 impl Brush {
     /// Returns the brush between two values, whichever is the larger one; none where it is empty or a value is no number.
     #[must_use]
-    pub fn between(axis: Axis, a: f64, b: f64) -> Option<Self> {
+    pub fn between(axis: BrushAxis, a: f64, b: f64) -> Option<Self> {
         let [low, high] = [a.min(b), a.max(b)].map(|value| value.clamp(0.0, axis.end()));
         (low < high).then_some(Self {
             axis,
@@ -66,7 +66,7 @@ impl Brush {
 
     /// Returns its range, if it is of `axis`.
     #[must_use]
-    pub fn along(brush: Option<Self>, axis: Axis) -> Option<[f64; 2]> {
+    pub fn along(brush: Option<Self>, axis: BrushAxis) -> Option<[f64; 2]> {
         let range = brush.filter(|brush| brush.axis == axis);
         range.map(|brush| brush.range)
     }
@@ -83,7 +83,7 @@ pub struct Marks {
     /// What was asked for in the frame before.
     asked: Option<Of>,
     work: Option<(Of, Job<Outcome>)>,
-    found: Option<(Of, Found)>,
+    found: Option<(Of, BrushedCause)>,
     failed: Option<(Of, String)>,
     serial: u64,
 }
@@ -91,14 +91,14 @@ pub struct Marks {
 impl Marks {
     /// Returns what was found for a brush of a moment.
     #[must_use]
-    pub fn of(&self, shown: &Shown<'_>, brush: Brush) -> Option<&Found> {
+    pub fn of(&self, shown: &ShownMoment<'_>, brush: Brush) -> Option<&BrushedCause> {
         let (of, found) = self.found.as_ref()?;
         (*of == (key_of(shown), brush)).then_some(found)
     }
 
     /// Says what was found, or why nothing was.
     #[must_use]
-    pub fn said(&self, shown: &Shown<'_>, brush: Brush) -> String {
+    pub fn said(&self, shown: &ShownMoment<'_>, brush: Brush) -> String {
         if let Some(found) = self.of(shown, brush) {
             return said(&found.cause);
         }
@@ -123,7 +123,7 @@ impl Marks {
     pub(super) fn want(
         &mut self,
         session: &Arc<Session>,
-        shown: &Shown<'_>,
+        shown: &ShownMoment<'_>,
         brush: Option<Brush>,
         wake: &Wake,
     ) {
@@ -165,7 +165,7 @@ impl Marks {
             Ok(Ok(cause)) => {
                 self.serial += 1;
                 let serial = self.serial;
-                self.found = Some((of, Found { serial, cause }));
+                self.found = Some((of, BrushedCause { serial, cause }));
             }
             Ok(Err(None)) => {}
             Ok(Err(Some(why))) => self.failed = Some((of, why)),
@@ -216,7 +216,7 @@ pub fn cause(
 ) -> Result<Cause, MeasureError> {
     let (points, region) = (&set.points[..], set.region);
     match brush.axis {
-        Axis::Distance => {
+        BrushAxis::Distance => {
             let range = brush.range.map(|distance| distance * set.radius);
             let found = pairs_between(points, region, range, MAX_PAIRS, control)?;
             let pairs = found.pairs.iter().map(|pair| Pair {
@@ -228,7 +228,7 @@ pub fn cause(
                 pairs: pairs.collect(),
             })
         }
-        Axis::Frequency => {
+        BrushAxis::Frequency => {
             let root = (points.len() as f64).sqrt();
             let ring = brush.range.map(|nu| nu * root);
             let found = frequency_shares(points, region, ring, control)?;

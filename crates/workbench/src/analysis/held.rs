@@ -8,7 +8,7 @@ use tilescope_formats::ReadSet;
 use tilescope_session::jobs::Monitor;
 use tilescope_session::words::last_part;
 
-use super::measured::{self, Measured, Samples};
+use super::measured::{self, MeasuredSet, Samples};
 
 /// A set from a file, and what is measured of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -18,7 +18,7 @@ pub struct Held {
     /// Whether its domain is a guess: a unit square that ends as the run's domain does.
     pub guessed: bool,
     /// What is measured of it, in the unit of the file's domain.
-    pub measured: Arc<Measured>,
+    pub measured: Arc<MeasuredSet>,
 }
 
 impl Held {
@@ -105,7 +105,7 @@ pub fn of(
         ));
     }
     let measured =
-        Measured::whole(&set, &|progress| monitor.follow(progress)).map_err(|error| {
+        MeasuredSet::whole(&set, &|progress| monitor.follow(progress)).map_err(|error| {
             let why = measured::refusal(&error);
             why.map_or_else(|| named("cancelled"), |why| named(&why))
         })?;

@@ -30,7 +30,7 @@ pub struct Samples {
 
 /// What is known of a set so far.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Measured {
+pub struct MeasuredSet {
     /// How many samples there are.
     pub samples: usize,
     /// Their region.
@@ -52,7 +52,7 @@ pub struct Measured {
 
 /// A part of what is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Part {
+pub enum MeasurePart {
     /// The pair correlation.
     Pairs,
     /// The verifier's report.
@@ -63,7 +63,7 @@ pub enum Part {
     Spectrum,
 }
 
-impl Part {
+impl MeasurePart {
     /// Returns what is being done when it is measured.
     #[must_use]
     pub const fn doing(self) -> &'static str {
@@ -76,7 +76,7 @@ impl Part {
     }
 }
 
-impl Measured {
+impl MeasuredSet {
     /// Returns what is known before anything is measured.
     #[must_use]
     pub fn nothing(set: &Samples) -> Self {
@@ -94,17 +94,17 @@ impl Measured {
 
     /// Returns what comes next; `None` when all is known.
     #[must_use]
-    pub fn missing(&self) -> Option<Part> {
+    pub fn missing(&self) -> Option<MeasurePart> {
         if self.pairs.is_none() {
-            Some(Part::Pairs)
+            Some(MeasurePart::Pairs)
         } else if self.report.is_none() {
-            Some(Part::Report)
+            Some(MeasurePart::Report)
         } else if self.spectrum.is_some() {
             None
         } else if self.rough.is_none() && self.samples >= ROUGH_FROM {
-            Some(Part::Rough)
+            Some(MeasurePart::Rough)
         } else {
-            Some(Part::Spectrum)
+            Some(MeasurePart::Spectrum)
         }
     }
 
@@ -113,13 +113,13 @@ impl Measured {
     /// Fails for fewer than three samples, for samples that are no places of the region or all one place, and when `control` breaks.
     pub fn measure(
         &mut self,
-        part: Part,
+        part: MeasurePart,
         set: &Samples,
         control: Control<'_>,
     ) -> Result<(), MeasureError> {
         let (points, region) = (&set.points[..], set.region);
         match part {
-            Part::Pairs => {
+            MeasurePart::Pairs => {
                 let pairs = match PairCorrelation::in_units_of(points, region, set.radius, control)
                 {
                     // No bin of r is within reach of so dense a set.
@@ -130,7 +130,7 @@ impl Measured {
                 };
                 self.pairs = Some(Arc::new(pairs));
             }
-            Part::Report => {
+            MeasurePart::Report => {
                 let options = VerifyOptions::default();
                 let report = match verify(points, region, set.radius, &options, control) {
                     Err(VerifyError::Cancelled) => return Err(MeasureError::Cancelled),
@@ -139,7 +139,7 @@ impl Measured {
                 };
                 self.report = Some(report.map(Arc::new));
             }
-            Part::Rough => {
+            MeasurePart::Rough => {
                 let whole = Spectrum::window(points.len() as f64, region);
                 let fewer = |end: i64| ((end - 1) / ROUGHER).max(1);
                 let [x, y] = [&whole.x, &whole.y].map(|axis| fewer(axis.end));
@@ -149,7 +149,7 @@ impl Measured {
                 };
                 self.rough = Some(spectrum(points, region, &window, control)?);
             }
-            Part::Spectrum => {
+            MeasurePart::Spectrum => {
                 let window = Spectrum::window(points.len() as f64, region);
                 let found = spectrum(points, region, &window, control)?;
                 self.curve = PowerCurve::of_samples(points, region, control)?.map(Arc::new);
@@ -163,7 +163,11 @@ impl Measured {
     /// Returns everything that is measured of `set`, without the rougher part that comes first.
     pub fn whole(set: &Samples, control: Control<'_>) -> Result<Self, MeasureError> {
         let mut measured = Self::nothing(set);
-        for part in [Part::Pairs, Part::Report, Part::Spectrum] {
+        for part in [
+            MeasurePart::Pairs,
+            MeasurePart::Report,
+            MeasurePart::Spectrum,
+        ] {
             measured.measure(part, set, control)?;
         }
         Ok(measured)

@@ -8,7 +8,7 @@ use tilescope_session::jobs::{Job, Monitor, Wake};
 use tilescope_session::task::{self, Task};
 use tilescope_session::units::radii;
 
-use super::measured::{Measured, Samples, refusal};
+use super::measured::{MeasuredSet, Samples, refusal};
 
 /// The set: a pattern, but no run clips from one as large by default.
 pub const SPEC: PatternSpec = PatternSpec {
@@ -24,9 +24,9 @@ pub enum Reference {
     #[default]
     Unknown,
     /// It is being measured.
-    Pending(Job<Result<Measured, String>>),
+    Pending(Job<Result<MeasuredSet, String>>),
     /// It is known.
-    Known(Arc<Measured>),
+    Known(Arc<MeasuredSet>),
     /// It could not be measured, and why.
     Failed(String),
 }
@@ -34,7 +34,7 @@ pub enum Reference {
 impl Reference {
     /// Returns what is measured of it, once that is known.
     #[must_use]
-    pub const fn measured(&self) -> Option<&Arc<Measured>> {
+    pub const fn measured(&self) -> Option<&Arc<MeasuredSet>> {
         match self {
             Self::Known(measured) => Some(measured),
             _ => None,
@@ -72,7 +72,7 @@ impl Reference {
         }
     }
 
-    fn take(&mut self, outcome: Result<Result<Measured, String>, String>) {
+    fn take(&mut self, outcome: Result<Result<MeasuredSet, String>, String>) {
         *self = match outcome {
             Ok(Ok(measured)) => Self::Known(Arc::new(measured)),
             Ok(Err(why)) | Err(why) => Self::Failed(why),
@@ -95,7 +95,7 @@ impl Reference {
 pub struct MeasureReferenceTask;
 
 impl Task for MeasureReferenceTask {
-    type Outcome = Result<Measured, String>;
+    type Outcome = Result<MeasuredSet, String>;
     const NAME: &'static str = "measure the reference";
 
     fn run(self, monitor: &Monitor) -> Self::Outcome {
@@ -103,7 +103,7 @@ impl Task for MeasureReferenceTask {
     }
 }
 
-fn measure(monitor: &Monitor) -> Result<Measured, String> {
+fn measure(monitor: &Monitor) -> Result<MeasuredSet, String> {
     let pattern = Pattern::of_spec(&SPEC, &mut Unobserved).map_err(|error| error.to_string())?;
     let domain = pattern.domain();
     let samples = pattern.samples().iter();
@@ -118,6 +118,6 @@ fn measure(monitor: &Monitor) -> Result<Measured, String> {
         },
         radius: 1.0,
     };
-    Measured::whole(&set, &|progress| monitor.follow(progress))
+    MeasuredSet::whole(&set, &|progress| monitor.follow(progress))
         .map_err(|error| refusal(&error).unwrap_or_default())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tilescope_core::Point;
 
 use tilescope_session::jobs::{Job, Monitor, Wake};
-use tilescope_session::moment::{Shown, Still};
+use tilescope_session::moment::{ShownMoment, Still};
 use tilescope_session::session::Session;
 use tilescope_session::task::{self, Task};
 
@@ -17,7 +17,7 @@ type Key = [(u64, usize); 2];
 
 /// The samples that only one of two runs has: their ids in that run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Difference {
+pub struct UnsharedSamples {
     /// Those of the first run alone.
     pub first: Vec<u32>,
     /// Those of the second run alone.
@@ -29,15 +29,15 @@ pub struct Difference {
 /// The difference of the moments that are shown, as far as it is known.
 #[derive(Default)]
 pub struct Differences {
-    work: Option<(Key, Job<Difference>)>,
-    ready: Option<(Key, Difference)>,
+    work: Option<(Key, Job<UnsharedSamples>)>,
+    ready: Option<(Key, UnsharedSamples)>,
     /// The last pair of which it could not be made.
     failed: Option<Key>,
 }
 
 /// Returns whether samples of two moments can be compared by place: both runs have the same domain.
 #[must_use]
-pub fn comparable(a: &Shown<'_>, b: &Shown<'_>) -> bool {
+pub fn comparable(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> bool {
     let (a, b) = (&a.session.run().domain, &b.session.run().domain);
     a.width() == b.width()
         && a.height() == b.height()
@@ -45,20 +45,20 @@ pub fn comparable(a: &Shown<'_>, b: &Shown<'_>) -> bool {
         && a.radius().to_bits() == b.radius().to_bits()
 }
 
-fn key_of(a: &Shown<'_>, b: &Shown<'_>) -> Key {
+fn key_of(a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> Key {
     [a, b].map(|shown| (shown.session.generation, shown.cursor()))
 }
 
 impl Differences {
     /// Returns the difference of two moments, if it is the one that is known.
     #[must_use]
-    pub fn of(&self, a: &Shown<'_>, b: &Shown<'_>) -> Option<&Difference> {
+    pub fn of(&self, a: &ShownMoment<'_>, b: &ShownMoment<'_>) -> Option<&UnsharedSamples> {
         let (key, ready) = self.ready.as_ref()?;
         (*key == key_of(a, b)).then_some(ready)
     }
 
     /// Has the difference of two moments made if it is neither known nor at work. One is made at a time.
-    pub fn want(&mut self, moments: [(&Arc<Session>, &Shown<'_>); 2], wake: &Wake) {
+    pub fn want(&mut self, moments: [(&Arc<Session>, &ShownMoment<'_>); 2], wake: &Wake) {
         self.take();
         let [(first, a), (second, b)] = moments;
         let key = key_of(a, b);
@@ -104,10 +104,10 @@ impl Differences {
 pub struct DifferenceTask([Still; 2]);
 
 impl Task for DifferenceTask {
-    type Outcome = Difference;
+    type Outcome = UnsharedSamples;
     const NAME: &'static str = "difference";
 
-    fn run(self, _: &Monitor) -> Difference {
+    fn run(self, _: &Monitor) -> UnsharedSamples {
         let [first, second] = &self.0;
         between(first.covering(), second.covering())
     }
@@ -115,11 +115,11 @@ impl Task for DifferenceTask {
 
 /// Returns what only one of two lists of places holds.
 #[must_use]
-pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> Difference {
+pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> UnsharedSamples {
     let order = |&(point, id): &(Point, u32)| (point.x, point.y, id);
     first.sort_unstable_by_key(order);
     second.sort_unstable_by_key(order);
-    let mut difference = Difference::default();
+    let mut difference = UnsharedSamples::default();
     let (mut i, mut j) = (0, 0);
     while i < first.len() && j < second.len() {
         let (a, b) = (first[i], second[j]);
@@ -143,7 +143,7 @@ pub fn between(mut first: Vec<(Point, u32)>, mut second: Vec<(Point, u32)>) -> D
     difference
 }
 
-fn covering(shown: &Shown<'_>) -> Vec<(Point, u32)> {
+fn covering(shown: &ShownMoment<'_>) -> Vec<(Point, u32)> {
     shown.moment().covering(shown.session)
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use tilescope_session::jobs::{Job, Wake};
 
-use super::Kind;
+use super::ExportKind;
 use super::form::ExportForm;
 
 /// Opens the system's dialog; the job ends with the chosen file, or `None`.
@@ -17,11 +17,11 @@ pub fn browse(form: &ExportForm, wake: &Wake) -> Job<Option<PathBuf>> {
         |name| name.to_string_lossy().into_owned(),
     );
     let (title, all) = match form.kind {
-        Kind::Result | Kind::Samples => {
+        ExportKind::Result | ExportKind::Samples => {
             ("Export the samples and their certificate", "All point sets")
         }
-        Kind::Picture => ("Export a picture of this moment", "All pictures"),
-        Kind::Animation => ("Export an animation", "All animations"),
+        ExportKind::Picture => ("Export a picture of this moment", "All pictures"),
+        ExportKind::Animation => ("Export an animation", "All animations"),
     };
     let mut dialog = rfd::AsyncFileDialog::new()
         .set_title(title)

@@ -3,7 +3,7 @@
 use emath::Rect;
 use tilescope_core::Stage;
 use tilescope_drawing::MIN_DISK_SCALE;
-use tilescope_drawing::brushed::Found;
+use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::looks::{Looks, Swatches};
 use tilescope_drawing::parts::{self, Part};
 use tilescope_drawing::scene::Scene;
@@ -12,17 +12,17 @@ use tilescope_drawing::surface::Surface;
 use tilescope_figures::{Fill, Group, Hatch, Shape, Style, with_alpha};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::Layer;
-use tilescope_session::moment::Shown;
+use tilescope_session::moment::ShownMoment;
 use tilescope_session::selection::Selection;
 
-use super::picture::View;
+use super::picture::PictureView;
 use super::surface::{Shapes, at, color, rect};
 
 /// Returns the parts that are on, from the ground up, drawn within `frame`.
 pub(super) fn groups(
-    shown: Shown<'_>,
-    view: &View,
-    causes: Option<&Found>,
+    shown: ShownMoment<'_>,
+    view: &PictureView,
+    causes: Option<&BrushedCause>,
     frame: Rect,
 ) -> Vec<Group> {
     let nets = [Layer::Delaunay, Layer::Voronoi, Layer::Circumcircles];
@@ -58,10 +58,10 @@ pub(super) fn groups(
 }
 
 /// Returns the domain of the run before anything has happened in it.
-pub(super) fn empty_domain(shown: Shown<'_>, view: &View, frame: Rect) -> Vec<Group> {
+pub(super) fn empty_domain(shown: ShownMoment<'_>, view: &PictureView, frame: Rect) -> Vec<Group> {
     let geometry = Geometry::default();
     // The pattern has a domain of its own.
-    let shown = Shown {
+    let shown = ShownMoment {
         stage: Stage::Blocks,
         ..shown
     };
@@ -70,9 +70,9 @@ pub(super) fn empty_domain(shown: Shown<'_>, view: &View, frame: Rect) -> Vec<Gr
 }
 
 fn subject<'a>(
-    shown: Shown<'a>,
-    view: &View,
-    causes: Option<&'a Found>,
+    shown: ShownMoment<'a>,
+    view: &PictureView,
+    causes: Option<&'a BrushedCause>,
     geometry: &'a Geometry,
 ) -> Subject<'a> {
     Subject {
@@ -97,7 +97,7 @@ fn subject<'a>(
 }
 
 /// Returns the domain, and what is around it.
-fn ground(scene: &Scene<'_>, view: &View) -> Vec<Group> {
+fn ground(scene: &Scene<'_>, view: &PictureView) -> Vec<Group> {
     let mut shapes = Shapes::default();
     shapes.rect(scene.rect, Some(view.outside()), None);
     scene.ground(&mut shapes);

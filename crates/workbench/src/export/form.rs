@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use tilescope_formats::Precision;
 
-use super::refusal::Refusal;
-use super::{Kind, extension};
+use super::refusal::ExportRefusal;
+use super::{ExportKind, extension};
 use crate::clock::Clock;
 
 /// The smallest scale: pixels for a point of the window.
@@ -23,7 +23,7 @@ pub const MAX_DELAY_MS: u32 = 60_000;
 /// A number that is typed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Entry {
+pub enum NumberField {
     /// Pixels for a point of the window.
     Scale,
     /// Ticks of the clock from frame to frame.
@@ -36,7 +36,7 @@ pub enum Entry {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExportForm {
     /// What to write.
-    pub kind: Kind,
+    pub kind: ExportKind,
     /// The file to write; its extension chooses the format.
     pub path: String,
     /// Number type of the coordinates, where the format leaves the choice.
@@ -60,7 +60,7 @@ pub struct ExportForm {
 impl Default for ExportForm {
     fn default() -> Self {
         Self {
-            kind: Kind::Result,
+            kind: ExportKind::Result,
             path: "tilescope.csv".to_owned(),
             precision: Precision::Double,
             scale: "1".to_owned(),
@@ -83,7 +83,7 @@ impl ExportForm {
 
     /// Chooses what to write. The file gets another extension where that is something else than before, or its own means
     /// nothing.
-    pub fn choose(&mut self, kind: Kind) {
+    pub fn choose(&mut self, kind: ExportKind) {
         let same = kind == self.kind || (kind.is_set() && self.kind.is_set());
         let fits = same && kind.format(self.file()).is_some();
         if !fits && self.file().file_name().is_some() {
@@ -106,14 +106,14 @@ impl ExportForm {
 
     /// Returns why no file of this name can be written.
     #[must_use]
-    pub fn name_refusal(&self) -> Option<Refusal> {
+    pub fn name_refusal(&self) -> Option<ExportRefusal> {
         if self.file().file_name().is_none() {
-            Some(Refusal::NoName)
+            Some(ExportRefusal::NoName)
         } else if self.kind.format(self.file()).is_some() {
             None
         } else {
             let known = self.kind.extensions();
-            Some(Refusal::Extension { known })
+            Some(ExportRefusal::Extension { known })
         }
     }
 
@@ -124,35 +124,35 @@ impl ExportForm {
     }
 
     /// Returns the scale.
-    pub fn scale(&self) -> Result<f64, Refusal> {
+    pub fn scale(&self) -> Result<f64, ExportRefusal> {
         let scale = self.scale.trim().parse().ok();
         let within = scale.filter(|scale| (MIN_SCALE..=MAX_SCALE).contains(scale));
         let text = || self.scale.clone();
-        within.ok_or_else(|| Refusal::Scale { text: text() })
+        within.ok_or_else(|| ExportRefusal::Scale { text: text() })
     }
 
     /// Returns the ticks from frame to frame.
-    pub fn every(&self) -> Result<usize, Refusal> {
+    pub fn every(&self) -> Result<usize, ExportRefusal> {
         let every = self.every.trim().parse().ok();
         let within = every.filter(|every| (1..=MAX_EVERY).contains(every));
         let text = || self.every.clone();
-        within.ok_or_else(|| Refusal::Every { text: text() })
+        within.ok_or_else(|| ExportRefusal::Every { text: text() })
     }
 
     /// Returns the hundredths of a second for a frame.
-    pub fn delay(&self) -> Result<u16, Refusal> {
+    pub fn delay(&self) -> Result<u16, ExportRefusal> {
         let delay = self.delay.trim().parse().ok();
         let within = delay.filter(|delay| (MIN_DELAY_MS..=MAX_DELAY_MS).contains(delay));
         let text = || self.delay.clone();
         let hundredths = |ms: u32| u16::try_from((ms + 5) / 10).ok();
         within
             .and_then(hundredths)
-            .ok_or_else(|| Refusal::Delay { text: text() })
+            .ok_or_else(|| ExportRefusal::Delay { text: text() })
     }
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-fn taken(path: &Path, kind: Kind) -> Option<PathBuf> {
+fn taken(path: &Path, kind: ExportKind) -> Option<PathBuf> {
     let certificate = kind
         .is_set()
         .then(|| tilescope_formats::certificate_path(path));
@@ -161,7 +161,7 @@ fn taken(path: &Path, kind: Kind) -> Option<PathBuf> {
 }
 
 #[cfg(target_arch = "wasm32")]
-const fn taken(_: &Path, _: Kind) -> Option<PathBuf> {
+const fn taken(_: &Path, _: ExportKind) -> Option<PathBuf> {
     None
 }
 
@@ -176,27 +176,27 @@ mod tests {
             ..ExportForm::default()
         };
         for (kind, path) in [
-            (Kind::Samples, "some.folder/first.set.ply"),
-            (Kind::Picture, "some.folder/first.set.png"),
-            (Kind::Animation, "some.folder/first.set.gif"),
-            (Kind::Result, "some.folder/first.set.csv"),
-            (Kind::Samples, "some.folder/first.set.csv"),
+            (ExportKind::Samples, "some.folder/first.set.ply"),
+            (ExportKind::Picture, "some.folder/first.set.png"),
+            (ExportKind::Animation, "some.folder/first.set.gif"),
+            (ExportKind::Result, "some.folder/first.set.csv"),
+            (ExportKind::Samples, "some.folder/first.set.csv"),
         ] {
             form.choose(kind);
             assert_eq!(form.path, path);
             assert_eq!(form.name_refusal(), None);
         }
-        form.kind = Kind::Animation;
+        form.kind = ExportKind::Animation;
         form.path = "film.SVG".to_owned();
         assert!(matches!(
             form.name_refusal(),
-            Some(Refusal::Extension { .. })
+            Some(ExportRefusal::Extension { .. })
         ));
-        form.kind = Kind::Picture;
-        form.choose(Kind::Picture);
+        form.kind = ExportKind::Picture;
+        form.choose(ExportKind::Picture);
         assert!(form.path == "film.SVG" && !form.has_scale());
         form.path = "  ".to_owned();
-        assert_eq!(form.name_refusal(), Some(Refusal::NoName));
+        assert_eq!(form.name_refusal(), Some(ExportRefusal::NoName));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use tilescope_debugger::Event;
 use tilescope_session::session::Session;
 
-use super::refusal::Refusal;
+use super::refusal::ExportRefusal;
 use crate::clock::Clock;
 
 /// The most frames of an animation.
@@ -22,20 +22,20 @@ pub struct Count {
     /// What they follow from.
     pub key: Key,
     /// How many there are.
-    pub frames: Result<usize, Refusal>,
+    pub frames: Result<usize, ExportRefusal>,
 }
 
 /// Returns the cursors of the frames: the start of `range`, every `every`-th tick in it, and its end.
 ///
 /// # Errors
 ///
-/// [`Refusal::NoEvents`], [`Refusal::EmptyRange`] and, above [`MAX_FRAMES`], [`Refusal::TooManyFrames`].
+/// [`ExportRefusal::NoEvents`], [`ExportRefusal::EmptyRange`] and, above [`MAX_FRAMES`], [`ExportRefusal::TooManyFrames`].
 pub fn frames(
     session: &Session,
     range: &Range<usize>,
     clock: Clock,
     every: usize,
-) -> Result<Vec<usize>, Refusal> {
+) -> Result<Vec<usize>, ExportRefusal> {
     let frames = count(session, range, clock, every)?;
     let mut cursors = Vec::with_capacity(frames);
     cursors.push(range.start);
@@ -55,17 +55,17 @@ pub fn count(
     range: &Range<usize>,
     clock: Clock,
     every: usize,
-) -> Result<usize, Refusal> {
-    let recording = session.recording().ok_or(Refusal::NoEvents)?;
+) -> Result<usize, ExportRefusal> {
+    let recording = session.recording().ok_or(ExportRefusal::NoEvents)?;
     let (start, end) = (range.start, range.end.min(recording.len()));
     if start >= end {
-        return Err(Refusal::EmptyRange { start, end });
+        return Err(ExportRefusal::EmptyRange { start, end });
     }
     let ticks = number(session, range, clock);
     let frames = ticks / every + 2;
     if frames > MAX_FRAMES {
         let enough = ticks / (MAX_FRAMES - 1) + 1;
-        return Err(Refusal::TooManyFrames { frames, enough });
+        return Err(ExportRefusal::TooManyFrames { frames, enough });
     }
     Ok(frames)
 }
@@ -179,9 +179,10 @@ mod tests {
         let session = session();
         let events = session.recording().unwrap().len();
         let refused = frames(&session, &(7..7), Clock::Event, 1).unwrap_err();
-        assert_eq!(refused, Refusal::EmptyRange { start: 7, end: 7 });
+        assert_eq!(refused, ExportRefusal::EmptyRange { start: 7, end: 7 });
         let all = 0..events;
-        let Err(Refusal::TooManyFrames { frames, enough }) = count(&session, &all, Clock::Event, 1)
+        let Err(ExportRefusal::TooManyFrames { frames, enough }) =
+            count(&session, &all, Clock::Event, 1)
         else {
             panic!("{events} events are more than {MAX_FRAMES}");
         };

@@ -12,7 +12,7 @@ use tilescope_figures::{
     Anchor, Font, Group, MAX_PIXELS, MAX_SIDE, Scene, Shape, Text, fitted, text_width,
 };
 use tilescope_session::layers::{Colouring, Layer, Layers};
-use tilescope_session::moment::{Moment, Shown};
+use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::selection::Selection;
 use tilescope_session::sentence::stage_sentence;
 use tilescope_session::session::Session;
@@ -20,9 +20,9 @@ use tilescope_session::words::{counted, grouped};
 
 use super::drawing::{empty_domain, groups};
 use super::provenance::provenance;
-use super::refusal::Refusal;
+use super::refusal::ExportRefusal;
 use super::surface::{color, rect};
-use tilescope_drawing::brushed::Found;
+use tilescope_drawing::brushed::BrushedCause;
 use tilescope_drawing::camera::Camera;
 
 /// The most samples that a picture draws.
@@ -30,7 +30,7 @@ pub const MAX_DRAWN: usize = 1_000_000;
 
 /// What of the plane is seen, and how.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct View {
+pub struct PictureView {
     /// The camera of the canvas.
     pub camera: Camera,
     /// Width and height of the canvas, in points of the window.
@@ -47,7 +47,7 @@ pub struct View {
     pub print: bool,
 }
 
-impl View {
+impl PictureView {
     /// Returns the pixels of a picture with `scale` pixels for a point; margins and the caption belong to it.
     #[must_use]
     pub fn pixels(&self, scale: f64) -> [usize; 2] {
@@ -56,7 +56,7 @@ impl View {
 
     /// Returns why there is no picture of so many pixels, or no frame of an animation.
     #[must_use]
-    pub fn size_refusal(&self, scale: f64, animated: bool) -> Option<Refusal> {
+    pub fn size_refusal(&self, scale: f64, animated: bool) -> Option<ExportRefusal> {
         let [width, height] = self.pixels(scale);
         let most = if animated {
             MAX_FRAME_PIXELS
@@ -65,7 +65,7 @@ impl View {
         };
         let (pixels, side) = (most as usize, MAX_SIDE as usize);
         let fits = width.max(height) <= side && width.saturating_mul(height) <= pixels;
-        (!fits).then_some(Refusal::TooLarge {
+        (!fits).then_some(ExportRefusal::TooLarge {
             width,
             height,
             pixels,
@@ -117,7 +117,12 @@ const CAPTION: f64 = 0.044;
 
 /// Returns the picture of a moment, with the run's parameters in its metadata.
 #[must_use]
-pub fn scene(session: &Session, moment: &Moment, view: &View, causes: Option<&Found>) -> Scene {
+pub fn scene(
+    session: &Session,
+    moment: &Moment,
+    view: &PictureView,
+    causes: Option<&BrushedCause>,
+) -> Scene {
     let mut scene = drawn(session, moment, view, causes, true);
     scene.metadata = provenance(session);
     let shown = moment.description(session).to_string();
@@ -128,7 +133,7 @@ pub fn scene(session: &Session, moment: &Moment, view: &View, causes: Option<&Fo
 
 /// Returns what files say about a view.
 #[must_use]
-pub fn described(view: &View) -> String {
+pub fn described(view: &PictureView) -> String {
     let on = Layer::ALL
         .into_iter()
         .filter(|&layer| view.layers.has(layer));
@@ -145,15 +150,15 @@ pub fn described(view: &View) -> String {
 }
 
 /// Returns a frame of an animation: a moment between events, on the run's own domain also before the first.
-pub(super) fn frame(session: &Session, cursor: usize, view: &View) -> Scene {
+pub(super) fn frame(session: &Session, cursor: usize, view: &PictureView) -> Scene {
     drawn(session, &Moment::at(session, cursor), view, None, false)
 }
 
 fn drawn(
     session: &Session,
     moment: &Moment,
-    view: &View,
-    causes: Option<&Found>,
+    view: &PictureView,
+    causes: Option<&BrushedCause>,
     has_pattern: bool,
 ) -> Scene {
     let recorded = session.recording().zip(moment.cursor);
@@ -162,7 +167,7 @@ fn drawn(
         debugger.jump(cursor);
         debugger
     });
-    let shown = Shown {
+    let shown = ShownMoment {
         session,
         debugger: debugger.as_ref(),
         stage: moment.stage,
@@ -184,7 +189,7 @@ fn drawn(
 }
 
 /// Adds what the picture shows in words, which are its title, too, and at which event.
-fn caption(scene: &mut Scene, shown: &Shown<'_>, view: &View) {
+fn caption(scene: &mut Scene, shown: &ShownMoment<'_>, view: &PictureView) {
     let (palette, frame) = (view.palette(), rect(view.frame()));
     let px = view.paper()[0] / 1000.0;
     let size = 20.0 * px;
@@ -214,7 +219,7 @@ fn caption(scene: &mut Scene, shown: &Shown<'_>, view: &View) {
 }
 
 /// Returns what the moment is in a sentence: the result, a whole stage, or the last event.
-fn told(shown: &Shown<'_>) -> String {
+fn told(shown: &ShownMoment<'_>) -> String {
     let session = shown.session;
     let last = shown.cursor().checked_sub(1);
     match (shown.debugger, last) {

@@ -9,7 +9,7 @@ use super::picture::MAX_DRAWN;
 /// Why nothing can be exported.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Refusal {
+pub enum ExportRefusal {
     /// There is no session.
     #[error("There is no session yet.")]
     NoSession,

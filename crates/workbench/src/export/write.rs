@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use tilescope_drawing::brushed::Found;
+use tilescope_drawing::brushed::BrushedCause;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
@@ -20,7 +20,7 @@ use tilescope_formats::{export, write_through, write_whole};
 
 use super::picture::{described, frame, scene};
 use super::provenance::{method, parameter_map, point_set, provenance};
-use super::{Content, Order, extension};
+use super::{ExportContent, ExportJob, extension};
 use crate::clock::Clock;
 use tilescope_session::incoming::NamedBytes;
 use tilescope_session::jobs::Monitor;
@@ -108,17 +108,17 @@ pub enum WriteError {
 
 /// An error as it can be sent: whether somebody asked to stop, and its words.
 #[derive(Serialize, Deserialize)]
-struct Said(bool, String);
+struct SentError(bool, String);
 
 impl Serialize for WriteError {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Said(matches!(self, Self::Cancelled), self.to_string()).serialize(serializer)
+        SentError(matches!(self, Self::Cancelled), self.to_string()).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for WriteError {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let Said(cancelled, said) = Said::deserialize(deserializer)?;
+        let SentError(cancelled, said) = SentError::deserialize(deserializer)?;
         Ok(if cancelled {
             Self::Cancelled
         } else {
@@ -133,14 +133,14 @@ impl<'de> Deserialize<'de> for WriteError {
 ///
 /// [`WriteError`]; no file is left then, and one that was there is as it was.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn write(order: &Order, monitor: &Monitor) -> Result<Written, WriteError> {
+pub fn write(order: &ExportJob, monitor: &Monitor) -> Result<Written, WriteError> {
     let written = match &order.content {
-        Content::Samples { .. } => write_samples(order, monitor),
-        Content::Picture { .. } => picture(order, monitor).and_then(|bytes| {
+        ExportContent::Samples { .. } => write_samples(order, monitor),
+        ExportContent::Picture { .. } => picture(order, monitor).and_then(|bytes| {
             write_whole(&order.path, &bytes)?;
             Ok(What::Picture)
         }),
-        Content::Animation { .. } => {
+        ExportContent::Animation { .. } => {
             let written = write_through(&order.path, |file| animate(order, file, monitor));
             written.map(|()| animation(order))
         }
@@ -154,16 +154,16 @@ pub fn write(order: &Order, monitor: &Monitor) -> Result<Written, WriteError> {
 /// # Errors
 ///
 /// [`WriteError`].
-pub fn render(order: &Order, monitor: &Monitor) -> Result<Outgoing, WriteError> {
+pub fn render(order: &ExportJob, monitor: &Monitor) -> Result<Outgoing, WriteError> {
     let name = name_of(&order.path)?;
     let mut files = Vec::new();
     let made = match &order.content {
-        Content::Samples { .. } => render_samples(order, &name, &mut files, monitor),
-        Content::Picture { .. } => picture(order, monitor).map(|bytes| {
+        ExportContent::Samples { .. } => render_samples(order, &name, &mut files, monitor),
+        ExportContent::Picture { .. } => picture(order, monitor).map(|bytes| {
             files.push(NamedBytes::new(name, bytes));
             What::Picture
         }),
-        Content::Animation { .. } => {
+        ExportContent::Animation { .. } => {
             let mut bytes = Limited(Vec::new());
             animate(order, &mut bytes, monitor).map(|()| {
                 files.push(NamedBytes::new(name, bytes.0));
@@ -183,7 +183,7 @@ fn name_of(path: &Path) -> Result<String, WriteError> {
 }
 
 fn finish(
-    order: &Order,
+    order: &ExportJob,
     made: Result<What, WriteError>,
     monitor: &Monitor,
 ) -> Result<Written, WriteError> {
@@ -204,13 +204,13 @@ fn go_on(monitor: &Monitor) -> Result<(), WriteError> {
 }
 
 /// Returns the samples of an order, what is stated of them, and whether they are the result.
-fn samples(order: &Order) -> (PointSet, ExportContext, bool) {
+fn samples(order: &ExportJob) -> (PointSet, ExportContext, bool) {
     let (session, run) = (&*order.session, order.session.run());
     let mut context = ExportContext::new(region_of(session), run.domain.radius());
     method(session).clone_into(&mut context.method);
     context.parameters = parameter_map(session);
     let mut moment = None;
-    if let Content::Samples {
+    if let ExportContent::Samples {
         moment: wanted,
         precision,
     } = &order.content
@@ -232,7 +232,7 @@ fn samples(order: &Order) -> (PointSet, ExportContext, bool) {
 const VERIFYING: &str = "verifying what was written";
 
 #[cfg(not(target_arch = "wasm32"))]
-fn write_samples(order: &Order, monitor: &Monitor) -> Result<What, WriteError> {
+fn write_samples(order: &ExportJob, monitor: &Monitor) -> Result<What, WriteError> {
     monitor.set_activity(VERIFYING);
     go_on(monitor)?;
     let (set, context, result) = samples(order);
@@ -247,7 +247,7 @@ fn write_samples(order: &Order, monitor: &Monitor) -> Result<What, WriteError> {
 }
 
 fn render_samples(
-    order: &Order,
+    order: &ExportJob,
     name: &str,
     files: &mut Vec<NamedBytes>,
     monitor: &Monitor,
@@ -269,8 +269,8 @@ fn render_samples(
     })
 }
 
-fn picture(order: &Order, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
-    let Content::Picture {
+fn picture(order: &ExportJob, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
+    let ExportContent::Picture {
         moment,
         view,
         causes,
@@ -280,7 +280,9 @@ fn picture(order: &Order, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
         return Ok(Vec::new());
     };
     monitor.set_activity("drawing");
-    let causes = causes.clone().map(|cause| Found { serial: 0, cause });
+    let causes = causes
+        .clone()
+        .map(|cause| BrushedCause { serial: 0, cause });
     let scene = scene(&order.session, moment, view, causes.as_ref());
     monitor.set_fraction(0.3);
     go_on(monitor)?;
@@ -293,16 +295,16 @@ fn picture(order: &Order, monitor: &Monitor) -> Result<Vec<u8>, WriteError> {
     Ok(bytes)
 }
 
-fn animation(order: &Order) -> What {
+fn animation(order: &ExportJob) -> What {
     let frames = match &order.content {
-        Content::Animation { cursors, .. } => cursors.len(),
+        ExportContent::Animation { cursors, .. } => cursors.len(),
         _ => 0,
     };
     What::Animation { frames }
 }
 
-fn animate(order: &Order, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
-    let Content::Animation {
+fn animate(order: &ExportJob, out: &mut dyn Write, monitor: &Monitor) -> Result<(), WriteError> {
+    let ExportContent::Animation {
         cursors,
         view,
         scale,

@@ -28,7 +28,7 @@ pub struct ReadTask {
     /// What for; what was dropped is looked at first.
     pub purpose: Option<Purpose>,
     /// The files.
-    pub source: Source,
+    pub source: FileSource,
     /// The number of the session that may come of it.
     pub generation: u64,
     /// The domain and the radius of the run at hand, in user units: for what is held against it.
@@ -37,7 +37,7 @@ pub struct ReadTask {
 
 /// Where files are.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub enum Source {
+pub enum FileSource {
     /// In memory.
     Bytes(Vec<NamedBytes>),
     /// On the disk.
@@ -47,14 +47,14 @@ pub enum Source {
 
 /// What became of files.
 #[derive(serde::Serialize, serde::Deserialize)]
-pub struct Outcome {
+pub struct FileOutcome {
     /// What was made of the one that was opened, or why nothing was.
     pub done: Result<Done, String>,
     /// The files that were not opened.
     pub left: Vec<String>,
 }
 
-impl Outcome {
+impl FileOutcome {
     /// Returns what became of one file alone.
     #[must_use]
     pub const fn of(done: Result<Done, String>) -> Self {
@@ -112,18 +112,20 @@ pub struct Combined {
 type Made = Result<Done, String>;
 
 impl Task for ReadTask {
-    type Outcome = Outcome;
+    type Outcome = FileOutcome;
     const NAME: &'static str = "read";
 
-    fn run(self, monitor: &Monitor) -> Outcome {
+    fn run(self, monitor: &Monitor) -> FileOutcome {
         read(self, monitor)
     }
 
-    fn cancelled(_: &Monitor) -> Option<Outcome> {
-        Some(Outcome::of(Err("cancelled: nothing was opened".to_owned())))
+    fn cancelled(_: &Monitor) -> Option<FileOutcome> {
+        Some(FileOutcome::of(Err(
+            "cancelled: nothing was opened".to_owned()
+        )))
     }
 
-    fn keep(outcome: Outcome) {
+    fn keep(outcome: FileOutcome) {
         match outcome.done {
             Ok(Done::Opened(opened)) => SessionRef::keep::<()>(Ok(opened.session)),
             Ok(Done::Combined(combined)) => SessionRef::keep::<()>(Ok(combined.session)),
@@ -134,7 +136,7 @@ impl Task for ReadTask {
 
 /// Reads what a task names.
 #[must_use]
-pub fn read(task: ReadTask, monitor: &Monitor) -> Outcome {
+pub fn read(task: ReadTask, monitor: &Monitor) -> FileOutcome {
     let ReadTask {
         purpose,
         source,
@@ -142,13 +144,13 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> Outcome {
         run,
     } = task;
     let gathered = match source {
-        Source::Bytes(files) => gather(files).ok_or_else(|| "there is no file".to_owned()),
+        FileSource::Bytes(files) => gather(files).ok_or_else(|| "there is no file".to_owned()),
         #[cfg(not(target_arch = "wasm32"))]
-        Source::Paths(paths) => super::disk::gather_paths(&paths, purpose, monitor),
+        FileSource::Paths(paths) => super::disk::gather_paths(&paths, purpose, monitor),
     };
     let (incoming, left) = match gathered.and_then(opened) {
         Ok(gathered) => gathered,
-        Err(why) => return Outcome::of(Err(why)),
+        Err(why) => return FileOutcome::of(Err(why)),
     };
     let done = match purpose {
         None => dropped(&incoming, generation, run, monitor),
@@ -158,7 +160,7 @@ pub fn read(task: ReadTask, monitor: &Monitor) -> Outcome {
         Some(Purpose::Against) => against(&incoming, run, monitor),
         Some(Purpose::Save) => Err("nothing is read where a session is saved".to_owned()),
     };
-    Outcome { done, left }
+    FileOutcome { done, left }
 }
 
 /// Opens an archive: the one of its files that is to be opened, with the others beside it. Other files are as they were.

@@ -12,7 +12,7 @@ use super::NamedBytes;
 
 /// What was read, and sentences about what was not.
 #[derive(Default)]
-pub struct Found {
+pub struct ReadFiles {
     /// The files.
     pub files: Vec<NamedBytes>,
     /// Why others are not among them.
@@ -22,7 +22,7 @@ pub struct Found {
 /// Opens the browser's dialog, as it is allowed to somebody who has just pressed a button or a key; the job ends with what
 /// was chosen.
 #[must_use]
-pub fn choose(wake: &Wake) -> Job<Found> {
+pub fn choose(wake: &Wake) -> Job<ReadFiles> {
     let opened = open_dialog();
     Job::start_future(wake, move |_| async move {
         let chosen = match opened {
@@ -31,9 +31,9 @@ pub fn choose(wake: &Wake) -> Job<Found> {
         };
         match chosen {
             Ok(files) => read_all(files).await,
-            Err(error) => Found {
+            Err(error) => ReadFiles {
                 refused: vec![format!("the browser shows no dialog: {}", said(&error))],
-                ..Found::default()
+                ..ReadFiles::default()
             },
         }
     })
@@ -73,15 +73,15 @@ async fn answer(input: &HtmlInputElement, answered: Promise) -> Result<Vec<File>
 
 /// Reads what was dropped.
 #[must_use]
-pub fn take(files: Vec<File>, wake: &Wake) -> Job<Found> {
+pub fn take(files: Vec<File>, wake: &Wake) -> Job<ReadFiles> {
     Job::start_future(wake, move |_| read_all(files))
 }
 
-async fn read_all(files: Vec<File>) -> Found {
+async fn read_all(files: Vec<File>) -> ReadFiles {
     let names: Vec<String> = files.iter().map(File::name).collect();
     let lengths = files.iter().map(|file| file.size() as u64);
     let about: Vec<(&str, u64)> = names.iter().map(String::as_str).zip(lengths).collect();
-    let mut found = Found::default();
+    let mut found = ReadFiles::default();
     for ((file, name), refusal) in files.iter().zip(&names).zip(refusals(&about)) {
         if let Some(why) = refusal {
             found.refused.push(why);

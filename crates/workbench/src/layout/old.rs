@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 
-use super::{Axis, Layout, MAX_DEPTH, MAX_TILES, Panel, Tile};
+use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
 /// A layout as earlier versions saved it. What was saved beside these fields has no meaning here.
 #[derive(Deserialize)]
@@ -73,25 +73,25 @@ impl OldLayout {
 
 impl Tree {
     /// Returns a tile; none where a tile is not there, or within itself.
-    fn tile(&self, id: Id, depth: usize, left: &mut usize) -> Option<Tile> {
+    fn tile(&self, id: Id, depth: usize, left: &mut usize) -> Option<LayoutTile> {
         *left = left.checked_sub(1)?;
         if depth > MAX_DEPTH {
             return None;
         }
         let mut tile = |id: &Id| self.tile(*id, depth + 1, left);
         Some(match self.tiles.tiles.get(&id)? {
-            Saved::Pane(panel) => Tile::Panel(*panel),
-            Saved::Container(Container::Tabs(tabs)) => Tile::Tabs {
+            Saved::Pane(panel) => LayoutTile::Panel(*panel),
+            Saved::Container(Container::Tabs(tabs)) => LayoutTile::Tabs {
                 tiles: tabs.children.iter().map(tile).collect::<Option<_>>()?,
                 open: {
                     let is_open = |id: &Id| Some(*id) == tabs.active;
                     tabs.children.iter().position(is_open).unwrap_or_default()
                 },
             },
-            Saved::Container(Container::Linear(linear)) => Tile::Linear {
+            Saved::Container(Container::Linear(linear)) => LayoutTile::Linear {
                 axis: match linear.dir {
-                    Dir::Horizontal => Axis::Horizontal,
-                    Dir::Vertical => Axis::Vertical,
+                    Dir::Horizontal => Direction::Horizontal,
+                    Dir::Vertical => Direction::Vertical,
                 },
                 tiles: linear
                     .children

@@ -1,6 +1,6 @@
 //! A layout as a short text: rows, columns and tabs one within the other, each panel by a letter.
 
-use super::{Axis, Layout, MAX_DEPTH, MAX_TILES, Panel, Tile};
+use super::{Direction, Layout, LayoutTile, MAX_DEPTH, MAX_TILES, Panel};
 
 /// Shares of rows and columns are told to this part.
 const PART: f32 = 10_000.0;
@@ -20,10 +20,10 @@ pub fn written(layout: &Layout) -> String {
     text
 }
 
-fn write(tile: &Tile, text: &mut String) {
+fn write(tile: &LayoutTile, text: &mut String) {
     match tile {
-        Tile::Panel(panel) => text.push(panel.letter()),
-        Tile::Tabs { tiles, open } => {
+        LayoutTile::Panel(panel) => text.push(panel.letter()),
+        LayoutTile::Tabs { tiles, open } => {
             text.push('T');
             for (place, tile) in tiles.iter().enumerate() {
                 if place == *open {
@@ -33,10 +33,10 @@ fn write(tile: &Tile, text: &mut String) {
             }
             text.push(END);
         }
-        Tile::Linear { axis, tiles } => {
+        LayoutTile::Linear { axis, tiles } => {
             text.push(match axis {
-                Axis::Horizontal => 'H',
-                Axis::Vertical => 'V',
+                Direction::Horizontal => 'H',
+                Direction::Vertical => 'V',
             });
             for (tile, share) in tiles {
                 write(tile, text);
@@ -51,7 +51,7 @@ fn write(tile: &Tile, text: &mut String) {
 /// Returns the layout that a text means, with every panel in it; none if it means no sound one.
 #[must_use]
 pub fn read(text: &str) -> Option<Layout> {
-    let mut reader = Reader {
+    let mut reader = LayoutReader {
         rest: text,
         count: 0,
     };
@@ -74,12 +74,12 @@ impl TryFrom<String> for Layout {
     }
 }
 
-struct Reader<'a> {
+struct LayoutReader<'a> {
     rest: &'a str,
     count: usize,
 }
 
-impl Reader<'_> {
+impl LayoutReader<'_> {
     fn next(&mut self) -> Option<char> {
         let next = self.rest.chars().next()?;
         self.rest = &self.rest[next.len_utf8()..];
@@ -92,23 +92,23 @@ impl Reader<'_> {
         rest.is_some()
     }
 
-    fn tile(&mut self, depth: usize) -> Option<Tile> {
+    fn tile(&mut self, depth: usize) -> Option<LayoutTile> {
         self.count += 1;
         if depth > MAX_DEPTH || self.count > MAX_TILES {
             return None;
         }
         match self.next()? {
             'T' => self.tabs(depth),
-            'H' => self.linear(Axis::Horizontal, depth),
-            'V' => self.linear(Axis::Vertical, depth),
+            'H' => self.linear(Direction::Horizontal, depth),
+            'V' => self.linear(Direction::Vertical, depth),
             other => {
                 let panel = Panel::all().find(|&panel| panel.letter() == other)?;
-                Some(Tile::Panel(panel))
+                Some(LayoutTile::Panel(panel))
             }
         }
     }
 
-    fn tabs(&mut self, depth: usize) -> Option<Tile> {
+    fn tabs(&mut self, depth: usize) -> Option<LayoutTile> {
         let (mut tiles, mut open) = (Vec::new(), 0);
         while !self.takes(END) {
             if self.takes(OPEN) {
@@ -116,15 +116,15 @@ impl Reader<'_> {
             }
             tiles.push(self.tile(depth + 1)?);
         }
-        Some(Tile::Tabs { tiles, open })
+        Some(LayoutTile::Tabs { tiles, open })
     }
 
-    fn linear(&mut self, axis: Axis, depth: usize) -> Option<Tile> {
+    fn linear(&mut self, axis: Direction, depth: usize) -> Option<LayoutTile> {
         let mut tiles = Vec::new();
         while !self.takes(END) {
             tiles.push((self.tile(depth + 1)?, self.share()?));
         }
-        Some(Tile::Linear { axis, tiles })
+        Some(LayoutTile::Linear { axis, tiles })
     }
 
     fn share(&mut self) -> Option<f32> {

@@ -4,7 +4,7 @@ use tilescope_core::Parameters;
 use tilescope_core::combine::file::Layout as Combination;
 use tilescope_debugger::{Bookmark, SavedBreakpoint};
 
-use crate::view::View;
+use crate::view::SavedView;
 
 /// How a link names a moment of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub enum NamedMoment {
 
 /// What a link holds: what a run is made from, and how it is looked at.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Content {
+pub struct LinkContent {
     /// What the run is made from.
     pub parameters: Parameters,
     /// The layout of the combination that is shown in the place of a run.
@@ -28,7 +28,7 @@ pub struct Content {
     /// The moment.
     pub moment: NamedMoment,
     /// How the run is looked at.
-    pub view: View,
+    pub view: SavedView,
     /// The breakpoints.
     pub breakpoints: Vec<SavedBreakpoint>,
     /// The watched expressions.

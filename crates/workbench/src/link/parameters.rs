@@ -8,7 +8,7 @@ use tilescope_core::{
 };
 use tilescope_session::words::grouped;
 
-use super::said::{Said, quoted};
+use super::said::{LinkWarnings, quoted};
 use super::text::{exact, finite, name, named};
 use super::{MAX_PATTERN_SIDE, MAX_SAMPLES};
 
@@ -113,7 +113,7 @@ pub fn read<'a>(
     texts: impl Fn(&str) -> Option<&'a str>,
     base: &Parameters,
     run: &str,
-    said: &mut Said,
+    said: &mut LinkWarnings,
 ) -> Parameters {
     let mut parameters = *base;
     for key in KEYS.into_iter().chain([VARIANT]) {
@@ -142,7 +142,7 @@ fn told(key: &str) -> &str {
 }
 
 /// Brings parameters that each make sense to the nearest ones that may be sampled because a link says so.
-fn fit(p: &mut Parameters, run: &str, said: &mut Said) {
+fn fit(p: &mut Parameters, run: &str, said: &mut LinkWarnings) {
     if p.leaf < MIN_LEAF_RADII {
         said.say(format!(
             "The link asked for leaf{run} {}; {MIN_LEAF_RADII} is the least and is used instead.",
@@ -209,7 +209,7 @@ fn radii(p: &Parameters) -> [f64; 2] {
     [least, p.width.min(p.height) / shortest]
 }
 
-fn fit_radius(p: &mut Parameters, run: &str, said: &mut Said) {
+fn fit_radius(p: &mut Parameters, run: &str, said: &mut LinkWarnings) {
     let [least, largest] = radii(p);
     if up(least) > down(largest) {
         let (width, height) = (exact(p.width), exact(p.height));
@@ -268,8 +268,8 @@ fn three_digits(number: f64, toward: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn of(pairs: &[(&str, &str)]) -> (Parameters, Said) {
-        let mut said = Said::default();
+    fn of(pairs: &[(&str, &str)]) -> (Parameters, LinkWarnings) {
+        let mut said = LinkWarnings::default();
         let texts = |key: &str| pairs.iter().find(|(k, _)| *k == key).map(|(_, v)| *v);
         let read = read(texts, &Parameters::default(), "", &mut said);
         (read, said)
@@ -353,7 +353,7 @@ mod tests {
             let pairs: Vec<_> = differing(&p, &Parameters::default()).collect();
             let pairs: Vec<_> = pairs.iter().map(|(k, v)| (*k, v.as_str())).collect();
             let (again, said) = of(&pairs);
-            assert_eq!((again, said), (p, Said::default()));
+            assert_eq!((again, said), (p, LinkWarnings::default()));
         }
     }
 

@@ -12,9 +12,9 @@ use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::grouped;
 
-use super::content::{Content, NamedMoment};
+use super::content::{LinkContent, NamedMoment};
 use super::parameters::{self, KEYS, VARIANT};
-use super::said::{Said, quoted};
+use super::said::{LinkWarnings, quoted};
 use super::text::{from_base64, items, named, numbers, pairs};
 use super::write::{LINKS, NINE_SETS, layer_name};
 use super::{MAX_BOOKMARKS, MAX_BYTES, MAX_COMBINATION, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, VERSION};
@@ -49,14 +49,14 @@ const CLOCKS: [Clock; 3] = [Clock::Event, Clock::Line, Clock::Stage];
 /// Reads a fragment, with its `#` or without, or a whole address: returns the nearest content that may be opened, and
 /// what became of the rest. Whatever the text is, this ends soon and asks for little memory.
 #[must_use]
-pub fn read(text: &str) -> (Content, Said) {
-    let mut reader = Reader {
+pub fn read(text: &str) -> (LinkContent, LinkWarnings) {
+    let mut reader = LinkReader {
         pairs: HashMap::new(),
-        said: Said::default(),
+        said: LinkWarnings::default(),
     };
     reader.split(text);
     reader.version();
-    let mut content = Content::default();
+    let mut content = LinkContent::default();
     reader.run(&mut content);
     reader.look(&mut content);
     reader.selection(&mut content);
@@ -65,9 +65,9 @@ pub fn read(text: &str) -> (Content, Said) {
     (content, reader.said)
 }
 
-struct Reader {
+struct LinkReader {
     pairs: HashMap<String, String>,
-    said: Said,
+    said: LinkWarnings,
 }
 
 /// Returns every key, but those of a second run, which have `b.` before them.
@@ -82,7 +82,7 @@ fn is_known(key: &str) -> bool {
     OTHERS.contains(&key) || of_run(key) || key.strip_prefix("b.").is_some_and(of_run)
 }
 
-impl Reader {
+impl LinkReader {
     fn split(&mut self, text: &str) {
         let text = text.trim();
         let text = text.split_once('#').map_or(text, |(_, fragment)| fragment);
@@ -148,7 +148,7 @@ impl Reader {
         taken
     }
 
-    fn run(&mut self, content: &mut Content) {
+    fn run(&mut self, content: &mut LinkContent) {
         content.combination = self.combination();
         if content.combination.is_none() {
             let texts = |key: &str| self.pairs.get(key).map(String::as_str);
@@ -176,7 +176,7 @@ impl Reader {
         layout.ok()
     }
 
-    fn look(&mut self, content: &mut Content) {
+    fn look(&mut self, content: &mut LinkContent) {
         content.view.camera = self.take("camera", |text| {
             let [x, y, scale] = numbers(text)?;
             sound_camera([x, y], scale)
@@ -229,7 +229,7 @@ impl Reader {
         layers
     }
 
-    fn selection(&mut self, content: &mut Content) {
+    fn selection(&mut self, content: &mut LinkContent) {
         let selection = self.take("select", |text| match text.split_once(':')? {
             ("sample", id) => id.parse().ok().map(Selection::Sample),
             ("place", place) => numbers(place)
@@ -240,7 +240,7 @@ impl Reader {
         content.view.selection = selection.unwrap_or(Selection::Nothing);
     }
 
-    fn second(&mut self, content: &mut Content) {
+    fn second(&mut self, content: &mut LinkContent) {
         let Some(names) = self.pairs.get("b") else {
             if self.pairs.keys().any(|key| key.starts_with("b.")) {
                 self.said.say(
@@ -270,7 +270,7 @@ impl Reader {
         (content.view.second, content.view.links) = (Some(second), links);
     }
 
-    fn stops(&mut self, content: &mut Content) {
+    fn stops(&mut self, content: &mut LinkContent) {
         content.breakpoints = self.list("break", "breakpoint", MAX_STOPS, breakpoint);
         content.watches = self.list("watch", "watch", MAX_STOPS, short);
         content.bookmarks = self.list("mark", "bookmark", MAX_BOOKMARKS, bookmark);

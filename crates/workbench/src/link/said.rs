@@ -7,12 +7,12 @@ const QUOTED: usize = 40;
 
 /// Sentences about the parts of a link that count otherwise than they say, or not at all.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Said {
+pub struct LinkWarnings {
     sentences: Vec<String>,
     more: usize,
 }
 
-impl Said {
+impl LinkWarnings {
     /// Says something.
     pub fn say(&mut self, sentence: String) {
         if self.sentences.len() < MAX_WARNINGS {
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn as_much_is_said_as_one_reads() {
-        let mut said = Said::default();
+        let mut said = LinkWarnings::default();
         assert!(said.is_empty() && said.text().is_empty());
         for k in 0..1_000 {
             said.say(format!("Part {k}."));

@@ -8,7 +8,7 @@ use tilescope_session::layers::{Layer, Layers};
 use tilescope_session::selection::Selection;
 use tilescope_session::words::counted;
 
-use super::content::{Content, NamedMoment};
+use super::content::{LinkContent, NamedMoment};
 use super::parameters::differing;
 use super::text::{base64, escaped, exact, item, name, rounded, slug};
 use super::{MAX_BOOKMARKS, MAX_CHARACTERS, MAX_COMBINATION, MAX_STOPS, MAX_TEXT, VERSION};
@@ -38,7 +38,7 @@ pub(super) const NINE_SETS: &str = "nine";
 
 /// Writes a link.
 #[must_use]
-pub fn write(content: &Content) -> Link {
+pub fn write(content: &LinkContent) -> Link {
     let mut writer = Writer::default();
     writer.put("v", VERSION.to_string());
     writer.run(content);
@@ -73,7 +73,7 @@ impl Writer {
         MAX_CHARACTERS.saturating_sub(self.text.len() + key.len() + 2)
     }
 
-    fn run(&mut self, content: &Content) {
+    fn run(&mut self, content: &LinkContent) {
         match &content.combination {
             Some(layout) => self.combination(layout),
             None => self.parameters("", &content.parameters, &Parameters::default()),
@@ -107,8 +107,8 @@ impl Writer {
         }
     }
 
-    fn look(&mut self, content: &Content) {
-        let first = Content::default();
+    fn look(&mut self, content: &LinkContent) {
+        let first = LinkContent::default();
         if let Some(Camera { center, scale }) = content.view.camera {
             let numbers = [center[0], center[1], scale].map(rounded);
             self.put("camera", numbers.join(","));
@@ -141,7 +141,7 @@ impl Writer {
         }
     }
 
-    fn second(&mut self, content: &Content) {
+    fn second(&mut self, content: &LinkContent) {
         let (Some(parameters), links) = (&content.view.second, &content.view.links) else {
             return;
         };
@@ -154,7 +154,7 @@ impl Writer {
         self.parameters("b.", parameters, &content.parameters);
     }
 
-    fn stops(&mut self, content: &Content) {
+    fn stops(&mut self, content: &LinkContent) {
         let fits = |text: &str| text.chars().count() <= MAX_TEXT;
         let breakpoint = |b: &SavedBreakpoint| {
             let condition = b.condition.as_deref().unwrap_or_default();
@@ -229,8 +229,8 @@ impl Writer {
     }
 
     /// The layout is the first that gives way.
-    fn panels(&mut self, content: &Content) {
-        let first = layout::text::written(&Content::default().view.layout);
+    fn panels(&mut self, content: &LinkContent) {
+        let first = layout::text::written(&LinkContent::default().view.layout);
         let layout = layout::text::written(&content.view.layout);
         if layout == first {
             return;

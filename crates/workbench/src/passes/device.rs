@@ -12,7 +12,7 @@ use tilescope_session::jobs::Monitor;
 use tilescope_session::words::sentence;
 
 use super::model::{Badge, PassEntry, Visit};
-use super::placed::Placed;
+use super::placed::PlacedRows;
 use super::table::{BufferTable, MAX_NUMBERS};
 
 /// A word that is set on the device behind a pass: what if it were another?
@@ -30,7 +30,7 @@ pub struct Fault {
 
 /// What is run.
 #[derive(Clone)]
-pub(super) struct Subject {
+pub(super) struct DeviceRun {
     pub gpu: Arc<Gpu>,
     pub parameters: Parameters,
     pub fault: Option<Fault>,
@@ -87,7 +87,7 @@ pub(super) struct Arrival {
 }
 
 impl Walker {
-    async fn begin(subject: &Subject, pattern: &Arc<Pattern>) -> Result<Self, GpuError> {
+    async fn begin(subject: &DeviceRun, pattern: &Arc<Pattern>) -> Result<Self, GpuError> {
         let gpu = Arc::clone(&subject.gpu);
         let stepper = Stepper::new(gpu, &subject.parameters, pattern, Stage::Blocks).await?;
         let domain = subject.parameters.validate().map_err(SampleError::from)?;
@@ -143,7 +143,7 @@ impl Walker {
 }
 
 /// Runs all passes and compares the device with the CPU after every stage.
-pub(super) async fn survey(subject: Subject, monitor: Arc<Monitor>) -> Survey {
+pub(super) async fn survey(subject: DeviceRun, monitor: Arc<Monitor>) -> Survey {
     let mut survey = Survey {
         passes: Vec::new(),
         restarts: 0,
@@ -161,7 +161,7 @@ pub(super) async fn survey(subject: Subject, monitor: Arc<Monitor>) -> Survey {
 }
 
 impl Survey {
-    async fn run(&mut self, subject: &Subject, monitor: &Monitor) -> Result<(), Stop> {
+    async fn run(&mut self, subject: &DeviceRun, monitor: &Monitor) -> Result<(), Stop> {
         let parameters = &subject.parameters;
         let mut observer = |_: Progress| {
             if monitor.is_cancelled() {
@@ -223,7 +223,7 @@ fn continue_unless_cancelled(monitor: &Monitor) -> Result<(), Stop> {
 
 /// Takes a run to a pass and reads its buffers before and after it. A run that is beyond it begins anew.
 pub(super) async fn visit(
-    subject: Subject,
+    subject: DeviceRun,
     walker: Option<Walker>,
     goal: Goal,
     monitor: Arc<Monitor>,
@@ -243,7 +243,7 @@ pub(super) async fn visit(
 impl Arrival {
     async fn go(
         &mut self,
-        subject: &Subject,
+        subject: &DeviceRun,
         goal: &Goal,
         monitor: &Monitor,
     ) -> Result<Visit, Stop> {
@@ -301,7 +301,7 @@ async fn between(
     for ((name, access, bytes), (before, after)) in buffers.into_iter().zip(sides) {
         let table = BufferTable::new(name, access, bytes, &before.0, &after.0);
         visit.buffers.push(table);
-        visit.placed.push(Placed::new(before.1, after.1));
+        visit.placed.push(PlacedRows::new(before.1, after.1));
     }
     Ok(visit)
 }

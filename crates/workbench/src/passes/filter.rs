@@ -38,7 +38,7 @@ pub enum FilterError {
 
 /// How a value is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Comparison {
+enum Operator {
     Above,
     AtLeast,
     Below,
@@ -48,17 +48,17 @@ enum Comparison {
 }
 
 /// The longer ones first: they begin like the shorter ones.
-const COMPARISONS: [(&str, Comparison); 7] = [
-    (">=", Comparison::AtLeast),
-    ("<=", Comparison::AtMost),
-    ("!=", Comparison::Unequal),
-    ("==", Comparison::Equal),
-    (">", Comparison::Above),
-    ("<", Comparison::Below),
-    ("=", Comparison::Equal),
+const COMPARISONS: [(&str, Operator); 7] = [
+    (">=", Operator::AtLeast),
+    ("<=", Operator::AtMost),
+    ("!=", Operator::Unequal),
+    ("==", Operator::Equal),
+    (">", Operator::Above),
+    ("<", Operator::Below),
+    ("=", Operator::Equal),
 ];
 
-impl Comparison {
+impl Operator {
     const fn holds(self, value: i64, number: i64) -> bool {
         match self {
             Self::Above => value > number,
@@ -74,8 +74,8 @@ impl Comparison {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Condition {
     Changed,
-    Row(Comparison, i64),
-    Column(usize, Comparison, i64),
+    Row(Operator, i64),
+    Column(usize, Operator, i64),
 }
 
 /// Conditions that must all hold.

@@ -8,7 +8,7 @@ use tilescope_gpu::twin::Difference;
 use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::words::{grouped, sentence};
 
-use super::placed::Placed;
+use super::placed::PlacedRows;
 use super::table::BufferTable;
 
 /// How a pass compares with the CPU.
@@ -60,7 +60,7 @@ impl PassEntry {
 
 /// A line of the list of passes.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Line {
+pub enum PassLine {
     /// A stage begins.
     Stage {
         /// Which.
@@ -76,17 +76,17 @@ pub enum Line {
 
 /// Returns the lines of the list: every stage, and the passes that belong to it.
 #[must_use]
-pub fn lines(passes: &[PassEntry]) -> Vec<Line> {
+pub fn lines(passes: &[PassEntry]) -> Vec<PassLine> {
     let mut lines = Vec::with_capacity(passes.len() + 8);
     let mut first = 0;
     for group in passes.chunk_by(|a, b| a.report.stage == b.report.stage) {
         let timed = group.iter().filter_map(|pass| pass.report.seconds);
-        lines.push(Line::Stage {
+        lines.push(PassLine::Stage {
             stage: group[0].report.stage,
             passes: group.len(),
             seconds: timed.fold(None, |sum, seconds| Some(sum.unwrap_or(0.0) + seconds)),
         });
-        lines.extend((first..first + group.len()).map(Line::Pass));
+        lines.extend((first..first + group.len()).map(PassLine::Pass));
         first += group.len();
     }
     lines
@@ -100,7 +100,7 @@ pub struct Visit {
     /// Its buffers.
     pub buffers: Vec<BufferTable>,
     /// Where the rows of each lie.
-    pub placed: Vec<Placed>,
+    pub placed: Vec<PlacedRows>,
     /// The domain.
     pub domain: Rect,
     /// Whether the run was begun anew to get there.
@@ -184,11 +184,11 @@ mod tests {
         let lines = lines(&passes);
         assert_eq!(lines.len(), 5);
         assert!(
-            matches!(lines[0], Line::Stage { passes: 2, seconds: Some(s), .. } if (s - 3e-3).abs() < 1e-9)
+            matches!(lines[0], PassLine::Stage { passes: 2, seconds: Some(s), .. } if (s - 3e-3).abs() < 1e-9)
         );
-        assert_eq!(lines[2], Line::Pass(1));
-        assert!(matches!(lines[3], Line::Stage { seconds: None, .. }));
-        assert_eq!(lines[4], Line::Pass(2));
+        assert_eq!(lines[2], PassLine::Pass(1));
+        assert!(matches!(lines[3], PassLine::Stage { seconds: None, .. }));
+        assert_eq!(lines[4], PassLine::Pass(2));
         assert_eq!(passes[0].buffers(), [(Name::Grid, Access::Read, 16)]);
     }
 

@@ -6,18 +6,18 @@ use tilescope_gpu::layout::Name;
 use tilescope_gpu::{Spot, Spots};
 use tilescope_session::words::{counted, grouped};
 
-use super::shown::Shown;
-use super::table::{BufferTable, Side};
+use super::shown::ShownBuffer;
+use super::table::{BufferTable, PassSide};
 
 /// The spots of a buffer's rows before and after a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Placed {
+pub struct PlacedRows {
     before: Spots,
     /// Nothing where all is as before.
     after: Option<Spots>,
 }
 
-impl Placed {
+impl PlacedRows {
     /// Returns the spots of both sides.
     #[must_use]
     pub fn new(before: Spots, after: Spots) -> Self {
@@ -27,17 +27,17 @@ impl Placed {
 
     /// Returns the spots of a side: of both, those afterwards.
     #[must_use]
-    pub fn side(&self, side: Side) -> &Spots {
+    pub fn side(&self, side: PassSide) -> &Spots {
         match side {
-            Side::Before => &self.before,
-            Side::After | Side::Both => self.after.as_ref().unwrap_or(&self.before),
+            PassSide::Before => &self.before,
+            PassSide::After | PassSide::Both => self.after.as_ref().unwrap_or(&self.before),
         }
     }
 }
 
 /// How many rows are on the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct PlacedCounts {
     /// All that have places.
     pub rows: usize,
     /// Those of them that the pass changed.
@@ -56,7 +56,7 @@ pub struct Rows<'a> {
     /// The domain.
     pub domain: &'a Rect,
     /// Which of them are shown, and how.
-    pub shown: &'a Shown,
+    pub shown: &'a ShownBuffer,
 }
 
 impl<'a> Rows<'a> {
@@ -94,8 +94,8 @@ pub(super) fn count(
     table: &BufferTable,
     is_filtered: bool,
     domain: &Rect,
-) -> Counts {
-    let mut counts = Counts::default();
+) -> PlacedCounts {
+    let mut counts = PlacedCounts::default();
     for &row in rows {
         let row = row as usize;
         if let Some(first) = marks(spots, row, table, is_filtered).first() {
@@ -172,10 +172,10 @@ fn buffer_text(name: Name) -> String {
 }
 
 /// Returns the side of which the places are.
-const fn side_text(side: Side) -> &'static str {
+const fn side_text(side: PassSide) -> &'static str {
     match side {
-        Side::Before => "before",
-        Side::After | Side::Both => "after",
+        PassSide::Before => "before",
+        PassSide::After | PassSide::Both => "after",
     }
 }
 
@@ -185,9 +185,9 @@ mod tests {
 
     #[test]
     fn both_sides_are_kept_apart_where_they_differ() {
-        let same = Placed::new(Spots::default(), Spots::default());
+        let same = PlacedRows::new(Spots::default(), Spots::default());
         assert!(same.after.is_none());
-        assert_eq!(same.side(Side::Before), same.side(Side::Both));
-        assert_eq!(side_text(Side::Both), side_text(Side::After));
+        assert_eq!(same.side(PassSide::Before), same.side(PassSide::Both));
+        assert_eq!(side_text(PassSide::Both), side_text(PassSide::After));
     }
 }

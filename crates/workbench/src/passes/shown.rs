@@ -4,29 +4,29 @@ use tilescope_gpu::layout::{Access, Name};
 
 use super::filter::{Filter, FilterError};
 use super::model::Visit;
-use super::placed::{self, Counts, Rows};
-use super::table::{BufferTable, Side};
+use super::placed::{self, PlacedCounts, Rows};
+use super::table::{BufferTable, PassSide};
 
 /// A choice of buffer, side and rows, and what follows from it.
 #[derive(Clone, Debug, Default)]
-pub struct Shown {
+pub struct ShownBuffer {
     buffer: usize,
     /// What was chosen last, to be found again in other passes.
     chosen: Option<Name>,
     /// What is shown.
     entered: Option<Name>,
-    side: Side,
+    side: PassSide,
     text: String,
     error: Option<FilterError>,
     rows: Vec<u32>,
     widths: Vec<usize>,
     is_filtered: bool,
-    counts: Counts,
+    counts: PlacedCounts,
     picked: Option<u32>,
     pointed: Option<u32>,
 }
 
-impl Shown {
+impl ShownBuffer {
     /// Returns the place of the buffer among those of the pass.
     #[must_use]
     pub const fn buffer(&self) -> usize {
@@ -41,7 +41,7 @@ impl Shown {
 
     /// Returns the side.
     #[must_use]
-    pub const fn side(&self) -> Side {
+    pub const fn side(&self) -> PassSide {
         self.side
     }
 
@@ -89,7 +89,7 @@ impl Shown {
 
     /// Returns how many rows are on the canvas.
     #[must_use]
-    pub const fn counts(&self) -> Counts {
+    pub const fn counts(&self) -> PlacedCounts {
         self.counts
     }
 
@@ -135,7 +135,7 @@ impl Shown {
         }
     }
 
-    pub(super) fn set_side(&mut self, visit: Option<&Visit>, side: Side) {
+    pub(super) fn set_side(&mut self, visit: Option<&Visit>, side: PassSide) {
         self.side = side;
         self.refresh(visit);
     }
@@ -157,7 +157,7 @@ impl Shown {
 
     fn refresh(&mut self, visit: Option<&Visit>) {
         (self.rows, self.widths, self.error) = (Vec::new(), Vec::new(), None);
-        self.counts = Counts::default();
+        self.counts = PlacedCounts::default();
         let Some(table) = self.table(visit) else {
             return;
         };

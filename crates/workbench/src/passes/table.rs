@@ -10,7 +10,7 @@ pub const MAX_NUMBERS: u64 = 500_000;
 /// Which side of a pass a table shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Side {
+pub enum PassSide {
     /// What lay there before.
     Before,
     /// What lay there afterwards.
@@ -20,7 +20,7 @@ pub enum Side {
     Both,
 }
 
-impl Side {
+impl PassSide {
     /// All of them, in the sequence in which they are offered.
     pub const ALL: [Self; 3] = [Self::Before, Self::After, Self::Both];
 
@@ -115,28 +115,28 @@ impl BufferTable {
 
     /// Returns the row that a side is filtered by: both sides are, by what lies there afterwards.
     #[must_use]
-    pub fn side(&self, side: Side, row: usize) -> &[i64] {
+    pub fn side(&self, side: PassSide, row: usize) -> &[i64] {
         match side {
-            Side::Before => self.before(row),
-            Side::After | Side::Both => self.after(row),
+            PassSide::Before => self.before(row),
+            PassSide::After | PassSide::Both => self.after(row),
         }
     }
 
     /// Returns the text of a cell; nothing where there is none.
     #[must_use]
-    pub fn cell(&self, side: Side, row: usize, column: usize) -> String {
+    pub fn cell(&self, side: PassSide, row: usize, column: usize) -> String {
         let value = |of: &[i64]| of.get(column).map_or_else(String::new, i64::to_string);
         let (before, after) = (value(self.before(row)), value(self.after(row)));
         match side {
-            Side::Before => before,
-            Side::Both if before != after => format!("{before} \u{2192} {after}"),
-            Side::After | Side::Both => after,
+            PassSide::Before => before,
+            PassSide::Both if before != after => format!("{before} \u{2192} {after}"),
+            PassSide::After | PassSide::Both => after,
         }
     }
 
     /// Returns the characters that each column takes at most, its name included.
     #[must_use]
-    pub fn widths(&self, side: Side) -> Vec<usize> {
+    pub fn widths(&self, side: PassSide) -> Vec<usize> {
         let mut widths: Vec<usize> = self.columns.iter().map(String::len).collect();
         let digits = |value: i64| {
             value
@@ -144,13 +144,13 @@ impl BufferTable {
                 .map_or(20, |v| digits_of(v) + usize::from(value < 0))
         };
         for row in 0..self.rows() {
-            let both = side == Side::Both && self.is_changed(row);
+            let both = side == PassSide::Both && self.is_changed(row);
             for (column, width) in widths.iter_mut().enumerate() {
                 let (before, after) = (self.before(row)[column], self.after(row)[column]);
                 let needed = match side {
-                    Side::Before => digits(before),
-                    Side::Both if both && before != after => digits(before) + digits(after) + 3,
-                    Side::After | Side::Both => digits(after),
+                    PassSide::Before => digits(before),
+                    PassSide::Both if both && before != after => digits(before) + digits(after) + 3,
+                    PassSide::After | PassSide::Both => digits(after),
                 };
                 *width = needed.max(*width);
             }
@@ -190,13 +190,16 @@ mod tests {
             (2, 9, 1)
         );
         assert!(!table.is_changed(0) && table.is_changed(1) && !table.is_changed(7));
-        assert_eq!(table.cell(Side::Before, 1, 1), "4");
-        assert_eq!(table.cell(Side::After, 1, 1), "-1000000000000");
-        assert_eq!(table.cell(Side::Both, 1, 1), "4 \u{2192} -1000000000000");
-        assert_eq!(table.cell(Side::Both, 1, 0), "3");
-        assert_eq!(table.cell(Side::Both, 7, 0), "");
-        assert_eq!(table.widths(Side::Before), [1, 13]);
-        assert_eq!(table.widths(Side::Both), [1, 18]);
+        assert_eq!(table.cell(PassSide::Before, 1, 1), "4");
+        assert_eq!(table.cell(PassSide::After, 1, 1), "-1000000000000");
+        assert_eq!(
+            table.cell(PassSide::Both, 1, 1),
+            "4 \u{2192} -1000000000000"
+        );
+        assert_eq!(table.cell(PassSide::Both, 1, 0), "3");
+        assert_eq!(table.cell(PassSide::Both, 7, 0), "");
+        assert_eq!(table.widths(PassSide::Before), [1, 13]);
+        assert_eq!(table.widths(PassSide::Both), [1, 18]);
         let same = BufferTable::new(Name::Origins, Access::Read, 72, &before, &before);
         assert_eq!(same.changed_count(), 0);
         assert_eq!(same.after(1), [3, 4]);

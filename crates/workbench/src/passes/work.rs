@@ -5,7 +5,7 @@ use tilescope_session::jobs::Job;
 use tilescope_session::words::{counted, sentence};
 
 use super::device::{self, Arrival, Goal, Stop, Survey};
-use super::{Passes, Work, csv, model};
+use super::{PassWork, Passes, csv, model};
 
 impl Passes {
     pub(super) fn survey(&mut self) {
@@ -18,11 +18,11 @@ impl Passes {
         self.export_told = None;
         let subject = self.subject.clone();
         let work = move |monitor| device::survey(subject, monitor);
-        self.work = Work::Survey(Job::start_future(&self.wake, work));
+        self.work = PassWork::Survey(Job::start_future(&self.wake, work));
     }
 
     pub(super) fn surveyed(&mut self, outcome: Result<Survey, String>) -> bool {
-        self.work = Work::Idle;
+        self.work = PassWork::Idle;
         match outcome {
             Ok(survey) => {
                 self.entries = survey.passes;
@@ -57,7 +57,7 @@ impl Passes {
         self.notice = None;
         self.export_told = None;
         self.is_wanted = self.visit().is_none();
-        if let Work::Visit(job) = &self.work {
+        if let PassWork::Visit(job) = &self.work {
             job.cancel();
         }
         self.go_on();
@@ -68,7 +68,7 @@ impl Passes {
         let Some(pass) = self.selected.filter(|_| self.is_wanted) else {
             return;
         };
-        let (Work::Idle, Some(entry)) = (&self.work, self.entries.get(pass)) else {
+        let (PassWork::Idle, Some(entry)) = (&self.work, self.entries.get(pass)) else {
             return;
         };
         let goal = Goal {
@@ -77,11 +77,11 @@ impl Passes {
         };
         let (subject, walker) = (self.subject.clone(), self.walker.take());
         let work = move |monitor| device::visit(subject, walker, goal, monitor);
-        self.work = Work::Visit(Job::start_future(&self.wake, work));
+        self.work = PassWork::Visit(Job::start_future(&self.wake, work));
     }
 
     pub(super) fn visited(&mut self, outcome: Result<Arrival, String>) -> bool {
-        self.work = Work::Idle;
+        self.work = PassWork::Idle;
         let outcome = match outcome {
             Ok(arrival) => {
                 self.walker = arrival.walker;
@@ -111,9 +111,9 @@ impl Passes {
 
     pub(super) fn cancel(&mut self) {
         match &self.work {
-            Work::Idle => {}
-            Work::Survey(job) => job.cancel(),
-            Work::Visit(job) => {
+            PassWork::Idle => {}
+            PassWork::Survey(job) => job.cancel(),
+            PassWork::Visit(job) => {
                 job.cancel();
                 self.is_wanted = false;
                 self.notice = Some(

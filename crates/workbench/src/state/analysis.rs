@@ -8,7 +8,7 @@ use super::{RunView, State};
 use crate::analysis::Analysis;
 use crate::analysis::held::Held;
 use crate::layout::Panel;
-use tilescope_drawing::brushed::Found;
+use tilescope_drawing::brushed::BrushedCause;
 
 impl State {
     /// Returns whether what is measured can be seen.
@@ -42,7 +42,7 @@ impl State {
 
     /// Returns the causes of what is brushed at the moment, once they are found, while the analysis is looked at.
     #[must_use]
-    pub fn causes(&self) -> Option<&Found> {
+    pub fn causes(&self) -> Option<&BrushedCause> {
         self.analysis.causes(&self.runs.first, self.analyses())
     }
 
@@ -75,7 +75,7 @@ impl State {
 
 impl Analysis {
     /// Returns the causes of what is brushed at the moment of a run, once they are found; none where they are not seen.
-    pub(super) fn causes(&self, run: &RunView, are_seen: bool) -> Option<&Found> {
+    pub(super) fn causes(&self, run: &RunView, are_seen: bool) -> Option<&BrushedCause> {
         let brush = self.brush.filter(|_| are_seen)?;
         self.marks.of(&run.shown()?, brush)
     }

@@ -9,7 +9,7 @@ use tilescope_session::task;
 use tilescope_session::words::sentence;
 
 use super::State;
-use super::undo::Part;
+use super::undo::UndoPart;
 use crate::command::Which;
 
 /// Why something that belongs to a run cannot be done with a combination.
@@ -26,7 +26,7 @@ impl State {
         (self.messages.notice, self.links.arriving) = (None, None);
         match Layout::from_json(text.as_bytes()) {
             Ok(layout) => {
-                self.remember_run(Part::Run);
+                self.remember_run(UndoPart::Run);
                 self.start_combining(layout);
             }
             Err(error) => self.tell(sentence(&error.to_string()), true),

@@ -9,7 +9,7 @@ use tilescope_session::recipe::Recipe;
 use super::{RunView, State};
 use crate::command::{ViewCommand, Which};
 use crate::compare::link::{common, corresponding};
-use crate::compare::{CompareCommand, Comparison, ComparePreset};
+use crate::compare::{CompareCommand, ComparePreset, Comparison};
 use crate::device::{Device, Engine};
 use crate::layout::Panel;
 use tilescope_drawing::subject::{Contrast, Subject};

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use tilescope_drawing::brushed::Found;
+use tilescope_drawing::brushed::BrushedCause;
 use tilescope_session::jobs::Job;
 use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped};
@@ -14,7 +14,8 @@ use crate::appearance::Appearance;
 use crate::export::frames::{Count, Key, count, every_at_first, frames};
 use crate::export::picture::MAX_DRAWN;
 use crate::export::{
-    Content, Entry, ExportCommand, ExportForm, Kind, MAX_FRAMES, Order, Refusal, View,
+    ExportCommand, ExportContent, ExportForm, ExportJob, ExportKind, ExportRefusal, MAX_FRAMES,
+    NumberField, PictureView,
 };
 use crate::files::Delivery;
 
@@ -42,7 +43,7 @@ pub struct ExportSource<'a> {
     /// How moments are drawn.
     pub appearance: &'a Appearance,
     /// The causes of what is brushed, where they are seen.
-    pub causes: Option<&'a Found>,
+    pub causes: Option<&'a BrushedCause>,
 }
 
 impl State {
@@ -126,10 +127,10 @@ impl Exports {
         self.count_frames(source);
     }
 
-    fn choose(&mut self, kind: Kind, source: ExportSource<'_>) {
+    fn choose(&mut self, kind: ExportKind, source: ExportSource<'_>) {
         if let Some(form) = &mut self.sheet {
             form.choose(kind);
-            if kind == Kind::Animation && form.every.is_empty() {
+            if kind == ExportKind::Animation && form.every.is_empty() {
                 self.propose_every(source);
             }
         }
@@ -145,9 +146,9 @@ impl Exports {
     }
 
     /// Returns what the sheet asks for, in a few words, or why it cannot be written.
-    pub fn prospect(&self, source: ExportSource<'_>) -> Result<String, Refusal> {
+    pub fn prospect(&self, source: ExportSource<'_>) -> Result<String, ExportRefusal> {
         let (Some(form), Some(session)) = (&self.sheet, &source.run.session) else {
-            return Err(Refusal::NoSession);
+            return Err(ExportRefusal::NoSession);
         };
         let refusal = source
             .kind_refusal(form.kind)
@@ -156,13 +157,13 @@ impl Exports {
             return Err(refusal);
         }
         match form.kind {
-            Kind::Result => Ok(counted(session.summary.count, "sample", "samples")),
-            Kind::Samples => Ok(source.moment_name()),
-            Kind::Picture => {
+            ExportKind::Result => Ok(counted(session.summary.count, "sample", "samples")),
+            ExportKind::Samples => Ok(source.moment_name()),
+            ExportKind::Picture => {
                 let size = checked_view(form, source)?.1;
                 Ok(format!("{}, {size}", source.moment_name()))
             }
-            Kind::Animation => {
+            ExportKind::Animation => {
                 let size = checked_view(form, source)?.1;
                 let frames = self.frame_count(form, source)?;
                 let secs = frames as f64 * f64::from(form.delay()?) / 100.0;
@@ -173,9 +174,17 @@ impl Exports {
         }
     }
 
-    fn frame_count(&self, form: &ExportForm, source: ExportSource<'_>) -> Result<usize, Refusal> {
+    fn frame_count(
+        &self,
+        form: &ExportForm,
+        source: ExportSource<'_>,
+    ) -> Result<usize, ExportRefusal> {
         let key = frames_key(form, source)?;
-        let session = source.run.session.as_ref().ok_or(Refusal::NoSession)?;
+        let session = source
+            .run
+            .session
+            .as_ref()
+            .ok_or(ExportRefusal::NoSession)?;
         match &self.frames {
             Some(known) if known.key == key => known.frames.clone(),
             _ => count(session, &key.1, key.2, key.3),
@@ -184,7 +193,7 @@ impl Exports {
 
     /// Counts the frames of the animation in the sheet, should that have changed: lines take a walk over events.
     pub(super) fn count_frames(&mut self, source: ExportSource<'_>) {
-        let animation = |form: &&ExportForm| form.kind == Kind::Animation;
+        let animation = |form: &&ExportForm| form.kind == ExportKind::Animation;
         let Some(form) = self.sheet.as_ref().filter(animation) else {
             return;
         };
@@ -198,31 +207,31 @@ impl Exports {
     }
 
     /// Returns what the sheet asks for.
-    pub fn order(&self, source: ExportSource<'_>) -> Result<Order, Refusal> {
+    pub fn order(&self, source: ExportSource<'_>) -> Result<ExportJob, ExportRefusal> {
         self.prospect(source)?;
         let (Some(form), Some(session), Some(moment)) =
             (&self.sheet, &source.run.session, source.run.moment())
         else {
-            return Err(Refusal::NoSession);
+            return Err(ExportRefusal::NoSession);
         };
         let content = match form.kind {
-            Kind::Result | Kind::Samples => Content::Samples {
-                moment: (form.kind == Kind::Samples).then_some(moment),
+            ExportKind::Result | ExportKind::Samples => ExportContent::Samples {
+                moment: (form.kind == ExportKind::Samples).then_some(moment),
                 precision: form.precision,
             },
-            Kind::Picture => {
+            ExportKind::Picture => {
                 let (view, scale) = checked_view(form, source)?.0;
-                Content::Picture {
+                ExportContent::Picture {
                     moment,
                     view,
                     causes: source.causes.map(|found| found.cause.clone()),
                     scale,
                 }
             }
-            Kind::Animation => {
+            ExportKind::Animation => {
                 let (view, scale) = checked_view(form, source)?.0;
                 let (_, range, clock, every) = frames_key(form, source)?;
-                Content::Animation {
+                ExportContent::Animation {
                     cursors: frames(session, &range, clock, every)?,
                     view,
                     scale,
@@ -232,7 +241,7 @@ impl Exports {
                 }
             }
         };
-        Ok(Order {
+        Ok(ExportJob {
             path: form.file().to_owned(),
             session: tilescope_session::task::SessionRef(Arc::clone(session)),
             content,
@@ -249,14 +258,16 @@ impl Exports {
 impl ExportSource<'_> {
     /// Returns why nothing of a kind can be exported now, whatever the sheet says.
     #[must_use]
-    pub fn kind_refusal(&self, kind: Kind) -> Option<Refusal> {
+    pub fn kind_refusal(&self, kind: ExportKind) -> Option<ExportRefusal> {
         let (Some(session), Some(moment)) = (&self.run.session, self.run.moment()) else {
-            return Some(Refusal::NoSession);
+            return Some(ExportRefusal::NoSession);
         };
         match kind {
-            Kind::Animation if session.combination.is_some() => Some(Refusal::Combination),
-            Kind::Animation if session.recording().is_none() => Some(Refusal::NoEvents),
-            Kind::Samples if !moment.has_samples(session) => Some(Refusal::NoSamples),
+            ExportKind::Animation if session.combination.is_some() => {
+                Some(ExportRefusal::Combination)
+            }
+            ExportKind::Animation if session.recording().is_none() => Some(ExportRefusal::NoEvents),
+            ExportKind::Samples if !moment.has_samples(session) => Some(ExportRefusal::NoSamples),
             _ => None,
         }
     }
@@ -276,22 +287,22 @@ impl ExportSource<'_> {
 
     /// Returns what of the plane a picture shows: what the canvas shows. Animations are of the run's domain, also
     /// while the canvas shows the pattern.
-    pub fn view(&self, kind: Kind, print: bool) -> Result<View, Refusal> {
+    pub fn view(&self, kind: ExportKind, print: bool) -> Result<PictureView, ExportRefusal> {
         if !self.run.viewport.is_positive() {
-            return Err(Refusal::NoCanvas);
+            return Err(ExportRefusal::NoCanvas);
         }
         let camera = match self.run.before_pattern {
-            Some((camera, _)) if kind == Kind::Animation => camera,
+            Some((camera, _)) if kind == ExportKind::Animation => camera,
             _ => self.run.camera,
         };
         let size = self.run.viewport.size();
-        Ok(View {
+        Ok(PictureView {
             camera,
             size: [size.x, size.y].map(f64::from),
             layers: self.appearance.layers,
             colouring: self.appearance.colouring,
             selection: match kind {
-                Kind::Animation => Selection::Nothing,
+                ExportKind::Animation => Selection::Nothing,
                 _ => self.run.selection(),
             },
             dark: tilescope_drawing::palette::Palette::of(self.appearance.look).dark,
@@ -316,16 +327,20 @@ impl ExportSource<'_> {
 fn checked_view(
     form: &ExportForm,
     source: ExportSource<'_>,
-) -> Result<((View, f64), String), Refusal> {
-    let session = source.run.session.as_ref().ok_or(Refusal::NoSession)?;
+) -> Result<((PictureView, f64), String), ExportRefusal> {
+    let session = source
+        .run
+        .session
+        .as_ref()
+        .ok_or(ExportRefusal::NoSession)?;
     let view = source.view(form.kind, form.print)?;
     let (low, high) = view.camera.visible(source.run.viewport);
     let samples = session.index.count_in(low, high);
     if samples > MAX_DRAWN {
-        return Err(Refusal::TooManySamples { samples });
+        return Err(ExportRefusal::TooManySamples { samples });
     }
     let scale = if form.has_scale() { form.scale()? } else { 1.0 };
-    let animated = form.kind == Kind::Animation;
+    let animated = form.kind == ExportKind::Animation;
     if let Some(refusal) = view.size_refusal(scale, animated) {
         return Err(refusal);
     }
@@ -333,9 +348,13 @@ fn checked_view(
     Ok(((view, scale), format!("{width} x {height} pixels")))
 }
 
-fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, Refusal> {
-    let session = source.run.session.as_ref().ok_or(Refusal::NoSession)?;
-    let range = source.range().ok_or(Refusal::NoEvents)?;
+fn frames_key(form: &ExportForm, source: ExportSource<'_>) -> Result<Key, ExportRefusal> {
+    let session = source
+        .run
+        .session
+        .as_ref()
+        .ok_or(ExportRefusal::NoSession)?;
+    let range = source.range().ok_or(ExportRefusal::NoEvents)?;
     Ok((session.generation, range, form.clock, form.every()?))
 }
 
@@ -348,9 +367,9 @@ fn fill_in(form: &mut ExportForm, command: ExportCommand) {
         }
         ExportCommand::Precision(precision) => form.precision = precision,
         ExportCommand::Print(print) => form.print = print,
-        ExportCommand::Type(Entry::Scale, text) => form.scale = text,
-        ExportCommand::Type(Entry::Every, text) => form.every = text,
-        ExportCommand::Type(Entry::Delay, text) => form.delay = text,
+        ExportCommand::Type(NumberField::Scale, text) => form.scale = text,
+        ExportCommand::Type(NumberField::Every, text) => form.every = text,
+        ExportCommand::Type(NumberField::Delay, text) => form.delay = text,
         _ => {}
     }
 }

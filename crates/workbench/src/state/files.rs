@@ -15,8 +15,8 @@ use super::effects::Context;
 use super::{FileState, RunView, State};
 use crate::files;
 use crate::files::{
-    Delivery, Done, FileCommand, FileForm, Filing, Outcome, Purpose, ReadTask, SESSION_NAME,
-    SaveTask, Source,
+    Delivery, Done, FileCommand, FileForm, FileOutcome, FileSource, Filing, Purpose, ReadTask,
+    SESSION_NAME, SaveTask,
 };
 
 mod outcome;
@@ -60,13 +60,13 @@ impl FileState {
             #[cfg(not(target_arch = "wasm32"))]
             FileCommand::Dropped(paths) => {
                 let names = paths.iter().map(PathBuf::from).collect();
-                self.take_dropped(&paths, Source::Paths(names), &[], run, context);
+                self.take_dropped(&paths, FileSource::Paths(names), &[], run, context);
             }
             #[cfg(target_arch = "wasm32")]
             FileCommand::Dropped(_) => {}
             FileCommand::DroppedBytes(files, refused) => {
                 let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
-                self.take_dropped(&names, Source::Bytes(files), &refused, run, context);
+                self.take_dropped(&names, FileSource::Bytes(files), &refused, run, context);
             }
         }
     }
@@ -126,7 +126,7 @@ impl FileState {
     fn take_dropped(
         &mut self,
         names: &[String],
-        source: Source,
+        source: FileSource,
         refused: &[String],
         run: &RunView,
         context: &mut Context,
@@ -151,7 +151,7 @@ impl FileState {
     fn begin_reading(
         &mut self,
         (purpose, path): (Option<Purpose>, String),
-        source: Source,
+        source: FileSource,
         run: &RunView,
         context: &mut Context,
     ) {
@@ -172,13 +172,13 @@ impl FileState {
         purpose: Option<Purpose>,
         path: String,
         context: &Context,
-        work: impl FnOnce(&Monitor) -> Outcome + Send + 'static,
+        work: impl FnOnce(&Monitor) -> FileOutcome + Send + 'static,
     ) {
         let job = Job::start(&context.wake, work);
         self.wait_for(purpose, path, job);
     }
 
-    fn wait_for(&mut self, purpose: Option<Purpose>, path: String, job: Job<Outcome>) {
+    fn wait_for(&mut self, purpose: Option<Purpose>, path: String, job: Job<FileOutcome>) {
         let refused = Vec::new();
         self.filing = Some(Filing {
             purpose,
@@ -208,7 +208,7 @@ impl FileState {
                 self.start_saving(path, run, saving, context);
             }
         } else if !form.chosen.is_empty() {
-            let source = Source::Bytes(form.chosen.to_vec());
+            let source = FileSource::Bytes(form.chosen.to_vec());
             self.begin_reading((Some(purpose), path), source, run, context);
         } else if self.in_browser() {
             let text = "Choose the file with Browse, or drop it on the window.";
@@ -217,7 +217,7 @@ impl FileState {
             #[cfg(not(target_arch = "wasm32"))]
             self.begin_reading(
                 (Some(purpose), path.clone()),
-                Source::Paths(vec![PathBuf::from(path)]),
+                FileSource::Paths(vec![PathBuf::from(path)]),
                 run,
                 context,
             );
@@ -251,7 +251,7 @@ impl FileState {
                     return;
                 }
                 self.start_filing(Some(Purpose::Save), path, context, move |_| {
-                    Outcome::of(files::save(&task).map(|()| Done::Saved(task.name)))
+                    FileOutcome::of(files::save(&task).map(|()| Done::Saved(task.name)))
                 });
             }
             Delivery::Download => {
@@ -260,7 +260,7 @@ impl FileState {
                     ..task
                 };
                 self.start_filing(Some(Purpose::Save), path, context, move |_| {
-                    Outcome::of(files::render(&task).map(Done::Download))
+                    FileOutcome::of(files::render(&task).map(Done::Download))
                 });
             }
         }

@@ -7,15 +7,15 @@ use tilescope_session::selection::Selection;
 use tilescope_session::words::{counted, grouped, stage_name};
 
 use super::State;
-use super::undo::Part;
+use super::undo::UndoPart;
 use crate::command::Which;
 use crate::draft::Draft;
-use crate::link::{self, Content, Link, NamedMoment, Said, slug};
+use crate::link::{self, Link, LinkContent, LinkWarnings, NamedMoment, slug};
 
 /// A link whose run is being made.
 pub(super) struct Arriving {
-    content: Content,
-    said: Said,
+    content: LinkContent,
+    said: LinkWarnings,
 }
 
 impl State {
@@ -33,7 +33,7 @@ impl State {
         Link { left_out, ..link }
     }
 
-    fn content(&self, left_out: &mut Vec<String>) -> Content {
+    fn content(&self, left_out: &mut Vec<String>) -> LinkContent {
         let mut view = self.view();
         if self.runs.first.before_pattern.is_none() {
             let flight = self.runs.first.flight.as_ref();
@@ -41,10 +41,10 @@ impl State {
             view.camera = view.camera.map(|camera| destination.unwrap_or(camera));
         }
         view.second = self.linked_second(view.second, left_out);
-        let mut content = Content {
+        let mut content = LinkContent {
             moment: self.linked_moment(),
             view,
-            ..Content::default()
+            ..LinkContent::default()
         };
         if let Some(debugger) = &self.runs.first.debugger {
             content.breakpoints = debugger.saved_breakpoints();
@@ -61,7 +61,7 @@ impl State {
         content
     }
 
-    fn put_run(&self, content: &mut Content, left_out: &mut Vec<String>) {
+    fn put_run(&self, content: &mut LinkContent, left_out: &mut Vec<String>) {
         content.parameters = self.form.draft.parameters;
         let Some(session) = &self.runs.first.session else {
             return;
@@ -144,7 +144,7 @@ impl State {
         self.open_content(content, said);
     }
 
-    pub(super) fn open_content(&mut self, content: Content, mut said: Said) {
+    pub(super) fn open_content(&mut self, content: LinkContent, mut said: LinkWarnings) {
         self.files.stop_reading();
         (
             self.runs.first.sampling,
@@ -159,7 +159,7 @@ impl State {
         let before = self.memento();
         let is_made = self.is_made_from(&content);
         if !is_made {
-            self.remember_run(Part::Everything);
+            self.remember_run(UndoPart::Everything);
         }
         self.form.own_pattern = None;
         if content.combination.is_none() {
@@ -167,7 +167,7 @@ impl State {
         }
         if is_made {
             self.take_up_link(&content, &mut said);
-            self.remember(before, Part::Everything, None);
+            self.remember(before, UndoPart::Everything, None);
             self.tell_of_link(&said);
             return;
         }
@@ -182,7 +182,7 @@ impl State {
     }
 
     /// Returns whether the session at hand is what a link asks for.
-    fn is_made_from(&self, content: &Content) -> bool {
+    fn is_made_from(&self, content: &LinkContent) -> bool {
         let Some(session) = &self.runs.first.session else {
             return false;
         };
@@ -221,7 +221,7 @@ impl State {
         }
     }
 
-    fn take_up_link(&mut self, content: &Content, said: &mut Said) {
+    fn take_up_link(&mut self, content: &LinkContent, said: &mut LinkWarnings) {
         self.time.playback.stop();
         self.time.playback.range = None;
         self.on(Which::First, |run, context| {
@@ -239,7 +239,7 @@ impl State {
     }
 
     /// Says what became of a link, behind what is said already.
-    fn tell_of_link(&mut self, said: &Said) {
+    fn tell_of_link(&mut self, said: &LinkWarnings) {
         if said.is_empty() {
             return;
         }
@@ -251,7 +251,7 @@ impl State {
         self.tell(text, true);
     }
 
-    fn take_moment(&mut self, moment: &NamedMoment, said: &mut Said) {
+    fn take_moment(&mut self, moment: &NamedMoment, said: &mut LinkWarnings) {
         let len = self.cursor().map(|(_, len)| len);
         let place = match moment {
             NamedMoment::Stage(name) => self.stage_named(name),
@@ -288,7 +288,7 @@ impl State {
             .position(|&stage| slug(&stage_name(stage)) == name)
     }
 
-    fn take_linked_stops(&mut self, content: &Content, said: &mut Said) {
+    fn take_linked_stops(&mut self, content: &LinkContent, said: &mut LinkWarnings) {
         let stops = content.breakpoints.len() + content.watches.len() + content.bookmarks.len();
         let Some(debugger) = &mut self.runs.first.debugger else {
             if stops > 0 {

@@ -49,7 +49,7 @@ pub struct FileState {
     pub finding: Option<(Purpose, Job<Option<std::path::PathBuf>>)>,
     /// The dialog of the browser for it, and the reading of what was chosen.
     #[cfg(target_arch = "wasm32")]
-    pub finding: Option<(Purpose, Job<crate::files::web::Found>)>,
+    pub finding: Option<(Purpose, Job<crate::files::web::ReadFiles>)>,
     /// Where files go that are written.
     pub delivery: Delivery,
     /// Files that are to be downloaded.

@@ -8,9 +8,9 @@ use tilescope_core::{Parameters, Stage};
 use tilescope_debugger::{Debugger, OutlineRows, Stops};
 use tilescope_session::geometry::Geometry;
 use tilescope_session::jobs::Job;
-use tilescope_session::moment::{Moment, Shown};
+use tilescope_session::moment::{Moment, ShownMoment};
 use tilescope_session::session::{MakeError, Session};
-use tilescope_session::verification::{WitnessMark, Verdict};
+use tilescope_session::verification::{Verdict, WitnessMark};
 
 use super::{Appearance, Verification};
 use crate::passes::Passes;
@@ -25,7 +25,7 @@ mod time;
 mod work;
 
 pub use debug::FindEventsTask;
-pub use debug::{EventQuery, Found, MAX_FOUND};
+pub use debug::{EventQuery, FoundEvents, MAX_FOUND};
 pub use hits::CountHitsTask;
 pub use hits::{Hits, MAX_HITS};
 pub(super) use time::{next_line, none_there};
@@ -74,7 +74,7 @@ pub struct RunView {
     /// What the event browser looks for.
     pub query: EventQuery,
     /// The history of what is selected.
-    pub history_found: Found,
+    pub history_found: FoundEvents,
     /// Where the breakpoints would stop a run.
     pub hits: Hits,
     /// Where the camera is flying to.
@@ -108,7 +108,7 @@ impl Default for RunView {
             revealed: 0,
             passes: None,
             query: EventQuery::default(),
-            history_found: Found::default(),
+            history_found: FoundEvents::default(),
             hits: Hits::default(),
             flight: None,
             fitted: true,
@@ -120,9 +120,9 @@ impl Default for RunView {
 impl RunView {
     /// Returns the moment that is shown.
     #[must_use]
-    pub fn shown(&self) -> Option<Shown<'_>> {
+    pub fn shown(&self) -> Option<ShownMoment<'_>> {
         let session = self.session.as_deref()?;
-        Some(Shown {
+        Some(ShownMoment {
             session,
             debugger: self.debugger.as_ref(),
             stage: *session.stages.get(self.stage)?,

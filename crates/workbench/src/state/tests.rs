@@ -8,13 +8,13 @@ use emath::Rect;
 use tilescope_core::{Search, Variant};
 use tilescope_session::layers::Layer;
 use tilescope_session::session::Session;
-use tilescope_session::verification::{WitnessMark, Witness};
+use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::*;
 use crate::command::{AppearanceCommand, FormCommand, GpuCommand, TimeCommand, ViewCommand, Which};
 use crate::device::Engine;
 use crate::draft::{Choice, Field};
-use crate::export::{ExportCommand, Kind};
+use crate::export::{ExportCommand, ExportKind};
 
 fn settled() -> State {
     let mut state = State::new(Arc::new(|| {}));
@@ -145,7 +145,9 @@ fn a_valid_set_shows_its_extremes() {
         Which::First,
         ViewCommand::FlyToWitness(Witness::Verdict),
     ));
-    assert!(matches!(state.runs.first.witness_mark, Some(WitnessMark::Pair(_, d)) if (1.0..1.01).contains(&d)));
+    assert!(
+        matches!(state.runs.first.witness_mark, Some(WitnessMark::Pair(_, d)) if (1.0..1.01).contains(&d))
+    );
     state.apply(Command::View(
         Which::First,
         ViewCommand::FlyToWitness(Witness::LargestHole),
@@ -161,7 +163,7 @@ fn an_export_says_where_file_and_certificate_went() {
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("set.ply");
     let mut state = settled();
-    state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
+    state.apply(Command::Export(ExportCommand::Open(ExportKind::Result)));
     state.apply(Command::Export(ExportCommand::Path(
         path.to_string_lossy().into_owned(),
     )));
@@ -171,7 +173,7 @@ fn an_export_says_where_file_and_certificate_went() {
     assert!(!notice.is_error, "{}", notice.text);
     assert!(notice.text.contains("set.ply.certificate.json"));
     assert!(path.exists() && state.files.exports.sheet.is_none());
-    state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
+    state.apply(Command::Export(ExportCommand::Open(ExportKind::Result)));
     let nowhere = folder.join("missing").join("set.csv");
     state.apply(Command::Export(ExportCommand::Path(
         nowhere.to_string_lossy().into_owned(),

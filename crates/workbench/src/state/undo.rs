@@ -22,7 +22,7 @@ enum Made {
 
 /// What a step changed, and undoing it brings back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum UndoPart {
     /// The parameters in the panel, not yet run.
     Form,
     /// The parameters and the run.
@@ -44,7 +44,7 @@ pub(super) struct Memento {
 
 /// A change, and what was before it or, once it is undone, after it.
 struct Change {
-    part: Part,
+    part: UndoPart,
     memento: Memento,
 }
 
@@ -59,10 +59,10 @@ pub struct History {
 
 /// Returns what a command may change of what can be undone. The others, such as moves of the pointer, come with every
 /// frame.
-pub(super) const fn concerns(command: &Command) -> Option<Part> {
+pub(super) const fn concerns(command: &Command) -> Option<UndoPart> {
     match command {
-        Command::Form(_) => Some(Part::Form),
-        Command::Window(WindowCommand::ResetLayout) => Some(Part::Layout),
+        Command::Form(_) => Some(UndoPart::Form),
+        Command::Window(WindowCommand::ResetLayout) => Some(UndoPart::Layout),
         _ => None,
     }
 }
@@ -105,7 +105,7 @@ impl State {
     }
 
     /// Adds a step of `command`, if it changed something since `before`.
-    pub(super) fn remember(&mut self, before: Memento, part: Part, command: Option<&Command>) {
+    pub(super) fn remember(&mut self, before: Memento, part: UndoPart, command: Option<&Command>) {
         let field = match command {
             Some(Command::Form(FormCommand::Type(field, _))) => Some(*field),
             _ => None,
@@ -121,7 +121,7 @@ impl State {
         self.history.typing = field;
     }
 
-    fn push(&mut self, part: Part, memento: Memento) {
+    fn push(&mut self, part: UndoPart, memento: Memento) {
         let History { past, future, .. } = &mut self.history;
         past.push(Change { part, memento });
         let surplus = past.len().saturating_sub(MAX_STEPS);
@@ -131,31 +131,31 @@ impl State {
 
     /// Adds the step of a run that is about to take the place of the one at hand. What was typed since the run before is
     /// part of it, so that undoing it brings parameters and run back together.
-    pub(super) fn remember_run(&mut self, part: Part) {
+    pub(super) fn remember_run(&mut self, part: UndoPart) {
         if self.runs.first.session.is_none() {
             return;
         }
         let mut before = self.memento();
         let past = &mut self.history.past;
-        let is_run = |change: &Change| matches!(change.part, Part::Run | Part::Everything);
+        let is_run = |change: &Change| matches!(change.part, UndoPart::Run | UndoPart::Everything);
         let last = past.iter().rposition(is_run);
         let since = last.map_or(0, |place| place + 1);
         let typed = past[since..]
             .iter()
-            .find(|change| change.part == Part::Form);
+            .find(|change| change.part == UndoPart::Form);
         if let Some(typed) = typed {
             before.form = typed.memento.form.clone();
         }
         let mut place = 0;
         past.retain(|change| {
             place += 1;
-            place <= since || change.part != Part::Form
+            place <= since || change.part != UndoPart::Form
         });
         self.history.typing = None;
         // A run that was stopped before it was there is no step of its own.
         let stopped =
             last.is_some_and(|place| self.history.past[place].memento.made == before.made);
-        if stopped && part == Part::Run {
+        if stopped && part == UndoPart::Run {
             self.history.future.clear();
         } else {
             self.push(part, before);
@@ -167,7 +167,7 @@ impl State {
         let before = self.memento();
         self.window.layout = layout;
         if is_moved {
-            self.remember(before, Part::Layout, None);
+            self.remember(before, UndoPart::Layout, None);
         }
     }
 
@@ -175,7 +175,7 @@ impl State {
         if let Some(Change { part, memento }) = self.history.past.pop() {
             let mut now = self.memento();
             // The run may still be at work.
-            if matches!(part, Part::Run | Part::Everything) && !self.shows_combination() {
+            if matches!(part, UndoPart::Run | UndoPart::Everything) && !self.shows_combination() {
                 now.made = Some(Made::Run(self.typed()));
             }
             self.history.future.push(Change { part, memento: now });
@@ -191,21 +191,21 @@ impl State {
         }
     }
 
-    fn recall(&mut self, part: Part, memento: Memento) {
+    fn recall(&mut self, part: UndoPart, memento: Memento) {
         self.history.typing = None;
-        if part != Part::Layout {
+        if part != UndoPart::Layout {
             self.form = memento.form;
         }
-        if matches!(part, Part::Layout | Part::Everything) {
+        if matches!(part, UndoPart::Layout | UndoPart::Everything) {
             self.window.layout = memento.layout;
         }
-        if part == Part::Everything {
+        if part == UndoPart::Everything {
             let Appearance {
                 layers, colouring, ..
             } = memento.appearance;
             (self.appearance.layers, self.appearance.colouring) = (layers, colouring);
         }
-        if matches!(part, Part::Run | Part::Everything) {
+        if matches!(part, UndoPart::Run | UndoPart::Everything) {
             self.make_again(memento.made);
         }
     }

@@ -5,12 +5,12 @@ use tilescope_session::selection::Selection;
 
 use super::State;
 use crate::command::Which;
-use crate::view::View;
+use crate::view::SavedView;
 
 impl State {
     /// Returns how the session at hand is looked at.
     #[must_use]
-    pub fn view(&self) -> View {
+    pub fn view(&self) -> SavedView {
         let second = self.runs.second.as_ref().and_then(|(side, _)| {
             let session = side.session.as_ref()?;
             let made = session.own.is_none() && session.combination.is_none();
@@ -20,7 +20,7 @@ impl State {
         // The pattern has a domain of its own, and its camera ends with it.
         let (camera, fitted) = first.before_pattern.unwrap_or((first.camera, first.fitted));
         let links = self.runs.second.as_ref();
-        View {
+        SavedView {
             camera: (!fitted).then_some(camera),
             appearance: self.appearance.clone(),
             layout: self.window.layout.clone(),
@@ -28,14 +28,14 @@ impl State {
             playback: self.time.playback.clone(),
             second,
             links: links.map_or_else(
-                || View::default().links,
+                || SavedView::default().links,
                 |(_, comparison)| comparison.links(),
             ),
         }
     }
 
     /// Takes up how a session was looked at. Returns the names of the parts that the session at hand does not allow.
-    pub fn look_as(&mut self, view: &View) -> Vec<&'static str> {
+    pub fn look_as(&mut self, view: &SavedView) -> Vec<&'static str> {
         let mut dropped = Vec::new();
         let camera = self.runs.first.camera;
         let camera = view.camera.unwrap_or(camera);
@@ -71,7 +71,7 @@ impl State {
         dropped
     }
 
-    fn take_second(&mut self, view: &View) {
+    fn take_second(&mut self, view: &SavedView) {
         self.runs.second = None;
         let Some(parameters) = view.second else {
             return;

@@ -6,7 +6,7 @@ use tilescope_session::session::{MakeError, Session};
 use tilescope_session::words::sentence;
 
 use super::run_view::Made;
-use super::undo::Part;
+use super::undo::UndoPart;
 use super::{State, Which};
 use crate::layout::Panel;
 
@@ -25,7 +25,7 @@ impl State {
             .as_ref()
             .is_none_or(|session| session.recipe() != recipe);
         if is_new || self.shows_combination() {
-            self.remember_run(Part::Run);
+            self.remember_run(UndoPart::Run);
         }
         self.start_sampling(Which::First, recipe, self.gpu.engine);
     }

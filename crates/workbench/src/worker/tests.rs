@@ -16,10 +16,10 @@ use tilescope_session::task::{
 
 use super::*;
 use crate::analysis::AnalysisCommand;
-use crate::analysis::brush::{Axis, Brush};
+use crate::analysis::brush::{Brush, BrushAxis};
 use crate::command::{AppearanceCommand, Command, DebugCommand, ViewCommand, Which, WindowCommand};
 use crate::compare::{CompareCommand, ComparePreset};
-use crate::export::{ExportCommand, Kind};
+use crate::export::{ExportCommand, ExportKind};
 use crate::files::{Delivery, FileCommand};
 use crate::layout::Panel;
 use crate::state::{State, Verification};
@@ -107,11 +107,13 @@ fn visit() -> Vec<String> {
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.advance(0.0);
     state.settle();
-    let brush = Brush::between(Axis::Frequency, 1.0, 1.3);
+    let brush = Brush::between(BrushAxis::Frequency, 1.0, 1.3);
     state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
     state.advance(0.0);
     state.settle();
-    state.apply(Command::Compare(CompareCommand::Start(ComparePreset::NextSeed)));
+    state.apply(Command::Compare(CompareCommand::Start(
+        ComparePreset::NextSeed,
+    )));
     state.settle();
     state.advance(0.0);
     state.settle();
@@ -172,7 +174,7 @@ fn visit() -> Vec<String> {
 fn hand_over(state: &mut State) -> Vec<String> {
     state.files.delivery = Delivery::Download;
     state.apply(Command::Compare(CompareCommand::Close));
-    state.apply(Command::Export(ExportCommand::Open(Kind::Result)));
+    state.apply(Command::Export(ExportCommand::Open(ExportKind::Result)));
     state.apply(Command::Export(ExportCommand::Write));
     state.settle();
     let files = state.files.take_downloads();

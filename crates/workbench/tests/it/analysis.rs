@@ -9,7 +9,7 @@ use tilescope_analysis::{Boundary, Region, VerifyOptions, verify};
 use tilescope_core::{Parameters, Pattern, Standing, Sweep, Unobserved, sample};
 use tilescope_session::Session;
 use tilescope_workbench::analysis::brush::FIRST_PEAK;
-use tilescope_workbench::analysis::measured::{Measured, Part, Samples};
+use tilescope_workbench::analysis::measured::{MeasurePart, MeasuredSet, Samples};
 use tilescope_workbench::analysis::{AnalysisCommand, MAX_KEPT};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::draft::Field;
@@ -35,7 +35,7 @@ fn jump(state: &mut State, cursor: usize) {
     state.apply(Command::Time(TimeCommand::Jump(cursor)));
 }
 
-fn measured(state: &State) -> Arc<Measured> {
+fn measured(state: &State) -> Arc<MeasuredSet> {
     let known = state.analysis.of(&state.shown().unwrap());
     Arc::clone(&known.expect("measured").measured)
 }
@@ -282,8 +282,8 @@ fn the_spectrum_that_comes_first_sees_as_far_along_both_axes() {
             region,
             radius: 0.001,
         };
-        let mut measured = Measured::nothing(&set);
-        measured.measure(Part::Rough, &set, &go_on).unwrap();
+        let mut measured = MeasuredSet::nothing(&set);
+        measured.measure(MeasurePart::Rough, &set, &go_on).unwrap();
         let [x, y] = measured.rough.unwrap().picture_reach;
         assert!(
             (0.55..0.7).contains(&x) && (0.55..0.7).contains(&y),
@@ -308,5 +308,5 @@ fn parts_come_one_after_the_other() {
         frames += 1;
         assert!(frames < 50_000_000, "it comes to an end");
     }
-    assert_eq!(seen, [Part::Report, Part::Spectrum]);
+    assert_eq!(seen, [MeasurePart::Report, MeasurePart::Spectrum]);
 }

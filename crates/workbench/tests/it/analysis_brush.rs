@@ -9,7 +9,7 @@ use tilescope_analysis::{Boundary, Region};
 use tilescope_core::Boundary as Border;
 use tilescope_drawing::brushed::Cause;
 use tilescope_workbench::analysis::AnalysisCommand;
-use tilescope_workbench::analysis::brush::{Axis, Brush};
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
 use tilescope_workbench::command::{FormCommand, TimeCommand, WindowCommand};
 use tilescope_workbench::draft::{Choice, Field};
 use tilescope_workbench::layout::Panel;
@@ -24,7 +24,7 @@ fn analysing() -> State {
     state
 }
 
-fn brush(state: &mut State, axis: Axis, from: f64, to: f64) {
+fn brush(state: &mut State, axis: BrushAxis, from: f64, to: f64) {
     let brush = Brush::between(axis, from, to);
     state.apply(Command::Analysis(AnalysisCommand::Brush(brush)));
     state.settle();
@@ -105,7 +105,7 @@ fn the_pairs_are_those_of_a_search_through_all_pairs() {
             (2_600, [0.0, 0.999_9]),
         ] {
             state.apply(Command::Time(TimeCommand::Jump(cursor)));
-            brush(&mut state, Axis::Distance, range[0], range[1]);
+            brush(&mut state, BrushAxis::Distance, range[0], range[1]);
             let expected = brute_force(&state, range);
             assert_eq!(
                 found_pairs(&state),
@@ -129,7 +129,7 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
     let mut state = analysing();
     for cursor in [usize::MAX, 1_500] {
         state.apply(Command::Time(TimeCommand::Jump(cursor)));
-        brush(&mut state, Axis::Frequency, 0.9, 1.3);
+        brush(&mut state, BrushAxis::Frequency, 0.9, 1.3);
         let samples = standing(&state);
         let [width, height] = state.runs.first.session.as_ref().unwrap().size_radii();
         let region = Region {
@@ -177,7 +177,7 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
 #[test]
 fn causes_follow_the_moment_and_go_with_the_brush_and_the_panel() {
     let mut state = analysing();
-    brush(&mut state, Axis::Distance, 1.0, 1.1);
+    brush(&mut state, BrushAxis::Distance, 1.0, 1.1);
     let first = found_pairs(&state);
     state.apply(Command::Time(TimeCommand::Jump(3_000)));
     assert!(
@@ -211,16 +211,19 @@ fn what_cannot_be_looked_for_is_said_and_empty_brushes_are_none() {
     state.apply(Command::Window(WindowCommand::OpenPanel(Panel::Analysis)));
     state.settle();
     assert!(state.runs.first.session.as_ref().unwrap().size_radii()[0] < 9.0);
-    brush(&mut state, Axis::Distance, 1.0, 5.0);
+    brush(&mut state, BrushAxis::Distance, 1.0, 5.0);
     assert!(state.causes().is_none());
     let said = state.brush_said();
     assert!(said.contains("largest distance of a pair"), "{said}");
-    brush(&mut state, Axis::Distance, 1.0, 3.0);
+    brush(&mut state, BrushAxis::Distance, 1.0, 3.0);
     assert_eq!(found_pairs(&state), brute_force(&state, [1.0, 3.0]));
-    brush(&mut state, Axis::Frequency, 0.0, 0.01);
+    brush(&mut state, BrushAxis::Frequency, 0.0, 0.01);
     assert_eq!(state.brush_said(), "No frequency lies in the ring.");
-    assert_eq!(Brush::between(Axis::Distance, 2.0, 2.0), None);
-    assert_eq!(Brush::between(Axis::Distance, f64::NAN, f64::NAN), None);
-    let reversed = Brush::between(Axis::Frequency, 9.0, -1.0);
-    assert_eq!(reversed, Brush::between(Axis::Frequency, 0.0, 2.5));
+    assert_eq!(Brush::between(BrushAxis::Distance, 2.0, 2.0), None);
+    assert_eq!(
+        Brush::between(BrushAxis::Distance, f64::NAN, f64::NAN),
+        None
+    );
+    let reversed = Brush::between(BrushAxis::Frequency, 9.0, -1.0);
+    assert_eq!(reversed, Brush::between(BrushAxis::Frequency, 0.0, 2.5));
 }

@@ -17,7 +17,7 @@ use tilescope_session::combination::{CombineCommand, NINE};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
 use tilescope_workbench::compare::{CompareCommand, ComparePreset};
-use tilescope_workbench::export::{Kind, picture};
+use tilescope_workbench::export::{ExportKind, picture};
 use tilescope_workbench::{Command, State};
 
 use crate::combining::{drop_text, nine};
@@ -93,11 +93,16 @@ fn one_goes_through_its_stages() {
     assert!(refusal.contains("layout"), "{refusal}");
     assert!(state.preset_refusal(ComparePreset::Typed).is_none());
     assert!(state.passes_refusal().unwrap().contains("combination"));
-    let refusal = state.export_source().kind_refusal(Kind::Animation).unwrap();
+    let refusal = state
+        .export_source()
+        .kind_refusal(ExportKind::Animation)
+        .unwrap();
     assert!(refusal.to_string().contains("no time to animate"));
     // Beside a run of the panel's parameters, and swapped with it.
     let draft = state.form.draft.parameters;
-    state.apply(Command::Compare(CompareCommand::Start(ComparePreset::Typed)));
+    state.apply(Command::Compare(CompareCommand::Start(
+        ComparePreset::Typed,
+    )));
     state.settle();
     state.apply(Command::Compare(CompareCommand::Swap));
     state.settle();
@@ -110,7 +115,7 @@ fn one_goes_through_its_stages() {
 
 /// The segments and rectangles of a group of the picture of the moment.
 fn drawn(state: &State, name: &str) -> usize {
-    let view = export_view(state, Kind::Picture).unwrap();
+    let view = export_view(state, ExportKind::Picture).unwrap();
     let still = state.runs.first.moment().unwrap();
     let scene = picture::scene(
         state.runs.first.session.as_ref().unwrap(),
@@ -149,7 +154,7 @@ fn an_export_has_the_certificate_of_a_combination() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nine.csv");
     let mut state = nine();
-    write(&mut state, Kind::Result, &path, &[]);
+    write(&mut state, ExportKind::Result, &path, &[]);
     let go_on = |_| ControlFlow::Continue(());
     let checked = check(&path, &Overrides::default(), &go_on).unwrap();
     assert!(checked.report.valid() && checked.differences.is_empty());
@@ -204,7 +209,7 @@ fn sets_from_files_are_glued_and_named_by_their_content() {
     assert!(state.save_refusal().unwrap().contains("sets from files"));
     assert!(state.saved_combination().is_none());
     let out = folder.path().join("out.csv");
-    write(&mut state, Kind::Result, &out, &[]);
+    write(&mut state, ExportKind::Result, &out, &[]);
     let go_on = |_| ControlFlow::Continue(());
     let checked = check(&out, &Overrides::default(), &go_on).unwrap();
     assert!(checked.report.valid() && checked.differences.is_empty());

@@ -17,7 +17,7 @@ use tilescope_session::look::Look;
 use tilescope_session::words::grouped;
 use tilescope_workbench::clock::Clock;
 use tilescope_workbench::command::{AppearanceCommand, TimeCommand, ViewCommand, Which};
-use tilescope_workbench::export::{Entry, ExportCommand, Kind, View};
+use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, PictureView};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, export_view, fill_in, opened, told, write};
@@ -74,11 +74,16 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
-    let view = export_view(&state, Kind::Picture).unwrap();
+    let view = export_view(&state, ExportKind::Picture).unwrap();
     let mut pictures = Vec::new();
     for scale in ["0.5", "1", "2.75"] {
         let path = folder.path().join(format!("{scale}.png"));
-        write(&mut state, Kind::Picture, &path, &[(Entry::Scale, scale)]);
+        write(
+            &mut state,
+            ExportKind::Picture,
+            &path,
+            &[(NumberField::Scale, scale)],
+        );
         assert!(state.files.exports.sheet.is_none(), "{}", told(&state));
         let picture = decode(&path);
         let [width, height] = view.pixels(scale.parse().unwrap());
@@ -110,8 +115,8 @@ fn a_png_has_the_size_asked_for_and_says_how_it_was_made() {
     ] {
         let before = pictures.pop().unwrap();
         state.apply(command.clone());
-        export(&mut state, ExportCommand::Open(Kind::Picture));
-        write(&mut state, Kind::Picture, &path, &[]);
+        export(&mut state, ExportCommand::Open(ExportKind::Picture));
+        write(&mut state, ExportKind::Picture, &path, &[]);
         export(&mut state, ExportCommand::Write);
         state.settle();
         let after = decode(&path);
@@ -128,7 +133,12 @@ fn an_svg_holds_the_layers_that_are_on_and_the_parameters() {
     let shoot = |state: &mut State, name: &str| {
         let path = folder.path().join(name);
         // A scale that no PNG could have does not concern it.
-        write(state, Kind::Picture, &path, &[(Entry::Scale, "nonsense")]);
+        write(
+            state,
+            ExportKind::Picture,
+            &path,
+            &[(NumberField::Scale, "nonsense")],
+        );
         fs::read_to_string(&path).unwrap_or_else(|_| panic!("{}", told(state)))
     };
     let svg = shoot(&mut state, "all.svg");
@@ -204,8 +214,8 @@ fn an_animation_has_its_frames_and_its_range() {
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_230))));
     let film = folder.path().join("film.gif");
-    let entries = [(Entry::Every, "4"), (Entry::Delay, "250")];
-    write(&mut state, Kind::Animation, &film, &entries);
+    let entries = [(NumberField::Every, "4"), (NumberField::Delay, "250")];
+    write(&mut state, ExportKind::Animation, &film, &entries);
     assert!(told(&state).contains("9 frames"), "{}", told(&state));
     // 1200, 1204, ... 1228, and the end.
     let (delays, moves, comments) = decode_gif(&film);
@@ -222,7 +232,7 @@ fn an_animation_has_its_frames_and_its_range() {
         (&1_200.into(), &1_230.into())
     );
     let path = folder.path().join("film.png");
-    write(&mut state, Kind::Animation, &path, &entries);
+    write(&mut state, ExportKind::Animation, &path, &entries);
     let decoded = decode(&path);
     let animation = decoded.info.animation_control.unwrap();
     assert_eq!((animation.num_frames, animation.num_plays), (9, 0));
@@ -238,7 +248,7 @@ fn an_animation_has_its_frames_and_its_range() {
     let session = state.runs.first.session.clone().unwrap();
     let stage = session.stage_end(1).unwrap()..session.stage_end(2).unwrap();
     assert_eq!(state.export_source().range(), Some(stage));
-    fill_in(&mut state, Kind::Animation, &path, &[]);
+    fill_in(&mut state, ExportKind::Animation, &path, &[]);
     export(&mut state, ExportCommand::Clock(Clock::Stage));
     assert!(
         state
@@ -252,8 +262,14 @@ fn an_animation_has_its_frames_and_its_range() {
     let camera = state.runs.first.camera;
     state.apply(Command::Time(TimeCommand::FirstStage));
     assert_ne!(state.runs.first.camera, camera);
-    assert_eq!(export_view(&state, Kind::Animation).unwrap().camera, camera);
-    assert_ne!(export_view(&state, Kind::Picture).unwrap().camera, camera);
+    assert_eq!(
+        export_view(&state, ExportKind::Animation).unwrap().camera,
+        camera
+    );
+    assert_ne!(
+        export_view(&state, ExportKind::Picture).unwrap().camera,
+        camera
+    );
 }
 
 #[test]
@@ -267,17 +283,17 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
     state.settle();
     let refusal = state
         .export_source()
-        .kind_refusal(Kind::Animation)
+        .kind_refusal(ExportKind::Animation)
         .expect("no events");
     assert!(refusal.to_string().contains("without events"), "{refusal}");
     let film = folder.path().join("film.gif");
-    write(&mut state, Kind::Animation, &film, &[]);
+    write(&mut state, ExportKind::Animation, &film, &[]);
     assert!(told(&state).contains("without events") && !film.exists());
     let mut pictures = BTreeSet::new();
     for stage in 0..state.runs.first.session.as_ref().unwrap().stages.len() {
         state.apply(Command::Time(TimeCommand::ShowStage(stage)));
         let path = folder.path().join(format!("{stage}.png"));
-        write(&mut state, Kind::Picture, &path, &[]);
+        write(&mut state, ExportKind::Picture, &path, &[]);
         let picture = decode(&path);
         assert!(picture.colours() > 5, "{stage}");
         assert_eq!(picture.json("Moment")["cursor"], Value::Null);
@@ -291,13 +307,13 @@ fn a_session_without_events_has_pictures_and_samples_but_no_animation() {
         let label = format!("aria-label=\"{group}\"");
         for shown in [true, false] {
             fs::remove_file(&path).ok();
-            write(&mut state, Kind::Picture, &path, &[]);
+            write(&mut state, ExportKind::Picture, &path, &[]);
             assert_eq!(fs::read_to_string(&path).unwrap().contains(&label), shown);
             state.apply(Command::Appearance(AppearanceCommand::ToggleLayer(layer)));
         }
     }
     let set = folder.path().join("set.npy");
-    write(&mut state, Kind::Samples, &set, &[]);
+    write(&mut state, ExportKind::Samples, &set, &[]);
     let written = read(&set, &Hint::default()).unwrap().set.points.len();
     assert_eq!(written, whole.count_after(3));
 }
@@ -314,7 +330,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         let ids = 0..shown.session.run().samples.len() as u32;
         let covering = ids.filter(|&id| shown.covers(id)).count();
         let path = folder.path().join(name);
-        write(&mut state, Kind::Samples, &path, &[]);
+        write(&mut state, ExportKind::Samples, &path, &[]);
         let bytes =
             fs::read(certificate_path(&path)).unwrap_or_else(|_| panic!("{}", told(&state)));
         let certificate = Certificate::from_bytes(&bytes, name).unwrap();
@@ -346,7 +362,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
         "{told_then}"
     );
     let result = folder.path().join("result.csv");
-    write(&mut state, Kind::Result, &result, &[]);
+    write(&mut state, ExportKind::Result, &result, &[]);
     let last = folder.path().join("last.csv");
     assert_eq!(fs::read(&result).unwrap(), fs::read(last).unwrap());
     let set = read(&result, &Hint::default()).unwrap().set;
@@ -357,7 +373,7 @@ fn samples_of_a_moment_are_certified_as_they_are() {
     // Before anything is tiled there is nothing to write.
     state.apply(Command::Time(TimeCommand::ShowStage(1)));
     let none = folder.path().join("none.csv");
-    write(&mut state, Kind::Samples, &none, &[]);
+    write(&mut state, ExportKind::Samples, &none, &[]);
     assert!(told(&state).contains("No sample covers its disk"));
     assert!(!none.exists());
 }
@@ -367,7 +383,7 @@ fn state_cursor(certificate: &Certificate) -> usize {
 }
 
 /// The pixel of a place, given in r, in a picture of this view at scale 1.
-fn pixel(picture: &Decoded, view: &View, place: [f64; 2]) -> [u8; 3] {
+fn pixel(picture: &Decoded, view: &PictureView, place: [f64; 2]) -> [u8; 3] {
     let at = view.camera.screen_from_domain(view.frame(), place);
     let at = [at.x as usize, at.y as usize];
     let first = (at[1] * picture.info.width as usize + at[0]) * picture.info.color_type.samples();
@@ -443,11 +459,11 @@ fn a_picture_has_the_colours_of_the_canvas_at_every_moment() {
                 Some(cursor) => Command::Time(TimeCommand::Jump(cursor)),
                 None => Command::Time(TimeCommand::ShowStage(stages - 2)),
             });
-            fill_in(&mut state, Kind::Picture, &path, &[]);
+            fill_in(&mut state, ExportKind::Picture, &path, &[]);
             export(&mut state, ExportCommand::Print(print));
             export(&mut state, ExportCommand::Write);
             export(&mut state, ExportCommand::Write);
-            let view = export_view(&state, Kind::Picture).unwrap();
+            let view = export_view(&state, ExportKind::Picture).unwrap();
             state.settle();
             let picture = decode(&path);
             let palette = if look == Look::Dark && !print {
@@ -502,7 +518,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     )));
     let blocks = state.runs.first.session.as_ref().unwrap().summary.blocks;
     let shoot = |state: &mut State| {
-        write(state, Kind::Picture, &path, &[]);
+        write(state, ExportKind::Picture, &path, &[]);
         export(state, ExportCommand::Write);
         state.settle();
         fs::read_to_string(&path).unwrap()

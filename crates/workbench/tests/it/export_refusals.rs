@@ -8,7 +8,9 @@ use std::sync::Arc;
 use emath::{Rect, pos2, vec2};
 use tilescope_formats::certificate_path;
 use tilescope_workbench::command::{TimeCommand, ViewCommand, Which};
-use tilescope_workbench::export::{Entry, ExportCommand, Kind, MAX_FRAMES, Refusal};
+use tilescope_workbench::export::{
+    ExportCommand, ExportKind, ExportRefusal, MAX_FRAMES, NumberField,
+};
 use tilescope_workbench::{Command, State};
 
 use crate::exporting::{export, fill_in, opened, settled, told, write};
@@ -21,7 +23,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 }
 
 /// What the sheet promises, or why it cannot be kept.
-fn prospect(state: &State) -> Result<String, Refusal> {
+fn prospect(state: &State) -> Result<String, ExportRefusal> {
     state.files.exports.prospect(state.export_source())
 }
 
@@ -33,11 +35,11 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
     state.apply(Command::Time(TimeCommand::Loop(Some(1_200..1_260))));
     // How often the job reports before it is held: in the middle of each of them.
     for (kind, name, reports, temporary) in [
-        (Kind::Animation, "film.gif", 4, 1),
-        (Kind::Animation, "film.apng", 4, 1),
-        (Kind::Picture, "picture.png", 2, 0),
-        (Kind::Picture, "picture.svg", 1, 0),
-        (Kind::Samples, "set.csv", 1, 1),
+        (ExportKind::Animation, "film.gif", 4, 1),
+        (ExportKind::Animation, "film.apng", 4, 1),
+        (ExportKind::Picture, "picture.png", 2, 0),
+        (ExportKind::Picture, "picture.svg", 1, 0),
+        (ExportKind::Samples, "set.csv", 1, 1),
     ] {
         for before in [None, Some("what was there")] {
             let folder = tempfile::tempdir().unwrap();
@@ -78,11 +80,14 @@ fn a_cancelled_export_leaves_no_file_and_what_was_there_as_it_was() {
 fn a_file_is_replaced_only_when_that_was_asked() {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
-    for (kind, name) in [(Kind::Picture, "it.svg"), (Kind::Result, "it.csv")] {
+    for (kind, name) in [
+        (ExportKind::Picture, "it.svg"),
+        (ExportKind::Result, "it.csv"),
+    ] {
         let path = folder.path().join(name);
         // The certificate alone would be lost as well.
         let there = match kind {
-            Kind::Result => certificate_path(&path),
+            ExportKind::Result => certificate_path(&path),
             _ => path.clone(),
         };
         fs::write(&there, "mine").unwrap();
@@ -112,7 +117,7 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let mut state = opened();
-    let mut refused = |kind, path: &Path, entries: &[(Entry, &str)], parts: &[&str]| {
+    let mut refused = |kind, path: &Path, entries: &[(NumberField, &str)], parts: &[&str]| {
         state.apply(Command::DismissNotice);
         export(&mut state, ExportCommand::Close);
         write(&mut state, kind, path, entries);
@@ -124,45 +129,50 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     };
     for scale in ["0", "NaN", "1e9"] {
         let quoted = format!("\"{scale}\"");
-        let entries = [(Entry::Scale, scale)];
+        let entries = [(NumberField::Scale, scale)];
         refused(
-            Kind::Picture,
+            ExportKind::Picture,
             &path("a.png"),
             &entries,
             &[&quoted, "0.5 to 8"],
         );
         refused(
-            Kind::Animation,
+            ExportKind::Animation,
             &path("a.gif"),
             &entries,
             &[&quoted, "0.5 to 8"],
         );
     }
     let limit = MAX_FRAMES.to_string();
-    let every = [(Entry::Every, "1")];
-    refused(Kind::Picture, &path("a.gif"), &[], &[".png .svg"]);
-    refused(Kind::Animation, &path("a.mp4"), &[], &[".gif .apng .png"]);
-    refused(Kind::Samples, &path("a.png"), &[], &[".csv"]);
+    let every = [(NumberField::Every, "1")];
+    refused(ExportKind::Picture, &path("a.gif"), &[], &[".png .svg"]);
     refused(
-        Kind::Animation,
+        ExportKind::Animation,
+        &path("a.mp4"),
+        &[],
+        &[".gif .apng .png"],
+    );
+    refused(ExportKind::Samples, &path("a.png"), &[], &[".csv"]);
+    refused(
+        ExportKind::Animation,
         &path("a.gif"),
-        &[(Entry::Every, "0")],
+        &[(NumberField::Every, "0")],
         &["\"0\"", "10,000,000"],
     );
     refused(
-        Kind::Animation,
+        ExportKind::Animation,
         &path("a.gif"),
-        &[(Entry::Delay, "1")],
+        &[(NumberField::Delay, "1")],
         &["\"1\"", "20"],
     );
-    refused(Kind::Result, Path::new(" "), &[], &["Name a file"]);
+    refused(ExportKind::Result, Path::new(" "), &[], &["Name a file"]);
     // Folders that are missing, or no folders.
     fs::write(path("file"), "no folder").unwrap();
     for folder in ["missing", "file"] {
         for (kind, name) in [
-            (Kind::Result, "a.csv"),
-            (Kind::Picture, "a.png"),
-            (Kind::Animation, "a.gif"),
+            (ExportKind::Result, "a.csv"),
+            (ExportKind::Picture, "a.png"),
+            (ExportKind::Animation, "a.gif"),
         ] {
             refused(kind, &path(folder).join(name), &[], &[name]);
         }
@@ -170,19 +180,19 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     assert_eq!(names(folder.path()).len(), 1);
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::Loop(Some(0..2_000))));
-    fill_in(&mut state, Kind::Animation, &path("a.gif"), &every);
+    fill_in(&mut state, ExportKind::Animation, &path("a.gif"), &every);
     let refusal = prospect(&state).unwrap_err().to_string();
     assert!(
         refusal.contains("2,001 frames") && refusal.contains(&limit),
         "{refusal}"
     );
-    let enough = [(Entry::Every, "4")];
-    fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
+    let enough = [(NumberField::Every, "4")];
+    fill_in(&mut state, ExportKind::Animation, &path("a.gif"), &enough);
     assert!(prospect(&state).unwrap().starts_with("501 frames"));
     state.apply(Command::Time(TimeCommand::Loop(None)));
     state.apply(Command::Time(TimeCommand::FirstStage));
     let range = state.export_source().range().unwrap();
-    fill_in(&mut state, Kind::Animation, &path("a.gif"), &enough);
+    fill_in(&mut state, ExportKind::Animation, &path("a.gif"), &enough);
     let refusal = prospect(&state).unwrap_err().to_string();
     assert!(
         refusal.contains(&format!("event 0 to event {}", range.end)),
@@ -192,8 +202,8 @@ fn what_cannot_be_written_is_refused_with_value_and_limit() {
     let canvas = Rect::from_min_size(pos2(0.0, 0.0), vec2(5_000.0, 4_000.0));
     state.apply(Command::View(Which::First, ViewCommand::Viewport(canvas)));
     state.apply(Command::Time(TimeCommand::LastStage));
-    let eight = [(Entry::Scale, "8")];
-    fill_in(&mut state, Kind::Picture, &path("a.png"), &eight);
+    let eight = [(NumberField::Scale, "8")];
+    fill_in(&mut state, ExportKind::Picture, &path("a.png"), &eight);
     let refusal = prospect(&state).unwrap_err().to_string();
     assert!(refusal.contains("268,435,456 pixels"), "{refusal}");
 }
@@ -205,12 +215,12 @@ fn the_sheet_stays_open_for_another_file() {
     let wake = Arc::clone(&gate);
     let mut state = settled(Arc::new(move || wake.pass()));
     let first = folder.path().join("first.svg");
-    fill_in(&mut state, Kind::Picture, &first, &[]);
+    fill_in(&mut state, ExportKind::Picture, &first, &[]);
     gate.close_after(1);
     export(&mut state, ExportCommand::Write);
     gate.wait_for_job();
     let second = folder.path().join("second.svg");
-    fill_in(&mut state, Kind::Picture, &second, &[]);
+    fill_in(&mut state, ExportKind::Picture, &second, &[]);
     // One export at a time.
     export(&mut state, ExportCommand::Write);
     gate.open();

@@ -7,7 +7,9 @@ use emath::{Rect, pos2, vec2};
 use tilescope_session::jobs::Wake;
 use tilescope_workbench::command::{FormCommand, ViewCommand, Which};
 use tilescope_workbench::draft::Field;
-use tilescope_workbench::export::{Entry, ExportCommand, Kind, Refusal, View};
+use tilescope_workbench::export::{
+    ExportCommand, ExportKind, ExportRefusal, NumberField, PictureView,
+};
 use tilescope_workbench::{Command, State};
 
 pub fn settled(wake: Wake) -> State {
@@ -38,13 +40,13 @@ pub fn export(state: &mut State, command: ExportCommand) {
 }
 
 /// Fills in the sheet and has it written.
-pub fn write(state: &mut State, kind: Kind, path: &Path, entries: &[(Entry, &str)]) {
+pub fn write(state: &mut State, kind: ExportKind, path: &Path, entries: &[(NumberField, &str)]) {
     fill_in(state, kind, path, entries);
     export(state, ExportCommand::Write);
     state.settle();
 }
 
-pub fn fill_in(state: &mut State, kind: Kind, path: &Path, entries: &[(Entry, &str)]) {
+pub fn fill_in(state: &mut State, kind: ExportKind, path: &Path, entries: &[(NumberField, &str)]) {
     export(state, ExportCommand::Open(kind));
     let path = path.to_string_lossy().into_owned();
     export(state, ExportCommand::Path(path));
@@ -62,7 +64,7 @@ pub fn told(state: &State) -> String {
 }
 
 /// What of the plane an export of this kind shows.
-pub fn export_view(state: &State, kind: Kind) -> Result<View, Refusal> {
+pub fn export_view(state: &State, kind: ExportKind) -> Result<PictureView, ExportRefusal> {
     let sheet = state.files.exports.sheet.as_ref();
     let print = sheet.is_some_and(|form| form.print);
     state.export_source().view(kind, print)

@@ -8,7 +8,7 @@ use tilescope_workbench::command::{FormCommand, TimeCommand};
 
 use tilescope_formats::{Overrides, certificate_path, check_bytes};
 use tilescope_session::incoming::NamedBytes;
-use tilescope_workbench::export::{Entry, ExportCommand, Kind, write};
+use tilescope_workbench::export::{ExportCommand, ExportKind, NumberField, write};
 use tilescope_workbench::files::{Delivery, FileCommand, Purpose, packed};
 use tilescope_workbench::{Command, State};
 
@@ -49,7 +49,7 @@ fn pattern_session() -> (tempfile::TempDir, State) {
     let folder = tempfile::tempdir().unwrap();
     let mut state = opened();
     let set = folder.path().join("own.csv");
-    exporting::write(&mut state, Kind::Result, &set, &[]);
+    exporting::write(&mut state, ExportKind::Result, &set, &[]);
     open_path(&mut state, Purpose::Pattern, &set);
     state.apply(Command::Run);
     state.settle();
@@ -230,7 +230,7 @@ fn a_pattern_is_the_same_from_bytes_and_from_a_path() {
     other.apply(Command::Run);
     other.settle();
     let path = folder.path().join("other.ply");
-    exporting::write(&mut other, Kind::Result, &path, &[]);
+    exporting::write(&mut other, ExportKind::Result, &path, &[]);
     let files = vec![named(&path), named(&certificate_path(&path))];
     drop_bytes(&mut other, files);
     assert_ne!(
@@ -281,7 +281,7 @@ fn a_layout_finds_its_sets_among_the_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("a.csv");
     let mut state = opened();
-    exporting::write(&mut state, Kind::Result, &set, &[]);
+    exporting::write(&mut state, ExportKind::Result, &set, &[]);
     let layout = folder.path().join("layout.json");
     let text = serde_json::json!({ "version": 1, "radius": 0.02, "columns": [0.5, 0.5],
         "rows": [1.0], "pieces": [{ "file": "a.csv" }, { "seed": 2 }] });
@@ -331,19 +331,19 @@ fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
     let mut state = opened();
     state.apply(Command::Time(TimeCommand::ShowStage(3)));
     for (kind, name) in [
-        (Kind::Result, "a.csv"),
-        (Kind::Result, "a.json"),
-        (Kind::Result, "a.ply"),
-        (Kind::Result, "a.npy"),
-        (Kind::Samples, "moment.rps"),
-        (Kind::Picture, "a.png"),
-        (Kind::Picture, "a.svg"),
-        (Kind::Animation, "a.gif"),
-        (Kind::Animation, "a.apng"),
+        (ExportKind::Result, "a.csv"),
+        (ExportKind::Result, "a.json"),
+        (ExportKind::Result, "a.ply"),
+        (ExportKind::Result, "a.npy"),
+        (ExportKind::Samples, "moment.rps"),
+        (ExportKind::Picture, "a.png"),
+        (ExportKind::Picture, "a.svg"),
+        (ExportKind::Animation, "a.gif"),
+        (ExportKind::Animation, "a.apng"),
     ] {
         let path = folder.path().join(name);
-        let every = [(Entry::Every, "2000")];
-        let entries = &every[..usize::from(kind == Kind::Animation)];
+        let every = [(NumberField::Every, "2000")];
+        let entries = &every[..usize::from(kind == ExportKind::Animation)];
         fill_in(&mut state, kind, &path, entries);
         let made = rendered(&state);
         assert!(made == rendered(&state), "{name}: it is another one");
@@ -360,7 +360,7 @@ fn the_same_order_gives_the_same_bytes_on_the_disk_and_in_memory() {
     }
     // Another order gives other bytes.
     let path = folder.path().join("b.npy");
-    fill_in(&mut state, Kind::Result, &path, &[]);
+    fill_in(&mut state, ExportKind::Result, &path, &[]);
     let double = rendered(&state);
     let single = ExportCommand::Precision(tilescope_formats::Precision::Single);
     exporting::export(&mut state, single);
@@ -393,7 +393,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     state.files.delivery = Delivery::Download;
     let mut archives = Vec::new();
     for _ in 0..2 {
-        exporting::write(&mut state, Kind::Result, &taken, &[]);
+        exporting::write(&mut state, ExportKind::Result, &taken, &[]);
         let said = told(&state);
         assert!(
             said.starts_with("Downloaded ") && !is_error(&state),
@@ -445,7 +445,7 @@ fn a_download_is_one_file_and_a_set_is_verified_out_of_its_archive() {
     open_path(&mut third, Purpose::Pattern, &path);
     assert_eq!(third.form.own_pattern.as_ref().unwrap().file.digest, digest);
     // A picture is downloaded as it is.
-    exporting::write(&mut state, Kind::Picture, Path::new("view.svg"), &[]);
+    exporting::write(&mut state, ExportKind::Picture, Path::new("view.svg"), &[]);
     let downloads = state.files.take_downloads();
     assert_eq!(downloads[0].name, "view.svg");
     assert!(downloads[0].bytes.starts_with(b"<svg"));

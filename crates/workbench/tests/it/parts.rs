@@ -17,7 +17,7 @@ use tilescope_workbench::command::{
     AppearanceCommand, FormCommand, TimeCommand, ViewCommand, Which,
 };
 use tilescope_workbench::draft::{Choice, Field};
-use tilescope_workbench::export::{Kind, picture};
+use tilescope_workbench::export::{ExportKind, picture};
 use tilescope_workbench::{Command, State};
 
 type Color = ecolor::Color32;
@@ -178,7 +178,7 @@ fn every_sample_is_drawn_as_it_stands() {
 
 /// The picture of the moment can be written, says which moment it is, and shows nothing beyond its frame.
 fn check_picture(state: &State) {
-    let view = state.export_source().view(Kind::Picture, false);
+    let view = state.export_source().view(ExportKind::Picture, false);
     let view = view.expect("a canvas");
     let session = state.runs.first.session.as_ref().expect("a session");
     let moment = state.runs.first.moment().expect("a moment");

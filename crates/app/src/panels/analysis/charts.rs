@@ -4,11 +4,11 @@ use egui::{Color32, RichText, Ui};
 use tilescope_analysis::measures::{Spectrum, anisotropy_reference_db};
 use tilescope_ui::widgets::heading;
 
-use super::plot::{Axis, Curve, Line, Plot};
+use super::plot::{Curve, Dash, Plot, PlotAxis};
 use super::{Sets, drag, picture as periodogram};
 use tilescope_workbench::analysis::AnalysisCommand;
-use tilescope_workbench::analysis::brush::{Axis as Along, Brush};
-use tilescope_workbench::analysis::measured::Measured;
+use tilescope_workbench::analysis::brush::{Brush, BrushAxis};
+use tilescope_workbench::analysis::measured::MeasuredSet;
 
 /// How high charts are, in screen points.
 const HEIGHT: f32 = 168.0;
@@ -22,13 +22,13 @@ const FREQUENCY: &str = "frequency \u{3bd} = |k| / \u{221a}N";
 /// Shows the periodogram.
 pub fn picture(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
     heading(ui, "Periodogram");
-    let ring = Brush::along(brush, Along::Frequency);
+    let ring = Brush::along(brush, BrushAxis::Frequency);
     let (spectrum, faded) = match sets.spectrum() {
         Some((spectrum, faded)) => (Some(spectrum), faded),
         None => (None, false),
     };
     let dragged = periodogram::show(ui, spectrum, faded, ring, sets.palette);
-    drag(Along::Frequency, dragged, brush, own);
+    drag(BrushAxis::Frequency, dragged, brush, own);
     let cells = spectrum.map_or_else(String::new, |spectrum| cells_of(spectrum));
     let text = format!(
         "\u{3bd} along x and y, to \u{b1}2.5; power 0 white, {} and above black{cells}",
@@ -62,8 +62,8 @@ fn cells_of(spectrum: &Spectrum) -> String {
 }
 
 /// Returns the axis of frequencies.
-const fn frequencies() -> Axis<'static> {
-    Axis {
+const fn frequencies() -> PlotAxis<'static> {
+    PlotAxis {
         label: FREQUENCY,
         sign: "\u{3bd}",
         range: [0.0, Spectrum::MAX_NU],
@@ -77,11 +77,11 @@ pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         let spectrum = measured.spectrum_so_far()?;
         Some((spectrum.power(), spectrum.bands.clone()))
     });
-    let ring = Brush::along(brush, Along::Frequency);
+    let ring = Brush::along(brush, BrushAxis::Frequency);
     let chart = Plot {
         title: "Radial mean power P(\u{3bd})",
         x: frequencies(),
-        y: Axis {
+        y: PlotAxis {
             label: "power",
             sign: "P",
             range: [0.0, grown(ui, sets, "P", end_of(&power))],
@@ -91,7 +91,12 @@ pub fn curves(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         brush: ring,
         height: HEIGHT,
     };
-    drag(Along::Frequency, chart.show(ui, sets.palette), brush, own);
+    drag(
+        BrushAxis::Frequency,
+        chart.show(ui, sets.palette),
+        brush,
+        own,
+    );
     ui.add_space(6.0);
     anisotropy(ui, sets, brush, own);
     ui.add_space(6.0);
@@ -102,7 +107,7 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
     let chart = Plot {
         title: "Anisotropy, dB",
         x: frequencies(),
-        y: Axis {
+        y: PlotAxis {
             label: "anisotropy in decibels",
             sign: "dB",
             range: [-10.0, 10.0],
@@ -114,10 +119,15 @@ fn anisotropy(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<
         curves: curves_of(sets, &|measured, _| {
             Some((measured.spectrum_so_far()?.anisotropy(), None))
         }),
-        brush: Brush::along(brush, Along::Frequency),
+        brush: Brush::along(brush, BrushAxis::Frequency),
         height: HEIGHT - 14.0,
     };
-    drag(Along::Frequency, chart.show(ui, sets.palette), brush, own);
+    drag(
+        BrushAxis::Frequency,
+        chart.show(ui, sets.palette),
+        brush,
+        own,
+    );
 }
 
 fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec<AnalysisCommand>) {
@@ -127,28 +137,33 @@ fn correlation(ui: &mut Ui, sets: &Sets<'_>, brush: Option<Brush>, own: &mut Vec
     });
     let chart = Plot {
         title: "Pair correlation g",
-        x: Axis {
+        x: PlotAxis {
             label: "distance, r-units (d / r)",
             sign: "d/r",
-            range: [0.0, Along::Distance.end()],
+            range: [0.0, BrushAxis::Distance.end()],
         },
-        y: Axis {
+        y: PlotAxis {
             label: "pairs, where independent samples have 1",
             sign: "g",
             range: [0.0, grown(ui, sets, "g", end_of(&pairs))],
         },
         level: (1.0, "white noise"),
         curves: pairs,
-        brush: Brush::along(brush, Along::Distance),
+        brush: Brush::along(brush, BrushAxis::Distance),
         height: HEIGHT,
     };
-    drag(Along::Distance, chart.show(ui, sets.palette), brush, own);
+    drag(
+        BrushAxis::Distance,
+        chart.show(ui, sets.palette),
+        brush,
+        own,
+    );
 }
 
 type Places = (Vec<[f64; 2]>, Option<Vec<[f64; 2]>>);
 
 /// Returns the curves of the moment, of the reference and of the file; `places` is given a set and the length of r in it.
-fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&Measured, f64) -> Option<Places>) -> Vec<Curve> {
+fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&MeasuredSet, f64) -> Option<Places>) -> Vec<Curve> {
     let palette = sets.palette;
     let curve = |name: &str, line, color: Color32, places: Places| Curve {
         name: name.to_owned(),
@@ -164,13 +179,13 @@ fn curves_of(sets: &Sets<'_>, places: &dyn Fn(&Measured, f64) -> Option<Places>)
         } else {
             ("this moment", palette.accent)
         };
-        curves.push(curve(name, Line::Solid, color, found));
+        curves.push(curve(name, Dash::Solid, color, found));
     }
     let others = [
         sets.reference
-            .map(|measured| (measured, 1.0, "reference", Line::Dotted, palette.text)),
+            .map(|measured| (measured, 1.0, "reference", Dash::Dotted, palette.text)),
         sets.held.map(|held| {
-            let (line, color) = (Line::Dashed, palette.conflict);
+            let (line, color) = (Dash::Dashed, palette.conflict);
             (&held.measured, sets.unit, held.name(), line, color)
         }),
     ];

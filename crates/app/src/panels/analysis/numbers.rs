@@ -7,26 +7,26 @@ use tilescope_session::words::{conflicts_in, counted, grouped};
 use tilescope_ui::widgets::Known;
 
 use super::Sets;
-use tilescope_workbench::analysis::measured::Measured;
+use tilescope_workbench::analysis::measured::MeasuredSet;
 
 /// Room for a number, in screen points.
 const COLUMN: f32 = 62.0;
 const ROW: f32 = 19.0;
 
 /// A number: its name, what it is, and how it is read off a set where r has the length given.
-struct Number {
+struct NumberRow {
     name: &'static str,
     explanation: &'static str,
-    value: fn(&Measured, f64) -> Option<String>,
+    value: fn(&MeasuredSet, f64) -> Option<String>,
 }
 
-const NUMBERS: [Number; 8] = [
-    Number {
+const NUMBERS: [NumberRow; 8] = [
+    NumberRow {
         name: "Samples",
         explanation: "Samples that stand: tiled or inserted, and not eliminated.",
         value: |set, _| Some(grouped(set.samples)),
     },
-    Number {
+    NumberRow {
         name: "Density N r\u{b2}/A",
         explanation: "Samples times r\u{b2}, divided by the area: 0.6966 for maximal sets by dart throwing.",
         value: |set, unit| {
@@ -34,32 +34,32 @@ const NUMBERS: [Number; 8] = [
             Some(format!("{density:.4}"))
         },
     },
-    Number {
+    NumberRow {
         name: "Conflicts",
         explanation: "Pairs closer than r.",
         value: |set, unit| Some(grouped(judged(set, unit)?.conflicts as usize)),
     },
-    Number {
+    NumberRow {
         name: "Open places",
         explanation: "Centres of empty circles larger than r: a gap has one or more.",
         value: |set, unit| Some(grouped(judged(set, unit)?.gaps as usize)),
     },
-    Number {
+    NumberRow {
         name: "Least distance, r",
         explanation: "The smallest distance between two samples.",
         value: |set, unit| Some(finite(set.verdict()?.min_distance / unit)),
     },
-    Number {
+    NumberRow {
         name: "Relative radius",
         explanation: "The smallest distance, divided by that of the densest packing of as many samples.",
         value: |set, _| Some(finite(set.verdict()?.relative_radius)),
     },
-    Number {
+    NumberRow {
         name: "Eff. Nyquist \u{3bd}",
         explanation: "The largest frequency below which the mean power stays under 0.1, by the spectrum that follows from g(r); a square lattice has 1.",
         value: |set, _| of_curve(set, PowerCurve::effective_nyquist),
     },
-    Number {
+    NumberRow {
         name: "Oscillation",
         explanation: "10 times the root mean square of P \u{2212} 1 beyond the first frequency where P is nearly 1, P being the spectrum that follows from g(r). The scatter of a set of a few hundred samples adds to it.",
         value: |set, _| of_curve(set, PowerCurve::oscillation),
@@ -79,7 +79,7 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
         "",
     );
     for (place, number) in (1..).zip(&NUMBERS) {
-        let value = |set: Option<&Measured>, unit| {
+        let value = |set: Option<&MeasuredSet>, unit| {
             let text = set.and_then(|set| (number.value)(set, unit));
             text.unwrap_or_else(|| "\u{2013}".to_owned())
         };
@@ -109,12 +109,12 @@ pub fn show(ui: &mut Ui, sets: &Sets<'_>) {
 const JUDGED: [&str; 2] = ["Conflicts", "Open places"];
 
 /// Returns the verdict on a set, if it was judged with r of length `unit`.
-fn judged(set: &Measured, unit: f64) -> Option<&Report> {
+fn judged(set: &MeasuredSet, unit: f64) -> Option<&Report> {
     set.verdict().filter(|_| set.is_judged_with(unit))
 }
 
 /// Returns why a file has no conflicts and no open places to show, if that is for its radius.
-pub fn unjudged(file: &Measured, unit: f64) -> Option<String> {
+pub fn unjudged(file: &MeasuredSet, unit: f64) -> Option<String> {
     (!file.is_judged_with(unit)).then(|| {
         format!(
             "The file was judged at r = {}, and this run's r is {unit}: hold the run against it again.",
@@ -124,7 +124,7 @@ pub fn unjudged(file: &Measured, unit: f64) -> Option<String> {
 }
 
 /// Returns how many samples, conflicts and open places there are, in words.
-pub fn counts(set: &Measured) -> String {
+pub fn counts(set: &MeasuredSet) -> String {
     let samples = counted(set.samples, "sample", "samples");
     match &set.report {
         Some(Ok(report)) => format!(
@@ -190,7 +190,7 @@ fn finite(value: f64) -> String {
 }
 
 /// Returns a number of the smooth spectrum, which is there with the spectrum or not at all.
-fn of_curve(set: &Measured, number: fn(&PowerCurve) -> Option<f64>) -> Option<String> {
+fn of_curve(set: &MeasuredSet, number: fn(&PowerCurve) -> Option<f64>) -> Option<String> {
     set.spectrum.as_ref()?;
     let found = set.curve.as_deref().and_then(number);
     Some(found.map_or_else(|| "none".to_owned(), finite))

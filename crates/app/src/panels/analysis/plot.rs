@@ -20,7 +20,7 @@ const TICKS_APART: [f32; 2] = [33.0, 26.0];
 
 /// How a line is drawn, so that lines can be told apart without colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
+pub enum Dash {
     /// Whole and wide.
     Solid,
     /// Dots.
@@ -38,13 +38,13 @@ pub struct Curve {
     /// The ends of the band around each place.
     pub band: Option<Vec<[f64; 2]>>,
     /// How it is drawn.
-    pub line: Line,
+    pub line: Dash,
     /// Its colour.
     pub color: Color32,
 }
 
 /// An axis.
-pub struct Axis<'a> {
+pub struct PlotAxis<'a> {
     /// What it counts, with the unit.
     pub label: &'a str,
     /// Its sign in what is said of a place.
@@ -58,9 +58,9 @@ pub struct Plot<'a> {
     /// What it shows.
     pub title: &'a str,
     /// From left to right.
-    pub x: Axis<'a>,
+    pub x: PlotAxis<'a>,
     /// Upwards; its label is only said.
-    pub y: Axis<'a>,
+    pub y: PlotAxis<'a>,
     /// A level that means something, and what.
     pub level: (f64, &'a str),
     /// The curves, the most important one first.
@@ -91,7 +91,7 @@ impl Plot<'_> {
         let mut inner = rect;
         inner.min += vec2(LEFT, ABOVE);
         inner.max -= vec2(13.0, BELOW);
-        let frame = Frame { plot: self, inner };
+        let frame = PlotFrame { plot: self, inner };
         let painter = ui.painter_at(rect);
         frame.ground(&painter, rect, palette);
         let within = ui.painter_at(inner.expand(1.0));
@@ -178,12 +178,12 @@ fn nearest(points: &[[f64; 2]], x: f64) -> Option<[f64; 2]> {
 }
 
 /// A chart in its place.
-struct Frame<'a> {
+struct PlotFrame<'a> {
     plot: &'a Plot<'a>,
     inner: Rect,
 }
 
-impl Frame<'_> {
+impl PlotFrame<'_> {
     fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         let part = |value: f64, [low, high]: [f64; 2]| ((value - low) / (high - low)) as f32;
         let (x, y) = (part(x, self.plot.x.range), part(y, self.plot.y.range));
@@ -273,13 +273,13 @@ impl Frame<'_> {
             painter.add(self.band(curve, band));
         }
         match curve.line {
-            Line::Solid => {
+            Dash::Solid => {
                 painter.line(places, Stroke::new(1.8, curve.color));
             }
-            Line::Dotted => {
+            Dash::Dotted => {
                 painter.extend(Shape::dotted_line(&places, curve.color, 4.0, 1.1));
             }
-            Line::Dashed => {
+            Dash::Dashed => {
                 let stroke = Stroke::new(1.7, curve.color);
                 painter.extend(Shape::dashed_line(&places, stroke, 6.0, 3.5));
             }
@@ -314,16 +314,16 @@ impl Frame<'_> {
 }
 
 /// Draws a piece of a line as curves have it, for a legend.
-pub fn sample(painter: &Painter, rect: Rect, line: Line, color: Color32) {
+pub fn sample(painter: &Painter, rect: Rect, line: Dash, color: Color32) {
     let ends = [rect.left_center(), rect.right_center()];
     match line {
-        Line::Solid => {
+        Dash::Solid => {
             painter.line_segment(ends, Stroke::new(1.8, color));
         }
-        Line::Dotted => {
+        Dash::Dotted => {
             painter.extend(Shape::dotted_line(&ends, color, 4.0, 1.1));
         }
-        Line::Dashed => {
+        Dash::Dashed => {
             painter.extend(Shape::dashed_line(&ends, Stroke::new(1.7, color), 6.0, 3.5));
         }
     }

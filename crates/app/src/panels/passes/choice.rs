@@ -8,7 +8,7 @@ use tilescope_session::words::{counted, grouped};
 use tilescope_ui::widgets::Known;
 
 use tilescope_workbench::passes::model::Visit;
-use tilescope_workbench::passes::placed::{Counts, Rows};
+use tilescope_workbench::passes::placed::{PlacedCounts, Rows};
 use tilescope_workbench::passes::{PassCommand, Passes};
 
 /// Shows the choice, and what it brings to the canvas.
@@ -49,7 +49,7 @@ fn words(rows: &Rows<'_>) -> (String, &'static str) {
     if let Some(why) = rows.spots.unplaced() {
         return (format!("nothing of {name}: {why}"), "");
     }
-    let Counts {
+    let PlacedCounts {
         rows: all,
         changed,
         inside,

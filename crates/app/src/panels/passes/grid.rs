@@ -9,8 +9,8 @@ use tilescope_drawing::palette::Palette;
 use tilescope_ui::widgets::Known;
 
 use tilescope_workbench::passes::PassCommand;
-use tilescope_workbench::passes::shown::Shown;
-use tilescope_workbench::passes::table::{BufferTable, Side};
+use tilescope_workbench::passes::shown::ShownBuffer;
+use tilescope_workbench::passes::table::{BufferTable, PassSide};
 
 /// The height of a row, in screen points.
 const ROW: f32 = 20.0;
@@ -22,7 +22,7 @@ const GAP: f32 = 18.0;
 pub(super) fn show(
     ui: &mut Ui,
     table: &BufferTable,
-    shown: &Shown,
+    shown: &ShownBuffer,
     palette: &Palette,
     commands: &mut Vec<PassCommand>,
 ) {
@@ -30,7 +30,7 @@ pub(super) fn show(
         fields(ui, table, palette);
         return;
     }
-    let columns = Columns::of(ui, table, shown);
+    let columns = ColumnEnds::of(ui, table, shown);
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     ui.spacing_mut().item_spacing.y = 0.0;
     let area = ScrollArea::both().auto_shrink([false, false]);
@@ -64,13 +64,13 @@ pub(super) fn show(
 }
 
 /// Where columns end: numbers are aligned to the right.
-struct Columns {
+struct ColumnEnds {
     ends: Vec<f32>,
     width: f32,
 }
 
-impl Columns {
-    fn of(ui: &Ui, table: &BufferTable, shown: &Shown) -> Self {
+impl ColumnEnds {
+    fn of(ui: &Ui, table: &BufferTable, shown: &ShownBuffer) -> Self {
         let font = TextStyle::Monospace.resolve(ui.style());
         let zero = ui
             .painter()
@@ -99,7 +99,7 @@ fn header(
     ui: &Ui,
     rect: Rect,
     table: &BufferTable,
-    columns: &Columns,
+    columns: &ColumnEnds,
     offset: f32,
     palette: &Palette,
 ) {
@@ -118,8 +118,8 @@ fn row(
     ui: &mut Ui,
     table: &BufferTable,
     number: u32,
-    shown: &Shown,
-    columns: &Columns,
+    shown: &ShownBuffer,
+    columns: &ColumnEnds,
     size: Vec2,
     palette: &Palette,
 ) -> Response {
@@ -180,7 +180,7 @@ fn label(table: &BufferTable, number: usize) -> String {
         text.push_str(", ");
         text.push_str(name);
         text.push(' ');
-        text.push_str(&table.cell(Side::Both, number, column));
+        text.push_str(&table.cell(PassSide::Both, number, column));
     }
     text
 }
@@ -196,8 +196,8 @@ fn fields(ui: &mut Ui, table: &BufferTable, palette: &Palette) {
         painter.text(at, align, text, small.clone(), palette.muted);
     };
     head(10.0, Align2::LEFT_CENTER, "field");
-    head(ends[0], Align2::RIGHT_CENTER, Side::Before.name());
-    head(ends[1], Align2::RIGHT_CENTER, Side::After.name());
+    head(ends[0], Align2::RIGHT_CENTER, PassSide::Before.name());
+    head(ends[1], Align2::RIGHT_CENTER, PassSide::After.name());
     let line = Stroke::new(1.0, palette.line);
     painter.hline(rect.x_range(), rect.bottom() - 0.5, line);
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -217,9 +217,10 @@ fn field_ends(rect: Rect) -> [f32; 2] {
 fn field(ui: &mut Ui, table: &BufferTable, column: usize, palette: &Palette) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let name = &table.columns[column];
-    let label = format!("Field {name}: {}", table.cell(Side::Both, 0, column));
+    let label = format!("Field {name}: {}", table.cell(PassSide::Both, 0, column));
     response.widget_info(|| WidgetInfo::labeled(Role::Row, true, &label));
-    let [before, after] = [Side::Before, Side::After].map(|side| table.cell(side, 0, column));
+    let [before, after] =
+        [PassSide::Before, PassSide::After].map(|side| table.cell(side, 0, column));
     let mut color = palette.text;
     if before != after {
         ground(ui, rect, palette);

@@ -10,7 +10,7 @@ use tilescope_session::words::{counted, stage_name};
 use tilescope_ui::theme::semibold;
 use tilescope_ui::widgets::{Known, verdict_mark};
 
-use tilescope_workbench::passes::model::{Badge, Line, PassEntry, duration_text};
+use tilescope_workbench::passes::model::{Badge, PassEntry, PassLine, duration_text};
 use tilescope_workbench::passes::{PassCommand, Passes};
 
 /// The height of a line, in screen points.
@@ -42,8 +42,8 @@ pub(super) fn show(
         }
         for line in &passes.lines()[range] {
             match line {
-                Line::Stage { .. } => stage(ui, line, palette),
-                Line::Pass(place) => {
+                PassLine::Stage { .. } => stage(ui, line, palette),
+                PassLine::Pass(place) => {
                     if row(ui, passes, *place, longest, palette).clicked() {
                         focus.request_focus();
                         commands.push(PassCommand::Select(*place));
@@ -96,7 +96,7 @@ fn keys(ui: &Ui, id: Id, commands: &mut Vec<PassCommand>) {
 }
 
 fn selected_line(passes: &Passes) -> Option<usize> {
-    let selected = Line::Pass(passes.selected()?);
+    let selected = PassLine::Pass(passes.selected()?);
     passes.lines().iter().position(|line| *line == selected)
 }
 
@@ -110,8 +110,8 @@ fn has_moved(ui: &Ui, id: Id, selected: Option<usize>) -> bool {
     before != Some(selected)
 }
 
-fn stage(ui: &mut Ui, line: &Line, palette: &Palette) {
-    let Line::Stage {
+fn stage(ui: &mut Ui, line: &PassLine, palette: &Palette) {
+    let PassLine::Stage {
         stage,
         passes,
         seconds,

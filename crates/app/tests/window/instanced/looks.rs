@@ -4,7 +4,7 @@ use egui::{Color32, pos2, vec2};
 use tilescope_canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::Boundary;
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::look::{SampleLook, Symbol};
 
 use super::probe::{GROUND, Probe, RED, at, crowd, domain, probe, shoot};
 
@@ -22,7 +22,7 @@ fn a_sample_is_at_its_pixel_in_the_colour_that_egui_paints() {
         let version = u64::from(color.a());
         let canvas = &mut harness.state_mut().canvas;
         assert_eq!(
-            canvas.set_looks(version, |_| Look::new(Symbol::Dot, color)),
+            canvas.set_looks(version, |_| SampleLook::new(Symbol::Dot, color)),
             usize::from(color != RED)
         );
         let picture = shoot(&mut harness);
@@ -50,7 +50,7 @@ fn a_disks_ring_is_r_from_its_sample_and_its_fill_is_faint() {
     let mut harness = probe(&domain, &[at(10.0, 10.0)], camera);
     harness.state_mut().layers = vec![PaintOptions::disks()];
     assert_eq!(shoot(&mut harness).marked(), 0, "its look shows no disk");
-    let look = Look::new(Symbol::Dot, RED).with_disk(true);
+    let look = SampleLook::new(Symbol::Dot, RED).with_disk(true);
     assert_eq!(harness.state_mut().canvas.change_looks(2, &[(0, look)]), 1);
     let picture = shoot(&mut harness);
     let middle = camera.screen_from_domain(Probe::rect(), [10.0; 2]);
@@ -85,7 +85,7 @@ fn a_new_look_of_one_sample_changes_its_pixels_only() {
     let id = points.len() as u32 - 1;
     let mut harness = probe(&domain, &points, camera);
     let before = shoot(&mut harness);
-    let green = Look::new(Symbol::Diamond, Color32::from_rgb(10, 240, 90));
+    let green = SampleLook::new(Symbol::Diamond, Color32::from_rgb(10, 240, 90));
     let changes = [(id, green), (id + 1, green)];
     assert_eq!(harness.state_mut().canvas.change_looks(2, &changes), 1);
     let after = shoot(&mut harness);
@@ -104,7 +104,7 @@ fn a_new_look_of_one_sample_changes_its_pixels_only() {
     harness
         .state_mut()
         .canvas
-        .set_looks(3, |_| Look::new(Symbol::Dot, RED));
+        .set_looks(3, |_| SampleLook::new(Symbol::Dot, RED));
     assert_eq!(shoot(&mut harness).difference(&before), 0);
 }
 
@@ -118,7 +118,7 @@ fn every_symbol_has_its_shape_and_outlines_lie_around() {
     let mut harness = probe(&domain, &[at(10.0, 10.0)], camera);
     let pos = camera.screen_from_domain(Probe::rect(), [10.0; 2]);
     let mut version = 1;
-    let mut shot = |look: Look, options: PaintOptions| {
+    let mut shot = |look: SampleLook, options: PaintOptions| {
         version += 1;
         harness.state_mut().canvas.set_looks(version, |_| look);
         harness.state_mut().layers = vec![options];
@@ -127,24 +127,24 @@ fn every_symbol_has_its_shape_and_outlines_lie_around() {
     let all = PaintOptions::symbols(Symbols::ALL, camera.scale);
     let mut areas = Vec::new();
     for symbol in [Symbol::Dot, Symbol::Cross, Symbol::Diamond, Symbol::Ring] {
-        let picture = shot(Look::new(symbol, RED), all);
+        let picture = shot(SampleLook::new(symbol, RED), all);
         let hollow = symbol == Symbol::Cross;
         assert_eq!(picture.at_pos(pos) == RED.to_array(), !hollow, "{symbol:?}");
         areas.push(picture.marked());
         let others = PaintOptions::symbols(Symbols::ALL.without(symbol), camera.scale);
-        assert_eq!(shot(Look::new(symbol, RED), others).marked(), 0);
+        assert_eq!(shot(SampleLook::new(symbol, RED), others).marked(), 0);
     }
     areas.dedup();
     assert_eq!(areas.len(), 4);
-    assert_eq!(shot(Look::HIDDEN, all).marked(), 0);
-    let outlined = Look::new(Symbol::Diamond, RED).with_outline(true);
+    assert_eq!(shot(SampleLook::HIDDEN, all).marked(), 0);
+    let outlined = SampleLook::new(Symbol::Diamond, RED).with_outline(true);
     let picture = shot(outlined, all.with_outline(Color32::WHITE));
     assert_eq!(picture.at_pos(pos), RED.to_array());
     let bright = picture.pixels.iter().filter(|pixel| pixel[2] > 150).count();
     assert!(bright > 8, "{bright} white pixels");
-    let large = Look {
+    let large = SampleLook {
         size: 2.0,
-        ..Look::new(Symbol::Dot, RED)
+        ..SampleLook::new(Symbol::Dot, RED)
     };
     let ratio = shot(large, all).marked() as f32 / areas[0] as f32;
     assert!((3.0..4.5).contains(&ratio), "{ratio}");
@@ -163,7 +163,10 @@ fn new_samples_replace_the_old_ones() {
     canvas.set_points(1, &[], &domain).expect("the same");
     assert_eq!(canvas.generation(), Some(1));
     canvas.set_points(2, &[at(5.0, 5.0)], &domain).expect("one");
-    assert_eq!(canvas.set_looks(1, |_| Look::new(Symbol::Dot, RED)), 1);
+    assert_eq!(
+        canvas.set_looks(1, |_| SampleLook::new(Symbol::Dot, RED)),
+        1
+    );
     let second = shoot(&mut harness);
     assert!(second.marked() * 2 == first.marked());
     let pos = camera.screen_from_domain(Probe::rect(), [5.0, 5.0]);
@@ -186,7 +189,7 @@ fn a_picture_kept_at_rest_is_the_one_drawn_anew() {
     let teal = Color32::from_rgb(10, 160, 140);
     for version in 2..4 {
         // Every layer changes with the version, which kept pictures must follow.
-        let look = |id| Look::new(Symbol::Dot, [RED, teal][(id + version) as usize % 2]);
+        let look = |id| SampleLook::new(Symbol::Dot, [RED, teal][(id + version) as usize % 2]);
         let look = |id: u32| look(id).with_disk(id.is_multiple_of(version + 3));
         let mut shot = |still: usize| {
             let canvas = &mut harness.state_mut().canvas;
@@ -221,6 +224,6 @@ fn a_kept_picture_follows_new_looks() {
     });
     assert!(shoot(&mut harness).marked() > 5_000);
     let canvas = &mut harness.state_mut().canvas;
-    canvas.set_looks(9, |_| Look::HIDDEN);
+    canvas.set_looks(9, |_| SampleLook::HIDDEN);
     assert_eq!(shoot(&mut harness).marked(), 0);
 }

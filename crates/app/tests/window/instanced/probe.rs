@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use tilescope_canvas::instanced::{InstancedCanvas, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Domain, Point, R};
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::look::{SampleLook, Symbol};
 
 pub const RED: Color32 = Color32::from_rgb(230, 90, 20);
 pub const GROUND: Color32 = Color32::from_rgb(18, 21, 25);
@@ -53,7 +53,7 @@ pub fn probe(domain: &Domain, points: &[Point], camera: Camera) -> Harness<'stat
             let state = creation.wgpu_render_state.as_ref().expect("a device");
             let mut canvas = InstancedCanvas::new(state);
             canvas.set_points(1, &points, &domain).expect("few points");
-            canvas.set_looks(1, |_| Look::new(Symbol::Dot, RED));
+            canvas.set_looks(1, |_| SampleLook::new(Symbol::Dot, RED));
             Probe {
                 canvas,
                 camera,

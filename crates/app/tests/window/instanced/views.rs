@@ -3,7 +3,7 @@
 use tilescope_canvas::instanced::{Limits, PaintOptions, Symbols};
 use tilescope_core::{Boundary, Point, R};
 use tilescope_drawing::camera::Camera;
-use tilescope_drawing::look::{Look, Symbol};
+use tilescope_drawing::look::{SampleLook, Symbol};
 
 use super::probe::{Probe, RED, at, crowd, domain, probe, shoot, shoot_now};
 
@@ -71,7 +71,7 @@ fn what_is_left_out_for_the_view_would_not_be_seen() {
             scale: 15.0,
         };
         let mut harness = probe(&domain, &points, camera);
-        let look = |id: u32| Look::new(Symbol::Dot, RED).with_disk(id.is_multiple_of(7));
+        let look = |id: u32| SampleLook::new(Symbol::Dot, RED).with_disk(id.is_multiple_of(7));
         let canvas = &mut harness.state_mut().canvas;
         canvas.set_looks(2, look);
         // A kept picture is rounded once more than one drawn in place.
@@ -139,9 +139,9 @@ fn a_crowd_becomes_points_of_one_pixel() {
     let chosen = (0..400_000).find(is_central).expect("a sample there");
     let shown = |id| {
         if id == chosen {
-            Look::new(Symbol::Diamond, RED)
+            SampleLook::new(Symbol::Diamond, RED)
         } else {
-            Look::HIDDEN
+            SampleLook::HIDDEN
         }
     };
     harness.state_mut().canvas.set_looks(2, shown);

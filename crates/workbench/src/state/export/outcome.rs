@@ -9,7 +9,7 @@ use super::{ExportSource, Exports};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::export::ExportCommand;
 use crate::export::write::{What, WriteError, Written, render};
-use crate::export::{ExportForm, Order};
+use crate::export::{ExportForm, ExportJob};
 use crate::files::{Delivery, packed};
 use crate::state::effects::{Context, Effect};
 
@@ -29,7 +29,7 @@ pub enum Ended {
 /// Has the files of an order made and put where they are to go.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct ExportTask {
-    order: Order,
+    order: ExportJob,
     delivery: Delivery,
 }
 
@@ -47,7 +47,7 @@ impl Task for ExportTask {
 }
 
 /// Makes the files of an order and puts them where they are to go.
-fn deliver(order: &Order, delivery: Delivery, monitor: &Monitor) -> Outcome {
+fn deliver(order: &ExportJob, delivery: Delivery, monitor: &Monitor) -> Outcome {
     match delivery {
         #[cfg(not(target_arch = "wasm32"))]
         Delivery::Disk => crate::export::write::write(order, monitor).map(Ended::Written),

@@ -9,10 +9,10 @@ use tilescope_session::words::{counted, ended, sentence};
 use crate::analysis::held::Held;
 use crate::command::Which;
 use crate::draft::Draft;
-use crate::files::{Combined, Done, FileCommand, Filing, Opened, Outcome};
+use crate::files::{Combined, Done, FileCommand, FileOutcome, Filing, Opened};
 use crate::state::State;
-use crate::state::undo::Part;
-use crate::view::View;
+use crate::state::undo::UndoPart;
+use crate::view::SavedView;
 
 impl State {
     pub(in crate::state) fn poll_files(&mut self) {
@@ -72,11 +72,11 @@ impl State {
         }
     }
 
-    fn filed(&mut self, outcome: Result<Outcome, String>) {
+    fn filed(&mut self, outcome: Result<FileOutcome, String>) {
         let Some(filing) = self.files.filing.take() else {
             return;
         };
-        let Outcome { done, left } = outcome.unwrap_or_else(|why| Outcome::of(Err(why)));
+        let FileOutcome { done, left } = outcome.unwrap_or_else(|why| FileOutcome::of(Err(why)));
         match done {
             Ok(done) => {
                 self.close_sheet(&filing);
@@ -168,7 +168,7 @@ impl State {
         );
         let before = self.memento();
         self.form.own_pattern = Some(own);
-        self.remember(before, Part::Form, None);
+        self.remember(before, UndoPart::Form, None);
         self.tell(text, false);
     }
 
@@ -192,7 +192,7 @@ impl State {
         self.show(opened.session);
         self.runs.first.debugger = Some(debugger);
         self.runs.first.follow_cursor();
-        let (view, mut dropped) = View::from_json(&opened.saved.view, &self.view());
+        let (view, mut dropped) = SavedView::from_json(&opened.saved.view, &self.view());
         dropped.extend(self.look_as(&view));
         self.forget_changes();
         self.opened_from(opened.path, &dropped);
@@ -205,7 +205,7 @@ impl State {
             self.messages.notice,
             self.links.arriving,
         ) = (None, None, None);
-        self.remember_run(Part::Run);
+        self.remember_run(UndoPart::Run);
         (self.runs.first.selected, self.runs.first.place) = (None, None);
         self.show_combination(Which::First, combined.session);
         let Some(saved) = combined.saved else {
@@ -215,7 +215,7 @@ impl State {
             let last = session.stages.len() - 1;
             self.runs.first.set_stage(saved.stage.min(last));
         }
-        let (view, mut dropped) = View::from_json(&saved.view, &self.view());
+        let (view, mut dropped) = SavedView::from_json(&saved.view, &self.view());
         dropped.extend(self.look_as(&view));
         self.forget_changes();
         self.opened_from(combined.path, &dropped);

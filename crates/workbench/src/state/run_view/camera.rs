@@ -4,7 +4,7 @@ use emath::Rect;
 use tilescope_core::Stage;
 use tilescope_session::selection::Selection;
 use tilescope_session::units::radii;
-use tilescope_session::verification::{WitnessMark, Witness};
+use tilescope_session::verification::{Witness, WitnessMark};
 
 use super::RunView;
 use crate::command::ViewCommand;

@@ -20,7 +20,7 @@ pub const MAX_FOUND: usize = 100_000;
 
 /// The events that touched what is selected.
 #[derive(Default)]
-pub enum Found {
+pub enum FoundEvents {
     /// Nothing was asked.
     #[default]
     Nothing,
@@ -32,7 +32,7 @@ pub enum Found {
     Failed(String),
 }
 
-impl Found {
+impl FoundEvents {
     /// Returns the events, once they are known.
     #[must_use]
     pub fn events(&self) -> &[usize] {
@@ -76,7 +76,7 @@ pub struct EventQuery {
     /// What is wrong with it.
     pub error: Option<String>,
     /// The events that it means; none while the text is empty.
-    pub found: Found,
+    pub found: FoundEvents,
 }
 
 impl RunView {
@@ -129,7 +129,7 @@ impl RunView {
         self.put_stops(stops, context);
         self.rows = session.outline.as_ref().map(OutlineRows::new);
         (self.revealed, self.passes) = (usize::MAX, None);
-        self.history_found = Found::Nothing;
+        self.history_found = FoundEvents::Nothing;
         let text = std::mem::take(&mut self.query.text);
         self.look_for(text, context);
     }
@@ -159,13 +159,13 @@ impl RunView {
         }
     }
 
-    fn look(&self, aim: Aim, context: &Context) -> Found {
+    fn look(&self, aim: Aim, context: &Context) -> FoundEvents {
         match &self.session {
             Some(session) if self.debugger.is_some() => {
                 let session = SessionRef(Arc::clone(session));
-                Found::Pending(task::start(&context.wake, FindEventsTask { session, aim }))
+                FoundEvents::Pending(task::start(&context.wake, FindEventsTask { session, aim }))
             }
-            _ => Found::Nothing,
+            _ => FoundEvents::Nothing,
         }
     }
 
@@ -174,7 +174,7 @@ impl RunView {
         self.query.error = parsed.as_ref().err().map(ToString::to_string);
         self.query.found = match parsed {
             Ok(query) if query != Query::default() => self.look(Aim::Query(text.clone()), context),
-            _ => Found::Nothing,
+            _ => FoundEvents::Nothing,
         };
         self.query.text = text;
     }
@@ -204,7 +204,7 @@ impl RunView {
             Selection::Place(place) => (None, Some(place)),
         };
         self.history_found = match selection {
-            Selection::Nothing => Found::Nothing,
+            Selection::Nothing => FoundEvents::Nothing,
             Selection::Sample(id) => self.look(Aim::Sample(id), context),
             Selection::Place(place) => {
                 let units = place.map(|x| (x * f64::from(R)).round() as i32);

@@ -7,7 +7,7 @@ use tilescope_debugger::{DEFAULT_BUDGET, Debugger, Direction, LineId, Recording,
 use tilescope_session::jobs::Monitor;
 use tilescope_session::task::{self, SessionRef, Task};
 
-use super::{Found, RunView};
+use super::{FoundEvents, RunView};
 use crate::state::effects::Context;
 
 /// Most places that are marked.
@@ -23,7 +23,7 @@ type Key = (u64, Vec<(LineId, String)>);
 #[derive(Default)]
 pub struct Hits {
     key: Option<Key>,
-    found: Found,
+    found: FoundEvents,
 }
 
 impl Hits {
@@ -31,14 +31,14 @@ impl Hits {
     #[must_use]
     pub fn said(&self) -> Option<String> {
         match &self.found {
-            Found::Nothing => None,
-            Found::Pending(_) => Some("Being counted\u{2026}".to_owned()),
-            Found::Failed(why) => Some(why.clone()),
-            Found::Events(events) if events.len() == MAX_HITS => Some(format!(
+            FoundEvents::Nothing => None,
+            FoundEvents::Pending(_) => Some("Being counted\u{2026}".to_owned()),
+            FoundEvents::Failed(why) => Some(why.clone()),
+            FoundEvents::Events(events) if events.len() == MAX_HITS => Some(format!(
                 "They stop a run {} times or more; the first are on the timeline.",
                 tilescope_session::words::grouped(MAX_HITS)
             )),
-            Found::Events(events) => Some(format!(
+            FoundEvents::Events(events) => Some(format!(
                 "They stop a run {}.",
                 tilescope_session::words::counted(events.len(), "time", "times")
             )),
@@ -80,10 +80,10 @@ impl RunView {
             stops.map(|(line, text)| (line, text.to_owned())).collect();
         self.hits.key = Some((session.generation, stops.clone()));
         self.hits.found = if stops.is_empty() {
-            Found::Nothing
+            FoundEvents::Nothing
         } else {
             let session = SessionRef(Arc::clone(session));
-            Found::Pending(task::start(&context.wake, CountHitsTask { session, stops }))
+            FoundEvents::Pending(task::start(&context.wake, CountHitsTask { session, stops }))
         };
     }
 }

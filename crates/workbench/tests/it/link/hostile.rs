@@ -4,7 +4,7 @@ use tilescope_core::{MAXIMAL_DENSITY, Parameters};
 use tilescope_session::layers::Layer;
 use tilescope_workbench::State;
 use tilescope_workbench::link::{
-    Content, MAX_BOOKMARKS, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_STOPS, MAX_TEXT,
+    LinkContent, MAX_BOOKMARKS, MAX_CHARACTERS, MAX_PATTERN_SIDE, MAX_SAMPLES, MAX_STOPS, MAX_TEXT,
     read, write,
 };
 
@@ -18,7 +18,7 @@ fn check_parameters(p: &Parameters) {
 }
 
 /// What may be opened, whatever the text was; and what is written of it is read as the same.
-fn check(text: &str) -> Content {
+fn check(text: &str) -> LinkContent {
     let (content, said) = read(text);
     check_parameters(&content.parameters);
     if let Some(second) = &content.view.second {
@@ -47,7 +47,7 @@ fn check(text: &str) -> Content {
 }
 
 /// Whether it is waited for: two million samples, or a pattern of as many, take a while.
-fn is_quick(content: &Content) -> bool {
+fn is_quick(content: &LinkContent) -> bool {
     let second = content.view.second;
     [content.parameters].into_iter().chain(second).all(|p| {
         let domain = p.validate().expect("parameters");
@@ -289,7 +289,7 @@ fn a_link_of_unknown_layers_shows_the_usual_ones() {
     let layers = |text: &str| read(text).0.view.appearance.layers;
     assert_eq!(
         layers("v=1&layers=fireworks,tinsel"),
-        Content::default().view.appearance.layers
+        LinkContent::default().view.appearance.layers
     );
     assert!(!layers("v=1&layers=").has(Layer::Samples));
     let known = layers("v=1&layers=fireworks,disks");
@@ -305,7 +305,7 @@ fn random_links_are_harmless() {
             .map(|_| format!("{}={}", draws.of(&KEYS), draws.of(&VALUES)))
             .collect();
         let content = check(&pairs.join("&"));
-        opened_runs += usize::from(content != Content::default());
+        opened_runs += usize::from(content != LinkContent::default());
     }
     assert!(opened_runs > 7_000, "many say something: {opened_runs}");
     for _ in 0..5_000 {
