@@ -19,7 +19,6 @@ mod make;
 mod options;
 mod output;
 mod parameters;
-mod pattern_cache;
 mod place;
 mod progress;
 mod reproduce;

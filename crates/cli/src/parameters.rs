@@ -12,7 +12,6 @@ use tilescope_core::{
 use tilescope_formats::Hint;
 
 use crate::options::{BoundaryArgument, UNIT_SQUARE};
-use crate::pattern_cache;
 
 /// Arguments that determine a run.
 #[derive(Debug, Args)]
@@ -39,9 +38,7 @@ pub struct RunArguments {
     /// Shortest edge of a building block, in radii: any number of at least 6
     #[arg(long, value_name = "LEAF", default_value_t = 30.0)]
     pub leaf: f64,
-    /// Side of the generated pattern, in radii; from 400 on it is kept between runs, in the user's cache
-    /// folder or in TILESCOPE_CACHE (empty: nowhere)
-    #[expect(clippy::doc_markdown, reason = "--help shows it as it stands")]
+    /// Side of the generated pattern, in radii
     #[arg(long, value_name = "SIDE", default_value_t = 100.0)]
     pub pattern_side: f64,
     /// How the generated pattern ends: a bounded one is the paper's, and blocks must fit it
@@ -146,17 +143,14 @@ impl RunArguments {
         }
     }
 
-    /// Returns the pattern: from its file, ready-made, kept or generated.
+    /// Returns the pattern: from its file, kept or generated.
     pub fn pattern(&self, observer: &mut dyn Observer) -> Result<Arc<Pattern>> {
         match &self.pattern {
             Some(path) => self
                 .pattern_from_file(path)
                 .map(Arc::new)
                 .with_context(|| path.display().to_string()),
-            None => Ok(pattern_cache::pattern(
-                &self.parameters().pattern,
-                observer,
-            )?),
+            None => Ok(Pattern::of_spec(&self.parameters().pattern, observer)?),
         }
     }
 

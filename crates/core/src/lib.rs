@@ -50,8 +50,7 @@ pub use parameters::{
     Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, MIN_LEAF_RADII,
     MIN_PATTERN_SIDE_RADII, Order, Parameters, PatternSpec, Search, Variant,
 };
-pub use pattern::{PackedError, Pattern, Symmetry, Variant as PatternVariant};
-pub use pattern_making::{READY_MADE, ReadyMade};
+pub use pattern::{Pattern, Symmetry, Variant as PatternVariant};
 pub use progress::{Observer, Progress, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
 pub use record::{Recorder, RunEvent, Unrecorded, Verdict};

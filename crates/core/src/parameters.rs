@@ -79,7 +79,7 @@ pub struct PatternSpec {
     pub side: f64,
     /// A periodic pattern allows any offset and any block size; a bounded one is the paper's.
     pub boundary: Boundary,
-    /// Seed of the reference sampler that makes it. It is not the run's seed: one ready-made
+    /// Seed of the reference sampler that makes it. It is not the run's seed: one
     /// pattern serves every run.
     pub seed: u64,
 }

@@ -1,15 +1,10 @@
 //! The pattern: a small maximal set from which building blocks clip (paper, section 3.1.2).
-//! A pattern that exists is conflict-free and maximal on the lattice: it was generated, checked, or
-//! unpacked from bytes that only this program writes (`packed`). [`crate::pattern_making`] generates and checks.
-
-mod packed;
-
-pub use packed::PackedError;
+//! A pattern that exists is conflict-free and maximal on the lattice: it was generated or checked, both by
+//! [`crate::pattern_making`].
 
 use serde::{Deserialize, Serialize};
 
 use crate::lattice::{Domain, Point, Rect};
-use crate::parameters::PatternSpec;
 
 /// A maximal set that blocks clip from. Patterns are equal when blocks clip the same from them,
 /// wherever they came from.
@@ -17,8 +12,6 @@ use crate::parameters::PatternSpec;
 pub struct Pattern {
     domain: Domain,
     samples: Vec<Point>,
-    /// What it was generated from; a given set has no seed.
-    seed: Option<u64>,
     /// Whether every lattice point is known to be covered; a given set may miss some by a hair.
     covers_lattice: bool,
 }
@@ -54,25 +47,8 @@ impl Pattern {
             // Blocks see lattice units only; the user's unit ends here.
             domain: Domain::from_units(domain.width(), domain.height(), domain.boundary()),
             samples,
-            seed: None,
             covers_lattice,
         }
-    }
-
-    /// Returns the pattern, generated from `seed`.
-    pub(crate) const fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = Some(seed);
-        self
-    }
-
-    /// Returns whether this is the pattern that [`Self::generate`] makes of `spec`.
-    #[must_use]
-    pub fn is_of(&self, spec: &PatternSpec) -> bool {
-        let side = Ok(self.domain.width());
-        spec.side_units() == side
-            && self.domain.height() == self.domain.width()
-            && self.domain.boundary() == spec.boundary
-            && self.seed == Some(spec.seed)
     }
 
     /// Returns whether every lattice point is known to be covered by a sample within R.
@@ -189,6 +165,7 @@ impl Variant {
 mod tests {
     use super::*;
     use crate::lattice::{Boundary, R};
+    use crate::parameters::PatternSpec;
     use crate::progress::Unobserved;
 
     fn small(boundary: Boundary) -> Pattern {

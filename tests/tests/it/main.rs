@@ -7,6 +7,5 @@ mod digests;
 mod engines;
 mod instructions;
 mod numbers;
-mod patterns;
 mod properties;
 mod support;

@@ -13,12 +13,12 @@ use serde_json::{Value, json};
 use tilescope_analysis::Region;
 use tilescope_core::combine::Piece;
 use tilescope_core::combine::file::{PieceError, Place, Placed, Set, Source};
-use tilescope_core::{Boundary, Progress};
+use tilescope_core::{Boundary, Pattern, Progress};
 
+use crate::interrupt;
 use crate::options::UNIT_SQUARE;
 use crate::parameters::set_of_file;
 use crate::progress::Bar;
-use crate::{interrupt, pattern_cache};
 
 /// The longest file of a set: as many samples as a result may have, of 40 bytes.
 const MAX_FILE_BYTES: u64 = 8_000_000_000;
@@ -118,7 +118,7 @@ fn set(source: &Source, folder: &Path) -> Result<Set> {
         }
         Source::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, &mut observer)?),
         Source::Run { parameters, .. } => {
-            let pattern = pattern_cache::pattern(&parameters.pattern, &mut observer)?;
+            let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
             Ok(Set::of_run(parameters, &pattern, &mut observer)?)
         }
     }

@@ -249,7 +249,6 @@ fn a_full_disk_leaves_no_file_and_keeps_the_old_one() {
     let script = format!("ulimit -f 2000; exec '{}' \"$@\"", binary.display());
     let output = Process::new("sh")
         .current_dir(folder.path())
-        .env("TILESCOPE_CACHE", "")
         .args(["-c", &script, "sh"])
         .args(LARGE)
         .args(["--out", "set.npy"])

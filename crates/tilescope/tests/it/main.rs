@@ -7,7 +7,6 @@ mod command_line;
 mod device;
 mod judging;
 mod large_sets;
-mod pattern_cache;
 #[cfg(unix)]
 mod places;
 mod reproduce;

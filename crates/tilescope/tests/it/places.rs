@@ -208,7 +208,6 @@ fn on_full_device(folder: &TempDir, arguments: &[&str], errors: bool) -> Option<
     let mut program = Process::new(tilescope(folder).get_program());
     program
         .current_dir(folder.path())
-        .env("TILESCOPE_CACHE", "")
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .args(arguments)

@@ -14,8 +14,6 @@ pub fn tilescope(folder: &TempDir) -> Command {
     let mut command = Command::cargo_bin("tilescope").expect("the binary is built");
     command
         .current_dir(folder.path())
-        // No test touches the user's own cache.
-        .env("TILESCOPE_CACHE", "")
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY");
     command

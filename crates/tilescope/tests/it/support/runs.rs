@@ -31,7 +31,6 @@ pub fn started(folder: &TempDir, arguments: &[&str], name: &str) -> Child {
     let binary = assert_cmd::cargo::cargo_bin("tilescope");
     let mut child = Process::new(binary)
         .current_dir(folder.path())
-        .env("TILESCOPE_CACHE", "")
         .args(arguments)
         .args(["--threads", "1", "--checkpoint", "0", "--out", name])
         .stdout(Stdio::null())
