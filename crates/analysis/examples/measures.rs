@@ -11,7 +11,7 @@ use tilescope_analysis::measures::{
     Periodogram, PowerCurve, RadialProfile, Summary, anisotropy_reference_db, density,
     frequency_shares, largest_min_distance, pairs_between, power_band,
 };
-use tilescope_analysis::{Boundary, Progress, Region, spectrum};
+use tilescope_analysis::{Boundary, Progress, Region};
 
 fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -232,7 +232,6 @@ fn time(count: usize, frequencies: usize, threads: usize) {
             (found.power.iter().sum::<f64>() - count as f64) / (found.power.len() - 1) as f64
         );
     }
-    errors(&points, &transform());
 }
 
 /// Times what a mark in a spectrum asks for: a ring that ends at a frequency `nu`, and the pairs up to a distance
@@ -257,22 +256,4 @@ fn brush(count: usize, nu: f64, distance: f64, threads: usize) {
             Err(error) => println!("  {error}"),
         }
     }
-}
-
-/// Compares powers with direct sums.
-fn errors(points: &[[f64; 2]], found: &Periodogram) {
-    let half = found.window.x.end;
-    let worst = (0..32)
-        .map(|i| {
-            [
-                (i * 7919) % (2 * half) - half,
-                (i * 104_729 + 17) % (2 * half) - half,
-            ]
-        })
-        .map(|k| {
-            let exact = spectrum::power(points, 1.0, 1.0, k);
-            (found.at(k).expect("in the window") / exact - 1.0).abs()
-        })
-        .fold(0.0, f64::max);
-    println!("largest relative error of a power at 32 frequencies: {worst:.1e}");
 }

@@ -59,6 +59,8 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
+use serde::{Deserialize, Serialize};
+
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
@@ -141,7 +143,7 @@ pub(crate) fn search(
 }
 
 /// A tile to be looked at.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Visit {
     pub tile: Tile,
     /// The halo to begin with.

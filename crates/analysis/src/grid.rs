@@ -6,10 +6,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use serde::{Deserialize, Serialize};
+
 use crate::domain::Domain;
 
 /// A sample in the domain's unit with its index in the caller's set.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Entry {
     pub position: [f64; 2],
     pub id: u32,

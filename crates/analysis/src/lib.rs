@@ -3,7 +3,7 @@
 //! It never depends on the sampler, on a GPU, on files or on a clock.
 //!
 //! [`verify`] gives the verdict with exact extremes (closest pair, largest empty circle) and
-//! witnesses; [`StreamVerifier`] gives the same in bounded memory; [`spectrum`] gives the radially averaged periodogram;
+//! witnesses; [`StreamVerifier`] gives the same in bounded memory;
 //! [`measures`] has spectra by a fast transform, distances, order and uniformity;
 //! [`Tessellation`] gives triangles, cells and gaps to draw.
 //!
@@ -38,7 +38,6 @@ mod number;
 mod pairs;
 mod region;
 mod report;
-pub mod spectrum;
 mod stream;
 pub mod tessellation;
 mod verify;
@@ -51,7 +50,6 @@ pub use number::Number;
 pub use pairs::MAX_CONFLICTS;
 pub use region::{Boundary, Region};
 pub use report::Report;
-pub use spectrum::{RadialBin, radial_mean_power};
 pub use stream::{STREAM_LAG, StreamBand, StreamVerifier};
 pub use tessellation::Tessellation;
 pub use verify::{COVERING_TOLERANCE, VerifyOptions, verify};

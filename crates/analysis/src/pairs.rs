@@ -9,6 +9,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use serde::{Deserialize, Serialize};
+
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
@@ -27,7 +29,7 @@ const CHUNK: usize = 4096;
 const LONG_RUN: usize = 32;
 
 /// What the pair search found, in the domain's unit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Pairs {
     pub conflicts: u64,
     pub worst: Worst<Conflict>,

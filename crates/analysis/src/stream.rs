@@ -22,6 +22,8 @@ mod saved;
 
 use std::ops::ControlFlow;
 
+use serde::{Deserialize, Serialize};
+
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid};
@@ -230,7 +232,7 @@ type Control<'a> = &'a (dyn Fn(Progress) -> ControlFlow<()> + Sync);
 const PIECE: usize = 4096;
 
 /// What is known of the samples as they come.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Intake {
     count: usize,
     /// The highest ordinate so far, in the domain's unit.

@@ -4,6 +4,8 @@
 
 use std::cmp::Ordering;
 
+use serde::{Deserialize, Serialize};
+
 use crate::witness::{Conflict, Gap};
 
 /// A witness with a total order in which the worst comes first.
@@ -29,7 +31,7 @@ impl Witness for Gap {
 }
 
 /// The `limit` worst of the witnesses pushed so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Worst<T> {
     limit: usize,
     kept: Vec<T>,
@@ -64,11 +66,6 @@ impl<T: Witness> Worst<T> {
     /// The mildest of `limit` witnesses, once there are so many: what is not worse is not kept.
     pub fn mildest(&self) -> Option<&T> {
         self.mildest.as_ref()
-    }
-
-    /// The kept witnesses, and perhaps some more, in no order.
-    pub fn kept(&self) -> &[T] {
-        &self.kept
     }
 
     /// The kept witnesses, worst first.

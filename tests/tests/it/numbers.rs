@@ -3,7 +3,10 @@
 //! radius that the paper believed to suffice.
 
 use crate::support::{judge, run};
-use tilescope_analysis::radial_mean_power;
+use std::ops::ControlFlow;
+
+use tilescope_analysis::Region;
+use tilescope_analysis::measures::{FrequencyWindow, Periodogram, RadialProfile};
 use tilescope_core::{
     Boundary, Domain, Order, Parameters, PatternSpec, Search, Summary, Unobserved, radius_estimate,
     reference_sample,
@@ -72,14 +75,23 @@ fn the_reference_sampler_has_the_jamming_density() {
     assert!((density - 0.696_55).abs() < 0.000_9, "{density}");
 }
 
+const UNIT_TORUS: Region = Region {
+    width: 1.0,
+    height: 1.0,
+    boundary: tilescope_analysis::Boundary::Periodic,
+};
+
 /// Radial mean power of ten sets of about 10,000 samples, over 0.1 to 2 sqrt(N).
 fn mean_spectrum(sets: impl Iterator<Item = Vec<[f64; 2]>>) -> Vec<f64> {
     let mut sum = Vec::new();
     let mut sets_seen = 0.0;
     for set in sets {
-        let bins = radial_mean_power(&set, 1.0, 1.0, 200);
-        sum.resize(bins.len(), 0.0);
-        for (sum, bin) in sum.iter_mut().zip(&bins) {
+        let window = FrequencyWindow::centered(201);
+        let go_on = |_| ControlFlow::Continue(());
+        let periodogram = Periodogram::of(&set, UNIT_TORUS, &window, &go_on).unwrap();
+        let annuli = RadialProfile::of(&periodogram, 1.0).unwrap().annuli;
+        sum.resize(200, 0.0);
+        for (sum, bin) in sum.iter_mut().zip(&annuli) {
             *sum += bin.power;
         }
         sets_seen += 1.0;

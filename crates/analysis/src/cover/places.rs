@@ -5,12 +5,14 @@
 use super::survey::Survey;
 use super::tiles::Tile;
 use super::{Cover, Task};
+use serde::{Deserialize, Serialize};
+
 use crate::domain::Domain;
 use crate::witness::Gap;
 use crate::worst::{Witness, Worst};
 
 /// The gaps of some tiles.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Places {
     covering_radius: f64,
     /// Places that no other tile can have claimed.
@@ -63,29 +65,6 @@ impl Places {
     /// Number of places that are not settled yet.
     pub fn shared(&self) -> usize {
         self.shared.len()
-    }
-
-    /// The covering radius so far and the number of settled places.
-    pub fn settled(&self) -> (f64, u64) {
-        (self.covering_radius, self.count)
-    }
-
-    /// The worst of the settled places, and those not settled yet.
-    pub fn lists(&self) -> [&[Gap]; 2] {
-        [self.worst.kept(), &self.shared]
-    }
-
-    /// Takes over, into an empty one, what [`Self::settled`] and [`Self::lists`] gave.
-    pub fn restore(
-        &mut self,
-        (covering_radius, count): (f64, u64),
-        [worst, shared]: [Vec<Gap>; 2],
-    ) {
-        for gap in worst {
-            self.worst.push(gap);
-        }
-        (self.covering_radius, self.count) = (covering_radius, count);
-        self.shared = shared;
     }
 
     /// Settles the shared places.

@@ -7,6 +7,8 @@ use std::ops::Range;
 use spade::Point2;
 
 use super::Task;
+use serde::{Deserialize, Serialize};
+
 use crate::grid::Grid;
 
 /// Nonzero coordinates below this are outside what the triangulation accepts (its predicates could
@@ -14,7 +16,7 @@ use crate::grid::Grid;
 const TINY: f64 = spade::MIN_ALLOWED_VALUE;
 
 /// A rectangle of grid cells.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Tile {
     pub columns: Range<usize>,
     pub rows: Range<usize>,

@@ -5,6 +5,8 @@
 use std::mem;
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use crate::cover::{self, Places, Task, Visit};
 use crate::domain::Domain;
 use crate::error::VerifyError;
@@ -100,7 +102,7 @@ impl Search {
 }
 
 /// What is held of the set, and what was found out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Bands {
     /// Samples of the rows from `keep` on, as they came, and latecomers of the first row.
     pub held: Vec<Entry>,

@@ -4,11 +4,11 @@
 
 use std::ops::{ControlFlow, Range};
 
-use crate::support::Random;
+use crate::support::{Random, direct_power};
 use tilescope_analysis::measures::{
     FrequencyWindow, MAX_FREQUENCY, MeasureError, Periodogram, Taper,
 };
-use tilescope_analysis::{Boundary, Progress, Region, spectrum};
+use tilescope_analysis::{Boundary, Progress, Region};
 
 fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -34,7 +34,7 @@ fn worst_error(points: &[[f64; 2]], region: Region, window: &FrequencyWindow) ->
     let floor = 1e-13 * points.len() as f64;
     (window.frequencies().zip(&found.power))
         .map(|(k, &power)| {
-            let exact = spectrum::power(points, region.width, region.height, k);
+            let exact = direct_power(points, region, k);
             ((power - exact).abs() - floor).max(0.0) / exact.max(floor)
         })
         .fold(0.0, f64::max)
@@ -104,7 +104,7 @@ fn a_million_samples_have_the_powers_of_the_direct_sum() {
         let window = FrequencyWindow { x, y };
         let found = Periodogram::of(&jittered, torus(), &window, &go_on).expect("a periodogram");
         for (k, power) in window.frequencies().zip(&found.power) {
-            let exact = spectrum::power(&jittered, 1.0, 1.0, k);
+            let exact = direct_power(&jittered, torus(), k);
             let error = (power / exact - 1.0).abs();
             assert!(error < 1e-9, "{k:?}: {power:e}, {exact:e}");
         }
@@ -119,7 +119,7 @@ fn a_moved_sample_shows() {
     moved[77][0] = (moved[77][0] + 1e-4) % 1.0;
     let found = Periodogram::of(&moved, torus(), &window, &go_on).expect("a periodogram");
     let worst = (window.frequencies().zip(&found.power))
-        .map(|(k, power)| (power / spectrum::power(&points, 1.0, 1.0, k) - 1.0).abs())
+        .map(|(k, power)| (power / direct_power(&points, torus(), k) - 1.0).abs())
         .fold(0.0, f64::max);
     assert!(worst > 1e-5, "{worst:e}");
 }

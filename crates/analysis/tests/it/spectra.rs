@@ -4,13 +4,13 @@
 
 use std::ops::ControlFlow;
 
-use crate::support::Random;
 use crate::support::sets::{hexagonal, maximal, torus};
+use crate::support::{Random, direct_power};
 use tilescope_analysis::measures::{
     FrequencyWindow, MeanPeriodogram, MeasureError, PairCorrelation, Periodogram, PowerCurve,
     RadialProfile, anisotropy_reference_db, power_band,
 };
-use tilescope_analysis::{Progress, Region, radial_mean_power};
+use tilescope_analysis::{Progress, Region};
 
 fn go_on(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -34,10 +34,26 @@ fn noise(seed: u64, count: usize, sets: usize, window: &FrequencyWindow) -> Peri
     mean((0..sets).map(|_| periodogram(&random.points(count, region), region, window)))
 }
 
+/// The number of frequencies with `j - 1/2 <= |k| < j + 1/2`, their mean length and their mean power.
+fn direct_annulus(points: &[[f64; 2]], region: Region, j: i64) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    for [x, y] in (-j - 1..=j + 1).flat_map(|x| (-j - 1..=j + 1).map(move |y| [x, y])) {
+        let length = (x as f64).hypot(y as f64);
+        if (length + 0.5).floor() as i64 == j {
+            let power = direct_power(points, region, [x, y]);
+            sums = [sums[0] + 1.0, sums[1] + length, sums[2] + power];
+        }
+    }
+    let [count, length, power] = sums;
+    [count, length / count, power / count]
+}
+
 #[test]
 fn annuli_are_those_of_direct_sums() {
     let (points, region) = (Random::new(7).points(500, torus(1.0, 1.0)), torus(1.0, 1.0));
-    let direct = radial_mean_power(&points, 1.0, 1.0, 30);
+    let direct: Vec<[f64; 3]> = (1..=30)
+        .map(|j| direct_annulus(&points, region, j))
+        .collect();
     for window in [
         FrequencyWindow::centered(30),
         FrequencyWindow {
@@ -57,9 +73,10 @@ fn annuli_are_those_of_direct_sums() {
             RadialProfile::of(&periodogram(&points, region, &window), 1.0).expect("a profile");
         assert_eq!(profile.annuli.len(), 30, "{window:?}");
         for (found, expected) in profile.annuli.iter().zip(&direct) {
-            assert_eq!(found.count, expected.count);
-            assert!((found.frequency - expected.frequency).abs() < 1e-12);
-            assert!((found.power / expected.power - 1.0).abs() < 1e-8);
+            let [count, frequency, power] = *expected;
+            assert!((found.count as f64 - count).abs() < 0.5);
+            assert!((found.frequency - frequency).abs() < 1e-12);
+            assert!((found.power / power - 1.0).abs() < 1e-8);
         }
     }
 }

@@ -6,6 +6,7 @@
 
 pub mod sets;
 
+use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -38,6 +39,18 @@ impl Random {
             })
             .collect()
     }
+}
+
+/// The power of an integer frequency by its definition: `|sum exp(-2 pi i k.x)|^2 / N`, with coordinates divided by the
+/// extents. Exact to about `1e-15` times the frequency per sample.
+pub fn direct_power(points: &[[f64; 2]], region: Region, [kx, ky]: [i64; 2]) -> f64 {
+    let [re, im] = points.iter().fold([0.0; 2], |[re, im], [x, y]| {
+        let turns = kx as f64 * (x / region.width) + ky as f64 * (y / region.height);
+        // Whole turns are removed first, exactly.
+        let (sin, cos) = (TAU * (turns - turns.round())).sin_cos();
+        [re + cos, im - sin]
+    });
+    (re * re + im * im) / points.len() as f64
 }
 
 /// Distance of two places, around the torus when periodic.
