@@ -2,6 +2,8 @@
 //! Scaling by a power of two is exact, so every comparison decides as it would in the caller's unit.
 //! It never holds samples.
 
+use glam::DVec2;
+
 use crate::error::VerifyError;
 use crate::region::{Boundary, Region};
 
@@ -12,7 +14,7 @@ const MIN_RELATIVE_RADIUS: f64 = Region::MIN_EXTENT;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Domain {
     /// Width and height.
-    pub extent: [f64; 2],
+    pub extent: DVec2,
     pub periodic: bool,
     /// Multiplies the caller's lengths.
     pub scale: f64,
@@ -28,7 +30,7 @@ impl Domain {
         let exponent = width.max(height).to_bits() >> 52;
         let scale = f64::from_bits((2 * 1023 - exponent) << 52);
         Ok(Self {
-            extent: [width * scale, height * scale],
+            extent: DVec2::new(width, height) * scale,
             periodic: region.boundary == Boundary::Periodic,
             scale,
         })
@@ -36,7 +38,7 @@ impl Domain {
 
     /// The radius in this unit.
     pub fn scale_radius(&self, radius: f64) -> Result<f64, VerifyError> {
-        let longer = self.extent[0].max(self.extent[1]);
+        let longer = self.extent.max_element();
         let limits = longer * MIN_RELATIVE_RADIUS..=longer / MIN_RELATIVE_RADIUS;
         Some(radius * self.scale)
             .filter(|scaled| limits.contains(scaled))
@@ -44,22 +46,22 @@ impl Domain {
     }
 
     /// A sample in this unit; adding zero turns -0 into 0.
-    pub fn scale_point(&self, point: [f64; 2]) -> [f64; 2] {
-        point.map(|value| value * self.scale + 0.0)
+    pub fn scale_point(&self, point: [f64; 2]) -> DVec2 {
+        DVec2::from(point) * self.scale + 0.0
     }
 
     /// The period of each axis, infinite when bounded.
-    pub fn periods(&self) -> [f64; 2] {
+    pub fn periods(&self) -> DVec2 {
         if self.periodic {
             self.extent
         } else {
-            [f64::INFINITY; 2]
+            DVec2::INFINITY
         }
     }
 
     /// The side of a square that holds one sample on average.
     pub fn spacing(&self, count: usize) -> f64 {
-        (self.extent[0] * self.extent[1] / count as f64).sqrt()
+        (self.extent.element_product() / count as f64).sqrt()
     }
 }
 

@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use glam::DVec2;
+
 use rayon::prelude::*;
 
 use serde::{Deserialize, Serialize};
@@ -13,7 +15,7 @@ use crate::domain::Domain;
 /// A sample in the domain's unit with its index in the caller's set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Entry {
-    pub position: [f64; 2],
+    pub position: DVec2,
     pub id: u32,
 }
 
@@ -58,9 +60,8 @@ impl Grid {
     pub fn new(points: &[[f64; 2]], domain: Domain, side: f64) -> Self {
         let side = side.max(domain.spacing(points.len()));
         // Along a thin region the cap matters: there, cells of that side would outnumber the samples.
-        let cells = domain
-            .extent
-            .map(|extent| ((extent / side) as usize).clamp(1, points.len()));
+        let cells = (domain.extent / side).to_array();
+        let cells = cells.map(|cells| (cells as usize).clamp(1, points.len()));
         let rows = Rows {
             first: 0,
             count: cells[1],
@@ -130,10 +131,9 @@ impl Grid {
 
     fn sort_cells(&mut self) {
         let order = |a: &Entry, b: &Entry| {
-            let [ax, ay] = a.position;
-            let [bx, by] = b.position;
-            (ax.total_cmp(&bx))
-                .then_with(|| ay.total_cmp(&by))
+            let (p, q) = (a.position, b.position);
+            (p.x.total_cmp(&q.x))
+                .then_with(|| p.y.total_cmp(&q.y))
                 .then_with(|| a.id.cmp(&b.id))
         };
         for bounds in self.starts.windows(2) {
@@ -149,8 +149,9 @@ impl Grid {
     pub const ROUNDING: f64 = 1e-6;
 
     /// Sides of a cell.
-    pub fn cell_sides(&self) -> [f64; 2] {
-        [0, 1].map(|axis| self.domain.extent[axis] / self.cells[axis] as f64)
+    pub fn cell_sides(&self) -> DVec2 {
+        let [columns, rows] = self.cells.map(|count| count as f64);
+        self.domain.extent / DVec2::new(columns, rows)
     }
 
     /// Number of cells held.
@@ -217,7 +218,7 @@ impl Grid {
 
 /// Column and row of a scaled position; neither falls when its coordinate rises. Rounding may move a
 /// sample at a cell's side into the next cell, by at most [`Grid::ROUNDING`] of a cell.
-pub(crate) fn cell_at(domain: &Domain, cells: [usize; 2], position: [f64; 2]) -> [usize; 2] {
+pub(crate) fn cell_at(domain: &Domain, cells: [usize; 2], position: DVec2) -> [usize; 2] {
     [0, 1].map(|axis| {
         let cell = position[axis] / domain.extent[axis] * cells[axis] as f64;
         (cell as usize).min(cells[axis] - 1)

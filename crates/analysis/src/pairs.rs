@@ -7,6 +7,8 @@ mod sweep;
 
 use std::ops::Range;
 
+use glam::DVec2;
+
 use rayon::prelude::*;
 
 use serde::{Deserialize, Serialize};
@@ -133,7 +135,7 @@ pub(crate) fn certain_distance(grid: &Grid) -> f64 {
 
 /// In the repeated plane each sample also neighbours its own copies.
 fn add_own_copies(grid: &Grid, radius: f64, pairs: &mut Pairs) {
-    let period = grid.domain.extent[0].min(grid.domain.extent[1]);
+    let period = grid.domain.extent.min_element();
     pairs.min_distance = pairs.min_distance.min(period);
     if period < radius {
         pairs.conflicts += grid.entries().len() as u64;
@@ -184,7 +186,7 @@ struct Stretch {
 
 struct Scan<'a> {
     grid: &'a Grid,
-    periods: [f64; 2],
+    periods: DVec2,
     radius: f64,
     /// Larger distances cannot be the smallest: pairs beyond it are not all seen.
     reach: f64,
@@ -202,7 +204,7 @@ impl<'a> Scan<'a> {
             grid,
             periods,
             radius,
-            reach: radius.max(sides[0]).max(sides[1]),
+            reach: radius.max(sides.max_element()),
             threshold,
             pairs,
         }
@@ -293,21 +295,21 @@ impl<'a> Scan<'a> {
         {
             // Clustered samples can fill a cell: skip those too far off along x.
             let reach = self.reach * (1.0 + 1e-9);
-            let along = |other: &Entry| other.position[0] + shift - entry.position[0];
+            let along = |other: &Entry| other.position.x + shift - entry.position.x;
             let start = run.partition_point(|other| along(other) < -reach);
             let end = run.partition_point(|other| along(other) <= reach);
             run = &run[start..end];
         }
         for other in run {
-            let [dx, dy] = offset(self.periods, entry, other);
-            if dx * dx + dy * dy <= self.threshold {
-                self.pair(entry, other, [dx, dy]);
+            let offset = offset(self.periods, entry, other);
+            if offset.length_squared() <= self.threshold {
+                self.pair(entry, other, offset);
             }
         }
     }
 
     #[cold]
-    fn pair(&mut self, entry: &Entry, other: &Entry, offset: [f64; 2]) {
+    fn pair(&mut self, entry: &Entry, other: &Entry, offset: DVec2) {
         let distance = length(offset);
         let closer = distance < self.pairs.min_distance;
         self.pairs.add([entry, other], distance, self.radius);
@@ -322,27 +324,27 @@ impl<'a> Scan<'a> {
 /// The absolute offset of two samples, around the torus. The long way round is summed so that
 /// its rounding is relative to the offset and not to the period.
 #[inline]
-fn offset(periods: [f64; 2], entry: &Entry, other: &Entry) -> [f64; 2] {
-    [0, 1].map(|axis| {
-        let (a, b) = (entry.position[axis], other.position[axis]);
-        let (low, high) = if a < b { (a, b) } else { (b, a) };
-        let direct = high - low;
-        if direct + direct > periods[axis] {
-            (periods[axis] - high) + low
-        } else {
-            direct
-        }
-    })
+fn offset(periods: DVec2, entry: &Entry, other: &Entry) -> DVec2 {
+    let (low, high) = (
+        entry.position.min(other.position),
+        entry.position.max(other.position),
+    );
+    let direct = high - low;
+    DVec2::select(
+        (direct + direct).cmpgt(periods),
+        (periods - high) + low,
+        direct,
+    )
 }
 
 /// The length of an offset.
-fn length([dx, dy]: [f64; 2]) -> f64 {
-    let square = dx * dx + dy * dy;
+fn length(offset: DVec2) -> f64 {
+    let square = offset.length_squared();
     // The square root is correctly rounded, hypot is not; hypot does not underflow.
     if square > 1e-280 {
         square.sqrt()
     } else {
-        dx.hypot(dy)
+        offset.x.hypot(offset.y)
     }
 }
 

@@ -13,6 +13,8 @@ pub use gap_regions::{Edge, GapRegion};
 pub use triangles::Triangle;
 pub use voronoi::{VoronoiCell, voronoi_cells};
 
+use glam::DVec2;
+
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
@@ -28,7 +30,7 @@ pub struct Tessellation {
     pub triangles: Vec<Triangle>,
     /// The edges of the Voronoi cells, each once, clipped to a bounded domain. In a periodic domain each
     /// begins within half a period of the domain.
-    pub voronoi_edges: Vec<[[f64; 2]; 2]>,
+    pub voronoi_edges: Vec<[DVec2; 2]>,
     /// The connected parts of the domain that lie in no disk.
     pub gaps: Vec<GapRegion>,
 }
@@ -57,12 +59,13 @@ impl Tessellation {
         } else {
             window.triangles
         };
-        let user = |place: [f64; 2]| place.map(|value| value / domain.scale);
         Ok(Self {
             triangles: (triangles.into_iter())
                 .map(|found| found.scaled(domain.scale))
                 .collect(),
-            voronoi_edges: cells.edges().map(|ends| ends.map(user)).collect(),
+            voronoi_edges: (cells.edges())
+                .map(|ends| ends.map(|end| end / domain.scale))
+                .collect(),
             gaps: gap_regions::find(&cells, domain.scale),
         })
     }
@@ -75,7 +78,8 @@ impl Tessellation {
 
     /// Returns the gap that holds a place, by its index.
     #[must_use]
-    pub fn gap_at(&self, place: [f64; 2]) -> Option<usize> {
+    pub fn gap_at(&self, place: impl Into<DVec2>) -> Option<usize> {
+        let place = place.into();
         self.gaps.iter().position(|gap| gap.contains(place))
     }
 }
@@ -89,24 +93,4 @@ fn check(points: &[[f64; 2]], region: Region) -> Result<(), VerifyError> {
         return Err(VerifyError::TooMany { count, limit });
     }
     (points.iter().enumerate()).try_for_each(|(index, &point)| check_point(index, point, region))
-}
-
-fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] + b[0], a[1] + b[1]]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn length(a: [f64; 2]) -> f64 {
-    a[0].hypot(a[1])
 }

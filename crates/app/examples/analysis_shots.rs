@@ -65,7 +65,7 @@ fn main() {
         vec![Command::Time(TimeCommand::LastStage), sheet, path],
     );
     shoot("analysis-file", vec![go]);
-    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 18.0));
     let distances = brush(BrushAxis::Distance, 1.0, 1.05);
     shoot("analysis-distances", vec![near(), distances]);
     shoot("analysis-ring", vec![brush(BrushAxis::Frequency, 0.8, 1.0)]);

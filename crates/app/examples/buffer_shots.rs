@@ -22,7 +22,7 @@ fn main() {
         .with_size([1600.0, 1000.0])
         .with_max_steps(64)
         .build_eframe(|creation| App::new(&creation.egui_ctx));
-    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 18.0));
     apply(&mut harness, vec![]);
     apply(
         &mut harness,

@@ -34,7 +34,7 @@ fn main() {
         image.save(&path).expect("a writable folder");
         println!("{}", path.display());
     };
-    let near = || Command::View(Which::First, ViewCommand::FlyTo([50.0, 50.0], 30.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([50.0, 50.0].into(), 30.0));
     shoot(
         "nine",
         vec![

@@ -49,7 +49,7 @@ fn main() {
         "seeds-near",
         vec![Command::View(
             Which::First,
-            ViewCommand::FlyTo([37.0, 45.0], 24.0),
+            ViewCommand::FlyTo([37.0, 45.0].into(), 24.0),
         )],
     );
     shoot(
@@ -59,7 +59,7 @@ fn main() {
             Command::View(Which::First, ViewCommand::Fit),
         ],
     );
-    let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 24.0));
+    let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 24.0));
     shoot("order-near", vec![near.clone()]);
     shoot(
         "light",

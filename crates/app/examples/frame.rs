@@ -109,11 +109,11 @@ fn measure_all(bench: &mut Bench, session: &Session, layers: &str) {
             ("fitted", Command::View(Which::First, ViewCommand::Fit)),
             (
                 "60 r",
-                Command::View(Which::First, ViewCommand::FlyTo([40.0, 40.0], 60.0)),
+                Command::View(Which::First, ViewCommand::FlyTo([40.0, 40.0].into(), 60.0)),
             ),
             (
                 "12 r",
-                Command::View(Which::First, ViewCommand::FlyTo([40.0, 40.0], 12.0)),
+                Command::View(Which::First, ViewCommand::FlyTo([40.0, 40.0].into(), 12.0)),
             ),
         ] {
             bench.apply(Command::Time(TimeCommand::Jump(cursor)));

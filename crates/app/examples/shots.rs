@@ -39,7 +39,7 @@ fn main() {
         }
         save(&mut harness, &folder, name);
     };
-    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = || Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 18.0));
     shoot("finish", vec![]);
     shoot("tile", vec![Command::Time(TimeCommand::ShowStage(2))]);
     shoot("tile-zoom", vec![near()]);
@@ -113,7 +113,7 @@ fn main() {
 
 /// Too short a search, a large run and parameters that cannot be run.
 fn other_parameters(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
-    let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 18.0));
+    let near = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 18.0));
     let gaps = vec![
         Command::Form(FormCommand::Choose(Choice::Search(Search::TwoRadii))),
         Command::Form(FormCommand::Type(Field::Leaf, "6".to_owned())),
@@ -171,7 +171,7 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "age-zoom",
         vec![Command::View(
             Which::First,
-            ViewCommand::FlyTo([37.0, 45.0], 24.0),
+            ViewCommand::FlyTo([37.0, 45.0].into(), 24.0),
         )],
     );
     shoot(
@@ -212,7 +212,7 @@ fn ages_and_tree(shoot: &mut dyn FnMut(&str, Vec<Command>)) {
         "tree-zoom",
         vec![Command::View(
             Which::First,
-            ViewCommand::FlyTo([37.0, 45.0], 24.0),
+            ViewCommand::FlyTo([37.0, 45.0].into(), 24.0),
         )],
     );
     shoot(
@@ -257,7 +257,7 @@ fn pointed_at(harness: &mut Harness<'_, App>, folder: &str) {
         for command in [
             Command::Appearance(AppearanceCommand::Look(look)),
             Command::Time(TimeCommand::ShowStage(stage)),
-            Command::View(Which::First, ViewCommand::FlyTo(place, radii)),
+            Command::View(Which::First, ViewCommand::FlyTo(place.into(), radii)),
         ] {
             state.apply(command);
         }
@@ -410,5 +410,5 @@ fn thing_near(state: &State, name: &str, place: [f64; 2], radii: f64) -> [f64; 2
         "hover-block" => None,
         _ => nearest,
     };
-    at.unwrap_or(place)
+    at.unwrap_or(place.into()).into()
 }

@@ -86,7 +86,7 @@ mod tests {
     fn what_is_brushed_is_said_with_what_is_not_kept() {
         let pair = Pair {
             ids: [0, 1],
-            offset: [1.0, 0.0],
+            offset: [1.0, 0.0].into(),
         };
         let pairs = |total, kept| Cause::Pairs {
             total,

@@ -1,6 +1,8 @@
 //! What is under the pointer, in words: a sample and how it stands, else the gap, else the block. The tag keeps clear of
 //! what it names.
 
+use glam::DVec2;
+
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, vec2};
 use tilescope_analysis::tessellation::Edge;
 use tilescope_core::{Origin, Stage, Standing};
@@ -127,10 +129,10 @@ fn sample(subject: &Subject<'_>, id: u32) -> [String; 2] {
 }
 
 /// Returns what is known of the gap at a place, and how far it reaches from there, in r.
-fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, f32)> {
+fn gap(subject: &Subject<'_>, place: DVec2) -> Option<(String, f32)> {
     let shown = &subject.shown;
     let size = shown.session.size_radii();
-    let is_inside = (0..2).all(|k| (0.0..size[k]).contains(&place[k]));
+    let is_inside = (place.cmpge(DVec2::ZERO) & place.cmplt(size)).all();
     if shown.stage < Stage::Eliminate || !is_inside {
         return None;
     }
@@ -140,9 +142,9 @@ fn gap(subject: &Subject<'_>, place: [f64; 2]) -> Option<(String, f32)> {
         Edge::Line { from, .. } => from,
         Edge::Arc {
             center, from_angle, ..
-        } => [center[0] + from_angle.cos(), center[1] + from_angle.sin()],
+        } => center + DVec2::from_angle(from_angle),
     });
-    let reach = ends.map(|end| (end[0] - place[0]).hypot(end[1] - place[1]));
+    let reach = ends.map(|end| end.distance(place));
     let (area, deepest) = (gap.area, gap.deepest.1);
     let text = format!("Gap: area {area:.4} r\u{b2}, deepest {deepest:.4} r");
     Some((text, reach.fold(0.0, f64::max) as f32))
@@ -156,7 +158,7 @@ const fn block_name(session: &tilescope_session::Session) -> &'static str {
     }
 }
 
-fn block(subject: &Subject<'_>, place: [f64; 2]) -> Option<[String; 2]> {
+fn block(subject: &Subject<'_>, place: DVec2) -> Option<[String; 2]> {
     let made = Made::at(&subject.shown);
     let blocks = &subject.shown.session.run().blocks;
     let holds = |rect: &tilescope_core::Rect| {

@@ -11,15 +11,18 @@ mod view;
 use std::cell::Cell;
 use std::ops::Range;
 
+use glam::DVec2;
+
 use eframe::egui_wgpu::{Callback, RenderState, wgpu};
 use egui::{Painter, Rect};
-use tilescope_core::{Domain, Point, R};
+use tilescope_core::{Domain, Point};
 
 use gpu::{Gpu, InstanceKind, InstanceRange};
 use order::{CellOrder, LEVELS};
 pub use set::Symbols;
 use tilescope_drawing::camera::Camera;
 use tilescope_drawing::look::SampleLook;
+use tilescope_session::units::radii;
 use view::{Copy, PlaneView};
 pub use view::{Marks, PaintOptions};
 
@@ -95,7 +98,7 @@ pub struct InstancedCanvas {
     generation: Option<u64>,
     version: Option<u64>,
     order: CellOrder,
-    size: [f64; 2],
+    size: DVec2,
     periodic: bool,
     /// By place in the buffers.
     looks: Vec<[u32; 2]>,
@@ -119,7 +122,7 @@ impl InstancedCanvas {
             generation: None,
             version: None,
             order: CellOrder::default(),
-            size: [0.0; 2],
+            size: DVec2::ZERO,
             periodic: false,
             looks: Vec::new(),
             drawn: Cell::new(0),
@@ -160,7 +163,7 @@ impl InstancedCanvas {
             return Err(InstancedError::TooMany { count, limit });
         }
         self.order = CellOrder::new(domain, points);
-        self.size = [domain.width(), domain.height()].map(|side| f64::from(side) / f64::from(R));
+        self.size = DVec2::new(radii(domain.width()), radii(domain.height()));
         self.periodic = domain.is_periodic();
         let at = |&id: &u32| [points[id as usize].x, points[id as usize].y];
         let places: Vec<[i32; 2]> = self.order.ids.iter().map(at).collect();
@@ -342,7 +345,7 @@ impl InstancedCanvas {
             if cull {
                 self.order.ranges(copy.low, copy.high, levels)
             } else {
-                self.order.ranges([0.0; 2], self.size, levels)
+                self.order.ranges(DVec2::ZERO, self.size, levels)
             }
         };
         copies.iter().map(ranges).collect()

@@ -1,5 +1,7 @@
 //! What lies over the layers: scale bar, coordinates, remarks, and the place that decides a verdict.
 
+use glam::DVec2;
+
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use tilescope_drawing::palette::Palette;
 
@@ -79,7 +81,7 @@ pub fn cursor(
     }
     let zoom = format!("{:>7.2} px/r", subject.camera.scale);
     let place = pointer.map(|pos| subject.camera.domain_from_screen(rect, pos));
-    let place = place.map(|[x, y]| format!("x {x:>8.3} r  y {y:>8.3} r"));
+    let place = place.map(|DVec2 { x, y }| format!("x {x:>8.3} r  y {y:>8.3} r"));
     let both = place.as_ref().map(|place| format!("{place}  {zoom}"));
     // In a narrow picture there is no room for all of it beside the scale bar.
     let room = rect.width() - 2.0 * INSET - (bar(subject).1 + 21.0);

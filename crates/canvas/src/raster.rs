@@ -1,6 +1,8 @@
 //! Pictures that are made pixel by pixel for the visible part of the domain: the uncovered area, and
 //! samples where there are too many for symbols. Plain pixels; nothing here knows a window.
 
+use glam::DVec2;
+
 use egui::{Color32, ColorImage, Rect};
 use tilescope_session::session::Session;
 
@@ -39,12 +41,13 @@ impl PixelGrid {
 
     /// Returns where `place` lies, in pixels from the upper left corner.
     #[must_use]
-    pub fn pixel_from_domain(&self, place: [f64; 2]) -> [f64; 2] {
+    pub fn pixel_from_domain(&self, place: DVec2) -> DVec2 {
         let half = self.viewport.size() * self.pixels_per_point * 0.5;
-        [
-            f64::from(half.x) + (place[0] - self.camera.center[0]) * self.scale(),
-            f64::from(half.y) - (place[1] - self.camera.center[1]) * self.scale(),
-        ]
+        let from_middle = (place - self.camera.center) * self.scale();
+        DVec2::new(
+            f64::from(half.x) + from_middle.x,
+            f64::from(half.y) - from_middle.y,
+        )
     }
 }
 
@@ -73,8 +76,8 @@ impl Coverage {
         let size = frame.size();
         let mut cells = vec![OUTSIDE; size[0] * size[1]];
         let domain = session.size_radii();
-        let low = frame.pixel_from_domain([0.0, domain[1]]);
-        let high = frame.pixel_from_domain([domain[0], 0.0]);
+        let low = frame.pixel_from_domain(DVec2::new(0.0, domain.y));
+        let high = frame.pixel_from_domain(DVec2::new(domain.x, 0.0));
         let columns = centres(low[0], high[0], size[0]);
         for row in centres(low[1], high[1], size[1]) {
             cells[row * size[0]..][columns.clone()].fill(OPEN);
@@ -83,7 +86,7 @@ impl Coverage {
     }
 
     /// Covers the disk of `radius` pixels around `at`, as of before the stage or by it.
-    pub fn cover(&mut self, at: [f64; 2], radius: f64, before: bool) {
+    pub fn cover(&mut self, at: DVec2, radius: f64, before: bool) {
         for row in centres(at[1] - radius, at[1] + radius, self.size[1]) {
             let dy = row as f64 + 0.5 - at[1];
             let half = (radius * radius - dy * dy).max(0.0).sqrt();
@@ -177,10 +180,9 @@ impl Density {
     }
 
     /// Adds a point of `color` at the pixel coordinates `at`.
-    pub fn add(&mut self, at: [f64; 2], color: Color32) {
-        let [x, y] = at.map(|value| value - 0.5);
-        let (column, row) = (x.floor(), y.floor());
-        let (right, down) = ((x - column) as f32, (y - row) as f32);
+    pub fn add(&mut self, at: DVec2, color: Color32) {
+        let corner = (at - 0.5).floor();
+        let [right, down] = (at - 0.5 - corner).as_vec2().to_array();
         let weights = [
             (0, 0, (1.0 - right) * (1.0 - down)),
             (1, 0, right * (1.0 - down)),
@@ -188,7 +190,7 @@ impl Density {
             (1, 1, right * down),
         ];
         for (dx, dy, weight) in weights {
-            let (column, row) = (column as i64 + dx, row as i64 + dy);
+            let (column, row) = (corner.x as i64 + dx, corner.y as i64 + dy);
             let inside = |value: i64, count: usize| (0..count as i64).contains(&value);
             if inside(column, self.size[0]) && inside(row, self.size[1]) {
                 let sum = &mut self.sums[row as usize * self.size[0] + column as usize];
@@ -230,7 +232,7 @@ mod tests {
     fn a_disk_covers_exactly_the_pixel_centres_within_its_radius() {
         let mut coverage = blank(40);
         let (at, radius) = ([17.3, 21.9], 11.4);
-        coverage.cover(at, radius, true);
+        coverage.cover(at.into(), radius, true);
         for row in 0..40 {
             for column in 0..40 {
                 let (dx, dy) = (column as f64 + 0.5 - at[0], row as f64 + 0.5 - at[1]);
@@ -243,8 +245,8 @@ mod tests {
     #[test]
     fn what_was_covered_before_stays_so() {
         let mut coverage = blank(10);
-        coverage.cover([5.0, 5.0], 3.0, true);
-        coverage.cover([5.0, 5.0], 100.0, false);
+        coverage.cover([5.0, 5.0].into(), 3.0, true);
+        coverage.cover([5.0, 5.0].into(), 100.0, false);
         assert_eq!(coverage.cells[5 * 10 + 5], BEFORE);
         assert_eq!(coverage.cells[0], NOW);
         assert_eq!(coverage.open_pixels(), 0);
@@ -256,9 +258,9 @@ mod tests {
             size: [4, 4],
             sums: vec![[0.0; 4]; 16],
         };
-        density.add([0.0, 0.0], Color32::WHITE);
-        density.add([4.0, 4.0], Color32::WHITE);
-        density.add([2.5, 1.5], Color32::RED);
+        density.add([0.0, 0.0].into(), Color32::WHITE);
+        density.add([4.0, 4.0].into(), Color32::WHITE);
+        density.add([2.5, 1.5].into(), Color32::RED);
         let image = density.image(10.0);
         assert_eq!(image.pixels[6].r(), 255);
         assert!((density.sums[6][3] - 1.0).abs() < 1e-6);

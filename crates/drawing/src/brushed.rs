@@ -1,6 +1,8 @@
 //! What is brushed in the curves of the analysis: the pairs at the chosen distances, or what samples add to the power of the
 //! chosen frequencies, which tints them.
 
+use glam::DVec2;
+
 use ecolor::Color32;
 
 use crate::palette::Palette;
@@ -16,7 +18,7 @@ pub struct Pair {
     /// Their ids.
     pub ids: [u32; 2],
     /// From the first to the nearest image of the second, in r.
-    pub offset: [f64; 2],
+    pub offset: DVec2,
 }
 
 /// What causes what is seen in a brush.

@@ -1,7 +1,8 @@
 //! The view of the domain: which place is at the centre of the canvas and how large a radius appears.
 //! Lengths are in r, y points upwards as in the domain; only here do they become screen points.
 
-use emath::{Pos2, Rect, Vec2, pos2};
+use emath::{Pos2, Rect, Vec2, vec2};
+use glam::DVec2;
 
 /// The smallest scale of any domain, in screen points per r: the longest then spans 300 points.
 pub const MIN_SCALE: f64 = 0.005;
@@ -20,7 +21,7 @@ const FIT_MARGIN_PART: f32 = 0.08;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Camera {
     /// The place at the centre of the canvas, in r.
-    pub center: [f64; 2],
+    pub center: DVec2,
     /// Screen points per r.
     pub scale: f64,
 }
@@ -28,7 +29,7 @@ pub struct Camera {
 impl Default for Camera {
     fn default() -> Self {
         Self {
-            center: [0.0; 2],
+            center: DVec2::ZERO,
             scale: 7.0,
         }
     }
@@ -37,19 +38,20 @@ impl Default for Camera {
 impl Camera {
     /// Returns the camera that shows all of a domain of `size` r in `viewport`.
     #[must_use]
-    pub fn fitting(size: [f64; 2], viewport: Rect) -> Self {
+    pub fn fitting(size: impl Into<DVec2>, viewport: Rect) -> Self {
+        let size = size.into();
         let margin = FIT_MARGIN.min(FIT_MARGIN_PART * viewport.size().min_elem());
         let room = (viewport.size() - Vec2::splat(2.0 * margin)).max(Vec2::splat(16.0));
-        let scale = (f64::from(room.x) / size[0]).min(f64::from(room.y) / size[1]);
+        let scale = (f64::from(room.x) / size.x).min(f64::from(room.y) / size.y);
         Self {
-            center: [size[0] / 2.0, size[1] / 2.0],
+            center: size / 2.0,
             scale: scale.clamp(MIN_SCALE, MAX_SCALE),
         }
     }
 
     /// Returns the smallest and the largest scale at which a domain of `size` r is looked at in `viewport`.
     #[must_use]
-    pub fn scales(size: [f64; 2], viewport: Rect) -> [f64; 2] {
+    pub fn scales(size: impl Into<DVec2>, viewport: Rect) -> [f64; 2] {
         let least = MIN_SHARE_OF_FIT * Self::fitting(size, viewport).scale;
         [least.max(MIN_SCALE), MAX_SCALE]
     }
@@ -65,27 +67,21 @@ impl Camera {
 
     /// Returns where the domain's `place` appears.
     #[must_use]
-    pub fn screen_from_domain(&self, viewport: Rect, place: [f64; 2]) -> Pos2 {
-        let middle = viewport.center();
-        pos2(
-            middle.x + ((place[0] - self.center[0]) * self.scale) as f32,
-            middle.y - ((place[1] - self.center[1]) * self.scale) as f32,
-        )
+    pub fn screen_from_domain(&self, viewport: Rect, place: impl Into<DVec2>) -> Pos2 {
+        let from_middle = (place.into() - self.center) * self.scale;
+        viewport.center() + vec2(from_middle.x as f32, -from_middle.y as f32)
     }
 
     /// Returns the place of the domain that appears at `pos`.
     #[must_use]
-    pub fn domain_from_screen(&self, viewport: Rect, pos: Pos2) -> [f64; 2] {
+    pub fn domain_from_screen(&self, viewport: Rect, pos: Pos2) -> DVec2 {
         let from_middle = pos - viewport.center();
-        [
-            self.center[0] + f64::from(from_middle.x) / self.scale,
-            self.center[1] - f64::from(from_middle.y) / self.scale,
-        ]
+        self.center + upwards(from_middle) / self.scale
     }
 
     /// Returns the lowest and highest coordinates that are visible, in r.
     #[must_use]
-    pub fn visible(&self, viewport: Rect) -> ([f64; 2], [f64; 2]) {
+    pub fn visible(&self, viewport: Rect) -> (DVec2, DVec2) {
         let low = self.domain_from_screen(viewport, viewport.left_bottom());
         let high = self.domain_from_screen(viewport, viewport.right_top());
         (low, high)
@@ -93,8 +89,7 @@ impl Camera {
 
     /// Moves the picture by `delta` screen points.
     pub fn pan(&mut self, delta: Vec2) {
-        self.center[0] -= f64::from(delta.x) / self.scale;
-        self.center[1] += f64::from(delta.y) / self.scale;
+        self.center -= upwards(delta) / self.scale;
     }
 
     /// Zooms by `factor` between `scales`, keeping the place under `pos` where it is.
@@ -102,10 +97,13 @@ impl Camera {
         let before = self.domain_from_screen(viewport, pos);
         self.scale *= factor;
         *self = self.within(scales);
-        let after = self.domain_from_screen(viewport, pos);
-        self.center[0] += before[0] - after[0];
-        self.center[1] += before[1] - after[1];
+        self.center += before - self.domain_from_screen(viewport, pos);
     }
+}
+
+/// A direction on the screen, where y points downwards, as one of the domain.
+fn upwards(direction: Vec2) -> DVec2 {
+    DVec2::new(f64::from(direction.x), -f64::from(direction.y))
 }
 
 /// A camera on its way from one view to another.
@@ -153,17 +151,15 @@ impl Flight {
         } else {
             1.0 - t
         };
-        let axis = |k: usize| self.to.center[k] + (self.from.center[k] - self.to.center[k]) * left;
-        Camera {
-            center: [axis(0), axis(1)],
-            scale,
-        }
+        let center = self.to.center + (self.from.center - self.to.center) * left;
+        Camera { center, scale }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use emath::pos2;
 
     fn viewport() -> Rect {
         Rect::from_min_size(pos2(300.0, 50.0), Vec2::new(900.0, 700.0))
@@ -172,7 +168,7 @@ mod tests {
     #[test]
     fn screen_and_domain_are_inverse() {
         let camera = Camera {
-            center: [12.5, 80.25],
+            center: [12.5, 80.25].into(),
             scale: 17.0,
         };
         for pos in [pos2(300.0, 50.0), pos2(777.0, 333.0), pos2(1200.0, 750.0)] {
@@ -218,7 +214,7 @@ mod tests {
     fn a_flight_ends_at_its_destination() {
         let from = Camera::default();
         let to = Camera {
-            center: [55.0, 3.0],
+            center: [55.0, 3.0].into(),
             scale: 90.0,
         };
         let mut flight = Flight::new(from, to);

@@ -1,6 +1,7 @@
 //! A subject in a rectangle: what of the plane is seen where.
 
 use emath::{Align2, Pos2, Rect, vec2};
+use glam::DVec2;
 use tilescope_core::{Point, Rect as LatticeRect, Stage};
 use tilescope_session::layers::Layer;
 use tilescope_session::moment::ShownMoment;
@@ -27,9 +28,9 @@ pub struct Scene<'a> {
     /// The colours.
     pub palette: &'a Palette,
     /// The lowest visible coordinates, in r.
-    pub low: [f64; 2],
+    pub low: DVec2,
     /// The highest visible coordinates, in r.
-    pub high: [f64; 2],
+    pub high: DVec2,
     /// How much of the KD-tree there is.
     pub made: Made,
 }
@@ -55,7 +56,7 @@ impl<'a> Scene<'a> {
 
     /// Returns where a place, given in r, is seen.
     #[must_use]
-    pub fn at(&self, place: [f64; 2]) -> Pos2 {
+    pub fn at(&self, place: impl Into<DVec2>) -> Pos2 {
         self.subject.camera.screen_from_domain(self.rect, place)
     }
 
@@ -79,7 +80,7 @@ impl<'a> Scene<'a> {
 
     /// Returns where a rectangle between two places is seen.
     #[must_use]
-    pub fn screen_rect(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
+    pub fn screen_rect(&self, low: impl Into<DVec2>, high: impl Into<DVec2>) -> Rect {
         Rect::from_two_pos(self.at(low), self.at(high))
     }
 
@@ -95,11 +96,11 @@ impl<'a> Scene<'a> {
         let size = match self.stage {
             Stage::Pattern => {
                 let domain = self.session.run().pattern.domain();
-                [radii(domain.width()), radii(domain.height())]
+                DVec2::new(radii(domain.width()), radii(domain.height()))
             }
             _ => self.session.size_radii(),
         };
-        self.screen_rect([0.0; 2], size)
+        self.screen_rect(DVec2::ZERO, size)
     }
 
     /// Returns where what reaches over the border of a periodic domain is seen: within it, as it comes in again at the
@@ -147,9 +148,4 @@ impl<'a> Scene<'a> {
         let border = Stroke::new(1.2, self.palette.border);
         surface.rect(self.domain(), Some(self.palette.domain), Some(border));
     }
-}
-
-/// Returns a place moved by `shift`.
-pub(crate) fn moved(place: [f64; 2], shift: [f64; 2]) -> [f64; 2] {
-    [place[0] + shift[0], place[1] + shift[1]]
 }

@@ -1,6 +1,8 @@
 //! What a canvas shows and how: a moment of a run, seen through a camera. Two canvases side by side have one each;
 //! neither knows which of two runs it shows.
 
+use glam::DVec2;
+
 use tilescope_session::geometry::Geometry;
 use tilescope_session::layers::{Colouring, Layers};
 use tilescope_session::moment::ShownMoment;
@@ -26,7 +28,7 @@ pub struct Subject<'a> {
     /// The selected sample.
     pub selected: Option<u32>,
     /// The selected place, in r.
-    pub place: Option<[f64; 2]>,
+    pub place: Option<DVec2>,
     /// The place that a verdict was followed to.
     pub witness_mark: Option<WitnessMark>,
     /// The triangulation of the moment, as far as it is known.

@@ -117,7 +117,7 @@ impl Geometry {
 fn covering(shown: &ShownMoment<'_>) -> Vec<[f64; 2]> {
     let covering = shown.moment().covering(shown.session);
     let places = covering.into_iter();
-    places.map(|(_, id)| shown.session.place(id)).collect()
+    (places.map(|(_, id)| shown.session.place(id).to_array())).collect()
 }
 
 /// Returns the region of a session, in r.

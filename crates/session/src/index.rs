@@ -1,6 +1,7 @@
 //! Samples by place: which ones lie in a part of the domain, with their images across a periodic
 //! border. A compact sorted grid, built once per session.
 
+use glam::DVec2;
 use tilescope_core::{Domain, Point};
 
 use crate::units::radii;
@@ -11,7 +12,7 @@ const MAX_CELLS: f64 = 8e6;
 /// A grid of sample ids, sorted by cell.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct SampleIndex {
-    size: [f64; 2],
+    size: DVec2,
     periodic: bool,
     cell: f64,
     columns: usize,
@@ -26,7 +27,7 @@ pub struct Seen {
     /// The sample.
     pub id: u32,
     /// Where it lies, in r; an image lies outside the domain.
-    pub place: [f64; 2],
+    pub place: DVec2,
     /// Whether it is an image across the border.
     pub image: bool,
 }
@@ -35,8 +36,8 @@ impl SampleIndex {
     /// Returns the index of `points`, whose ids are their places in the list.
     #[must_use]
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
-        let size = [radii(domain.width()), radii(domain.height())];
-        let cell = (size[0] * size[1] / MAX_CELLS).sqrt().max(2.0);
+        let size = DVec2::new(radii(domain.width()), radii(domain.height()));
+        let cell = (size.element_product() / MAX_CELLS).sqrt().max(2.0);
         let columns = (size[0] / cell) as usize + 1;
         let rows = (size[1] / cell) as usize + 1;
         let cell_of = |point: &Point| {
@@ -71,7 +72,7 @@ impl SampleIndex {
 
     /// Returns about how many samples lie between `low` and `high`.
     #[must_use]
-    pub fn count_in(&self, low: [f64; 2], high: [f64; 2]) -> usize {
+    pub fn count_in(&self, low: DVec2, high: DVec2) -> usize {
         let Some([columns, rows]) = self.cells(low, high) else {
             return 0;
         };
@@ -85,7 +86,7 @@ impl SampleIndex {
 
     /// Calls `visit` with every sample within `reach` of the rectangle from `low` to `high` and, in
     /// a periodic domain, with their images up to `reach` outside the domain.
-    pub fn visit(&self, low: [f64; 2], high: [f64; 2], reach: f64, mut visit: impl FnMut(Seen)) {
+    pub fn visit(&self, low: DVec2, high: DVec2, reach: f64, mut visit: impl FnMut(Seen)) {
         let copies: &[f64] = if self.periodic {
             &[0.0, -1.0, 1.0]
         } else {
@@ -95,19 +96,19 @@ impl SampleIndex {
         let beyond = if self.periodic { reach } else { reach.max(1.0) };
         for &up in copies {
             for &right in copies {
-                let shift = [right * self.size[0], up * self.size[1]];
+                let shift = DVec2::new(right, up) * self.size;
                 let image = right != 0.0 || up != 0.0;
-                let from = |k: usize| (low[k] - reach).max(-beyond) - shift[k];
-                let to = |k: usize| (high[k] + reach).min(self.size[k] + beyond) - shift[k];
-                self.visit_copy([from(0), from(1)], [to(0), to(1)], |id, place| {
-                    let place = [place[0] + shift[0], place[1] + shift[1]];
+                let from = (low - reach).max(DVec2::splat(-beyond)) - shift;
+                let to = (high + reach).min(self.size + beyond) - shift;
+                self.visit_copy(from, to, |id, place| {
+                    let place = place + shift;
                     visit(Seen { id, place, image });
                 });
             }
         }
     }
 
-    fn visit_copy(&self, low: [f64; 2], high: [f64; 2], mut visit: impl FnMut(u32, [f64; 2])) {
+    fn visit_copy(&self, low: DVec2, high: DVec2, mut visit: impl FnMut(u32, DVec2)) {
         let Some([columns, rows]) = self.cells(low, high) else {
             return;
         };
@@ -115,16 +116,15 @@ impl SampleIndex {
             let start = self.starts[row * self.columns + columns.0] as usize;
             let end = self.starts[row * self.columns + columns.1 + 1] as usize;
             for &(id, place) in &self.entries[start..end] {
-                let place = place.map(f64::from);
-                let inside = |k: usize| low[k] <= place[k] && place[k] <= high[k];
-                if inside(0) && inside(1) {
+                let place = DVec2::from(place.map(f64::from));
+                if (place.cmpge(low) & place.cmple(high)).all() {
                     visit(id, place);
                 }
             }
         }
     }
 
-    fn cells(&self, low: [f64; 2], high: [f64; 2]) -> Option<[(usize, usize); 2]> {
+    fn cells(&self, low: DVec2, high: DVec2) -> Option<[(usize, usize); 2]> {
         let axis = |k: usize, count: usize| {
             let (from, to) = (low[k].max(0.0), high[k].min(self.size[k]));
             let cell = |value: f64| ((value / self.cell) as usize).min(count - 1);
@@ -147,7 +147,9 @@ mod tests {
 
     fn seen(index: &SampleIndex, low: [f64; 2], high: [f64; 2]) -> Vec<(u32, bool)> {
         let mut all = Vec::new();
-        index.visit(low, high, 1.0, |seen| all.push((seen.id, seen.image)));
+        index.visit(low.into(), high.into(), 1.0, |seen| {
+            all.push((seen.id, seen.image));
+        });
         all.sort_unstable();
         all
     }

@@ -1,5 +1,7 @@
 //! What a user has selected: a sample or a place.
 
+use glam::DVec2;
+
 /// What is selected.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -9,5 +11,5 @@ pub enum Selection {
     /// A sample.
     Sample(u32),
     /// A place of the domain, in r.
-    Place([f64; 2]),
+    Place(DVec2),
 }

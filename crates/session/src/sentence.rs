@@ -54,7 +54,7 @@ pub fn stage_sentence(session: &Session, stage: Stage) -> String {
             )
         }
         Stage::Blocks => {
-            let [width, height] = session.size_radii();
+            let [width, height] = session.size_radii().to_array();
             format!(
                 "Blocks: a domain of {width:.1} \u{d7} {height:.1} r is split into {} with edges of at least {} r.",
                 counted(summary.blocks, "block", "blocks"),
@@ -107,7 +107,7 @@ fn combination_sentence(session: &Session, stage: Stage) -> Option<String> {
     let inserted = summary.inserted.iter().sum();
     match stage {
         Stage::Blocks => {
-            let [width, height] = session.size_radii();
+            let [width, height] = session.size_radii().to_array();
             let seams = counted(combination.seams.len(), "seam", "seams");
             Some(format!(
                 "Pieces: a domain of {width:.1} \u{d7} {height:.1} r is filled by {pieces}, which meet along {seams}."

@@ -5,6 +5,8 @@ mod report;
 
 use std::sync::{Arc, OnceLock};
 
+use glam::DVec2;
+
 use serde::{Deserialize, Serialize};
 
 use tilescope_core::{
@@ -269,27 +271,27 @@ impl Session {
 
     /// Returns the domain's sides in r.
     #[must_use]
-    pub fn size_radii(&self) -> [f64; 2] {
-        [self.run().domain.width(), self.run().domain.height()].map(radii)
+    pub fn size_radii(&self) -> DVec2 {
+        let domain = &self.run().domain;
+        DVec2::new(radii(domain.width()), radii(domain.height()))
     }
 
     /// Returns where sample `id` lies, in r.
     #[must_use]
-    pub fn place(&self, id: u32) -> [f64; 2] {
+    pub fn place(&self, id: u32) -> DVec2 {
         let point = self.run().samples.points[id as usize];
-        [radii(point.x), radii(point.y)]
+        DVec2::new(radii(point.x), radii(point.y))
     }
 
     /// Returns where the nearest image of sample `id` to `place` lies, in r.
     #[must_use]
-    pub fn image_near(&self, id: u32, place: [f64; 2]) -> [f64; 2] {
+    pub fn image_near(&self, id: u32, place: DVec2) -> DVec2 {
         let there = self.place(id);
         if !self.run().domain.is_periodic() {
             return there;
         }
         let size = self.size_radii();
-        let axis = |k: usize| there[k] - ((there[k] - place[k]) / size[k]).round() * size[k];
-        [axis(0), axis(1)]
+        there - ((there - place) / size).round() * size
     }
 
     /// Returns iteration `k`, from 1; the one that found nothing, too, where there are events.

@@ -1,6 +1,8 @@
 //! What the independent verifier says about the session at hand, with places to look at.
 //! It only asks `tilescope_analysis`; it never judges.
 
+use glam::DVec2;
+
 use tilescope_analysis::{
     Boundary, Conflict, Gap, Region, Report, VerifyError, VerifyOptions, verify,
 };
@@ -43,7 +45,7 @@ pub enum WitnessMark {
     /// Two samples, by id, and their distance in r.
     Pair([u32; 2], f64),
     /// The centre of an empty circle and its radius, in r.
-    Circle([f64; 2], f64),
+    Circle(DVec2, f64),
 }
 
 impl Verdict {
@@ -97,7 +99,7 @@ impl Verdict {
         };
         let circle = || {
             let gap = self.largest?;
-            let center = gap.center.map(|value| value / radius);
+            let center = DVec2::from(gap.center) / radius;
             Some(WitnessMark::Circle(center, gap.distance / radius))
         };
         match witness {

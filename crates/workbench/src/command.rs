@@ -1,6 +1,8 @@
 //! Everything a user can do, as values: buttons, keys, the canvas and scripts issue the same ones,
 //! and only [`crate::State::apply`] carries them out.
 
+use glam::DVec2;
+
 use emath::{Pos2, Rect, Vec2};
 use tilescope_debugger::{Direction, LineId, Step, Target};
 use tilescope_session::combination::CombineCommand;
@@ -170,9 +172,9 @@ pub enum ViewCommand {
     /// Shows the whole domain.
     Fit,
     /// Flies to a place, given in r, until about this many r are visible.
-    FlyTo([f64; 2], f64),
+    FlyTo(DVec2, f64),
     /// Flies to the gap that holds a place, given in r, else to its block.
-    FlyToBlock([f64; 2]),
+    FlyToBlock(DVec2),
     /// Flies to what decides a verdict.
     FlyToWitness(Witness),
     /// Points at a sample, or at none.

@@ -12,6 +12,9 @@ mod work;
 
 use std::sync::Arc;
 
+use glam::DVec2;
+use tilescope_session::units::radii;
+
 use tilescope_core::{Parameters, Stage};
 use tilescope_gpu::Gpu;
 
@@ -304,14 +307,11 @@ impl Passes {
 
     /// Returns where the selected row lies, in r, if it has a place.
     #[must_use]
-    pub fn picked_place(&self) -> Option<[f64; 2]> {
+    pub fn picked_place(&self) -> Option<DVec2> {
         let rows = self.on_canvas()?.rows?;
         let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
         let tilescope_core::Point { x, y } = placed::middle(spot);
-        Some([
-            tilescope_session::units::radii(x),
-            tilescope_session::units::radii(y),
-        ])
+        Some(DVec2::new(radii(x), radii(y)))
     }
 
     /// Notes the moment of the timeline at which the passes were dealt with.

@@ -1,6 +1,8 @@
 //! Requests of a page that embeds the window, as JSON: strict about what is asked, within the limits of links. Who may ask is
 //! the page's business; what is done is the state's.
 
+use glam::DVec2;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
@@ -321,7 +323,7 @@ fn camera(value: &Value) -> Result<Option<Camera>, RequestError> {
         return Ok(None);
     }
     let numbers: Option<[f64; 3]> = Deserialize::deserialize(value).ok();
-    let camera = numbers.and_then(|[x, y, scale]| sound_camera([x, y], scale));
+    let camera = numbers.and_then(|[x, y, scale]| sound_camera(DVec2::new(x, y), scale));
     camera.map(Some).ok_or_else(|| {
         let wanted = format!(
             "\"{WHOLE}\" or [x, y, points of the screen for r], a place at most {MAX_OFFSET} r away at a scale from {MIN_SCALE} to {MAX_SCALE}"

@@ -1,6 +1,8 @@
 //! How a session is looked at, as it is saved with it: camera, layers, colours, panels, selection, clock, the second run.
 //! What is read may come from anywhere: each part counts only if it makes sense.
 
+use glam::DVec2;
+
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Map, Value, json};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters};
@@ -52,7 +54,7 @@ impl Default for SavedView {
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
 struct SavedCamera {
-    center: [f64; 2],
+    center: DVec2,
     scale: f64,
 }
 
@@ -60,7 +62,7 @@ struct SavedCamera {
 #[serde(rename_all = "kebab-case")]
 enum SavedSelection {
     Sample(u32),
-    Place([f64; 2]),
+    Place(DVec2),
 }
 
 impl SavedView {
@@ -174,15 +176,15 @@ fn camera(saved: SavedCamera) -> Option<Camera> {
 
 /// Returns the camera at `center`, in r, with `scale` screen points per r, if there may be one.
 #[must_use]
-pub fn sound_camera(center: [f64; 2], scale: f64) -> Option<Camera> {
+pub fn sound_camera(center: DVec2, scale: f64) -> Option<Camera> {
     let may_be = is_near(center) && (MIN_SCALE..=MAX_SCALE).contains(&scale);
     may_be.then_some(Camera { center, scale })
 }
 
 /// Returns whether there are domains that reach as far as `place`, in r.
 #[must_use]
-pub fn is_near(place: [f64; 2]) -> bool {
-    place.iter().all(|x| x.abs() <= MAX_OFFSET)
+pub fn is_near(place: DVec2) -> bool {
+    place.abs().cmple(DVec2::splat(MAX_OFFSET)).all()
 }
 
 /// Earlier versions saved a layout in another form.
@@ -237,10 +239,10 @@ mod tests {
     fn view() -> SavedView {
         let mut view = SavedView {
             camera: Some(Camera {
-                center: [3.25, -1.5],
+                center: [3.25, -1.5].into(),
                 scale: 12.0,
             }),
-            selection: Selection::Place([2.0, 3.0]),
+            selection: Selection::Place([2.0, 3.0].into()),
             second: Some(Parameters {
                 seed: 9,
                 ..Parameters::default()

@@ -25,7 +25,7 @@ pub(crate) struct Buried {
 impl Buried {
     pub fn new(grid: &Grid) -> Self {
         let sides = grid.cell_sides();
-        let diagonal = sides[0].hypot(sides[1]) * (1.0 + 4.0 * Grid::ROUNDING);
+        let diagonal = sides.length() * (1.0 + 4.0 * Grid::ROUNDING);
         // Of two or more cells along an axis none is longer than twice another side, so that is 3 at
         // most; a region fewer cells wide is seen whole.
         let reach = [0, 1].map(|axis| {
@@ -89,6 +89,7 @@ mod tests {
     use super::*;
     use crate::domain::Domain;
     use crate::region::{Boundary, Region};
+    use glam::DVec2;
 
     /// A dense block in a corner of an otherwise empty region.
     fn grid(boundary: Boundary, height: f64) -> Grid {
@@ -137,14 +138,14 @@ mod tests {
             let direct = (value - place[axis]).abs();
             direct.min(periods[axis] - direct)
         };
-        let distance = |position: [f64; 2]| offset(position[0], 0).hypot(offset(position[1], 1));
+        let distance = |position: DVec2| offset(position.x, 0).hypot(offset(position.y, 1));
         let nearest = (grid.entries().iter())
             .min_by(|a, b| distance(a.position).total_cmp(&distance(b.position)))
             .expect("samples");
         let sides = grid.cell_sides();
         let cell = [0, 1].map(|axis| (nearest.position[axis] / sides[axis]) as usize);
         let buried = buried.cells[cell[1] * grid.cells[0] + cell[0]];
-        assert!(!buried || distance(nearest.position) <= sides[0].hypot(sides[1]) * 1.001);
+        assert!(!buried || distance(nearest.position) <= sides.length() * 1.001);
     }
 
     #[test]

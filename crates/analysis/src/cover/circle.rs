@@ -2,10 +2,12 @@
 //! The result depends on the three points only, not on the order they come in.
 //! It never decides whether a circle is empty; the triangulation does.
 
+use glam::DVec2;
+
 /// A circle through three samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Circle {
-    pub center: [f64; 2],
+    pub center: DVec2,
     /// Squared radius.
     pub square: f64,
 }
@@ -15,32 +17,25 @@ pub(crate) struct Circle {
 /// The centre is computed as an offset from the vertex opposite the longest side: there the numerators
 /// lose nothing, so the error is that of the determinant alone, which is compensated where it
 /// cancels. Equal triangles give equal bits, whatever the order of the vertices.
-pub(crate) fn circumcircle(points: [[f64; 2]; 3]) -> Circle {
+pub(crate) fn circumcircle(points: [DVec2; 3]) -> Circle {
     let [apex, second, third] = from_widest(points);
-    let a = [second[0] - apex[0], second[1] - apex[1]];
-    let b = [third[0] - apex[0], third[1] - apex[1]];
+    let (a, b) = (second - apex, third - apex);
     let scale = 0.5 / cross(a, b);
-    let (aa, bb) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-    let offset = [
-        (b[1] * aa - a[1] * bb) * scale,
-        (a[0] * bb - b[0] * aa) * scale,
-    ];
+    let (aa, bb) = (a.length_squared(), b.length_squared());
+    let offset = DVec2::new(b.y * aa - a.y * bb, a.x * bb - b.x * aa) * scale;
     Circle {
-        center: [apex[0] + offset[0], apex[1] + offset[1]],
-        square: offset[0] * offset[0] + offset[1] * offset[1],
+        center: apex + offset,
+        square: offset.length_squared(),
     }
 }
 
 /// Whether the squared radius that [`circumcircle`] gives is certainly below `square`. It may say no where it is;
 /// it costs a fraction, having no division and no choice of a vertex.
-pub(crate) fn is_below(points: [[f64; 2]; 3], square: f64) -> bool {
+pub(crate) fn is_below(points: [DVec2; 3], square: f64) -> bool {
     let [p, q, r] = points;
-    let a = [q[0] - p[0], q[1] - p[1]];
-    let b = [r[0] - p[0], r[1] - p[1]];
-    let c = [b[0] - a[0], b[1] - a[1]];
-    let length = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
-    let (aa, bb, cc) = (length(a), length(b), length(c));
-    let double_area = a[0] * b[1] - a[1] * b[0];
+    let (a, b) = (q - p, r - p);
+    let [aa, bb, cc] = [a, b, b - a].map(DVec2::length_squared);
+    let double_area = a.perp_dot(b);
     let area_square = double_area * double_area;
     // R = |a| |b| |c| / (2 |a x b|). The rounding of the cross product is at most 2^-51 |a| |b|, so where the
     // angle between a and b is above 10^-3 all errors together are below one part in 10^11.
@@ -49,13 +44,11 @@ pub(crate) fn is_below(points: [[f64; 2]; 3], square: f64) -> bool {
 
 /// Rotates the triangle so that its longest side is opposite the first vertex; between equals the
 /// smaller vertex comes first.
-fn from_widest([a, b, c]: [[f64; 2]; 3]) -> [[f64; 2]; 3] {
-    let square = |p: [f64; 2], q: [f64; 2]| {
-        let (dx, dy) = (p[0] - q[0], p[1] - q[1]);
-        dx * dx + dy * dy
-    };
-    let (opposite_a, opposite_b, opposite_c) = (square(b, c), square(c, a), square(a, b));
-    let before = |x: f64, p: [f64; 2], y: f64, q: [f64; 2]| x > y || (x == y && p < q);
+fn from_widest([a, b, c]: [DVec2; 3]) -> [DVec2; 3] {
+    let (opposite_a, opposite_b) = (b.distance_squared(c), c.distance_squared(a));
+    let opposite_c = a.distance_squared(b);
+    let before =
+        |x: f64, p: DVec2, y: f64, q: DVec2| x > y || (x == y && p.to_array() < q.to_array());
     if before(opposite_a, a, opposite_b, b) && before(opposite_a, a, opposite_c, c) {
         [a, b, c]
     } else if before(opposite_b, b, opposite_c, c) {
@@ -66,25 +59,33 @@ fn from_widest([a, b, c]: [[f64; 2]; 3]) -> [[f64; 2]; 3] {
 }
 
 /// The cross product, with the error of its products recovered where they cancel (Kahan).
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (left, right) = (a[0] * b[1], a[1] * b[0]);
+fn cross(a: DVec2, b: DVec2) -> f64 {
+    let (left, right) = (a.x * b.y, a.y * b.x);
     let plain = left - right;
     // Fused multiplication is a library call on the baseline targets, so only where it pays.
     if plain.abs() > 0.01 * left.abs().max(right.abs()) {
         return plain;
     }
-    let error = (-a[1]).mul_add(b[0], right);
-    a[0].mul_add(b[1], -right) + error
+    let error = (-a.y).mul_add(b.x, right);
+    a.x.mul_add(b.y, -right) + error
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn circumcircle(points: [[f64; 2]; 3]) -> Circle {
+        super::circumcircle(points.map(DVec2::from))
+    }
+
+    fn is_below(points: [[f64; 2]; 3], square: f64) -> bool {
+        super::is_below(points.map(DVec2::from), square)
+    }
+
     #[test]
     fn right_triangles_have_their_centre_on_the_hypotenuse() {
         let circle = circumcircle([[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]]);
-        assert_eq!(circle.center, [1.5, 2.0]);
+        assert_eq!(circle.center, DVec2::new(1.5, 2.0));
         assert_eq!(circle.square, 6.25);
     }
 

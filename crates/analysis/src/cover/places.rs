@@ -2,6 +2,8 @@
 //! Places within a tiny distance are one: cocircular samples, corners on sides, claims of two tiles.
 //! It never drops a gap that no other stands for.
 
+use glam::DVec2;
+
 use super::survey::Survey;
 use super::tiles::Tile;
 use super::{Cover, Task};
@@ -97,7 +99,7 @@ impl Places {
 
 /// Moves a place into the region such that places at the seam, from either side, come out near zero,
 /// possibly just below.
-fn wrapped(center: [f64; 2], extent: [f64; 2], same: f64) -> [f64; 2] {
+fn wrapped(center: [f64; 2], extent: DVec2, same: f64) -> [f64; 2] {
     [0, 1].map(|axis| {
         let (value, period) = (center[axis], extent[axis]);
         if value >= period - 2.0 * same {
@@ -182,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_place_on_the_seam_is_the_same_from_both_sides() {
-        let extent = [1.5, 1.0];
+        let extent = DVec2::new(1.5, 1.0);
         let [x, y] = wrapped([1.5 - 1e-14, 0.25], extent, 1e-10);
         assert!(x.abs() < 1e-13 && y == 0.25);
         assert_eq!(wrapped([-1e-14, 0.25], extent, 1e-10), [-1e-14, 0.25]);

@@ -2,6 +2,8 @@
 //! Every place claimed is a Voronoi vertex, a border crossing or a corner of the window's samples.
 //! It never judges whether the window was wide enough; its caller compares `side_reach` with the halo.
 
+use glam::DVec2;
+
 use spade::{Point2, Triangulation};
 
 use super::Task;
@@ -101,7 +103,7 @@ impl Survey {
     ) -> Result<(), VerifyError> {
         let domain = &task.grid.domain;
         let triangulation = delaunay(points).map_err(|cause| VerifyError::Triangulation {
-            corner: tile.low.map(|value| value / domain.scale),
+            corner: (tile.low / domain.scale).to_array(),
             cause,
         })?;
         // Samples on a line have no circle.
@@ -109,21 +111,15 @@ impl Survey {
             return Ok(());
         };
         // Beyond the border of a bounded region no place counts, however close.
-        let [low, high] = [0, 1].map(|end| {
-            let bound = |axis: usize| match end {
-                0 if !domain.periodic => (tile.low[axis] - task.same).max(0.0),
-                0 => tile.low[axis] - task.same,
-                _ if !domain.periodic => (tile.high[axis] + task.same).min(domain.extent[axis]),
-                _ => tile.high[axis] + task.same,
-            };
-            [bound(0), bound(1)]
-        });
-        let inside =
-            |c: [f64; 2]| c[0] >= low[0] && c[0] <= high[0] && c[1] >= low[1] && c[1] <= high[1];
+        let (mut low, mut high) = (tile.low - task.same, tile.high + task.same);
+        if !domain.periodic {
+            (low, high) = (low.max(DVec2::ZERO), high.min(domain.extent));
+        }
+        let inside = |place: DVec2| (place.cmpge(low) & place.cmple(high)).all();
         let limit = task.limit * task.limit * (1.0 - 1e-12);
         let mut largest = 0.0_f64;
         for face in triangulation.inner_faces() {
-            let corners = face.positions().map(|p| [p.x, p.y]);
+            let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
             // Nearly all circles are neither gaps nor the largest so far.
             if is_below(corners, largest.min(limit)) {
                 continue;
@@ -134,7 +130,7 @@ impl Survey {
             }
             largest = largest.max(circle.square);
             if circle.square > limit {
-                let (center, distance) = (circle.center, circle.square.sqrt());
+                let (center, distance) = (circle.center.to_array(), circle.square.sqrt());
                 let kind = GapKind::VoronoiVertex;
                 self.claim(
                     task,

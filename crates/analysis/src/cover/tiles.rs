@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use glam::DVec2;
+
 use spade::Point2;
 
 use super::Task;
@@ -23,19 +25,20 @@ pub(crate) struct Tile {
     /// Samples in it.
     pub count: usize,
     /// Lower and upper corner; on the region's border exactly its extents.
-    pub low: [f64; 2],
-    pub high: [f64; 2],
+    pub low: DVec2,
+    pub high: DVec2,
 }
 
 impl Tile {
     fn new(grid: &Grid, columns: Range<usize>, rows: Range<usize>) -> Self {
-        let at = |axis: usize, cell: usize| {
-            grid.domain.extent[axis] * (cell as f64 / grid.cells[axis] as f64)
+        let [across, along] = grid.cells.map(|cells| cells as f64);
+        let at = |column: usize, row: usize| {
+            grid.domain.extent * DVec2::new(column as f64 / across, row as f64 / along)
         };
         Self {
             count: grid.count(&columns, &rows),
-            low: [at(0, columns.start), at(1, rows.start)],
-            high: [at(0, columns.end), at(1, rows.end)],
+            low: at(columns.start, rows.start),
+            high: at(columns.end, rows.end),
             columns,
             rows,
         }
@@ -63,7 +66,7 @@ impl Tile {
     /// The halo to try first: two radii do for a maximal set (one would, were it exactly
     /// maximal). The density bounds it where the radius is far off.
     pub fn first_halo(&self, task: &Task<'_>) -> f64 {
-        let area = (self.high[0] - self.low[0]) * (self.high[1] - self.low[1]);
+        let area = (self.high - self.low).element_product();
         let spacing = (area / self.count.max(1) as f64).sqrt();
         (2.0 * task.radius).clamp(spacing, 2.4 * spacing)
     }
@@ -142,7 +145,10 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
             let seam = column + (grid.cells[0] - first) as i64;
             let end = seam.min(columns.end);
             let run = grid.run(row, &(first..first + (end - column) as usize));
-            points.extend(run.iter().map(|entry| shifted(entry.position, [x, y])));
+            points.extend(
+                run.iter()
+                    .map(|entry| shifted(entry.position, DVec2::new(x, y))),
+            );
             column = end;
         }
     }
@@ -160,7 +166,10 @@ fn rim(task: &Task<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -> Vec<P
             let at = [at_column, at_row];
             if !buried.hides([column, row], at, [&tile.columns, &tile.rows]) {
                 let run = grid.run(row, &(column..column + 1));
-                points.extend(run.iter().map(|entry| shifted(entry.position, [x, y])));
+                points.extend(
+                    run.iter()
+                        .map(|entry| shifted(entry.position, DVec2::new(x, y))),
+                );
             }
         }
     }
@@ -205,12 +214,10 @@ fn wrap(grid: &Grid, axis: usize, cell: i64) -> (usize, f64) {
     (cell.rem_euclid(cells) as usize, shift)
 }
 
-fn shifted(position: [f64; 2], shift: [f64; 2]) -> Point2<f64> {
-    let [x, y] = [0, 1].map(|axis| {
-        let value = position[axis] + shift[axis];
-        if value.abs() < TINY { 0.0 } else { value }
-    });
-    Point2::new(x, y)
+fn shifted(position: DVec2, shift: DVec2) -> Point2<f64> {
+    let accepted = |value: f64| if value.abs() < TINY { 0.0 } else { value };
+    let place = position + shift;
+    Point2::new(accepted(place.x), accepted(place.y))
 }
 
 #[cfg(test)]
@@ -266,12 +273,15 @@ mod tests {
 
     fn check(grid: &Grid, tile: &Tile, window: &Window, halo: f64) {
         let periodic = grid.domain.periodic;
-        let [width, height] = grid.domain.extent;
+        let DVec2 {
+            x: width,
+            y: height,
+        } = grid.domain.extent;
         let copies = if periodic { -1..=1 } else { 0..=0 };
         for entry in grid.entries() {
             for i in copies.clone() {
                 for j in copies.clone() {
-                    let shift = [f64::from(i) * width, f64::from(j) * height];
+                    let shift = DVec2::new(f64::from(i) * width, f64::from(j) * height);
                     let copy = shifted(entry.position, shift);
                     let near = [(copy.x, 0, width), (copy.y, 1, height)].into_iter().all(
                         |(value, axis, extent)| {

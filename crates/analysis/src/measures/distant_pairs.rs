@@ -163,8 +163,7 @@ impl Search<'_> {
             let partners = |run: &[Entry], once: bool| {
                 for a in own {
                     for b in run {
-                        let [dx, dy] = self.neighbors.offset(a, b);
-                        let length = (dx * dx + dy * dy).sqrt();
+                        let length = self.neighbors.offset(a, b).length();
                         let new = once || a.id < b.id;
                         see(a, b, new && least <= length && length < most);
                     }

@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use glam::DVec2;
+
 use crate::grid::{Entry, Grid};
 
 /// The samples around those of a grid.
@@ -13,16 +15,14 @@ pub(super) struct Neighbors<'a> {
 
 impl Neighbors<'_> {
     /// Magnitudes of the coordinate differences of two samples, the short way around.
-    pub fn offset(&self, a: &Entry, b: &Entry) -> [f64; 2] {
+    pub fn offset(&self, a: &Entry, b: &Entry) -> DVec2 {
         let domain = &self.grid.domain;
-        [0, 1].map(|axis| {
-            let direct = (a.position[axis] - b.position[axis]).abs();
-            if domain.periodic {
-                direct.min(domain.extent[axis] - direct)
-            } else {
-                direct
-            }
-        })
+        let direct = (a.position - b.position).abs();
+        if domain.periodic {
+            direct.min(domain.extent - direct)
+        } else {
+            direct
+        }
     }
 
     /// Calls `see` with runs of samples such that over all cells every pair of samples within `distance` is met:
@@ -34,7 +34,8 @@ impl Neighbors<'_> {
         mut see: impl FnMut(&[Entry], bool),
     ) {
         let (grid, cells, sides) = (self.grid, self.grid.cells, self.grid.cell_sides());
-        let reach = sides.map(|side| (distance / side + 2.0 * Grid::ROUNDING).ceil() as usize);
+        let reach = (distance / sides + 2.0 * Grid::ROUNDING).ceil();
+        let reach = reach.to_array().map(|cells| cells as usize);
         let periodic = grid.domain.periodic;
         // Cells that reach around the torus to each other cannot tell which of them is ahead.
         let [all_columns, all_rows] = [0, 1].map(|axis| 2 * reach[axis] + 1 >= cells[axis]);
@@ -101,9 +102,9 @@ impl Neighbors<'_> {
         let width = self.grid.domain.extent[0];
         let mut closer = |other: &Entry| {
             let direct = (other.position[0] - x).abs();
-            let [dx, dy] = self.offset(entry, other);
+            let offset = self.offset(entry, other);
             if other.id != entry.id {
-                best = best.min(dx * dx + dy * dy);
+                best = best.min(offset.length_squared());
             }
             // Going on, differences grow until they are shorter the other way around, where
             // the walk from the other end finds them.
@@ -114,9 +115,9 @@ impl Neighbors<'_> {
         if self.grid.domain.periodic {
             let mut across = |other: &Entry| {
                 let around = width - (other.position[0] - x).abs();
-                let [dx, dy] = self.offset(entry, other);
+                let offset = self.offset(entry, other);
                 if other.id != entry.id {
-                    best = best.min(dx * dx + dy * dy);
+                    best = best.min(offset.length_squared());
                 }
                 around * around <= best
             };

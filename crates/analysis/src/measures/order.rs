@@ -99,8 +99,7 @@ impl Order {
 fn order(cell: &VoronoiCell, mean_area: f64) -> CellOrder {
     let mut sum = [0.0; 2];
     for offset in &cell.neighbors {
-        let length = offset[0].hypot(offset[1]);
-        let [re, im] = sixth_power(offset.map(|value| value / length));
+        let [re, im] = sixth_power((*offset / offset.length()).to_array());
         sum = [sum[0] + re, sum[1] + im];
     }
     let count = cell.neighbors.len().max(1) as f64;

@@ -4,6 +4,8 @@
 
 use std::ops::{ControlFlow, Range};
 
+use glam::DVec2;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -85,7 +87,7 @@ impl PairCorrelation {
         };
         let found = search.run(&monitor)?;
         let bin_width = most / bins as f64;
-        let (count, area) = (points.len() as f64, domain.extent[0] * domain.extent[1]);
+        let (count, area) = (points.len() as f64, domain.extent.element_product());
         let density = 0.5 * count * (count - 1.0) / (area * area);
         let step = distance / bins as f64;
         let ring = |bin: usize| std::f64::consts::PI * (2 * bin + 1) as f64 * step * step;
@@ -179,7 +181,7 @@ impl Search<'_> {
         sum.counts.pop();
         let domain = &self.neighbors.grid.domain;
         if domain.periodic {
-            let area = domain.extent[0] * domain.extent[1];
+            let area = domain.extent.element_product();
             sum.weights = sum
                 .counts
                 .iter()
@@ -258,14 +260,12 @@ impl Search<'_> {
         let domain = &self.neighbors.grid.domain;
         let per_length = self.bins as f64 / self.distance;
         for b in run {
-            let [dx, dy] = self.neighbors.offset(a, b);
-            let length = (dx * dx + dy * dy).sqrt();
-            let bin = ((length * per_length) as usize).min(self.bins);
+            let offset = self.neighbors.offset(a, b);
+            let bin = ((offset.length() * per_length) as usize).min(self.bins);
             let new = once || a.id < b.id;
             found.counts[bin] += u64::from(new);
             if !domain.periodic && new && bin < self.bins {
-                let overlap = (domain.extent[0] - dx) * (domain.extent[1] - dy);
-                found.weights[bin] += 1.0 / overlap;
+                found.weights[bin] += 1.0 / (domain.extent - offset).element_product();
             }
         }
     }
@@ -277,13 +277,10 @@ impl Search<'_> {
         if !is_crowd || !self.neighbors.grid.domain.periodic {
             return false;
         }
-        let [dx, dy] = [0, 1].map(|axis| {
-            let all = runs.into_iter().flatten().map(|entry| entry.position[axis]);
-            let ends = [f64::INFINITY, f64::NEG_INFINITY];
-            let [low, high] = all.fold(ends, |[low, high], x| [low.min(x), high.max(x)]);
-            high - low
-        });
-        (dx * dx + dy * dy).sqrt() * (self.bins as f64 / self.distance) < 1.0
+        let places = runs.into_iter().flatten().map(|entry| entry.position);
+        let ends = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let (low, high) = places.fold(ends, |(low, high), p| (low.min(p), high.max(p)));
+        (high - low).length() * (self.bins as f64 / self.distance) < 1.0
     }
 }
 

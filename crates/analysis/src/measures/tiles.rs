@@ -2,6 +2,8 @@
 //! the cells of its own samples follow from what it sees. Sets too small or too uneven for that go in one piece.
 //! It keeps of a cell only what the caller makes of it.
 
+use glam::DVec2;
+
 use rayon::prelude::*;
 
 use super::error::MeasureError;
@@ -68,8 +70,8 @@ struct View {
     cells: [[i64; 2]; 2],
     /// Whether its sides are those of a bounded domain, beyond which there is nothing: low and high, by axis.
     ends: [[bool; 2]; 2],
-    low: [f64; 2],
-    high: [f64; 2],
+    low: DVec2,
+    high: DVec2,
 }
 
 impl<'a> Tile<'a> {
@@ -113,7 +115,7 @@ impl<'a> Tile<'a> {
         let mut view = View {
             cells: [[0; 2]; 2],
             ends: [[false; 2]; 2],
-            low: [0.0; 2],
+            low: DVec2::ZERO,
             high: domain.extent,
         };
         for axis in [0, 1] {
@@ -257,11 +259,8 @@ mod tests {
                     assert!((a.area - b.area).abs() < 1e-11, "{boundary:?} {side}");
                     assert_eq!(a.neighbors.len(), b.neighbors.len());
                     assert_eq!(a.at_border, b.at_border);
-                    let near = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
-                    let shared = |offset: &[f64; 2]| {
-                        b.neighbors
-                            .iter()
-                            .any(|other| near((offset, other)) < 1e-12)
+                    let shared = |offset: &DVec2| {
+                        (b.neighbors.iter()).any(|other| offset.distance(*other) < 1e-12)
                     };
                     assert!(a.neighbors.iter().all(shared));
                 }

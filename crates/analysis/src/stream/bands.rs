@@ -5,6 +5,8 @@
 use std::mem;
 use std::ops::Range;
 
+use glam::DVec2;
+
 use serde::{Deserialize, Serialize};
 
 use crate::cover::{self, Places, Task, Visit};
@@ -55,10 +57,9 @@ impl Search {
         domain: Domain,
         scaled_radius: f64,
     ) -> Self {
-        let cells = domain.extent.map(|extent| {
-            // The largest counts are not used: no set of that many cells is streamed.
-            (extent / (CELL * scaled_radius)).clamp(1.0, 1e12) as usize
-        });
+        // The largest counts are not used: no set of that many cells is streamed.
+        let cells = (domain.extent / (CELL * scaled_radius)).to_array();
+        let cells = cells.map(|cells| cells.clamp(1.0, 1e12) as usize);
         Self {
             region,
             radius,
@@ -81,7 +82,7 @@ impl Search {
 
     /// The row of an ordinate in the domain's unit; it does not fall when that rises.
     pub fn row(&self, y: f64) -> usize {
-        cell_at(&self.domain, self.cells, [0.0, y])[1]
+        cell_at(&self.domain, self.cells, DVec2::new(0.0, y))[1]
     }
 
     /// The first row whose tiles need not wait for the end: those of a torus see the last rows.
@@ -270,7 +271,7 @@ impl Bands {
         (self.closed == 0).then(|| {
             let scale = search.domain.scale;
             let held = mem::take(&mut self.held);
-            let unscaled = |entry: Entry| entry.position.map(|value| value / scale);
+            let unscaled = |entry: Entry| (entry.position / scale).to_array();
             held.into_iter().map(unscaled).collect()
         })
     }
@@ -340,7 +341,7 @@ fn new_visits(task: &Task<'_>, rows: Range<usize>, search: &Search) -> Vec<Visit
 fn too_wide(search: &Search, visit: &Visit) -> VerifyError {
     let scale = search.domain.scale;
     VerifyError::HoleTooWide {
-        corner: visit.tile.low.map(|value| value / scale),
+        corner: (visit.tile.low / scale).to_array(),
         reach: visit.halo / scale,
     }
 }

@@ -3,8 +3,9 @@
 
 use std::f64::consts::TAU;
 
-use super::gap_regions::{Edge, Part, Runs, add};
-use super::{cross, dot, minus};
+use glam::{DVec2, IVec2};
+
+use super::gap_regions::{Edge, Part, Runs};
 
 /// A piece of a border: the arc of a run, or a part of a side on the domain's border.
 #[derive(Clone, Copy)]
@@ -28,7 +29,7 @@ impl Drawn {
     }
 
     /// The loops of the runs that make a gap.
-    pub fn boundary(&mut self, runs: &Runs<'_>, members: &[(usize, [i32; 2])]) -> Vec<Vec<Edge>> {
+    pub fn boundary(&mut self, runs: &Runs<'_>, members: &[(usize, IVec2)]) -> Vec<Vec<Edge>> {
         let mut loops = Vec::new();
         for &(run, shift) in members {
             let border = runs.list[run]
@@ -54,7 +55,7 @@ impl Drawn {
         }
     }
 
-    fn chain(&mut self, runs: &Runs<'_>, first: Piece, shift: [i32; 2]) -> Vec<Edge> {
+    fn chain(&mut self, runs: &Runs<'_>, first: Piece, shift: IVec2) -> Vec<Edge> {
         let mut edges = Vec::new();
         let mut at = Some((first, shift));
         while let Some((piece, shift)) = at {
@@ -75,7 +76,7 @@ impl Runs<'_> {
         self.cells.sides[part / 2].beyond.is_none()
     }
 
-    fn edge(&self, piece: Piece, shift: [i32; 2]) -> Edge {
+    fn edge(&self, piece: Piece, shift: IVec2) -> Edge {
         match piece {
             Piece::Arc(run) => self.arc(run, shift),
             Piece::Line(part) => {
@@ -86,16 +87,16 @@ impl Runs<'_> {
     }
 
     /// The arc of a run, from its last part back to its first.
-    fn arc(&self, run: usize, shift: [i32; 2]) -> Edge {
+    fn arc(&self, run: usize, shift: IVec2) -> Edge {
         let sample = self.cell(run);
         let place = self.cells.samples[sample];
-        let (mut last, mut angle) = ([1.0, 0.0], 0.0);
+        let (mut last, mut angle) = (DVec2::X, 0.0);
         for &part in &self.list[run].parts {
-            let [from, to] = self.places(part).map(|end| minus(end, place));
-            angle += cross(from, to).atan2(dot(from, to)).max(0.0);
+            let [from, to] = self.places(part).map(|end| end - place);
+            angle += from.perp_dot(to).atan2(from.dot(to)).max(0.0);
             last = to;
         }
-        let from_angle = last[1].atan2(last[0]);
+        let from_angle = last.y.atan2(last.x);
         let turn = if self.list[run].closed { TAU } else { angle };
         Edge::Arc {
             sample,
@@ -106,7 +107,7 @@ impl Runs<'_> {
     }
 
     /// The piece that follows, with the gap on the left, and the periods by which it is moved.
-    fn after(&self, piece: Piece, shift: [i32; 2]) -> Option<(Piece, [i32; 2])> {
+    fn after(&self, piece: Piece, shift: IVec2) -> Option<(Piece, IVec2)> {
         match piece {
             Piece::Arc(run) if self.list[run].closed => None,
             Piece::Arc(run) => {
@@ -115,7 +116,7 @@ impl Runs<'_> {
                     return Some((Piece::Line(part), shift));
                 }
                 let (other, by) = self.across(part)?;
-                Some((Piece::Arc(self.run_of[other]), add(shift, by)))
+                Some((Piece::Arc(self.run_of[other]), shift + by))
             }
             Piece::Line(part) if self.ends_at_corner(part) => self.after_corner(part, shift),
             Piece::Line(part) => Some((Piece::Arc(self.run_of[part]), shift)),
@@ -123,7 +124,7 @@ impl Runs<'_> {
     }
 
     /// The border line that begins where another ends: around a corner, or in the next cell along.
-    fn after_corner(&self, part: Part, shift: [i32; 2]) -> Option<(Piece, [i32; 2])> {
+    fn after_corner(&self, part: Part, shift: IVec2) -> Option<(Piece, IVec2)> {
         let cells = self.cells;
         let (mut side, mut shift) = (cells.next(part / 2), shift);
         // Rarely more than two cells meet at one place of the border, and never all.
@@ -133,7 +134,7 @@ impl Runs<'_> {
                     .head
                     .map(|_| (Piece::Line(2 * side), shift));
             };
-            shift = add(shift, beyond.shift);
+            shift += beyond.shift;
             side = cells.next(cells.sides[side].twin?);
         }
         None

@@ -4,8 +4,9 @@
 
 use std::collections::HashMap;
 
+use glam::{DVec2, IVec2};
+
 use super::window::{Corner, Seen, Window, shifted};
-use super::{dot, length, minus, plus};
 use crate::domain::Domain;
 
 /// Corners no further than this beyond the radius, in radii, count as covered: rounding alone makes
@@ -19,7 +20,7 @@ const MANY_SIDES: usize = 64;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
     pub cell: usize,
-    pub from: [f64; 2],
+    pub from: DVec2,
     pub reach: f64,
     pub beyond: Option<Seen>,
     /// The same side in the cell beyond.
@@ -33,7 +34,7 @@ pub(super) struct Side {
 pub(super) struct Cells {
     pub domain: Domain,
     pub radius: f64,
-    pub samples: Vec<[f64; 2]>,
+    pub samples: Vec<DVec2>,
     pub sides: Vec<Side>,
     /// Where the sides of each cell begin.
     starts: Vec<usize>,
@@ -95,25 +96,25 @@ impl Cells {
     }
 
     /// The ends of a side.
-    pub fn ends(&self, side: usize) -> [[f64; 2]; 2] {
+    pub fn ends(&self, side: usize) -> [DVec2; 2] {
         [self.sides[side].from, self.sides[self.next(side)].from]
     }
 
     /// A place of a side, as a fraction.
-    pub fn place(&self, side: usize, at: f64) -> [f64; 2] {
+    pub fn place(&self, side: usize, at: f64) -> DVec2 {
         let [from, to] = self.ends(side);
         if at >= 1.0 {
             return to;
         }
-        [0, 1].map(|k| from[k] + at * (to[k] - from[k]))
+        from + at * (to - from)
     }
 
-    pub fn shifted(&self, place: [f64; 2], shift: [i32; 2]) -> [f64; 2] {
+    pub fn shifted(&self, place: DVec2, shift: IVec2) -> DVec2 {
         shifted(place, shift, &self.domain)
     }
 
     /// The sides between two cells, each once.
-    pub fn edges(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+    pub fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> {
         (0..self.sides.len())
             .filter(
                 |&side| match (self.sides[side].twin, self.sides[side].beyond) {
@@ -147,7 +148,7 @@ impl Cells {
         let other = beyond.sample as usize;
         let back = Seen {
             sample: cell as u32,
-            shift: beyond.shift.map(|k| -k),
+            shift: -beyond.shift,
         };
         let sides = self.of(other);
         if sides.len() > MANY_SIDES {
@@ -169,23 +170,18 @@ impl Cells {
         }
         let sample = self.samples[side.cell];
         let [from, to] = self.ends(index);
-        let whole = length(minus(to, from));
-        let along = minus(to, from).map(|value| value / whole);
-        let to_sample = minus(sample, from);
+        let whole = (to - from).length();
+        let along = (to - from) / whole;
+        let to_sample = sample - from;
         // Beyond a side lies the mirror image of the sample, which both cells see at the same distance.
         let height = match side.beyond {
             Some(Seen {
                 sample: other,
                 shift,
-            }) => {
-                0.5 * length(minus(
-                    self.shifted(self.samples[other as usize], shift),
-                    sample,
-                ))
-            }
-            None => (along[0] * to_sample[1] - along[1] * to_sample[0]).abs(),
+            }) => 0.5 * (self.shifted(self.samples[other as usize], shift) - sample).length(),
+            None => along.perp_dot(to_sample).abs(),
         };
-        let foot = dot(to_sample, along);
+        let foot = to_sample.dot(along);
         let half = ((self.radius - height) * (self.radius + height))
             .max(0.0)
             .sqrt();
@@ -201,7 +197,7 @@ impl Cells {
 }
 
 /// The polygon inside a bounded domain; a periodic one has no border.
-fn clipped(polygon: &[Corner], domain: &Domain, sample: [f64; 2]) -> Vec<Corner> {
+fn clipped(polygon: &[Corner], domain: &Domain, sample: DVec2) -> Vec<Corner> {
     let mut corners = polygon.to_vec();
     if domain.periodic {
         return corners;
@@ -229,7 +225,7 @@ fn cut(
     corners: &[Corner],
     axis: usize,
     bound: f64,
-    sample: [f64; 2],
+    sample: DVec2,
     inside: impl Fn(&Corner) -> bool,
 ) -> Vec<Corner> {
     let mut kept = Vec::with_capacity(corners.len() + 1);
@@ -243,11 +239,11 @@ fn cut(
                 (b.at, a.at)
             };
             let part = (bound - low[axis]) / (high[axis] - low[axis]);
-            let mut at = plus(low, minus(high, low).map(|value| value * part));
+            let mut at = low + (high - low) * part;
             at[axis] = bound;
             Corner {
                 at,
-                reach: length(minus(at, sample)),
+                reach: (at - sample).length(),
                 beyond,
             }
         };
@@ -268,6 +264,6 @@ fn without_short(corners: &[Corner], same: f64) -> impl Iterator<Item = &Corner>
         .enumerate()
         .filter_map(move |(index, corner)| {
             let next = &corners[(index + 1) % corners.len()];
-            (length(minus(next.at, corner.at)) > same).then_some(corner)
+            ((next.at - corner.at).length() > same).then_some(corner)
         })
 }

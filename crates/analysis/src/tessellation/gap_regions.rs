@@ -2,9 +2,10 @@
 //! In its Voronoi cell a sample's disk alone decides, so each cell gives strips between an arc and its
 //! sides, and strips that share a part of a side belong together.
 
+use glam::{DVec2, IVec2};
+
 use super::borders::Drawn;
 use super::cells::Cells;
-use super::{cross, dot, minus, plus};
 
 /// The largest angle of a chord of [`GapRegion::fill`]: it departs from the arc by 0.002 radii.
 const CHORD: f64 = 0.126;
@@ -20,7 +21,7 @@ pub enum Edge {
         /// The sample, by index.
         sample: usize,
         /// Its place, as the gap sees it.
-        center: [f64; 2],
+        center: DVec2,
         /// The direction of the start from the centre, in radians, counter-clockwise from the x axis.
         from_angle: f64,
         /// The direction of the end; smaller than that of the start.
@@ -29,9 +30,9 @@ pub enum Edge {
     /// Part of the border of a bounded domain.
     Line {
         /// The start.
-        from: [f64; 2],
+        from: DVec2,
         /// The end.
-        to: [f64; 2],
+        to: DVec2,
     },
 }
 
@@ -48,42 +49,40 @@ pub struct GapRegion {
     /// The samples whose disks bound it or whose Voronoi cells reach into it, in ascending order.
     pub sites: Vec<usize>,
     /// The place furthest from all samples and its distance from the nearest.
-    pub deepest: ([f64; 2], f64),
+    pub deepest: (DVec2, f64),
     /// Triangles that cover it for drawing; they lie over the disks around by 0.002 radii at most.
-    pub fill: Vec<[[f64; 2]; 3]>,
+    pub fill: Vec<[DVec2; 3]>,
     strips: Vec<Strip>,
     radius: f64,
-    period: Option<[f64; 2]>,
+    period: Option<DVec2>,
 }
 
 /// What lies between a disk and a part of a side.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Strip {
-    center: [f64; 2],
-    from: [f64; 2],
-    to: [f64; 2],
+    center: DVec2,
+    from: DVec2,
+    to: DVec2,
 }
 
 impl GapRegion {
     /// Returns whether a place lies in the gap; in a periodic domain any of its copies will do.
     #[must_use]
-    pub fn contains(&self, place: [f64; 2]) -> bool {
+    pub fn contains(&self, place: impl Into<DVec2>) -> bool {
+        let place = place.into();
         self.strips.iter().any(|strip| {
-            let mut offset = minus(place, strip.center);
+            let mut offset = place - strip.center;
             if let Some(period) = self.period {
                 // No place of a cell is further than half a period from its sample.
-                offset = [0, 1].map(|k| offset[k] - period[k] * (offset[k] / period[k]).round());
+                offset -= period * (offset / period).round();
             }
-            let (from, to) = (
-                minus(strip.from, strip.center),
-                minus(strip.to, strip.center),
-            );
+            let (from, to) = (strip.from - strip.center, strip.to - strip.center);
             // A place on a side between two cells must not fall between them by rounding.
-            let least = -SEAM * dot(from, from).max(dot(to, to));
-            cross(from, offset) >= least
-                && cross(offset, to) >= least
-                && cross(minus(to, from), minus(offset, from)) >= least
-                && dot(offset, offset) > self.radius * self.radius
+            let least = -SEAM * from.length_squared().max(to.length_squared());
+            from.perp_dot(offset) >= least
+                && offset.perp_dot(to) >= least
+                && (to - from).perp_dot(offset - from) >= least
+                && offset.length_squared() > self.radius * self.radius
         })
     }
 }
@@ -185,7 +184,7 @@ impl<'a> Runs<'a> {
         !is_head(part) || self.cells.sides[part / 2].head == Some(1.0)
     }
 
-    pub fn places(&self, part: Part) -> [[f64; 2]; 2] {
+    pub fn places(&self, part: Part) -> [DVec2; 2] {
         let side = &self.cells.sides[part / 2];
         let [from, to] = if is_head(part) {
             [0.0, side.head.unwrap_or(0.0)]
@@ -199,7 +198,7 @@ impl<'a> Runs<'a> {
     }
 
     /// The same part in the cell beyond and how many periods on that is.
-    pub fn across(&self, part: Part) -> Option<(Part, [i32; 2])> {
+    pub fn across(&self, part: Part) -> Option<(Part, IVec2)> {
         let side = &self.cells.sides[part / 2];
         let (twin, beyond) = (side.twin?, side.beyond?);
         let whole = self.cells.sides[twin].head == Some(1.0);
@@ -212,8 +211,8 @@ impl<'a> Runs<'a> {
     }
 
     /// The runs that belong together, each with the periods by which it is moved.
-    fn connected(&self, first: usize, seen: &mut [bool]) -> Vec<(usize, [i32; 2])> {
-        let mut members = vec![(first, [0, 0])];
+    fn connected(&self, first: usize, seen: &mut [bool]) -> Vec<(usize, IVec2)> {
+        let mut members = vec![(first, IVec2::ZERO)];
         seen[first] = true;
         let mut next = 0;
         while let Some(&(run, shift)) = members.get(next) {
@@ -225,7 +224,7 @@ impl<'a> Runs<'a> {
                 let other = self.run_of[other];
                 if !seen[other] {
                     seen[other] = true;
-                    members.push((other, add(shift, by)));
+                    members.push((other, shift + by));
                 }
             }
         }
@@ -236,13 +235,13 @@ impl<'a> Runs<'a> {
         self.cells.sides[self.list[run].parts[0] / 2].cell
     }
 
-    fn gap(&self, members: &[(usize, [i32; 2])], drawn: &mut Drawn) -> GapRegion {
+    fn gap(&self, members: &[(usize, IVec2)], drawn: &mut Drawn) -> GapRegion {
         let cells = self.cells;
         let mut gap = GapRegion {
             area: 0.0,
             boundary: drawn.boundary(self, members),
             sites: members.iter().map(|&(run, _)| self.cell(run)).collect(),
-            deepest: ([0.0; 2], 0.0),
+            deepest: (DVec2::ZERO, 0.0),
             fill: Vec::new(),
             strips: Vec::new(),
             radius: cells.radius,
@@ -274,32 +273,29 @@ impl<'a> Runs<'a> {
 impl GapRegion {
     /// Adds what lies between the disk and a part of a side: a triangle less a sector.
     fn add_strip(&mut self, strip: Strip) {
-        let (from, to) = (
-            minus(strip.from, strip.center),
-            minus(strip.to, strip.center),
-        );
-        let angle = cross(from, to).atan2(dot(from, to));
+        let (from, to) = (strip.from - strip.center, strip.to - strip.center);
+        let angle = from.perp_dot(to).atan2(from.dot(to));
         // Along a border through the sample there is nothing between.
         if angle <= 0.0 {
             return;
         }
-        self.area += 0.5 * (cross(from, to) - self.radius * self.radius * angle);
+        self.area += 0.5 * (from.perp_dot(to) - self.radius * self.radius * angle);
         self.strips.push(strip);
         let count = (angle / CHORD).ceil().max(1.0);
         self.fill.reserve(2 * count as usize);
-        let first = from[1].atan2(from[0]);
-        let across = minus(to, from);
+        let first = from.y.atan2(from.x);
+        let across = to - from;
         let at = |k: f64| {
             let (sin, cos) = (first + angle * (k / count)).sin_cos();
-            let ray = [cos, sin];
-            let reach = cross(from, across) / cross(ray, across);
-            let inner = ray.map(|value| value * self.radius);
+            let ray = DVec2::new(cos, sin);
+            let reach = from.perp_dot(across) / ray.perp_dot(across);
+            let inner = ray * self.radius;
             let outer = match k {
                 0.0 => from,
                 _ if k >= count => to,
-                _ => ray.map(|value| value * reach),
+                _ => ray * reach,
             };
-            [inner, outer].map(|offset| plus(strip.center, offset))
+            [inner, outer].map(|offset| strip.center + offset)
         };
         let mut before = at(0.0);
         for k in 1..=count as u32 {
@@ -310,10 +306,10 @@ impl GapRegion {
     }
 
     fn in_user_units(mut self, scale: f64) -> Self {
-        let user = |place: &mut [f64; 2]| *place = place.map(|value| value / scale);
+        let user = |place: &mut DVec2| *place /= scale;
         self.area /= scale * scale;
         self.radius /= scale;
-        self.period = self.period.map(|period| period.map(|value| value / scale));
+        self.period = self.period.map(|period| period / scale);
         user(&mut self.deepest.0);
         self.deepest.1 /= scale;
         self.fill.iter_mut().flatten().for_each(user);
@@ -329,8 +325,4 @@ impl GapRegion {
         }
         self
     }
-}
-
-pub(super) fn add(a: [i32; 2], b: [i32; 2]) -> [i32; 2] {
-    [a[0] + b[0], a[1] + b[1]]
 }

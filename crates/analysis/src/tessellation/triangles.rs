@@ -1,8 +1,9 @@
 //! Delaunay triangles of a set. Those of a periodic set are read off the corners of its Voronoi cells, so
 //! that cocircular samples at a seam are cut into triangles in one way only.
 
+use glam::{DVec2, IVec2};
+
 use super::cells::Cells;
-use super::{cross, minus};
 use crate::cover::circle::circumcircle;
 
 /// A Delaunay triangle.
@@ -12,17 +13,17 @@ pub struct Triangle {
     pub sites: [usize; 3],
     /// Their places, counter-clockwise; in a periodic domain copies that belong together, which may lie
     /// outside it.
-    pub corners: [[f64; 2]; 3],
+    pub corners: [DVec2; 3],
     /// The centre of the circle through them.
-    pub center: [f64; 2],
+    pub center: DVec2,
     /// The radius of that circle: the distance from its centre to the nearest samples.
     pub circumradius: f64,
 }
 
 impl Triangle {
-    pub(super) fn new(mut sites: [usize; 3], mut corners: [[f64; 2]; 3]) -> Self {
+    pub(super) fn new(mut sites: [usize; 3], mut corners: [DVec2; 3]) -> Self {
         let [a, b, c] = corners;
-        if cross(minus(b, a), minus(c, a)) < 0.0 {
+        if (b - a).perp_dot(c - a) < 0.0 {
             sites.swap(1, 2);
             corners.swap(1, 2);
         }
@@ -37,10 +38,9 @@ impl Triangle {
 
     /// The triangle in the unit of the samples.
     pub(super) fn scaled(self, scale: f64) -> Self {
-        let user = |place: [f64; 2]| place.map(|value| value / scale);
         Self {
-            corners: self.corners.map(user),
-            center: user(self.center),
+            corners: self.corners.map(|corner| corner / scale),
+            center: self.center / scale,
             circumradius: self.circumradius / scale,
             ..self
         }
@@ -51,10 +51,10 @@ impl Triangle {
 pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
     let mut done = vec![false; cells.sides.len()];
     let mut triangles = Vec::with_capacity(2 * cells.samples.len());
-    let mut around: Vec<(usize, [f64; 2])> = Vec::new();
+    let mut around: Vec<(usize, DVec2)> = Vec::new();
     for start in 0..cells.sides.len() {
         around.clear();
-        let (mut side, mut shift) = (start, [0, 0]);
+        let (mut side, mut shift) = (start, IVec2::ZERO);
         while !done[side] {
             done[side] = true;
             let sample = cells.sides[side].cell;
@@ -64,7 +64,7 @@ pub(super) fn around_vertices(cells: &Cells) -> Vec<Triangle> {
             else {
                 break;
             };
-            shift = [shift[0] + beyond.shift[0], shift[1] + beyond.shift[1]];
+            shift += beyond.shift;
             side = twin;
         }
         for pair in around.windows(2).skip(1) {

@@ -2,9 +2,11 @@
 //! Samples share a side, not only a corner, to be neighbours: cocircular samples are cut in no arbitrary way.
 //! It computes no statistics.
 
+use glam::DVec2;
+
 use super::cells::Cells;
+use super::check;
 use super::window::Window;
-use super::{check, cross, minus};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::region::Region;
@@ -16,12 +18,12 @@ pub struct VoronoiCell {
     pub area: f64,
     /// From the sample to those beyond the sides, counter-clockwise. In a periodic domain to the copy that is
     /// beyond, so one sample may appear more than once in a small set.
-    pub neighbors: Vec<[f64; 2]>,
+    pub neighbors: Vec<DVec2>,
     /// Whether a bounded domain's border is one of its sides.
     pub at_border: bool,
     /// Lower and upper corner, from the sample, of a rectangle around the empty circles about the cell's corners:
     /// the cell follows from the samples in it.
-    pub reach: [[f64; 2]; 2],
+    pub reach: [DVec2; 2],
 }
 
 /// Returns the Voronoi cell of each sample, in their sequence.
@@ -57,21 +59,21 @@ fn cell(cells: &Cells, index: usize) -> VoronoiCell {
         area: 0.0,
         neighbors: Vec::with_capacity(cells.of(index).len()),
         at_border: false,
-        reach: [[0.0; 2]; 2],
+        reach: [DVec2::ZERO; 2],
     };
     for side in cells.of(index) {
-        let [from, to] = cells.ends(side).map(|end| minus(end, sample));
-        found.area += 0.5 * cross(from, to) / (scale * scale);
+        let [from, to] = cells.ends(side).map(|end| end - sample);
+        found.area += 0.5 * from.perp_dot(to) / (scale * scale);
         let radius = cells.sides[side].reach;
-        for (axis, at) in from.into_iter().enumerate() {
-            found.reach[0][axis] = found.reach[0][axis].min((at - radius) / scale);
-            found.reach[1][axis] = found.reach[1][axis].max((at + radius) / scale);
-        }
+        let [low, high] = found.reach;
+        found.reach = [
+            low.min((from - radius) / scale),
+            high.max((from + radius) / scale),
+        ];
         match cells.sides[side].beyond {
             Some(seen) => {
                 let other = cells.shifted(cells.samples[seen.sample as usize], seen.shift);
-                let offset = minus(other, sample).map(|value| value / scale);
-                found.neighbors.push(offset);
+                found.neighbors.push((other - sample) / scale);
             }
             None => found.at_border = true,
         }

@@ -1,6 +1,8 @@
 //! The samples with as many copies across the periods, or far guards, as make every cell bounded and true.
 //! It gives the polygon around each sample, not clipped. It knows no radius but as a first guess.
 
+use glam::{DVec2, IVec2};
+
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use super::triangles::Triangle;
@@ -13,7 +15,7 @@ use crate::error::VerifyError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Seen {
     pub sample: u32,
-    pub shift: [i32; 2],
+    pub shift: IVec2,
 }
 
 /// The sites that keep the cells of a bounded domain finite.
@@ -36,7 +38,7 @@ impl HasPosition for Site {
 /// The start of a side of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    pub at: [f64; 2],
+    pub at: DVec2,
     /// Its distance from the samples around.
     pub reach: f64,
     /// The sample beyond the side; none beyond the border.
@@ -45,7 +47,7 @@ pub(super) struct Corner {
 
 /// The polygons of the cells, counter-clockwise, in the domain's unit.
 pub(super) struct Window {
-    pub samples: Vec<[f64; 2]>,
+    pub samples: Vec<DVec2>,
     /// Empty for a sample at the place of another.
     pub polygons: Vec<Vec<Corner>>,
     /// The triangles of a bounded set; of a periodic one some are doubled or missing at the seams.
@@ -54,7 +56,7 @@ pub(super) struct Window {
 
 impl Window {
     pub fn new(points: &[[f64; 2]], domain: Domain, radius: f64) -> Result<Self, VerifyError> {
-        let samples: Vec<_> = points.iter().map(|&p| domain.scale_point(p)).collect();
+        let samples: Vec<DVec2> = points.iter().map(|&p| domain.scale_point(p)).collect();
         let failed = |cause| VerifyError::Triangulation {
             corner: [0.0; 2],
             cause,
@@ -79,7 +81,7 @@ impl Window {
                     found = delaunay(sites.chain(guards).collect()).map_err(failed)?;
                 }
             }
-            let all = !domain.periodic || domain.extent.iter().all(|extent| halo >= *extent);
+            let all = !domain.periodic || domain.extent.cmple(DVec2::splat(halo)).all();
             let polygons = found.and_then(|found| polygons(&found, &samples, &domain, halo, all));
             if let Some(polygons) = polygons {
                 return Ok(Self {
@@ -95,14 +97,12 @@ impl Window {
 
 /// The samples, each place once, and their copies no further than `halo` from the domain. A period is
 /// always enough: the nearest copies are half a period away at most, from places as far beyond.
-fn home_and_copies(samples: &[[f64; 2]], domain: &Domain, halo: f64) -> Vec<Site> {
+fn home_and_copies(samples: &[DVec2], domain: &Domain, halo: f64) -> Vec<Site> {
     let mut order: Vec<u32> = (0..samples.len() as u32).collect();
     let at = |id: u32| samples[id as usize];
     order.sort_unstable_by(|&a, &b| {
-        at(a)
-            .partial_cmp(&at(b))
-            .unwrap_or(std::cmp::Ordering::Equal)
-            .then(a.cmp(&b))
+        let by_place = at(a).x.total_cmp(&at(b).x);
+        by_place.then(at(a).y.total_cmp(&at(b).y)).then(a.cmp(&b))
     });
     order.dedup_by(|later, first| at(*later) == at(*first));
     let shifts: &[i32] = if domain.periodic { &[0, -1, 1] } else { &[0] };
@@ -110,12 +110,11 @@ fn home_and_copies(samples: &[[f64; 2]], domain: &Domain, halo: f64) -> Vec<Site
     for sample in order {
         for &across in shifts {
             for &along in shifts {
-                let shift = [across, along];
+                let shift = IVec2::new(across, along);
                 let place = shifted(at(sample), shift, domain);
                 let near = |k: usize| (-halo..=domain.extent[k] + halo).contains(&place[k]);
-                if shift == [0, 0] || (near(0) && near(1)) {
-                    let [x, y] = place.map(accepted);
-                    let position = Point2::new(x, y);
+                if shift == IVec2::ZERO || (near(0) && near(1)) {
+                    let position = Point2::new(accepted(place.x), accepted(place.y));
                     let seen = Seen { sample, shift };
                     sites.push(Site { position, seen });
                 }
@@ -135,20 +134,19 @@ fn accepted(value: f64) -> f64 {
 }
 
 /// A place `shift` periods on.
-pub(super) fn shifted(place: [f64; 2], shift: [i32; 2], domain: &Domain) -> [f64; 2] {
-    [0, 1].map(|k| place[k] + f64::from(shift[k]) * domain.extent[k])
+pub(super) fn shifted(place: DVec2, shift: IVec2, domain: &Domain) -> DVec2 {
+    place + shift.as_dvec2() * domain.extent
 }
 
 /// Sites so far off that no place of the domain is nearest to them, on all sides.
 fn guards(domain: &Domain) -> [Site; 4] {
-    let [width, height] = domain.extent;
-    let far = 16.0 * width.hypot(height);
-    let (x, y) = (width / 2.0, height / 2.0);
+    let far = 16.0 * domain.extent.length();
+    let DVec2 { x, y } = domain.extent / 2.0;
     [[x - far, y], [x + far, y], [x, y - far], [x, y + far]].map(|[x, y]| Site {
         position: Point2::new(x, y),
         seen: Seen {
             sample: GUARD,
-            shift: [0, 0],
+            shift: IVec2::ZERO,
         },
     })
 }
@@ -156,7 +154,7 @@ fn guards(domain: &Domain) -> [Site; 4] {
 fn triangles_of(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
     (found.inner_faces())
         .map(|face| {
-            let corners = face.positions().map(|p| [p.x, p.y]);
+            let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
             let sites = face.vertices().map(|v| v.data().seen.sample as usize);
             Triangle::new(sites, corners)
         })
@@ -167,14 +165,15 @@ fn triangles_of(found: &DelaunayTriangulation<Site>) -> Vec<Triangle> {
 /// A circle inside the halo is empty for the whole set, so its triangle is one of the whole set.
 fn polygons(
     found: &DelaunayTriangulation<Site>,
-    samples: &[[f64; 2]],
+    samples: &[DVec2],
     domain: &Domain,
     halo: f64,
     all: bool,
 ) -> Option<Vec<Vec<Corner>>> {
     let mut polygons = vec![Vec::new(); samples.len()];
-    let homes = (found.vertices())
-        .filter(|vertex| vertex.data().seen.sample != GUARD && vertex.data().seen.shift == [0, 0]);
+    let homes = (found.vertices()).filter(|vertex| {
+        vertex.data().seen.sample != GUARD && vertex.data().seen.shift == IVec2::ZERO
+    });
     for vertex in homes {
         let polygon = &mut polygons[vertex.data().seen.sample as usize];
         let first = vertex.out_edge()?;
@@ -182,7 +181,7 @@ fn polygons(
         loop {
             // The side towards a neighbour begins in the triangle before it.
             let face = edge.cw().face().as_inner()?;
-            let circle = circumcircle(face.positions().map(|p| [p.x, p.y]));
+            let circle = circumcircle(face.positions().map(|p| DVec2::new(p.x, p.y)));
             let reach = circle.square.sqrt();
             let inside = |k: usize| {
                 circle.center[k] - reach >= -halo

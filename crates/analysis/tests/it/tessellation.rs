@@ -4,6 +4,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec2;
+
 use crate::support::{Random, distance, maximal_set};
 use tilescope_analysis::tessellation::{Edge, GapRegion, Tessellation};
 use tilescope_analysis::{Boundary, Region, VerifyError};
@@ -25,13 +27,8 @@ fn lens(d: f64, r: f64) -> f64 {
     2.0 * r * r * (d / (2.0 * r)).acos() - 0.5 * d * (4.0 * r * r - d * d).sqrt()
 }
 
-fn ends(edge: &Edge, radius: f64) -> [[f64; 2]; 2] {
-    let at = |center: [f64; 2], angle: f64| {
-        [
-            center[0] + radius * angle.cos(),
-            center[1] + radius * angle.sin(),
-        ]
-    };
+fn ends(edge: &Edge, radius: f64) -> [DVec2; 2] {
+    let at = |center: DVec2, angle: f64| center + radius * DVec2::from_angle(angle);
     match *edge {
         Edge::Line { from, to } => [from, to],
         Edge::Arc {
@@ -65,14 +62,14 @@ fn is_closed(gap: &GapRegion, radius: f64, around: Option<Region>) -> bool {
 /// The area inside the loops, by Green's theorem.
 fn area_by_loops(gap: &GapRegion, radius: f64) -> f64 {
     let of = |edge: &Edge| match *edge {
-        Edge::Line { from, to } => 0.5 * (from[0] * to[1] - from[1] * to[0]),
+        Edge::Line { from, to } => 0.5 * from.perp_dot(to),
         Edge::Arc {
             center,
             from_angle: a,
             to_angle: b,
             ..
         } => {
-            let [cx, cy] = center;
+            let [cx, cy] = center.to_array();
             0.5 * (radius * radius * (b - a)
                 + radius * (cx * (b.sin() - a.sin()) - cy * (b.cos() - a.cos())))
         }
@@ -159,7 +156,7 @@ fn a_sample_taken_from_a_hexagonal_lattice_leaves_a_gap() {
     );
     assert!(
         distance(
-            gap.deepest.0,
+            gap.deepest.0.into(),
             [3.0, 4.0 * row],
             region(8.0, 8.0, Boundary::Bounded)
         ) < 1e-9
@@ -279,7 +276,7 @@ fn check_set(points: &[[f64; 2]], region: Region, radius: f64) {
             assert!((area_by_loops(gap, radius) - gap.area).abs() < 1e-7 * region.area());
         }
         check_near(
-            nearest(wrapped(gap.deepest.0, region), points, region),
+            nearest(wrapped(gap.deepest.0.into(), region), points, region),
             gap.deepest.1,
         );
         let fill: f64 = (gap.fill.iter())
@@ -382,13 +379,13 @@ fn is_delaunay(found: &Tessellation, points: &[[f64; 2]], region: Region) -> boo
     found.triangles.iter().all(|triangle| {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-7;
         let corners = (0..3).all(|k| {
-            let corner = wrapped(triangle.corners[k], region);
+            let corner = wrapped(triangle.corners[k].into(), region);
             let to_center = (triangle.corners[k][0] - triangle.center[0])
                 .hypot(triangle.corners[k][1] - triangle.center[1]);
             near(distance(corner, points[triangle.sites[k]], region), 0.0)
                 && (to_center / triangle.circumradius - 1.0).abs() < 1e-7
         });
-        let center = wrapped(triangle.center, region);
+        let center = wrapped(triangle.center.into(), region);
         corners && nearest(center, points, region) > triangle.circumradius * (1.0 - 1e-7) - 1e-9
     })
 }
@@ -402,10 +399,7 @@ fn circles_of_triangles_are_empty() {
             let points = random.points(count, region);
             let mut found = tessellation(&points, region, 0.01);
             assert!(is_delaunay(&found, &points, region), "{count} {boundary:?}");
-            let doubled_area = |c: [[f64; 2]; 3]| {
-                (c[1][0] - c[0][0]) * (c[2][1] - c[0][1])
-                    - (c[1][1] - c[0][1]) * (c[2][0] - c[0][0])
-            };
+            let doubled_area = |[a, b, c]: [DVec2; 3]| (b - a).perp_dot(c - a);
             assert!(
                 found
                     .triangles

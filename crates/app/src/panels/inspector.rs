@@ -1,6 +1,8 @@
 //! The inspector: everything known about the sample pointed at, or else what is selected, with its history and the
 //! causes of the last event.
 
+use glam::DVec2;
+
 use egui::{RichText, Ui};
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Origin, Standing};
@@ -124,21 +126,20 @@ fn why(
 }
 
 /// Shows a place in r, as everything in the window, and in the unit of the domain, as the fields and files have it.
-fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: [f64; 2], palette: &Palette) {
+fn coordinates(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     let radius = shown.session.run().domain.radius();
-    let [x, y] = at.map(|value| format!("{value:.4} r"));
-    row(ui, "x", &x, palette);
-    row(ui, "y", &y, palette);
-    let [x, y] = at.map(|value| value * radius);
+    row(ui, "x", &format!("{:.4} r", at.x), palette);
+    row(ui, "y", &format!("{:.4} r", at.y), palette);
+    let DVec2 { x, y } = at * radius;
     row(ui, "In files", &format!("{x:.6}, {y:.6}"), palette);
 }
 
-fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: [f64; 2], palette: &Palette) {
+fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: DVec2, palette: &Palette) {
     coordinates(ui, shown, at, palette);
     let mut nearest: Option<(f64, u32)> = None;
     let reach = 3.5;
     shown.session.index.visit(at, at, reach, |seen| {
-        let distance = (seen.place[0] - at[0]).hypot(seen.place[1] - at[1]);
+        let distance = seen.place.distance(at);
         if shown.covers(seen.id) && nearest.is_none_or(|(best, _)| distance < best) {
             nearest = Some((distance, seen.id));
         }
@@ -155,7 +156,7 @@ fn place(ui: &mut Ui, shown: &ShownMoment<'_>, at: [f64; 2], palette: &Palette) 
 }
 
 /// Shows the gap that holds a place.
-fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: [f64; 2]) {
+fn gap(ui: &mut Ui, context: &PanelContext<'_>, shown: &ShownMoment<'_>, at: DVec2) {
     let palette = context.palette;
     let Some(tessellation) = context.run.geometry.of(shown) else {
         return;

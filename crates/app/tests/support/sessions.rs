@@ -87,7 +87,7 @@ pub fn busy() -> Harness<'static, App> {
     );
     apply(
         &mut harness,
-        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0], 9.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0].into(), 9.0)),
     );
     harness.state_mut().state.advance(5.0);
     harness.run();

@@ -293,7 +293,7 @@ fn more_marks_than_can_be_told_apart_are_left_out_and_said_so() {
     assert!(!text(&harness, "on-canvas").contains(&left_out));
     apply(
         &mut harness,
-        Command::View(Which::First, ViewCommand::FlyTo([60.0, 60.0], 260.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([60.0, 60.0].into(), 260.0)),
     );
     for _ in 0..200 {
         harness.step();

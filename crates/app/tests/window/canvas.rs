@@ -85,8 +85,8 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 fn cameras() -> [Command; 3] {
     [
         Command::View(Which::First, ViewCommand::Fit),
-        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 40.0)),
-        Command::View(Which::First, ViewCommand::FlyTo([1.5, 60.0], 9.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 40.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([1.5, 60.0].into(), 9.0)),
     ]
 }
 
@@ -127,7 +127,7 @@ fn instancing_and_meshes_show_the_same() {
 #[test]
 fn a_layer_that_is_off_is_not_drawn_by_instancing_either() {
     let (mut on_gpu, mut as_meshes) = (window(true), window(false));
-    let view = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 14.0));
+    let view = Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 14.0));
     let mut shots = Vec::new();
     for harness in [&mut on_gpu, &mut as_meshes] {
         apply(
@@ -176,7 +176,7 @@ fn steps_and_leaps_through_time_lead_to_the_same_picture() {
     for harness in [&mut stepping, &mut leaping] {
         apply(
             harness,
-            Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 60.0)),
+            Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 60.0)),
         );
     }
     let session = stepping
@@ -281,7 +281,7 @@ fn ages_colour_the_samples() {
     let mut harness = window(true);
     apply(
         &mut harness,
-        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 30.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 30.0)),
     );
     let by_block = shoot(&mut harness);
     apply(
@@ -335,7 +335,7 @@ fn what_is_under_the_pointer_is_named() {
     apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
     let lost = (0..run.samples.len() as u32).find(|&id| {
         let place = session.place(id);
-        let inside = place.iter().all(|x| (20.0..100.0).contains(x));
+        let inside = place.to_array().iter().all(|x| (20.0..100.0).contains(x));
         inside && matches!(run.samples.fates[id as usize], Fate::Eliminated { .. })
     });
     let lost = lost.expect("an eliminated sample");
@@ -346,7 +346,7 @@ fn what_is_under_the_pointer_is_named() {
         &mut harness,
         Command::View(Which::First, ViewCommand::FlyTo(session.place(lost), 6.0)),
     );
-    let said = said_of(&mut harness, session.place(lost)).expect("a sample");
+    let said = said_of(&mut harness, session.place(lost).into()).expect("a sample");
     let number = |id: u32| grouped(id as usize);
     assert!(
         said.starts_with(&format!("Sample {} ", number(lost))),
@@ -357,7 +357,7 @@ fn what_is_under_the_pointer_is_named() {
         &mut harness,
         Command::Time(TimeCommand::ShowStage(TILE_STAGE)),
     );
-    let said = said_of(&mut harness, session.place(lost)).expect("a sample");
+    let said = said_of(&mut harness, session.place(lost).into()).expect("a sample");
     assert!(said.ends_with(": not decided yet"), "{said}");
 
     let inserted = run.iterations[0].inserted.start;
@@ -369,18 +369,18 @@ fn what_is_under_the_pointer_is_named() {
             ViewCommand::FlyTo(session.place(inserted), 6.0),
         ),
     );
-    let said = said_of(&mut harness, session.place(inserted)).expect("a sample");
+    let said = said_of(&mut harness, session.place(inserted).into()).expect("a sample");
     let expected = format!("Sample {} inserted in iteration 1: valid", number(inserted));
     assert_eq!(said, expected);
 
     apply(&mut harness, Command::Time(TimeCommand::ShowStage(3)));
-    let said = said_of(&mut harness, session.place(inserted)).expect("a gap");
+    let said = said_of(&mut harness, session.place(inserted).into()).expect("a gap");
     assert!(said.starts_with("Gap: area 0."), "{said}");
     apply(
         &mut harness,
         Command::Time(TimeCommand::ShowStage(BLOCKS_STAGE)),
     );
-    let block = said_of(&mut harness, session.place(inserted)).expect("a block");
+    let block = said_of(&mut harness, session.place(inserted).into()).expect("a block");
     assert!(block.starts_with("Block ") && block.contains("cut off by split"));
     apply(
         &mut harness,
@@ -393,11 +393,11 @@ fn what_is_under_the_pointer_is_named() {
             ViewCommand::FlyTo(session.place(inserted), 6.0),
         ),
     );
-    let brief = said_of(&mut harness, session.place(inserted)).expect("a block");
+    let brief = said_of(&mut harness, session.place(inserted).into()).expect("a block");
     assert!(block.starts_with(&brief) && !brief.contains("split"));
     apply(
         &mut harness,
-        Command::View(Which::First, ViewCommand::FlyTo([-90.0, -90.0], 6.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([-90.0, -90.0].into(), 6.0)),
     );
     assert_eq!(said_of(&mut harness, [-90.0, -90.0]), None);
 }

@@ -319,7 +319,7 @@ fn reduced_motion_stops_what_moves_by_itself() {
             style.scroll_animation != egui::style::ScrollAnimation::none(),
         ]
     };
-    let fly = Command::View(Which::First, ViewCommand::FlyTo([30.0, 30.0], 10.0));
+    let fly = Command::View(Which::First, ViewCommand::FlyTo([30.0, 30.0].into(), 10.0));
     harness.state_mut().state.apply(fly.clone());
     assert!(harness.state().state.runs.first.flight.is_some());
     harness

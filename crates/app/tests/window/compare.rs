@@ -442,7 +442,7 @@ fn marks_that_would_hide_the_picture_are_left_out_and_it_says_so() {
     ));
     assert!(!drawn(
         ComparePreset::NextSeed,
-        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0], 9.0))
+        Command::View(Which::First, ViewCommand::FlyTo([37.0, 45.0].into(), 9.0))
     ));
     assert!(!drawn(
         ComparePreset::Search,

@@ -26,7 +26,7 @@ fn opened(size: [f32; 2]) -> Harness<'static, App> {
     state.appearance.reduced_motion = true;
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([60.0, 60.0], 12.0),
+        ViewCommand::FlyTo([60.0, 60.0].into(), 12.0),
     ));
     support::settle(&mut harness);
     harness
@@ -100,12 +100,14 @@ fn sample(harness: &Harness<'_, App>) -> (u32, Pos2) {
     let session = state.runs.first.session.as_ref().expect("a session");
     let shown = state.shown().expect("a moment");
     let mut best = (f64::INFINITY, 0);
-    session.index.visit([60.0; 2], [60.0; 2], 2.0, |seen| {
-        let distance = (seen.place[0] - 60.0).hypot(seen.place[1] - 60.0);
-        if shown.covers(seen.id) && distance < best.0 {
-            best = (distance, seen.id);
-        }
-    });
+    session
+        .index
+        .visit([60.0; 2].into(), [60.0; 2].into(), 2.0, |seen| {
+            let distance = (seen.place[0] - 60.0).hypot(seen.place[1] - 60.0);
+            if shown.covers(seen.id) && distance < best.0 {
+                best = (distance, seen.id);
+            }
+        });
     (best.1, place_of(harness, best.1))
 }
 

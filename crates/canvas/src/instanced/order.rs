@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use glam::{DVec2, IVec2};
+
 use tilescope_core::{Domain, Point, R};
 
 /// Every 64th sample, up to every 16th, up to every fourth, the rest.
@@ -21,7 +23,7 @@ const BEYOND: f64 = 1.5;
 pub struct CellOrder {
     side: f64,
     cells: [usize; 2],
-    size: [f64; 2],
+    size: DVec2,
     /// Per level and cell, the first place; one entry more at the end.
     starts: Vec<u32>,
     /// The sample at each place.
@@ -33,11 +35,11 @@ pub struct CellOrder {
 impl CellOrder {
     /// Returns the order of `points`: the same for the same points.
     pub fn new(domain: &Domain, points: &[Point]) -> Self {
-        let size = [domain.width(), domain.height()].map(|side| f64::from(side) / f64::from(R));
-        let side = (size[0] * size[1] / MAX_CELLS).sqrt().max(MIN_CELL);
+        let size = IVec2::new(domain.width(), domain.height()).as_dvec2() / f64::from(R);
+        let side = (size.element_product() / MAX_CELLS).sqrt().max(MIN_CELL);
         let mut order = Self {
             side,
-            cells: size.map(|length| (length / side) as usize + 1),
+            cells: (size / side).to_array().map(|cells| cells as usize + 1),
             size,
             ..Self::default()
         };
@@ -102,7 +104,7 @@ impl CellOrder {
 
     /// Returns the places of the samples of the first `levels` levels in the cells that meet the rectangle from
     /// `low` to `high`, in r: all samples of those levels in it, and some around it.
-    pub fn ranges(&self, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<Range<u32>> {
+    pub fn ranges(&self, low: DVec2, high: DVec2, levels: usize) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
         let (Some(columns), Some(rows)) = (self.span(low, high, 0), self.span(low, high, 1)) else {
             return ranges;
@@ -122,7 +124,7 @@ impl CellOrder {
     }
 
     /// Returns the cells along an axis that meet the interval and may hold samples.
-    fn span(&self, low: [f64; 2], high: [f64; 2], k: usize) -> Option<Range<usize>> {
+    fn span(&self, low: DVec2, high: DVec2, k: usize) -> Option<Range<usize>> {
         let (low, high) = (low[k] - BEYOND, high[k] + BEYOND);
         if self.ids.is_empty() || high < 0.0 || low > self.size[k] || low > high {
             return None;
@@ -176,7 +178,7 @@ mod tests {
         (domain, points)
     }
 
-    fn ids(order: &CellOrder, low: [f64; 2], high: [f64; 2], levels: usize) -> Vec<u32> {
+    fn ids(order: &CellOrder, low: DVec2, high: DVec2, levels: usize) -> Vec<u32> {
         let ranges = order.ranges(low, high, levels);
         let places = ranges.into_iter().flatten();
         places.map(|place| order.ids[place as usize]).collect()
@@ -192,7 +194,7 @@ mod tests {
         for (id, &place) in (0..).zip(&order.places) {
             assert_eq!(order.ids[place as usize], id);
         }
-        let whole = order.ranges([-9.0; 2], [SIDE + 9.0; 2], LEVELS);
+        let whole = order.ranges([-9.0; 2].into(), [SIDE + 9.0; 2].into(), LEVELS);
         assert_eq!(whole, vec![0..10_000], "all of it is one call");
     }
 
@@ -201,7 +203,7 @@ mod tests {
         let (domain, points) = grid();
         let order = CellOrder::new(&domain, &points);
         let (low, high) = ([20.0, 31.0], [40.0, 44.0]);
-        let seen = ids(&order, low, high, LEVELS);
+        let seen = ids(&order, low.into(), high.into(), LEVELS);
         let radii = |units: i32| f64::from(units) / f64::from(R);
         for (id, point) in (0..).zip(&points) {
             let (x, y) = (radii(point.x), radii(point.y));
@@ -210,7 +212,15 @@ mod tests {
             }
         }
         assert!(seen.len() < 1_500, "{}", seen.len());
-        assert!(ids(&order, [SIDE + 2.0, 0.0], [SIDE + 9.0, 9.0], LEVELS).is_empty());
+        assert!(
+            ids(
+                &order,
+                [SIDE + 2.0, 0.0].into(),
+                [SIDE + 9.0, 9.0].into(),
+                LEVELS
+            )
+            .is_empty()
+        );
     }
 
     #[test]
@@ -225,22 +235,32 @@ mod tests {
                     let place = place.map(|units| f64::from(units) / f64::from(R));
                     (0..2).all(|k| corner[k] <= place[k] && place[k] <= far[k])
                 };
-                let seen = |levels| ids(&order, corner, far, levels);
+                let seen = |levels| ids(&order, corner.into(), far.into(), levels);
                 let count = |levels| seen(levels).iter().filter(|id| inside(id)).count() as f64;
                 let (all, some) = (count(LEVELS), count(levels));
                 let ratio = some * f64::from(share) / all;
                 assert!((0.7..1.4).contains(&ratio), "{levels} {corner:?} {ratio}");
             }
         }
-        assert_eq!(count(&order.ranges([0.0; 2], [SIDE; 2], 3)), 2_500);
+        assert_eq!(
+            count(&order.ranges([0.0; 2].into(), [SIDE; 2].into(), 3)),
+            2_500
+        );
     }
 
     #[test]
     fn samples_outside_the_domain_are_found_and_none_is_well() {
         let domain = Domain::from_size([SIDE; 2], 1.0, Boundary::Bounded).unwrap();
         let order = CellOrder::new(&domain, &[Point::new(-R, 5 * R)]);
-        assert_eq!(ids(&order, [-1.2, 4.0], [-0.9, 6.0], LEVELS), [0]);
+        assert_eq!(
+            ids(&order, [-1.2, 4.0].into(), [-0.9, 6.0].into(), LEVELS),
+            [0]
+        );
         let empty = CellOrder::new(&domain, &[]);
-        assert!(empty.ranges([0.0; 2], [SIDE; 2], LEVELS).is_empty());
+        assert!(
+            empty
+                .ranges([0.0; 2].into(), [SIDE; 2].into(), LEVELS)
+                .is_empty()
+        );
     }
 }

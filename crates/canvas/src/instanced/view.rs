@@ -1,6 +1,8 @@
 //! From a camera to what is drawn: which copies of the domain meet the view, and the parameters that the shader
 //! needs for each. It holds no state.
 
+use glam::DVec2;
+
 use egui::{Color32, Painter, Rect};
 use tilescope_core::R;
 
@@ -98,9 +100,9 @@ pub struct PlaneView {
 /// A copy of the domain that meets the view: by how much it is shifted, and the part of the domain to draw, in r.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Copy {
-    pub shift: [f64; 2],
-    pub low: [f64; 2],
-    pub high: [f64; 2],
+    pub shift: DVec2,
+    pub low: DVec2,
+    pub high: DVec2,
 }
 
 impl PlaneView {
@@ -122,7 +124,7 @@ impl PlaneView {
     pub fn copies(
         &self,
         clip: Rect,
-        size: [f64; 2],
+        size: DVec2,
         periodic: bool,
         options: &PaintOptions,
     ) -> Vec<Copy> {
@@ -139,11 +141,10 @@ impl PlaneView {
         let mut copies = Vec::new();
         for up in steps {
             for right in steps {
-                let shift = [right * size[0], up * size[1]];
-                let part = |bound: [f64; 2], by: f64| [0, 1].map(|k| bound[k] + by - shift[k]);
-                let (low, high) = (part(low, -reach), part(high, reach));
+                let shift = DVec2::new(*right, *up) * size;
+                let (low, high) = (low - reach - shift, high + reach - shift);
                 // A bounded domain's dropped samples may lie outside it.
-                if (0..2).all(|k| high[k] >= -2.0 && low[k] <= size[k] + 2.0) {
+                if (high.cmpge(DVec2::splat(-2.0)) & low.cmple(size + 2.0)).all() {
                     copies.push(Copy { shift, low, high });
                 }
             }
@@ -152,11 +153,11 @@ impl PlaneView {
     }
 
     /// Returns the shader's parameters for a copy of the domain that is shifted by `shift` r.
-    pub fn frame(&self, shift: [f64; 2], options: &PaintOptions) -> LayerUniforms {
+    pub fn frame(&self, shift: DVec2, options: &PaintOptions) -> LayerUniforms {
         let pixels = self.pixels_per_point;
-        let center = [0, 1].map(|k| self.camera.center[k] - shift[k]);
+        let center = self.camera.center - shift;
         // Beyond these bounds nothing is in view, whatever they become.
-        let whole = center.map(|c| c.floor().clamp(-1e9, 1e9));
+        let whole = center.floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9));
         let middle = self.rect.center();
         let kinds = match options.marks {
             Marks::Disks => 0,
@@ -165,8 +166,8 @@ impl PlaneView {
         LayerUniforms {
             target_size: [0.0; 2],
             middle: [middle.x * pixels, middle.y * pixels],
-            whole: whole.map(|w| w as i32),
-            rest: [0, 1].map(|k| ((center[k] - whole[k]) * f64::from(R)) as f32),
+            whole: whole.as_ivec2().to_array(),
+            rest: ((center - whole) * f64::from(R)).as_vec2().to_array(),
             scale: [
                 self.scale() as f32,
                 (self.scale() / f64::from(R)) as f32,
@@ -191,6 +192,7 @@ mod tests {
     use egui::{pos2, vec2};
 
     fn view(center: [f64; 2], scale: f64) -> PlaneView {
+        let center = center.into();
         PlaneView {
             camera: Camera { center, scale },
             rect: Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 100.0)),
@@ -203,10 +205,10 @@ mod tests {
         let options = PaintOptions::disks().with_images(true);
         let copies = |center, options: &PaintOptions, periodic| {
             let view = view(center, 10.0);
-            let shifts = view.copies(view.rect, [50.0; 2], periodic, options);
+            let shifts = view.copies(view.rect, [50.0; 2].into(), periodic, options);
             shifts
                 .iter()
-                .map(|copy| copy.shift)
+                .map(|copy| copy.shift.to_array())
                 .collect::<Vec<[f64; 2]>>()
         };
         assert_eq!(copies([25.0, 25.0], &options, true), [[0.0; 2]]);
@@ -223,7 +225,7 @@ mod tests {
     fn the_centre_is_split_without_loss() {
         let center = [60_000.123_456_789, -3.75];
         let view = view(center, 2_000.0);
-        let frame = view.frame([0.0; 2], &PaintOptions::disks());
+        let frame = view.frame([0.0; 2].into(), &PaintOptions::disks());
         for (k, center) in center.into_iter().enumerate() {
             let back = f64::from(frame.whole[k]) + f64::from(frame.rest[k]) / f64::from(R);
             assert!((back - center).abs() < 1e-7, "{back}");

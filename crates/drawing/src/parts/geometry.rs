@@ -4,10 +4,11 @@
 use std::ops::RangeInclusive;
 
 use ecolor::Color32;
+use glam::{DVec2, IVec2};
 use tilescope_analysis::Tessellation;
 use tilescope_analysis::tessellation::Edge;
 
-use crate::scene::{Scene, moved};
+use crate::scene::Scene;
 use crate::surface::{Arc, Stroke, Surface};
 
 /// Circles wider than this, in r, are hardly curved where they can be seen.
@@ -23,7 +24,7 @@ const GAP_REACH: f64 = 4.0;
 struct Net<'a, S> {
     scene: &'a Scene<'a>,
     tessellation: &'a Tessellation,
-    size: [f64; 2],
+    size: DVec2,
     periodic: bool,
     surface: &'a mut S,
 }
@@ -87,11 +88,11 @@ pub fn circumcircles(scene: &Scene<'_>, surface: &mut impl Surface) {
         if !(1.0 + HAIR..MAX_CIRCUMRADIUS).contains(&reach) {
             continue;
         }
-        let [low, high] = [-reach, reach].map(|by| moved(triangle.center, [by; 2]));
+        let [low, high] = [-reach, reach].map(|by| triangle.center + by);
         net.shifts(low, high, |net, shift| {
             if drawn < MAX_CIRCLES {
                 drawn += 1;
-                let center = scene.at(moved(triangle.center, shift));
+                let center = scene.at(triangle.center + shift);
                 let radius = reach as f32 * scene.scale();
                 net.surface.arc(center, radius, Arc::WHOLE, stroke);
             }
@@ -105,7 +106,7 @@ pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
         return;
     };
     for gap in &net.tessellation.gaps {
-        let [low, high] = [-GAP_REACH, GAP_REACH].map(|by| moved(gap.deepest.0, [by; 2]));
+        let [low, high] = [-GAP_REACH, GAP_REACH].map(|by| gap.deepest.0 + by);
         net.shifts(low, high, |net, shift| {
             for edge in gap.boundary.iter().flatten() {
                 net.border(edge, shift);
@@ -117,7 +118,7 @@ pub fn gap_borders(scene: &Scene<'_>, surface: &mut impl Surface) {
 impl<S: Surface> Net<'_, S> {
     /// Calls `draw` with every shift by whole periods that brings what lies between `low` and `high` both into the
     /// domain and into view.
-    fn shifts(&mut self, low: [f64; 2], high: [f64; 2], mut draw: impl FnMut(&mut Self, [f64; 2])) {
+    fn shifts(&mut self, low: DVec2, high: DVec2, mut draw: impl FnMut(&mut Self, DVec2)) {
         let steps = |k: usize| -> RangeInclusive<i32> {
             if !self.periodic {
                 return 0..=0;
@@ -127,37 +128,29 @@ impl<S: Surface> Net<'_, S> {
         let (columns, rows) = (steps(0), steps(1));
         for up in rows {
             for right in columns.clone() {
-                let shift = [
-                    f64::from(right) * self.size[0],
-                    f64::from(up) * self.size[1],
-                ];
-                let seen = |k: usize| {
-                    high[k] + shift[k] >= self.scene.low[k]
-                        && low[k] + shift[k] <= self.scene.high[k]
-                };
-                if seen(0) && seen(1) {
+                let shift = IVec2::new(right, up).as_dvec2() * self.size;
+                let (from, to) = (self.scene.low - shift, self.scene.high - shift);
+                if (high.cmpge(from) & low.cmple(to)).all() {
                     draw(self, shift);
                 }
             }
         }
     }
 
-    fn segment(&mut self, ends: [[f64; 2]; 2], color: Color32) {
+    fn segment(&mut self, ends: [DVec2; 2], color: Color32) {
         let [a, b] = ends;
-        let low = [0, 1].map(|k| f64::min(a[k], b[k]));
-        let high = [0, 1].map(|k| f64::max(a[k], b[k]));
-        self.shifts(low, high, |net, shift| {
-            let ends = ends.map(|end| net.scene.at(moved(end, shift)));
+        self.shifts(a.min(b), a.max(b), |net, shift| {
+            let ends = ends.map(|end| net.scene.at(end + shift));
             net.surface.line(ends, Stroke::new(1.0, color));
         });
     }
 
-    fn border(&mut self, edge: &Edge, shift: [f64; 2]) {
+    fn border(&mut self, edge: &Edge, shift: DVec2) {
         let scene = self.scene;
         let stroke = Stroke::new(1.6, scene.palette.gap);
         match *edge {
             Edge::Line { from, to } => {
-                let ends = [from, to].map(|end| scene.at(moved(end, shift)));
+                let ends = [from, to].map(|end| scene.at(end + shift));
                 self.surface.line(ends, stroke);
             }
             Edge::Arc {
@@ -170,7 +163,7 @@ impl<S: Surface> Net<'_, S> {
                     from: from_angle as f32,
                     sweep: (to_angle - from_angle) as f32,
                 };
-                let center = scene.at(moved(center, shift));
+                let center = scene.at(center + shift);
                 self.surface.arc(center, scene.scale(), arc, stroke);
             }
         }

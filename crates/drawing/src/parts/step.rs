@@ -1,6 +1,8 @@
 //! What is going on at the moment: the current sample, its search disk and test buffer, the circumcircle under
 //! test with its verdict, the pair that was compared, and what changed last.
 
+use glam::DVec2;
+
 use ecolor::Color32;
 use emath::{Align2, vec2};
 use tilescope_core::stages::detect::Sites;
@@ -8,7 +10,7 @@ use tilescope_core::{RunEvent, Verdict};
 use tilescope_debugger::{Event, Examined};
 use tilescope_session::units::radii;
 
-use crate::scene::{Scene, moved};
+use crate::scene::Scene;
 use crate::surface::{Stroke, Surface, dashed_circle};
 
 /// A circle of a larger radius, in screen points, is not drawn.
@@ -21,9 +23,9 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
     let palette = scene.palette;
     let shift = context
         .examined
-        .map_or([0.0; 2], |examined| shift_of(scene, &examined));
+        .map_or(DVec2::ZERO, |examined| shift_of(scene, &examined));
     if let Some(search) = context.search {
-        let center = moved(scene.session.place(search.centre), shift);
+        let center = scene.session.place(search.centre) + shift;
         let radius = radii(search.radius) as f32 * scene.scale();
         let stroke = Stroke::new(1.4, palette.detector);
         dashed_circle(surface, scene.at(center), radius, [7.0, 5.0], stroke);
@@ -58,21 +60,15 @@ pub fn draw(scene: &Scene<'_>, surface: &mut impl Surface) {
 
 /// Returns by how much to move what surrounds a place under test so that the place lies in the domain: in a
 /// periodic one its detector may lie across the border.
-fn shift_of(scene: &Scene<'_>, examined: &Examined) -> [f64; 2] {
+fn shift_of(scene: &Scene<'_>, examined: &Examined) -> DVec2 {
     if !scene.session.run().domain.is_periodic() {
-        return [0.0; 2];
+        return DVec2::ZERO;
     }
-    let detector = scene.session.place(examined.detector);
     let size = scene.session.size_radii();
-    let axis = |k: usize| {
-        let place = detector[k] + radii(examined.offset[k]);
-        if radii(examined.offset[k]).abs() < size[k] {
-            -(place / size[k]).floor() * size[k]
-        } else {
-            0.0
-        }
-    };
-    [axis(0), axis(1)]
+    let offset = DVec2::from(examined.offset.map(radii));
+    let place = scene.session.place(examined.detector) + offset;
+    let home = -(place / size).floor() * size;
+    DVec2::select(offset.abs().cmplt(size), home, DVec2::ZERO)
 }
 
 fn ring(scene: &Scene<'_>) -> f32 {
@@ -139,17 +135,12 @@ fn color_of(scene: &Scene<'_>, verdict: Verdict) -> Color32 {
 }
 
 /// Draws the circle through the sites of a place under test, and what the verdict is.
-fn examination(
-    scene: &Scene<'_>,
-    surface: &mut impl Surface,
-    examined: &Examined,
-    shift: [f64; 2],
-) {
-    let detector = moved(scene.session.place(examined.detector), shift);
-    let offset = examined.offset.map(radii);
-    let center = moved(detector, offset);
+fn examination(scene: &Scene<'_>, surface: &mut impl Surface, examined: &Examined, shift: DVec2) {
+    let detector = scene.session.place(examined.detector) + shift;
+    let offset = DVec2::from(examined.offset.map(radii));
+    let center = detector + offset;
     let at = scene.at(center);
-    let radius = offset[0].hypot(offset[1]) as f32 * scene.scale();
+    let radius = offset.length() as f32 * scene.scale();
     let color = color_of(scene, examined.verdict);
     let far = radius > MAX_CIRCLE || !radius.is_finite();
     if !far {

@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use tilescope_analysis::measures::{MeasureError, frequency_shares, pairs_between};
 use tilescope_session::geometry::{Key, key_of};
 use tilescope_session::jobs::{Job, Monitor, Wake};
@@ -221,7 +223,7 @@ pub fn cause(
             let found = pairs_between(points, region, range, MAX_PAIRS, control)?;
             let pairs = found.pairs.iter().map(|pair| Pair {
                 ids: [pair.first, pair.second].map(|index| ids[index as usize]),
-                offset: pair.offset.map(|along| along / set.radius),
+                offset: DVec2::from(pair.offset) / set.radius,
             });
             Ok(Cause::Pairs {
                 total: found.total,

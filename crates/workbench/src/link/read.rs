@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use glam::DVec2;
+
 use tilescope_core::combine::file::{Layout as Combination, Place, Source};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
 use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
@@ -179,7 +181,7 @@ impl LinkReader {
     fn look(&mut self, content: &mut LinkContent) {
         content.view.camera = self.take("camera", |text| {
             let [x, y, scale] = numbers(text)?;
-            sound_camera([x, y], scale)
+            sound_camera(DVec2::new(x, y), scale)
         });
         if let Some(layers) = self.take("layers", |text| Some(text.to_owned())) {
             content.view.appearance.layers = self.layers(&layers);
@@ -233,6 +235,7 @@ impl LinkReader {
         let selection = self.take("select", |text| match text.split_once(':')? {
             ("sample", id) => id.parse().ok().map(Selection::Sample),
             ("place", place) => numbers(place)
+                .map(DVec2::from)
                 .filter(|place| is_near(*place))
                 .map(Selection::Place),
             _ => None,

@@ -126,7 +126,7 @@ impl Writer {
             Selection::Nothing => {}
             Selection::Sample(id) => self.put("select", format!("sample:{id}")),
             Selection::Place(place) => {
-                let [x, y] = place.map(exact);
+                let [x, y] = place.to_array().map(exact);
                 self.put("select", format!("place:{x},{y}"));
             }
         }

@@ -1,6 +1,8 @@
 //! A run and how it is looked at: what there is once for the run that the panels show, and once more for the run beside it.
 
+use glam::DVec2;
 use std::sync::Arc;
+
 use tilescope_session::selection::Selection;
 
 use emath::Rect;
@@ -54,7 +56,7 @@ pub struct RunView {
     /// The selected sample.
     pub selected: Option<u32>,
     /// The selected place, in r.
-    pub place: Option<[f64; 2]>,
+    pub place: Option<DVec2>,
     /// The place that a verdict was followed to.
     pub witness_mark: Option<WitnessMark>,
     /// The triangulation of the moment.

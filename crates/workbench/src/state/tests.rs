@@ -220,7 +220,7 @@ fn the_pattern_is_fitted_and_the_camera_returns() {
     let mut state = settled();
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([3.0, 90.0], 5.0),
+        ViewCommand::FlyTo([3.0, 90.0].into(), 5.0),
     ));
     while state.advance(0.1) {}
     let camera = state.runs.first.camera;
@@ -422,13 +422,14 @@ fn a_domain_and_its_pattern_never_shrink_to_a_speck() {
         assert!(state.runs.first.camera.scale <= tilescope_drawing::camera::MAX_SCALE);
         state.apply(Command::View(
             Which::First,
-            ViewCommand::FlyTo([10.0, 10.0], 1e9),
+            ViewCommand::FlyTo([10.0, 10.0].into(), 1e9),
         ));
         while state.advance(0.5) {}
         assert!(is_seen(&state), "{}", state.runs.first.camera.scale);
         // Of a link, a session or a page that embeds it.
         let mut view = state.view();
-        view.camera = crate::view::sound_camera([10.0, 10.0], tilescope_drawing::camera::MIN_SCALE);
+        view.camera =
+            crate::view::sound_camera([10.0, 10.0].into(), tilescope_drawing::camera::MIN_SCALE);
         assert!(view.camera.is_some());
         state.look_as(&view);
         // A view's camera is of the domain: the pattern is fitted.

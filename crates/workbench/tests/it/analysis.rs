@@ -50,8 +50,11 @@ fn standing(state: &State) -> (Vec<[f64; 2]>, Region) {
     let session = shown.session;
     let stands = |id: &u32| matches!(shown.standing(*id), Standing::Tiled | Standing::Valid);
     let all = 0..session.run().samples.len() as u32;
-    let points = all.filter(stands).map(|id| session.place(id)).collect();
-    let [width, height] = session.size_radii();
+    let points = all
+        .filter(stands)
+        .map(|id| session.place(id).to_array())
+        .collect();
+    let [width, height] = session.size_radii().to_array();
     let boundary = if session.run().domain.is_periodic() {
         Boundary::Periodic
     } else {

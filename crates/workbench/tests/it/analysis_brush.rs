@@ -39,7 +39,8 @@ fn standing(state: &State) -> Vec<(u32, [f64; 2])> {
     let shown = state.shown().unwrap();
     let all = 0..shown.session.run().samples.len() as u32;
     let ids = all.filter(|id| shown.covers(*id));
-    ids.map(|id| (id, shown.session.place(id))).collect()
+    ids.map(|id| (id, shown.session.place(id).to_array()))
+        .collect()
 }
 
 /// Every pair of samples at the distances, from every pair of samples.
@@ -131,7 +132,14 @@ fn shares_add_up_to_the_power_of_the_ring_and_belong_to_samples_that_stand() {
         state.apply(Command::Time(TimeCommand::Jump(cursor)));
         brush(&mut state, BrushAxis::Frequency, 0.9, 1.3);
         let samples = standing(&state);
-        let [width, height] = state.runs.first.session.as_ref().unwrap().size_radii();
+        let [width, height] = state
+            .runs
+            .first
+            .session
+            .as_ref()
+            .unwrap()
+            .size_radii()
+            .to_array();
         let region = Region {
             width,
             height,

@@ -5,6 +5,8 @@ use std::fs;
 use std::io::BufReader;
 use std::path::Path;
 
+use glam::DVec2;
+
 use ecolor::Color32;
 use emath::{Rect, pos2, vec2};
 use serde_json::Value;
@@ -409,7 +411,7 @@ fn places(state: &State, block: u32) -> ([f64; 2], [f64; 2]) {
     let radii = |x: i32| f64::from(x) / f64::from(tilescope_core::R);
     let rect = run.blocks.leaves[block as usize].rect;
     let ids = (0..run.samples.len() as u32).filter(|&id| shown.covers(id));
-    let all: Vec<(u32, [f64; 2])> = ids.map(|id| (id, session.place(id))).collect();
+    let all: Vec<(u32, DVec2)> = ids.map(|id| (id, session.place(id))).collect();
     let is_inside = |place: [f64; 2]| {
         let [low, high] = [rect.min, rect.max].map(|p| [radii(p.x), radii(p.y)]);
         (0..2).all(|k| low[k] + 1.0 < place[k] && place[k] < high[k] - 1.0)
@@ -418,15 +420,15 @@ fn places(state: &State, block: u32) -> ([f64; 2], [f64; 2]) {
     let (_, sample) = all
         .iter()
         .copied()
-        .find(|&(id, place)| is_inside(place) && of_block(id))
+        .find(|&(id, place)| is_inside(place.into()) && of_block(id))
         .unwrap();
     let steps = (0..400).map(|k| f64::from(k) * 0.01);
     let mut around = steps.map(|by| [sample[0] + by, sample[1]]);
     let is_free = |place: &[f64; 2]| {
         let far = |other: [f64; 2]| (place[0] - other[0]).hypot(place[1] - other[1]) > 0.35;
-        is_inside(*place) && all.iter().all(|&(_, other)| far(other))
+        is_inside(*place) && all.iter().all(|&(_, other)| far(other.into()))
     };
-    (around.find(is_free).unwrap(), sample)
+    (around.find(is_free).unwrap(), sample.into())
 }
 
 #[test]
@@ -526,7 +528,7 @@ fn a_picture_has_numbers_of_blocks_the_tree_and_a_title_that_can_be_read() {
     // Everything is in view, so that every block has its number.
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([25.0, 25.0], 52.0),
+        ViewCommand::FlyTo([25.0, 25.0].into(), 52.0),
     ));
     while state.advance(0.5) {}
     state.apply(Command::View(

@@ -24,7 +24,7 @@ pub fn settled(wake: Wake) -> State {
     state.settle();
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([25.0, 20.0], 30.0),
+        ViewCommand::FlyTo([25.0, 20.0].into(), 30.0),
     ));
     while state.advance(0.5) {}
     state.settle();

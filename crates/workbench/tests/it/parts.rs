@@ -109,7 +109,7 @@ fn small(choices: &[Choice]) -> State {
     // What a bounded domain drops lies up to one r beyond its border.
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([8.0; 2], 24.0),
+        ViewCommand::FlyTo([8.0; 2].into(), 24.0),
     ));
     state.settle();
     state

@@ -172,10 +172,10 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
     );
     state.apply(Command::View(
         Which::First,
-        ViewCommand::Pick(Selection::Place(place)),
+        ViewCommand::Pick(Selection::Place(place.into())),
     ));
     run_with(&mut state, Field::Seed, "8");
-    assert_eq!(state.runs.first.place, Some(place));
+    assert_eq!(state.runs.first.place, Some(place.into()));
     run_with(&mut state, Field::Radius, "0.05");
     assert_eq!(state.runs.first.place, None);
     // The events found are those of this run.

@@ -12,7 +12,7 @@ use super::probe::{GROUND, Probe, RED, at, crowd, domain, probe, shoot};
 fn a_sample_is_at_its_pixel_in_the_colour_that_egui_paints() {
     let domain = domain([20.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [8.0, 9.0],
+        center: [8.0, 9.0].into(),
         scale: 20.0,
     };
     let place = [10.0, 12.0];
@@ -44,7 +44,7 @@ fn a_sample_is_at_its_pixel_in_the_colour_that_egui_paints() {
 fn a_disks_ring_is_r_from_its_sample_and_its_fill_is_faint() {
     let domain = domain([20.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [10.0; 2],
+        center: [10.0; 2].into(),
         scale: 60.0,
     };
     let mut harness = probe(&domain, &[at(10.0, 10.0)], camera);
@@ -77,7 +77,7 @@ fn a_disks_ring_is_r_from_its_sample_and_its_fill_is_faint() {
 fn a_new_look_of_one_sample_changes_its_pixels_only() {
     let domain = domain([100.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [50.0; 2],
+        center: [50.0; 2].into(),
         scale: 10.0,
     };
     let mut points = crowd(20_000, 45.0);
@@ -112,7 +112,7 @@ fn a_new_look_of_one_sample_changes_its_pixels_only() {
 fn every_symbol_has_its_shape_and_outlines_lie_around() {
     let domain = domain([20.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [10.0; 2],
+        center: [10.0; 2].into(),
         scale: 40.0,
     };
     let mut harness = probe(&domain, &[at(10.0, 10.0)], camera);
@@ -154,7 +154,7 @@ fn every_symbol_has_its_shape_and_outlines_lie_around() {
 fn new_samples_replace_the_old_ones() {
     let domain = domain([20.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [10.0; 2],
+        center: [10.0; 2].into(),
         scale: 10.0,
     };
     let mut harness = probe(&domain, &[at(10.0, 10.0), at(12.0, 12.0)], camera);
@@ -180,7 +180,7 @@ fn new_samples_replace_the_old_ones() {
 fn a_picture_kept_at_rest_is_the_one_drawn_anew() {
     let domain = domain([100.0; 2], Boundary::Periodic);
     let camera = Camera {
-        center: [3.0, 50.0],
+        center: [3.0, 50.0].into(),
         scale: 6.0,
     };
     let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);
@@ -214,7 +214,7 @@ fn a_picture_kept_at_rest_is_the_one_drawn_anew() {
 fn a_kept_picture_follows_new_looks() {
     let domain = domain([100.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [50.0; 2],
+        center: [50.0; 2].into(),
         scale: 6.0,
     };
     let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);

@@ -13,7 +13,7 @@ fn places_are_exact_far_from_the_origin() {
     let units = Point::new(60_000 * R + 12_345, 5 * R + 777);
     for scale in [2_000.0, 4_000.0] {
         let camera = Camera {
-            center: [60_000.375, 5.023_712_158],
+            center: [60_000.375, 5.023_712_158].into(),
             scale,
         };
         let mut harness = probe(&domain, &[units], camera);
@@ -38,7 +38,7 @@ fn places_are_exact_far_from_the_origin() {
 #[test]
 fn images_appear_across_a_periodic_border_and_only_there() {
     let camera = Camera {
-        center: [0.0, 20.0],
+        center: [0.0, 20.0].into(),
         scale: 20.0,
     };
     let sample = at(38.0, 20.5);
@@ -67,7 +67,7 @@ fn what_is_left_out_for_the_view_would_not_be_seen() {
     let points = crowd(20_000, 100.0);
     for center in [[50.0, 50.0], [0.5, 99.0], [33.0, 0.0]] {
         let camera = Camera {
-            center,
+            center: center.into(),
             scale: 15.0,
         };
         let mut harness = probe(&domain, &points, camera);
@@ -98,7 +98,7 @@ fn what_is_left_out_for_the_view_would_not_be_seen() {
 fn a_moving_camera_sees_a_subset_and_a_resting_one_all() {
     let domain = domain([100.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [50.0; 2],
+        center: [50.0; 2].into(),
         scale: 2.0,
     };
     let mut harness = probe(&domain, &crowd(20_000, 100.0), camera);
@@ -126,7 +126,7 @@ fn a_moving_camera_sees_a_subset_and_a_resting_one_all() {
 fn a_crowd_becomes_points_of_one_pixel() {
     let domain = domain([400.0; 2], Boundary::Bounded);
     let camera = Camera {
-        center: [200.0; 2],
+        center: [200.0; 2].into(),
         scale: 0.6,
     };
     let points: Vec<Point> = crowd(400_000, 400.0);
@@ -145,7 +145,7 @@ fn a_crowd_becomes_points_of_one_pixel() {
         }
     };
     harness.state_mut().canvas.set_looks(2, shown);
-    harness.state_mut().camera.center = radii(chosen);
+    harness.state_mut().camera.center = radii(chosen).into();
     let picture = shoot(&mut harness);
     assert_eq!(picture.marked(), 1);
     let centroid = picture.centroid();

@@ -1,5 +1,7 @@
 //! Pictures of the largest gaps that looking 2r far leaves: what is uncovered, and why no site sees both others.
 
+use glam::DVec2;
+
 use tilescope_analysis::{Boundary, Region, Tessellation};
 use tilescope_core::Boundary as Ends;
 use tilescope_figures::{
@@ -119,7 +121,7 @@ fn around(set: &Set, center: [f64; 2], middle: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// Returns the uncovered place, solid below a hatch.
-fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
+fn hole(triangles: &[[DVec2; 3]], palette: &Palette) -> Vec<Shape> {
     let solid = Fill::Solid(with_alpha(palette.gap, 170));
     let hatch = Fill::Hatch(Hatch {
         color: palette.gap,
@@ -132,7 +134,7 @@ fn hole(triangles: &[[[f64; 2]; 3]], palette: &Palette) -> Vec<Shape> {
             stroke: None,
         };
         triangles.iter().map(move |corners| Shape::Polygon {
-            points: corners.to_vec(),
+            points: corners.map(|corner| corner.to_array()).to_vec(),
             style,
         })
     };

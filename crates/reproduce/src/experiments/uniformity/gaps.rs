@@ -1,6 +1,8 @@
 //! Where in a gap samples are inserted: the rank of an inserted sample's distance from all others among those of uniform places
 //! of the same gap. It knows gaps and places, and no sampler.
 
+use glam::DVec2;
+
 use tilescope_analysis::tessellation::GapRegion;
 use tilescope_analysis::{Region, Tessellation};
 use tilescope_core::threefry2x32_20;
@@ -71,10 +73,10 @@ impl<'a> Gaps<'a> {
 
     /// Returns how many of the uniform places are nearer to a sample than `place` is.
     fn rank(&self, place: [f64; 2], earlier: &[[f64; 2]], draws: &mut Draws) -> Option<usize> {
-        let near = |gap: &&Gap| self.distance(place, gap.region.deepest.0) <= gap.reach;
+        let near = |gap: &&Gap| self.distance(place, gap.region.deepest.0.into()) <= gap.reach;
         let gap = (self.each.iter().filter(near)).find(|gap| gap.region.contains(place))?;
         let around = gap.reach + 2.0 * self.radius;
-        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0) <= around;
+        let around = |p: &&[f64; 2]| self.distance(**p, gap.region.deepest.0.into()) <= around;
         let earlier: Vec<[f64; 2]> = earlier.iter().filter(around).copied().collect();
         let own = self.clearance(gap, &earlier, place);
         let (mut places, mut nearer) = (0, 0);
@@ -111,7 +113,7 @@ impl<'a> Gaps<'a> {
 impl Gap {
     fn new(region: GapRegion) -> Self {
         let deepest = region.deepest.0;
-        let away = |p: &[f64; 2]| (p[0] - deepest[0]).hypot(p[1] - deepest[1]);
+        let away = |p: &DVec2| p.distance(deepest);
         let reach = region
             .fill
             .as_flattened()
@@ -119,8 +121,8 @@ impl Gap {
             .map(away)
             .fold(0.0, f64::max);
         let mut total = 0.0;
-        let area = |[a, b, c]: &[[f64; 2]; 3]| {
-            total += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        let area = |[a, b, c]: &[DVec2; 3]| {
+            total += 0.5 * (b - a).perp_dot(c - a).abs();
             total
         };
         Self {
@@ -133,7 +135,7 @@ impl Gap {
     /// Returns a uniform place of the triangles.
     fn draw(&self, draws: &mut Draws) -> [f64; 2] {
         let Some(total) = self.areas.last() else {
-            return self.region.deepest.0;
+            return self.region.deepest.0.into();
         };
         let at = draws.next() * total;
         let triangle = self.areas.partition_point(|area| *area <= at);
@@ -142,7 +144,7 @@ impl Gap {
         if s + t > 1.0 {
             (s, t) = (1.0 - s, 1.0 - t);
         }
-        [0, 1].map(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]))
+        (a + s * (b - a) + t * (c - a)).to_array()
     }
 }
 
@@ -189,7 +191,8 @@ mod tests {
                 index % 10 != 0
             });
             let gaps = Gaps::of(&set.points, set.region, set.radius)?;
-            let deepest: Vec<[f64; 2]> = gaps.each.iter().map(|gap| gap.region.deepest.0).collect();
+            let deepest = gaps.each.iter().map(|gap| gap.region.deepest.0.to_array());
+            let deepest: Vec<[f64; 2]> = deepest.collect();
             let mut uniform = Vec::new();
             for (index, gap) in gaps.each.iter().enumerate() {
                 let mut draws = Draws::new(7, index as u32);

@@ -1,7 +1,9 @@
 //! Moving the camera of a run, and pointing at what it shows.
 
+use glam::DVec2;
+
 use emath::Rect;
-use tilescope_core::Stage;
+use tilescope_core::{Point, Stage};
 use tilescope_session::selection::Selection;
 use tilescope_session::units::radii;
 use tilescope_session::verification::{Witness, WitnessMark};
@@ -92,7 +94,7 @@ impl RunView {
         let middle = self.camera.center;
         let mut best: Option<(f64, u32)> = None;
         shown.session.index.visit(middle, middle, 1.0, |seen| {
-            let distance = (seen.place[0] - middle[0]).hypot(seen.place[1] - middle[1]);
+            let distance = seen.place.distance(middle);
             let there = shown.standing(seen.id) != tilescope_core::Standing::Absent;
             if there && best.is_none_or(|(least, _)| distance < least) {
                 best = Some((distance, seen.id));
@@ -103,11 +105,11 @@ impl RunView {
     }
 
     /// Returns the size of what is shown, in r: of the domain, or of the pattern, which has its own.
-    fn shown_size(&self) -> Option<[f64; 2]> {
+    fn shown_size(&self) -> Option<DVec2> {
         let session = self.session.as_ref()?;
         Some(match self.current_stage() {
             // Its user unit is one radius.
-            Some(Stage::Pattern) => session.run().pattern.domain().size(),
+            Some(Stage::Pattern) => session.run().pattern.domain().size().into(),
             _ => session.size_radii(),
         })
     }
@@ -119,7 +121,7 @@ impl RunView {
     }
 
     pub(in crate::state) fn fitting(&self) -> Camera {
-        let size = self.shown_size().unwrap_or([1.0; 2]);
+        let size = self.shown_size().unwrap_or(DVec2::ONE);
         Camera::fitting(size, self.viewport)
     }
 
@@ -165,7 +167,7 @@ impl RunView {
         }
     }
 
-    pub(in crate::state) fn fly_to(&mut self, center: [f64; 2], radii: f64, context: &Context) {
+    pub(in crate::state) fn fly_to(&mut self, center: DVec2, radii: f64, context: &Context) {
         self.fitted = false;
         let room = f64::from(self.viewport.size().min_elem().max(1.0));
         let to = Camera {
@@ -182,12 +184,12 @@ impl RunView {
             shown.debugger?.recording().place(event)
         });
         if let Some(point) = place {
-            self.fly_to([radii(point.x), radii(point.y)], 12.0, context);
+            self.fly_to(DVec2::new(radii(point.x), radii(point.y)), 12.0, context);
         }
     }
 
     /// Flies to the gap that holds a place, else to its block.
-    fn fly_to_block(&mut self, place: [f64; 2], context: &Context) {
+    fn fly_to_block(&mut self, place: DVec2, context: &Context) {
         let gap = self.shown().and_then(|shown| {
             let tessellation = self.geometry.of(&shown)?;
             let gap = tessellation.gap_at(place)?;
@@ -209,8 +211,8 @@ impl RunView {
         });
         if let Some(rect) = block.map(|block| block.rect) {
             self.pick(Selection::Place(place), context);
-            let center = [(rect.min.x, rect.max.x), (rect.min.y, rect.max.y)]
-                .map(|(low, high)| f64::midpoint(radii(low), radii(high)));
+            let corner = |point: Point| DVec2::new(radii(point.x), radii(point.y));
+            let center = corner(rect.min).midpoint(corner(rect.max));
             let size = radii((rect.max.x - rect.min.x).max(rect.max.y - rect.min.y));
             self.fly_to(center, 1.1 * size, context);
         }
@@ -228,7 +230,7 @@ impl RunView {
             WitnessMark::Pair([a, b], _) => {
                 let from = session.place(a);
                 let to = session.image_near(b, from);
-                [0, 1].map(|k| f64::midpoint(from[k], to[k]))
+                from.midpoint(to)
             }
         };
         // The verdict is about the result.

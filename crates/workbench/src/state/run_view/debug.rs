@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use serde::{Deserialize, Serialize};
 use tilescope_core::{Point, R};
 use tilescope_debugger::{DEFAULT_BUDGET, Debugger, LineId, OutlineRows, Query, Stops, why};
@@ -189,7 +191,7 @@ impl RunView {
         match selection {
             Selection::Nothing => true,
             Selection::Sample(id) => (id as usize) < session.run().samples.len(),
-            Selection::Place(place) => (0..2).all(|k| (0.0..size[k]).contains(&place[k])),
+            Selection::Place(place) => (place.cmpge(DVec2::ZERO) & place.cmplt(size)).all(),
         }
     }
 
@@ -207,8 +209,8 @@ impl RunView {
             Selection::Nothing => FoundEvents::Nothing,
             Selection::Sample(id) => self.look(Aim::Sample(id), context),
             Selection::Place(place) => {
-                let units = place.map(|x| (x * f64::from(R)).round() as i32);
-                self.look(Aim::Place(Point::new(units[0], units[1])), context)
+                let units = (place * f64::from(R)).round().as_ivec2();
+                self.look(Aim::Place(Point::new(units.x, units.y)), context)
             }
         };
     }

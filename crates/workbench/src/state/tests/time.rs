@@ -43,7 +43,7 @@ fn whoever_asks_for_all_of_the_pattern_sees_all_of_the_domain() {
     let mut state = settled();
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([3.0, 90.0], 5.0),
+        ViewCommand::FlyTo([3.0, 90.0].into(), 5.0),
     ));
     while state.advance(0.1) {}
     state.apply(Command::Time(TimeCommand::FirstStage));

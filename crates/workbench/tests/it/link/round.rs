@@ -3,6 +3,8 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use tilescope_core::{Boundary, Insertion, Order, Pattern, PatternSpec, Search, Variant};
 use tilescope_debugger::{LineId, Listings, PatternFile};
 use tilescope_drawing::camera::Camera;
@@ -72,7 +74,7 @@ fn a_busy_session_is_there_again() {
         Command::Appearance(AppearanceCommand::Colour(Colouring::Age)),
         Command::Appearance(AppearanceCommand::Look(Look::Light)),
         Command::Window(WindowCommand::OpenPanel(Panel::Events)),
-        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0], 9.0)),
+        Command::View(Which::First, ViewCommand::FlyTo([20.0, 21.0].into(), 9.0)),
         Command::Compare(CompareCommand::Start(ComparePreset::Order)),
     ] {
         state.apply(command);
@@ -98,7 +100,7 @@ fn a_busy_session_is_there_again() {
     assert_ne!(seconds[0], digest(&there), "another order, another set");
     assert_eq!(
         (there.runs.first.camera.center, there.appearance.look),
-        ([20.0, 21.0], Look::Light)
+        (DVec2::new(20.0, 21.0), Look::Light)
     );
 }
 
@@ -158,7 +160,7 @@ fn view_command(draws: &mut Draws) -> Command {
         6 => Command::View(
             Which::First,
             ViewCommand::FlyTo(
-                [30.0 * draws.part(), 30.0 * draws.part()],
+                [30.0 * draws.part(), 30.0 * draws.part()].into(),
                 1.0 + 20.0 * draws.part(),
             ),
         ),
@@ -173,7 +175,9 @@ fn view_command(draws: &mut Draws) -> Command {
         ),
         10 => Command::View(
             Which::First,
-            ViewCommand::Pick(Selection::Place([20.0 * draws.part(), 20.0 * draws.part()])),
+            ViewCommand::Pick(Selection::Place(
+                [20.0 * draws.part(), 20.0 * draws.part()].into(),
+            )),
         ),
         11 => Command::Time(TimeCommand::Clock(*draws.of(&Clock::ALL))),
         12 => Command::Time(TimeCommand::Speed(*draws.of(&SPEEDS))),
@@ -398,7 +402,7 @@ fn a_camera_on_the_pattern_ends_with_it() {
     state.runs.first.camera = Camera::default();
     state.apply(Command::View(
         Which::First,
-        ViewCommand::FlyTo([10.0, 10.0], 9.0),
+        ViewCommand::FlyTo([10.0, 10.0].into(), 9.0),
     ));
     settle(&mut state);
     state.apply(Command::Time(TimeCommand::FirstStage));
@@ -472,7 +476,13 @@ fn links_mean_the_same_however_they_are_encoded() {
     let (content, dropped) = read(&join(&written, "&"));
     assert_eq!(dropped.text(), "");
     let (center, scale) = ([20.5, -1.25], 66.6);
-    assert_eq!(content.view.camera, Some(Camera { center, scale }));
+    assert_eq!(
+        content.view.camera,
+        Some(Camera {
+            center: center.into(),
+            scale
+        })
+    );
     assert_eq!(content.watches, ["p + 1", "distance", "50%"]);
     assert_eq!(
         content.breakpoints[0].condition.as_deref(),
