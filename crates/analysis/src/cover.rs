@@ -70,7 +70,7 @@ use crate::worst::Worst;
 use buried::Buried;
 pub(crate) use places::Places;
 use survey::Survey;
-use tiles::Window;
+use tiles::TileWindow;
 pub(crate) use tiles::{Tile, split};
 
 /// What the search for empty circles found, in the domain's unit.
@@ -81,7 +81,7 @@ pub(crate) struct Cover {
 }
 
 /// The constants of one search.
-pub(crate) struct Task<'a> {
+pub(crate) struct CoverSearch<'a> {
     pub grid: &'a Grid,
     /// Suggests the first halo; decides nothing.
     pub radius: f64,
@@ -102,7 +102,7 @@ pub(crate) fn same_place(domain: &Domain, length: f64) -> f64 {
     (length * 2f64.powi(-30)).max(longer * 2f64.powi(-46))
 }
 
-impl<'a> Task<'a> {
+impl<'a> CoverSearch<'a> {
     pub fn new(grid: &'a Grid, radius: f64, limit: f64, witnesses: usize) -> Self {
         let length = radius.min(grid.domain.spacing(grid.entries().len()));
         let same = same_place(&grid.domain, length);
@@ -131,7 +131,7 @@ impl<'a> Task<'a> {
 
 /// Finds the largest empty circle centred in the region and all that are larger than the limit.
 pub(crate) fn search(
-    task: &Task<'_>,
+    task: &CoverSearch<'_>,
     tile_samples: usize,
     monitor: &Monitor<'_>,
 ) -> Result<Cover, VerifyError> {
@@ -153,7 +153,7 @@ pub(crate) struct Visit {
 }
 
 impl Visit {
-    pub fn first(task: &Task<'_>, tile: Tile) -> Self {
+    pub fn first(task: &CoverSearch<'_>, tile: Tile) -> Self {
         let halo = tile.first_halo(task);
         let wants = 0..0;
         Self { tile, halo, wants }
@@ -162,7 +162,7 @@ impl Visit {
 
 /// Looks at tiles. Returns those, too, whose windows want rows that the grid does not hold.
 pub(crate) fn visit(
-    task: &Task<'_>,
+    task: &CoverSearch<'_>,
     visits: Vec<Visit>,
     monitor: &Monitor<'_>,
 ) -> Result<(Places, Vec<Visit>), VerifyError> {
@@ -186,13 +186,13 @@ pub(crate) fn visit(
 
 /// Widens the window of a tile until its sides prove it sufficient, then looks inside.
 fn inspect(
-    task: &Task<'_>,
+    task: &CoverSearch<'_>,
     Visit { tile, halo, .. }: Visit,
     monitor: &Monitor<'_>,
 ) -> Result<Result<Places, Visit>, VerifyError> {
     let mut halo = halo;
     loop {
-        let window = match Window::gather(task, &tile, halo) {
+        let window = match TileWindow::gather(task, &tile, halo) {
             Ok(window) => window,
             Err(wants) => return Ok(Err(Visit { tile, halo, wants })),
         };

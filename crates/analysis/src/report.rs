@@ -11,7 +11,7 @@ use crate::region::Region;
 use crate::witness::{Conflict, Gap};
 
 /// What both searches found, in the domain's unit.
-pub(crate) struct Found {
+pub(crate) struct Findings {
     pub pairs: Pairs,
     pub cover: Cover,
 }
@@ -56,7 +56,7 @@ impl Report {
     pub(crate) fn new(
         (count, region, radius, covering_tolerance): (usize, Region, f64, f64),
         domain: &Domain,
-        Found { pairs, cover }: Found,
+        Findings { pairs, cover }: Findings,
     ) -> Self {
         let conflict = |found: Conflict| Conflict {
             distance: found.distance / domain.scale,

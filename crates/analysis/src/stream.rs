@@ -31,7 +31,7 @@ use crate::monitor::{Monitor, Progress};
 use crate::region::Region;
 use crate::report::Report;
 use crate::verify::{VerifyOptions, check_point, check_tolerance, verify};
-use bands::{Bands, Search};
+use bands::{Bands, StreamSearch};
 
 /// How far, in radii, an ordinate may lie below the highest one before it. Our samplers' order is by
 /// rows of cells of one radius, up to one unit of their lattice in 2^15; the rest is room for rounding.
@@ -82,7 +82,7 @@ impl Default for StreamBand {
 /// ```
 #[derive(Clone, Debug)]
 pub struct StreamVerifier {
-    search: Search,
+    search: StreamSearch,
     bands: Bands,
     intake: Intake,
     /// Samples that the caller expects, for the progress alone.
@@ -101,7 +101,7 @@ impl StreamVerifier {
         let domain = Domain::new(region)?;
         let scaled_radius = domain.scale_radius(radius)?;
         check_tolerance(options.covering_tolerance)?;
-        let search = Search::new(region, radius, options.clone(), domain, scaled_radius);
+        let search = StreamSearch::new(region, radius, options.clone(), domain, scaled_radius);
         let bands = Bands::new(&search);
         Ok(Self {
             search,
@@ -241,7 +241,7 @@ struct Intake {
 
 impl Intake {
     /// Checks a sample and gives it its index.
-    fn entry(&mut self, point: [f64; 2], search: &Search) -> Result<Entry, VerifyError> {
+    fn entry(&mut self, point: [f64; 2], search: &StreamSearch) -> Result<Entry, VerifyError> {
         let index = self.count;
         check_point(index, point, search.region)?;
         if index >= Grid::MAX_SAMPLES {

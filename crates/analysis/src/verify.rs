@@ -4,14 +4,14 @@
 
 use std::ops::ControlFlow;
 
-use crate::cover::{self, Task};
+use crate::cover::{self, CoverSearch};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::Grid;
 use crate::monitor::{Monitor, Progress};
 use crate::pairs;
 use crate::region::Region;
-use crate::report::{Found, Report};
+use crate::report::{Findings, Report};
 
 /// Default relative tolerance of maximality: a covering radius of `(1 + 2^-15) r` passes. That is
 /// one unit of the sampler's lattice, whose radius is 2^15 units.
@@ -74,11 +74,11 @@ pub fn verify(
     let grid = Grid::new(points, domain, pairs::cell_side(&domain, points.len()));
     let pairs = pairs::search(&grid, points, scaled_radius, options.witnesses, &monitor)?;
     let limit = (1.0 + options.covering_tolerance) * scaled_radius;
-    let task = Task::new(&grid, scaled_radius, limit, options.witnesses);
+    let task = CoverSearch::new(&grid, scaled_radius, limit, options.witnesses);
     let cover = cover::search(&task, options.tile_samples, &monitor)?;
 
     let asked = (points.len(), region, radius, options.covering_tolerance);
-    Ok(Report::new(asked, &domain, Found { pairs, cover }))
+    Ok(Report::new(asked, &domain, Findings { pairs, cover }))
 }
 
 pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), VerifyError> {

@@ -90,7 +90,7 @@ impl Fonts {
         let mut x = 0.0;
         for character in text.chars() {
             let glyph = face.glyph_index(character).unwrap_or_default();
-            face.outline_glyph(glyph, &mut Placed { x, scale, pen });
+            face.outline_glyph(glyph, &mut PlacedGlyph { x, scale, pen });
             x += advance(face, character) * scale;
         }
     }
@@ -123,13 +123,13 @@ pub(crate) trait Pen {
 }
 
 /// A glyph's outline on its way from font units, y up, to pixels, y down.
-struct Placed<'a> {
+struct PlacedGlyph<'a> {
     x: f64,
     scale: f64,
     pen: &'a mut dyn Pen,
 }
 
-impl Placed<'_> {
+impl PlacedGlyph<'_> {
     fn pixel(&self, x: f32, y: f32) -> [f64; 2] {
         [
             self.x + f64::from(x) * self.scale,
@@ -138,7 +138,7 @@ impl Placed<'_> {
     }
 }
 
-impl OutlineBuilder for Placed<'_> {
+impl OutlineBuilder for PlacedGlyph<'_> {
     fn move_to(&mut self, x: f32, y: f32) {
         self.pen.move_to(self.pixel(x, y));
     }

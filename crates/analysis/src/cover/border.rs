@@ -4,12 +4,12 @@
 
 /// A sample seen from a line: its foot on the line and its distance from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Site {
+pub(crate) struct BorderSite {
     pub foot: f64,
     pub offset: f64,
 }
 
-impl Site {
+impl BorderSite {
     /// Distance from the place `at` on the line.
     pub fn distance(&self, at: f64) -> f64 {
         let along = at - self.foot;
@@ -32,12 +32,12 @@ pub(crate) struct Crossing {
 }
 
 /// The crossings on the whole line, in order. Sorts `sites`.
-pub(crate) fn crossings(sites: &mut [Site]) -> Vec<Crossing> {
+pub(crate) fn crossings(sites: &mut [BorderSite]) -> Vec<Crossing> {
     sites.sort_unstable_by(|a, b| {
         (a.foot.total_cmp(&b.foot)).then_with(|| a.offset.total_cmp(&b.offset))
     });
     // Each kept site with the place from which on it is the nearest.
-    let mut envelope: Vec<(Site, f64)> = Vec::new();
+    let mut envelope: Vec<(BorderSite, f64)> = Vec::new();
     for site in sites.iter() {
         let mut from = f64::NEG_INFINITY;
         // Of sites with one foot the nearest came first and hides the others.
@@ -70,8 +70,8 @@ pub(crate) fn crossings(sites: &mut [Site]) -> Vec<Crossing> {
 mod tests {
     use super::*;
 
-    fn site(foot: f64, offset: f64) -> Site {
-        Site { foot, offset }
+    fn site(foot: f64, offset: f64) -> BorderSite {
+        BorderSite { foot, offset }
     }
 
     #[test]
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn crossings_bound_the_minimum_over_all_sites() {
         let pseudo = |i: u32, step: f64| (f64::from(i) * step).fract();
-        let mut sites: Vec<Site> = (1..60)
+        let mut sites: Vec<BorderSite> = (1..60)
             .map(|i| site(pseudo(i, 0.618_034) * 10.0, pseudo(i, 0.754_877)))
             .collect();
         let found = crossings(&mut sites);

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::survey::Survey;
 use super::tiles::Tile;
-use super::{Cover, Task};
+use super::{Cover, CoverSearch};
 use serde::{Deserialize, Serialize};
 
 use crate::domain::Domain;
@@ -34,7 +34,7 @@ impl Places {
         }
     }
 
-    pub fn of_tile(task: &Task<'_>, tile: &Tile, mut survey: Survey) -> Self {
+    pub fn of_tile(task: &CoverSearch<'_>, tile: &Tile, mut survey: Survey) -> Self {
         let mut places = Self::new(task.witnesses);
         places.covering_radius = survey.covering_radius;
         merge_same(&mut survey.gaps, task.same);

@@ -6,10 +6,10 @@ use glam::DVec2;
 
 use spade::{Point2, Triangulation};
 
-use super::Task;
-use super::border::{self, Site};
+use super::CoverSearch;
+use super::border::{self, BorderSite};
 use super::circle::{circumcircle, is_below};
-use super::tiles::{Tile, Window};
+use super::tiles::{Tile, TileWindow};
 use crate::delaunay::delaunay;
 use crate::error::VerifyError;
 use crate::witness::{Gap, GapKind};
@@ -27,7 +27,7 @@ pub(crate) struct Survey {
 
 impl Survey {
     /// Looks along the sides.
-    pub fn of_sides(task: &Task<'_>, tile: &Tile, window: &Window) -> Self {
+    pub fn of_sides(task: &CoverSearch<'_>, tile: &Tile, window: &TileWindow) -> Self {
         let mut survey = Self {
             side_reach: 0.0,
             covering_radius: 0.0,
@@ -35,21 +35,27 @@ impl Survey {
         };
         for axis in [0, 1] {
             for upper in [false, true] {
-                survey.add_side(task, tile, window, Side { axis, upper });
+                survey.add_side(task, tile, window, TileSide { axis, upper });
             }
         }
         survey
     }
 
     /// A place whose empty circle counts for the region.
-    fn claim(&mut self, task: &Task<'_>, gap: Gap) {
+    fn claim(&mut self, task: &CoverSearch<'_>, gap: Gap) {
         self.covering_radius = self.covering_radius.max(gap.distance);
         if gap.distance > task.limit {
             self.gaps.push(gap);
         }
     }
 
-    fn add_side(&mut self, task: &Task<'_>, tile: &Tile, window: &Window, side: Side) {
+    fn add_side(
+        &mut self,
+        task: &CoverSearch<'_>,
+        tile: &Tile,
+        window: &TileWindow,
+        side: TileSide,
+    ) {
         let level = side.level(tile);
         let mut sites = side.sites(level, window);
         let (start, end) = (tile.low[side.axis], tile.high[side.axis]);
@@ -97,7 +103,7 @@ impl Survey {
     /// Looks inside, at the circumcentres of the window's triangles.
     pub fn add_vertices(
         &mut self,
-        task: &Task<'_>,
+        task: &CoverSearch<'_>,
         tile: &Tile,
         points: Vec<Point2<f64>>,
     ) -> Result<(), VerifyError> {
@@ -149,14 +155,14 @@ impl Survey {
 
 /// One side of a tile.
 #[derive(Clone, Copy)]
-struct Side {
+struct TileSide {
     /// The axis it runs along.
     axis: usize,
     /// Whether it is the one at the larger coordinate.
     upper: bool,
 }
 
-impl Side {
+impl TileSide {
     fn level(self, tile: &Tile) -> f64 {
         let corner = if self.upper { tile.high } else { tile.low };
         corner[1 - self.axis]
@@ -172,7 +178,7 @@ impl Side {
 
     /// The samples within the halo of the line. If none further off were nearest anywhere, neither
     /// is the result changed; if one were, the nearest kept is further than the halo, too.
-    fn sites(self, level: f64, window: &Window) -> Vec<Site> {
+    fn sites(self, level: f64, window: &TileWindow) -> Vec<BorderSite> {
         (window.points.iter())
             .map(|point| {
                 let (along, across) = if self.axis == 0 {
@@ -182,7 +188,7 @@ impl Side {
                 };
                 let offset = (across - level).abs();
                 let foot = along;
-                Site { foot, offset }
+                BorderSite { foot, offset }
             })
             .filter(|site| site.offset <= window.halo)
             .collect()

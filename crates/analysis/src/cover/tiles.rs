@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use spade::Point2;
 
-use super::Task;
+use super::CoverSearch;
 use serde::{Deserialize, Serialize};
 
 use crate::grid::Grid;
@@ -65,7 +65,7 @@ impl Tile {
 
     /// The halo to try first: two radii do for a maximal set (one would, were it exactly
     /// maximal). The density bounds it where the radius is far off.
-    pub fn first_halo(&self, task: &Task<'_>) -> f64 {
+    pub fn first_halo(&self, task: &CoverSearch<'_>) -> f64 {
         let area = (self.high - self.low).element_product();
         let spacing = (area / self.count.max(1) as f64).sqrt();
         (2.0 * task.radius).clamp(spacing, 2.4 * spacing)
@@ -99,17 +99,17 @@ const WIDE: i64 = 8;
 
 /// The samples seen from a tile: at least all, copies included, within the halo of it that are
 /// nearest to any place of it.
-pub(crate) struct Window {
+pub(crate) struct TileWindow {
     pub points: Vec<Point2<f64>>,
     /// Samples beyond the window are further than this from the tile; infinite if none of them can
     /// be nearest to any place of the tile.
     pub halo: f64,
 }
 
-impl Window {
+impl TileWindow {
     /// The window of a tile, or the rows it wants of which the grid lacks some, counted on across
     /// the seams.
-    pub fn gather(task: &Task<'_>, tile: &Tile, halo: f64) -> Result<Self, Range<i64>> {
+    pub fn gather(task: &CoverSearch<'_>, tile: &Tile, halo: f64) -> Result<Self, Range<i64>> {
         let grid = task.grid;
         // A little more than the halo pays for rounding and for places claimed beyond the tile.
         let wide = halo * (1.0 + 2f64.powi(-16)) + 4.0 * task.same;
@@ -156,7 +156,7 @@ fn everything(grid: &Grid, count: usize, [columns, rows]: [&Range<i64>; 2]) -> V
 }
 
 /// The same without the samples buried too deep to matter to the tile.
-fn rim(task: &Task<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
+fn rim(task: &CoverSearch<'_>, tile: &Tile, [columns, rows]: [&Range<i64>; 2]) -> Vec<Point2<f64>> {
     let (grid, buried) = (task.grid, task.buried());
     let mut points = Vec::new();
     for at_row in rows.clone() {
@@ -262,16 +262,16 @@ mod tests {
         for (count, halo) in [(1, 0.1), (1, 9.0), (3, 0.3), (200, 0.07), (200, 0.4)] {
             for boundary in [Boundary::Periodic, Boundary::Bounded] {
                 let grid = grid(count, boundary);
-                let task = Task::new(&grid, 0.1, 0.1, 0);
+                let task = CoverSearch::new(&grid, 0.1, 0.1, 0);
                 for tile in split(&grid, 0..grid.cells[1], 20) {
-                    let window = Window::gather(&task, &tile, halo).expect("whole");
+                    let window = TileWindow::gather(&task, &tile, halo).expect("whole");
                     check(&grid, &tile, &window, halo);
                 }
             }
         }
     }
 
-    fn check(grid: &Grid, tile: &Tile, window: &Window, halo: f64) {
+    fn check(grid: &Grid, tile: &Tile, window: &TileWindow, halo: f64) {
         let periodic = grid.domain.periodic;
         let DVec2 {
             x: width,
@@ -303,9 +303,9 @@ mod tests {
     fn a_window_over_everything_is_complete() {
         for boundary in [Boundary::Periodic, Boundary::Bounded] {
             let grid = grid(100, boundary);
-            let task = Task::new(&grid, 0.1, 0.1, 0);
+            let task = CoverSearch::new(&grid, 0.1, 0.1, 0);
             for tile in split(&grid, 0..grid.cells[1], 10) {
-                let halo = |halo| Window::gather(&task, &tile, halo).expect("whole").halo;
+                let halo = |halo| TileWindow::gather(&task, &tile, halo).expect("whole").halo;
                 assert_eq!(halo(2.0), f64::INFINITY);
                 assert_eq!(halo(0.01), 0.01);
             }

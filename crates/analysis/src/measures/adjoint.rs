@@ -10,7 +10,7 @@ use rustfft::num_complex::Complex;
 
 use super::error::MeasureError;
 use super::kernel::{Kernel, WIDTH};
-use super::nufft::{Plan, Scratch, TOGETHER};
+use super::nufft::{Scratch, TOGETHER, TransformPlan};
 use super::spread::{Sample, Tiles, place};
 use crate::monitor::Monitor;
 
@@ -18,7 +18,7 @@ use crate::monitor::Monitor;
 const CHUNK: usize = 8192;
 
 /// Work of [`at_samples`], in samples and grid points.
-pub(super) fn work(plan: &Plan, samples: usize) -> u64 {
+pub(super) fn work(plan: &TransformPlan, samples: usize) -> u64 {
     let [x, y] = plan.axes.map(|axis| axis.size as u64);
     samples as u64 + x * y + x * plan.rows() as u64
 }
@@ -30,7 +30,7 @@ pub(super) fn work(plan: &Plan, samples: usize) -> u64 {
 /// opposite ones where `ky = 0`; another must hold no two opposite ones. Weights are not looked at.
 /// The kernel's error is at most [`super::NUFFT_ERROR`] of the sum of the magnitudes of the values.
 pub(super) fn at_samples(
-    plan: &Plan,
+    plan: &TransformPlan,
     values: Vec<Complex<f64>>,
     samples: &[Sample],
     monitor: &Monitor<'_>,
@@ -56,7 +56,7 @@ pub(super) fn at_samples(
 
 /// Divides the kernel out and transforms each row of the window along x.
 fn back_along_x(
-    plan: &Plan,
+    plan: &TransformPlan,
     values: &[Complex<f64>],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<Complex<f64>>, MeasureError> {
@@ -81,13 +81,13 @@ fn back_along_x(
 }
 
 /// Grid points from one line along y to the next: the first ones follow the last ones once more.
-fn stride(plan: &Plan) -> usize {
+fn stride(plan: &TransformPlan) -> usize {
     plan.axes[1].size + WIDTH + 1
 }
 
 /// Transforms along y, two real grid lines as one complex.
 fn back_along_y_real(
-    plan: &Plan,
+    plan: &TransformPlan,
     half: &[Complex<f64>],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, MeasureError> {
@@ -123,7 +123,7 @@ fn back_along_y_real(
 
 /// Transforms along y; real and imaginary parts of a grid line follow each other.
 fn back_along_y_complex(
-    plan: &Plan,
+    plan: &TransformPlan,
     half: &[Complex<f64>],
     monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, MeasureError> {
@@ -164,7 +164,7 @@ fn unpack(from: &[Complex<f64>], size: usize, cells: &mut [f64], stride: usize) 
 
 /// Reads the grid's components around each sample; `value` says what they make there.
 fn read<const C: usize>(
-    plan: &Plan,
+    plan: &TransformPlan,
     cells: &[f64],
     samples: &[Sample],
     value: impl Fn(&Sample, [f64; C]) -> f64 + Sync,

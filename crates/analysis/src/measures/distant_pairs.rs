@@ -81,7 +81,7 @@ pub fn pairs_between(
     let distances = [least, most].map(|distance| distance * domain.scale);
     let grid = Grid::new(points, domain, distances[1] / CELLS_ALONG);
     let neighbors = Neighbors { grid: &grid };
-    let search = Search {
+    let search = RangeSearch {
         neighbors,
         distances,
     };
@@ -94,12 +94,12 @@ pub fn pairs_between(
     })
 }
 
-struct Search<'a> {
+struct RangeSearch<'a> {
     neighbors: Neighbors<'a>,
     distances: [f64; 2],
 }
 
-impl Search<'_> {
+impl RangeSearch<'_> {
     /// Counts the pairs of each row of cells, then holds those of the first rows.
     fn run(
         &self,

@@ -36,7 +36,7 @@ pub(super) const TOGETHER: usize = 8;
 
 /// An axis of the grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct GridAxis {
     /// The frequency in the middle, removed from the samples by a phase.
     pub middle: i64,
     /// Offsets from the middle go from `-below` to `above`.
@@ -46,7 +46,7 @@ pub(super) struct Axis {
     pub size: usize,
 }
 
-impl Axis {
+impl GridAxis {
     /// Centred at zero: no phase is needed.
     fn about_zero(first: i64, end: i64) -> Self {
         let most = first.abs().max((end - 1).abs());
@@ -110,21 +110,21 @@ fn smooth_size(least: usize) -> usize {
 
 /// How a window is transformed. Real weights on a grid about zero need no phases, half the memory
 /// and half the transforms; a window far off zero is cheaper when moved there.
-pub(super) struct Plan {
+pub(super) struct TransformPlan {
     /// Along x, the slow axis of the grid, and along y.
-    pub axes: [Axis; 2],
+    pub axes: [GridAxis; 2],
     pub real: bool,
 }
 
 /// The transform at the frequencies of a plan.
 pub(super) struct Transform {
-    axes: [Axis; 2],
+    axes: [GridAxis; 2],
     real: bool,
     /// Rows of equal ky, each along kx; a real plan holds rows from ky = 0 up.
     pub values: Vec<Complex<f64>>,
 }
 
-impl Plan {
+impl TransformPlan {
     pub fn new(window: &FrequencyWindow) -> Result<Self, MeasureError> {
         let [x0, x1, y0, y1] = window.bounds();
         if x0 >= x1 || y0 >= y1 {
@@ -137,11 +137,14 @@ impl Plan {
             return Err(MeasureError::FrequencyTooHigh { frequency, limit });
         }
         let real = Self {
-            axes: [Axis::about_zero(x0, x1), Axis::about_zero(y0, y1)],
+            axes: [GridAxis::about_zero(x0, x1), GridAxis::about_zero(y0, y1)],
             real: true,
         };
         let moved = Self {
-            axes: [Axis::about_middle(x0, x1), Axis::about_middle(y0, y1)],
+            axes: [
+                GridAxis::about_middle(x0, x1),
+                GridAxis::about_middle(y0, y1),
+            ],
             real: false,
         };
         let plan = if real.bytes() <= moved.bytes() {
@@ -226,7 +229,7 @@ impl Plan {
     /// Transforms grid lines along y, two real ones as one complex, and keeps the rows of the window.
     fn along_y_real(
         &self,
-        grid: &super::spread::Grid<1>,
+        grid: &super::spread::SpreadGrid<1>,
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let (size, rows) = (self.axes[1].size, self.rows());
@@ -256,7 +259,7 @@ impl Plan {
 
     fn along_y_complex(
         &self,
-        grid: &super::spread::Grid<2>,
+        grid: &super::spread::SpreadGrid<2>,
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Complex<f64>>, MeasureError> {
         let (axis, rows) = (self.axes[1], self.rows());

@@ -80,7 +80,7 @@ impl PairCorrelation {
         let domain = Domain::new(region)?;
         let distance = most * r_max * domain.scale;
         let grid = Grid::new(points, domain, distance / CELLS_ALONG);
-        let search = Search {
+        let search = PairSearch {
             neighbors: Neighbors { grid: &grid },
             distance,
             bins,
@@ -154,23 +154,23 @@ impl PairCorrelation {
     }
 }
 
-struct Search<'a> {
+struct PairSearch<'a> {
     neighbors: Neighbors<'a>,
     distance: f64,
     bins: usize,
 }
 
 /// Pairs and their weights, by bin; beyond the last bin the other pairs looked at, until they are dropped.
-struct Found {
+struct PairSums {
     counts: Vec<u64>,
     weights: Vec<f64>,
 }
 
-impl Search<'_> {
-    fn run(&self, monitor: &Monitor<'_>) -> Result<Found, VerifyError> {
+impl PairSearch<'_> {
+    fn run(&self, monitor: &Monitor<'_>) -> Result<PairSums, VerifyError> {
         let rows = self.neighbors.grid.cells[1];
         let bound = |part: usize| part * rows / PARTS;
-        let parts: Vec<Found> = (0..PARTS)
+        let parts: Vec<PairSums> = (0..PARTS)
             .into_par_iter()
             .map(|part| self.rows(bound(part)..bound(part + 1), monitor))
             .collect::<Result<_, _>>()?;
@@ -191,14 +191,14 @@ impl Search<'_> {
         Ok(sum)
     }
 
-    fn empty(&self) -> Found {
-        Found {
+    fn empty(&self) -> PairSums {
+        PairSums {
             counts: vec![0; self.bins + 1],
             weights: vec![0.0; self.bins],
         }
     }
 
-    fn rows(&self, rows: Range<usize>, monitor: &Monitor<'_>) -> Result<Found, VerifyError> {
+    fn rows(&self, rows: Range<usize>, monitor: &Monitor<'_>) -> Result<PairSums, VerifyError> {
         let mut found = self.empty();
         for row in rows {
             for column in 0..self.neighbors.grid.cells[0] {
@@ -213,7 +213,7 @@ impl Search<'_> {
     }
 
     /// Counts the pairs of a cell's samples with each other and with the samples ahead of them.
-    fn cell(&self, [column, row]: [usize; 2], found: &mut Found) {
+    fn cell(&self, [column, row]: [usize; 2], found: &mut PairSums) {
         let own = self.neighbors.grid.run(row, &(column..column + 1));
         let partners = |run: &[Entry], once: bool| {
             if once && self.is_one_bin([own, run]) {
@@ -233,7 +233,12 @@ impl Search<'_> {
     }
 
     /// Calls `look` with the index of each sample of a cell: on all threads where a cluster fills it.
-    fn each(&self, own: &[Entry], found: &mut Found, look: impl Fn(usize, &mut Found) + Sync) {
+    fn each(
+        &self,
+        own: &[Entry],
+        found: &mut PairSums,
+        look: impl Fn(usize, &mut PairSums) + Sync,
+    ) {
         if own.len() <= CROWD {
             for k in 0..own.len() {
                 look(k, found);
@@ -249,14 +254,14 @@ impl Search<'_> {
             part
         });
         // Added in sequence, so that sums do not depend on threads.
-        for part in chunks.collect::<Vec<Found>>() {
+        for part in chunks.collect::<Vec<PairSums>>() {
             found.add(part);
         }
     }
 
     /// Counts the pairs of a sample with those of a run. Pairs beyond the distance go into a bin of their own: half of those
     /// looked at are, and a branch would guess wrong as often.
-    fn pairs(&self, a: &Entry, run: &[Entry], once: bool, found: &mut Found) {
+    fn pairs(&self, a: &Entry, run: &[Entry], once: bool, found: &mut PairSums) {
         let domain = &self.neighbors.grid.domain;
         let per_length = self.bins as f64 / self.distance;
         for b in run {
@@ -284,7 +289,7 @@ impl Search<'_> {
     }
 }
 
-impl Found {
+impl PairSums {
     fn add(&mut self, other: Self) {
         for (total, count) in self.counts.iter_mut().zip(other.counts) {
             *total += count;

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::check_set;
 use super::error::MeasureError;
-use super::nufft::Plan;
+use super::nufft::TransformPlan;
 use super::spread::Sample;
 use super::window::FrequencyWindow;
 use crate::monitor::{Monitor, Progress};
@@ -145,7 +145,7 @@ impl Periodogram {
         control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
     ) -> Result<Self, MeasureError> {
         check_set(points, region, 1)?;
-        let plan = Plan::new(window)?;
+        let plan = TransformPlan::new(window)?;
         let monitor = Monitor::new(control, plan.work(points.len()));
         monitor.advance(0)?;
         let set = Weighed::new(points, region, taper);

@@ -56,7 +56,7 @@ impl RadialProfile {
         let [scale_x, scale_y] = periodogram.scale();
         let (reach, [most_x, most_y]) = reach(periodogram);
         let whole = ((reach - 0.5) / width).floor().max(0.0) as usize;
-        let mut sums = vec![Sums::default(); whole];
+        let mut sums = vec![AnnulusSums::default(); whole];
         // One frequency of each pair: ky > 0, or ky = 0 and kx > 0.
         let least_x = |ky: i64| if ky == 0 { 1 } else { -most_x };
         for [kx, ky] in (0..=most_y).flat_map(|ky| (least_x(ky)..=most_x).map(move |kx| [kx, ky])) {
@@ -67,7 +67,7 @@ impl RadialProfile {
             }
         }
         Ok(Self {
-            annuli: sums.iter().filter_map(Sums::annulus).collect(),
+            annuli: sums.iter().filter_map(AnnulusSums::annulus).collect(),
             samples: periodogram.samples,
             sets: periodogram.sets,
         })
@@ -118,14 +118,14 @@ fn reach(periodogram: &Periodogram) -> (f64, [i64; 2]) {
 
 /// Sums over an annulus, one frequency of each pair; the spread is kept as in Welford 1962.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct AnnulusSums {
     count: u64,
     length: f64,
     mean: f64,
     squares: f64,
 }
 
-impl Sums {
+impl AnnulusSums {
     fn add(&mut self, length: f64, power: f64) {
         self.count += 1;
         self.length += length;

@@ -9,7 +9,7 @@ use rustfft::num_complex::Complex;
 use serde::Serialize;
 
 use super::error::MeasureError;
-use super::nufft::{MAX_FREQUENCY, Plan};
+use super::nufft::{MAX_FREQUENCY, TransformPlan};
 use super::periodogram::{Taper, Weighed, unit_lengths};
 use super::window::FrequencyWindow;
 use super::{adjoint, check_range, check_set};
@@ -105,10 +105,10 @@ pub fn frequency_shares(
 
 /// Plans that hold each pair of opposite frequencies of a window about zero once: one if memory suffices,
 /// otherwise two quarters, which are half as large each.
-fn plans_of(window: &FrequencyWindow) -> Result<Vec<Plan>, MeasureError> {
-    match Plan::new(window) {
+fn plans_of(window: &FrequencyWindow) -> Result<Vec<TransformPlan>, MeasureError> {
+    match TransformPlan::new(window) {
         Err(MeasureError::WindowTooLarge { .. }) => {
-            quarters(window).iter().map(Plan::new).collect()
+            quarters(window).iter().map(TransformPlan::new).collect()
         }
         plan => plan.map(|plan| vec![plan]),
     }
@@ -124,17 +124,17 @@ fn quarters(window: &FrequencyWindow) -> Vec<FrequencyWindow> {
 }
 
 fn shares_by(
-    plans: &[Plan],
+    plans: &[TransformPlan],
     points: &[[f64; 2]],
     region: Region,
     ring: [f64; 2],
     control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<FrequencyShares, MeasureError> {
-    let work = |plan: &Plan| plan.work(points.len()) + adjoint::work(plan, points.len());
+    let work = |plan: &TransformPlan| plan.work(points.len()) + adjoint::work(plan, points.len());
     let monitor = Monitor::new(control, plans.iter().map(work).sum());
     monitor.advance(0)?;
     let set = Weighed::new(points, region, Taper::for_boundary(region.boundary));
-    let (mut sums, mut waves) = (Sums::default(), vec![0.0; points.len()]);
+    let (mut sums, mut waves) = (RingSums::default(), vec![0.0; points.len()]);
     for plan in plans {
         let mut values = plan.run(&set.samples, &monitor)?.values;
         sums = sums.plus(restrict(&mut values, plan, &set, region, ring));
@@ -180,7 +180,7 @@ fn window_of(region: Region, [inner, outer]: [f64; 2]) -> Result<FrequencyWindow
 
 /// Sums over the frequencies of a ring.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct RingSums {
     frequencies: u64,
     /// Of `|S|^2`.
     squares: f64,
@@ -188,7 +188,7 @@ struct Sums {
     mean_wave: f64,
 }
 
-impl Sums {
+impl RingSums {
     fn plus(self, other: Self) -> Self {
         Self {
             frequencies: self.frequencies + other.frequencies,
@@ -201,16 +201,16 @@ impl Sums {
 /// Makes a plan's transform the `S` of the ring's frequencies, and zero elsewhere. Sums count opposite frequencies, too.
 fn restrict(
     values: &mut [Complex<f64>],
-    plan: &Plan,
+    plan: &TransformPlan,
     set: &Weighed,
     region: Region,
     [inner, outer]: [f64; 2],
-) -> Sums {
+) -> RingSums {
     let ([x, y], [unit_x, unit_y]) = (plan.axes, unit_lengths(region));
     let rows = values.par_chunks_mut(x.count()).enumerate();
-    let by_row: Vec<Sums> = rows
+    let by_row: Vec<RingSums> = rows
         .map(|(row, values)| {
-            let mut sums = Sums::default();
+            let mut sums = RingSums::default();
             let ky = y.middle + plan.first_row() + row as i64;
             // The first row of a real plan holds opposite frequencies itself.
             let times = if plan.real && ky == 0 { 1 } else { 2 };
@@ -228,7 +228,7 @@ fn restrict(
             sums
         })
         .collect();
-    by_row.into_iter().fold(Sums::default(), Sums::plus)
+    by_row.into_iter().fold(RingSums::default(), RingSums::plus)
 }
 
 #[cfg(test)]
@@ -261,11 +261,13 @@ mod tests {
             };
             let (points, ring) = (scattered(region), [inner, 60.0]);
             let window = window_of(region, ring).expect("a window");
-            let plans: Result<Vec<_>, _> = quarters(&window).iter().map(Plan::new).collect();
+            let plans: Result<Vec<_>, _> =
+                quarters(&window).iter().map(TransformPlan::new).collect();
             let plans = plans.expect("plans");
             assert!(plans.len() == 2 && plans.iter().all(|plan| !plan.real));
-            let by =
-                |plans: &[Plan]| shares_by(plans, &points, region, ring, &go_on).expect("shares");
+            let by = |plans: &[TransformPlan]| {
+                shares_by(plans, &points, region, ring, &go_on).expect("shares")
+            };
             let found = by(&plans);
             let whole = by(&plans_of(&window).expect("one plan fits"));
             assert_eq!(found.frequencies, whole.frequencies);

@@ -24,14 +24,14 @@ pub(super) struct Sample {
 
 /// A sample in grid points.
 #[derive(Clone, Copy)]
-struct Placed<const C: usize> {
+struct SpreadSample<const C: usize> {
     /// Of the slow axis x and of y.
     first: [u32; 2],
     ahead: [f64; 2],
     value: [f64; C],
 }
 
-impl<const C: usize> Default for Placed<C> {
+impl<const C: usize> Default for SpreadSample<C> {
     fn default() -> Self {
         Self {
             first: [0; 2],
@@ -46,7 +46,7 @@ pub(super) struct Spread<const C: usize> {
     kernel: Kernel,
     /// Grid points along x and y, without margins.
     sizes: [usize; 2],
-    samples: Vec<Placed<C>>,
+    samples: Vec<SpreadSample<C>>,
     /// Where the samples of each band begin.
     starts: Vec<usize>,
 }
@@ -97,12 +97,12 @@ impl Tiles {
 }
 
 /// A grid with margins, of `C` components that follow each other line by line.
-pub(super) struct Grid<const C: usize> {
+pub(super) struct SpreadGrid<const C: usize> {
     stride: usize,
     cells: Vec<f64>,
 }
 
-impl<const C: usize> Grid<C> {
+impl<const C: usize> SpreadGrid<C> {
     /// The components of a line along y. Values beyond the grid's size belong to its start.
     pub fn line(&self, index: usize) -> [&[f64]; C] {
         std::array::from_fn(|component| {
@@ -123,12 +123,12 @@ impl<const C: usize> Spread<C> {
             starts,
             bands,
         } = Tiles::of(samples, sizes);
-        let empty = Placed::default();
+        let empty = SpreadSample::default();
         let (mut sorted, mut cursors) = (vec![empty; samples.len()], starts);
         for (sample, key) in samples.iter().zip(keys) {
             let (first, ahead) = place(sample.at, sizes);
             let cursor = &mut cursors[key as usize];
-            sorted[*cursor] = Placed {
+            sorted[*cursor] = SpreadSample {
                 first,
                 ahead,
                 value: value(sample),
@@ -143,7 +143,7 @@ impl<const C: usize> Spread<C> {
         }
     }
 
-    pub fn run(&self, monitor: &Monitor<'_>) -> Result<Grid<C>, MeasureError> {
+    pub fn run(&self, monitor: &Monitor<'_>) -> Result<SpreadGrid<C>, MeasureError> {
         let bands = self.starts.len() - 1;
         let stride = self.sizes[1] + WIDTH + 1;
         let line = C * stride;
@@ -166,10 +166,10 @@ impl<const C: usize> Spread<C> {
         for (value, extra) in home.iter_mut().zip(&margin[..(WIDTH + 1) * line]) {
             *value += extra;
         }
-        Ok(Grid { stride, cells })
+        Ok(SpreadGrid { stride, cells })
     }
 
-    fn band(&self, band: usize, samples: &[Placed<C>], stride: usize, cells: &mut [f64]) {
+    fn band(&self, band: usize, samples: &[SpreadSample<C>], stride: usize, cells: &mut [f64]) {
         for sample in samples {
             let [along_x, along_y] = sample.ahead.map(|ahead| self.kernel.values(ahead));
             let (line, start) = (

@@ -32,7 +32,7 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
     let grid = Grid::new(points, domain, domain.spacing(points.len()));
     let parts = grid.cells.map(|cells| cells.div_ceil(tile_cells));
     let tiles = (0..parts[0] * parts[1]).into_par_iter().map(|index| {
-        let tile = Tile::new(&grid, tile_cells, [index % parts[0], index / parts[0]]);
+        let tile = CellTile::new(&grid, tile_cells, [index % parts[0], index / parts[0]]);
         let found = tile.cells()?;
         let own = tile.own();
         let Some(found) = found else {
@@ -59,14 +59,14 @@ pub(super) fn map_cells<T: Clone + Send + Sync>(
 }
 
 /// A rectangle of grid cells whose samples' Voronoi cells are wanted.
-struct Tile<'a> {
+struct CellTile<'a> {
     grid: &'a Grid,
     /// First and end of its cells, by axis.
     cells: [[usize; 2]; 2],
 }
 
 /// What a tile sees: a rectangle of cells counted on across the seams.
-struct View {
+struct TileView {
     cells: [[i64; 2]; 2],
     /// Whether its sides are those of a bounded domain, beyond which there is nothing: low and high, by axis.
     ends: [[bool; 2]; 2],
@@ -74,7 +74,7 @@ struct View {
     high: DVec2,
 }
 
-impl<'a> Tile<'a> {
+impl<'a> CellTile<'a> {
     fn new(grid: &'a Grid, tile_cells: usize, at: [usize; 2]) -> Self {
         let cells = [0, 1].map(|axis| {
             let first = at[axis] * tile_cells;
@@ -110,9 +110,9 @@ impl<'a> Tile<'a> {
         }
     }
 
-    fn view(&self, margin: usize) -> Option<View> {
+    fn view(&self, margin: usize) -> Option<TileView> {
         let (domain, sides) = (&self.grid.domain, self.grid.cell_sides());
-        let mut view = View {
+        let mut view = TileView {
             cells: [[0; 2]; 2],
             ends: [[false; 2]; 2],
             low: DVec2::ZERO,
@@ -145,7 +145,7 @@ impl<'a> Tile<'a> {
     }
 
     /// The cells of its samples from those in view; none if one depends on what is out of view.
-    fn seen(&self, view: &View) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
+    fn seen(&self, view: &TileView) -> Result<Option<Vec<VoronoiCell>>, VerifyError> {
         let (places, own) = self.places(view);
         let size = [0, 1].map(|axis| view.high[axis] - view.low[axis]);
         let region = Region {
@@ -172,7 +172,7 @@ impl<'a> Tile<'a> {
     }
 
     /// The samples in view, from its lower corner, and which of them are the tile's, row by row.
-    fn places(&self, view: &View) -> (Vec<[f64; 2]>, Vec<usize>) {
+    fn places(&self, view: &TileView) -> (Vec<[f64; 2]>, Vec<usize>) {
         let (all, extent) = (
             self.grid.cells.map(|cells| cells as i64),
             self.grid.domain.extent,
@@ -284,7 +284,7 @@ mod tests {
         let grid = Grid::new(&points, domain, domain.spacing(points.len()));
         let tiles = [0, 1].map(|axis| grid.cells[axis].div_ceil(7));
         let narrow = (0..tiles[0] * tiles[1])
-            .map(|index| Tile::new(&grid, 7, [index % tiles[0], index / tiles[0]]))
+            .map(|index| CellTile::new(&grid, 7, [index % tiles[0], index / tiles[0]]))
             .filter(|tile| {
                 let view = tile.view(2).expect("bounded");
                 !tile.own().is_empty() && tile.seen(&view).expect("cells").is_none()

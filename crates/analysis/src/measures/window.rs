@@ -7,7 +7,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::error::MeasureError;
-use super::nufft::Plan;
+use super::nufft::TransformPlan;
 
 /// A rectangle of integer frequencies, in cycles per extent of the region.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -80,7 +80,7 @@ impl FrequencyWindow {
     /// [`MeasureError::EmptyWindow`], [`MeasureError::FrequencyTooHigh`] and [`MeasureError::WindowTooLarge`], which name the
     /// value and its limit.
     pub fn bytes(&self) -> Result<u64, MeasureError> {
-        Ok(Plan::new(self)?.bytes())
+        Ok(TransformPlan::new(self)?.bytes())
     }
 
     pub(super) fn bounds(&self) -> [i64; 4] {

@@ -9,14 +9,14 @@ use glam::DVec2;
 
 use serde::{Deserialize, Serialize};
 
-use crate::cover::{self, Places, Task, Visit};
+use crate::cover::{self, CoverSearch, Places, Visit};
 use crate::domain::Domain;
 use crate::error::VerifyError;
 use crate::grid::{Entry, Grid, Rows, cell_at};
 use crate::monitor::Monitor;
 use crate::pairs::{self, Pairs};
 use crate::region::Region;
-use crate::report::Found;
+use crate::report::Findings;
 use crate::verify::VerifyOptions;
 
 use super::{PIECE, STREAM_LAG, StreamBand};
@@ -36,7 +36,7 @@ const MAX_SHARED: usize = 1 << 20;
 
 /// The question and the grid on which it is answered.
 #[derive(Clone, Debug)]
-pub(super) struct Search {
+pub(super) struct StreamSearch {
     pub region: Region,
     pub radius: f64,
     pub options: VerifyOptions,
@@ -49,7 +49,7 @@ pub(super) struct Search {
     same: f64,
 }
 
-impl Search {
+impl StreamSearch {
     pub fn new(
         region: Region,
         radius: f64,
@@ -95,10 +95,10 @@ impl Search {
         usize::from(self.domain.periodic)
     }
 
-    fn task<'a>(&self, grid: &'a Grid) -> Task<'a> {
+    fn task<'a>(&self, grid: &'a Grid) -> CoverSearch<'a> {
         let limit = (1.0 + self.options.covering_tolerance) * self.scaled_radius;
         let witnesses = self.options.witnesses;
-        Task::with_same(grid, self.scaled_radius, limit, witnesses, self.same)
+        CoverSearch::with_same(grid, self.scaled_radius, limit, witnesses, self.same)
     }
 }
 
@@ -124,7 +124,7 @@ pub(super) struct Bands {
 }
 
 impl Bands {
-    pub fn new(search: &Search) -> Self {
+    pub fn new(search: &StreamSearch) -> Self {
         let witnesses = search.options.witnesses;
         Self {
             held: Vec::new(),
@@ -150,7 +150,7 @@ impl Bands {
     /// Judges the rows that are complete now that ordinates have reached `highest`, if they make a band.
     pub fn judge_complete(
         &mut self,
-        search: &Search,
+        search: &StreamSearch,
         highest: f64,
         monitor: &Monitor<'_>,
     ) -> Result<(), VerifyError> {
@@ -180,7 +180,7 @@ impl Bands {
         Ok(())
     }
 
-    fn too_large(&self, search: &Search) -> VerifyError {
+    fn too_large(&self, search: &StreamSearch) -> VerifyError {
         VerifyError::BandTooLarge {
             samples: self.held.len() + self.seam.len(),
             limit: search.band.most_samples,
@@ -189,7 +189,7 @@ impl Bands {
 
     fn judge(
         &mut self,
-        search: &Search,
+        search: &StreamSearch,
         rows: Range<usize>,
         complete: usize,
         monitor: &Monitor<'_>,
@@ -218,7 +218,7 @@ impl Bands {
 
     fn scan(
         &mut self,
-        search: &Search,
+        search: &StreamSearch,
         grid: &Grid,
         rows: Range<usize>,
         monitor: &Monitor<'_>,
@@ -231,7 +231,7 @@ impl Bands {
 
     fn visit(
         &mut self,
-        task: &Task<'_>,
+        task: &CoverSearch<'_>,
         visits: Vec<Visit>,
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Visit>, VerifyError> {
@@ -242,7 +242,12 @@ impl Bands {
     }
 
     /// Puts a tile off until the rows that it wants are there; refuses it if some are gone.
-    fn postpone(&mut self, search: &Search, first: usize, visit: Visit) -> Result<(), VerifyError> {
+    fn postpone(
+        &mut self,
+        search: &StreamSearch,
+        first: usize,
+        visit: Visit,
+    ) -> Result<(), VerifyError> {
         if visit.wants.start < first as i64 {
             return Err(too_wide(search, &visit));
         }
@@ -251,7 +256,7 @@ impl Bands {
     }
 
     /// Drops the rows that nothing wants any more.
-    fn forget(&mut self, search: &Search) {
+    fn forget(&mut self, search: &StreamSearch) {
         let wanted = (self.postponed.iter())
             .map(|visit| visit.wants.start.max(0) as usize)
             .fold(self.closed.saturating_sub(BELOW), usize::min);
@@ -267,7 +272,7 @@ impl Bands {
     }
 
     /// All samples in the caller's unit, if no band was judged.
-    pub fn take_unjudged(&mut self, search: &Search) -> Option<Vec<[f64; 2]>> {
+    pub fn take_unjudged(&mut self, search: &StreamSearch) -> Option<Vec<[f64; 2]>> {
         (self.closed == 0).then(|| {
             let scale = search.domain.scale;
             let held = mem::take(&mut self.held);
@@ -277,7 +282,11 @@ impl Bands {
     }
 
     /// Judges what is left, the seam of a torus included.
-    pub fn finish(&mut self, search: &Search, monitor: &Monitor<'_>) -> Result<Found, VerifyError> {
+    pub fn finish(
+        &mut self,
+        search: &StreamSearch,
+        monitor: &Monitor<'_>,
+    ) -> Result<Findings, VerifyError> {
         let all = search.cells[1];
         let periodic = search.domain.periodic;
         let count = all - self.keep + if periodic { SEAM } else { 0 };
@@ -316,7 +325,7 @@ impl Bands {
         let places = mem::replace(&mut self.places, Places::new(0));
         let pairs = mem::replace(&mut self.pairs, Pairs::new(0));
         let cover = places.finish(&search.domain, search.same);
-        Ok(Found { pairs, cover })
+        Ok(Findings { pairs, cover })
     }
 }
 
@@ -329,7 +338,7 @@ fn check_crowd(grid: &Grid) -> Result<(), VerifyError> {
     Ok(())
 }
 
-fn new_visits(task: &Task<'_>, rows: Range<usize>, search: &Search) -> Vec<Visit> {
+fn new_visits(task: &CoverSearch<'_>, rows: Range<usize>, search: &StreamSearch) -> Vec<Visit> {
     if rows.is_empty() {
         return Vec::new();
     }
@@ -338,7 +347,7 @@ fn new_visits(task: &Task<'_>, rows: Range<usize>, search: &Search) -> Vec<Visit
     visits.collect()
 }
 
-fn too_wide(search: &Search, visit: &Visit) -> VerifyError {
+fn too_wide(search: &StreamSearch, visit: &Visit) -> VerifyError {
     let scale = search.domain.scale;
     VerifyError::HoleTooWide {
         corner: (visit.tile.low / scale).to_array(),
