@@ -1,4 +1,4 @@
-// Names for each eliminated sample the first kept one that covers it, as its place in the list plus one.
+// Writes for each eliminated sample the first kept one that covers it, as its index in the list plus one.
 // import: turn
 // import: lattice
 

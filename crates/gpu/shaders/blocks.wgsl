@@ -1,8 +1,8 @@
-// Tells each tile of 8 x 8 cells which images of blocks reach it: one workgroup a piece of an image.
-// How they come in is left to chance; the next pass sorts them.
+// Lists for each tile of 8 x 8 cells the images of blocks that reach it: one workgroup for each piece of an image. The
+// order in a list is arbitrary; the next pass sorts it.
 
 fn run(index: u32) {
-    // The last row of workgroups may be longer than what is left.
+    // The last row of workgroups may extend past the last piece.
     if index / WORKGROUP >= job.a {
         return;
     }

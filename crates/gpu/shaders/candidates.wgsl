@@ -1,4 +1,4 @@
-// Finds candidates, by core's definition (stages/detect.rs): one invocation a row of pixels of an open cell.
+// Finds candidates, by core's definition (stages/detect.rs): one invocation for each row of pixels of an open cell.
 // import: sites
 // import: circumcentre
 // import: propose
@@ -7,7 +7,7 @@ fn within(d: vec2<i32>, reach: i32) -> bool {
     return !wide_less(wide_multiply(reach, reach), wide_norm_squared(d));
 }
 
-// Returns whether a detector is so near a closed border that it looks farther.
+// Returns whether a detector is so near a closed border that it searches a wider radius.
 fn is_near_border(p: vec2<i32>) -> bool {
     if frame.periodic != 0u {
         return false;
@@ -17,7 +17,7 @@ fn is_near_border(p: vec2<i32>) -> bool {
     return min(away.x, away.y) <= 9 * R / 2;
 }
 
-// Returns whether the site `k` is a detector that finds the place `c` by the sites `a` and `b`.
+// Returns whether the site `k` is a detector that finds the place `c` with the sites `a` and `b`.
 fn finds(k: u32, c: vec2<i32>, a: u32, b: u32) -> bool {
     if (site_keys[k] & SITE_DETECTOR) == 0u {
         return false;
@@ -52,9 +52,9 @@ fn is_clear(c: vec2<i32>, at: vec2<i32>, nearest: vec2<u32>) -> bool {
     return true;
 }
 
-// Judges the place `c` made by the sites `a`, `b` and `n`, some of them perhaps the same.
-fn judge(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
-    // Another pixel's places are that pixel's.
+// Proposes the place `c` made by the sites `a`, `b` and `n`, which need not differ, if it is a candidate.
+fn try_place(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
+    // Places in another pixel are handled there.
     if any((c >> vec2<u32>(PIXEL_BITS)) != (low >> vec2<u32>(PIXEL_BITS))) || !holds(c) {
         return;
     }
@@ -77,8 +77,8 @@ fn judge(c: vec2<i32>, low: vec2<i32>, a: u32, b: u32, n: u32) {
 }
 
 // Returns whether the circumcentre of 0, a and b may lie in a pixel from `low` on. A filter in floating point:
-// components are exact, below 2^18; twice the area is known to 2^14 and the numerators to 2^34, so that with an area
-// of 2^27 or more a centre that is 2^17 away at most is known to 64 + 16 units; the pixel is taken to be 128 larger.
+// components are exact, below 2^18; twice the area is known to 2^14 and the numerators to 2^34, so that with an area of
+// 2^27 or more a centre that is 2^17 away at most is known to 64 + 16 units; the pixel is taken to be 128 larger.
 fn may_lie_in(a: vec2<i32>, b: vec2<i32>, low: vec2<i32>) -> bool {
     let p = vec2<f32>(a);
     let q = vec2<f32>(b);
@@ -92,8 +92,8 @@ fn may_lie_in(a: vec2<i32>, b: vec2<i32>, low: vec2<i32>) -> bool {
     return all(centre >= least) && all(centre <= least + f32(PIXEL_SIDE + 256));
 }
 
-// Judges the circumcentres of all triples with a detector.
-fn judge_triples(low: vec2<i32>) {
+// Tries the circumcentres of all triples with a detector.
+fn try_triples(low: vec2<i32>) {
     for (var a = 0u; a + 2u < sites; a++) {
         for (var b = a + 1u; b + 1u < sites; b++) {
             for (var n = b + 1u; n < sites; n++) {
@@ -108,15 +108,15 @@ fn judge_triples(low: vec2<i32>) {
                 }
                 let centre = circumcentre(second, third);
                 if centre.exists {
-                    judge(origin + centre.offset, low, a, b, n);
+                    try_place(origin + centre.offset, low, a, b, n);
                 }
             }
         }
     }
 }
 
-// Judges the places of a border line, by its axis, as far from two samples.
-fn judge_line(low: vec2<i32>, axis: u32, line: i32) {
+// Tries the places on a border line, given by its axis, that are equally far from two samples.
+fn try_line(low: vec2<i32>, axis: u32, line: i32) {
     let other = 1u - axis;
     if line < low[axis] || line >= low[axis] + PIXEL_SIDE {
         return;
@@ -129,24 +129,24 @@ fn judge_line(low: vec2<i32>, axis: u32, line: i32) {
             if place.exists {
                 var c = vec2<i32>(line, line);
                 c[other] = origin[other] + place.value;
-                judge(c, low, a, b, a);
+                try_place(c, low, a, b, a);
             }
         }
     }
 }
 
-fn judge_borders(low: vec2<i32>) {
+fn try_borders(low: vec2<i32>) {
     let first = -vec2<i32>(i32(frame.origin_x), i32(frame.origin_y));
     let last = first + vec2<i32>(i32(frame.side_x), i32(frame.side_y));
-    judge_line(low, 0u, first.x);
-    judge_line(low, 0u, last.x);
-    judge_line(low, 1u, first.y);
-    judge_line(low, 1u, last.y);
+    try_line(low, 0u, first.x);
+    try_line(low, 0u, last.x);
+    try_line(low, 1u, first.y);
+    try_line(low, 1u, last.y);
     for (var a = 0u; a < sites; a++) {
-        judge(vec2<i32>(first.x, first.y), low, a, a, a);
-        judge(vec2<i32>(last.x, first.y), low, a, a, a);
-        judge(vec2<i32>(first.x, last.y), low, a, a, a);
-        judge(vec2<i32>(last.x, last.y), low, a, a, a);
+        try_place(vec2<i32>(first.x, first.y), low, a, a, a);
+        try_place(vec2<i32>(last.x, first.y), low, a, a, a);
+        try_place(vec2<i32>(first.x, last.y), low, a, a, a);
+        try_place(vec2<i32>(last.x, last.y), low, a, a, a);
     }
 }
 
@@ -157,7 +157,7 @@ fn run(index: u32) {
     }
     let cell = list[entry];
     let flags = grid_word(4u * cell + 3u);
-    // From the second iteration on only the surroundings of samples inserted last matter.
+    // From the second iteration on only cells near samples of the previous iteration matter.
     if (flags & FLAG_UNSURE) != 0u || (job.a > 1u && (flags & FLAG_FRESH) == 0u) {
         return;
     }
@@ -173,9 +173,9 @@ fn run(index: u32) {
         if !has_detector {
             continue;
         }
-        judge_triples(low);
+        try_triples(low);
         if frame.periodic == 0u {
-            judge_borders(low);
+            try_borders(low);
         }
     }
 }

@@ -1,10 +1,10 @@
-// A round of insertion: a proposal of whose conflicts before it none is undecided is decided. The first of
-// several at one place stands for all of them.
+// A round of insertion: decides each proposal whose earlier conflicting proposals are all decided. Of several proposals
+// at one place only the first can be kept.
 // import: proposal
 // import: rounds
 // import: lattice
 
-// Returns whether `a` takes its turn before `b`: by rank, then by place, row by row.
+// Returns whether `a` comes before `b` in the order of insertion: by rank, then by place, row by row.
 fn is_before(a: u32, p: vec2<i32>, b: u32, q: vec2<i32>) -> bool {
     let ranks = vec2<u32>(rank_of(a), rank_of(b));
     if ranks.x != ranks.y {

@@ -2,20 +2,19 @@
 // circumcentre.rs. Floats estimate a quotient; the remainder, in 64 bits, decides it.
 // import: wide
 
-// A rounded quotient; `value` is 0 where it does not exist.
+// A rounded quotient; `value` is 0 if it does not exist.
 struct Rounded {
     exists: bool,
     value: i32,
 }
 
-// A place, as the offset from the sample at 0; `offset` is 0 where it does not exist.
+// A place, as the offset from the sample at 0; `offset` is 0 if it does not exist.
 struct Centre {
     exists: bool,
     offset: vec2<i32>,
 }
 
-// The largest magnitude of a rounded quotient that exists, 8 r. What is further from a sample
-// matters to nobody.
+// The largest magnitude of a rounded quotient that exists, 8 r. Places further from a sample are never needed.
 const ROUNDED_LIMIT: i32 = 262144;
 
 // numerator / denominator, rounded to the nearest integer, halves upwards. It exists where the

@@ -1,4 +1,4 @@
-// The clips of a cell: what each image that reaches it takes from the pattern there.
+// Clips the pattern for one cell: collects the samples that each image of a block puts into it.
 // import: frame
 
 var<private> found_places: array<u32, MAX_FOUND>;
@@ -52,7 +52,7 @@ fn clip_image(index: u32, at: vec2<i32>) {
     sort_found(before);
 }
 
-// Takes what lies in a rectangle of the pattern that does not cross its end.
+// Takes the samples in a rectangle of the pattern that does not cross its edge.
 fn clip_piece(shape: u32, start: vec2<u32>, size: vec2<u32>, to: vec2<i32>, index: u32) {
     let columns = pattern[shape + 2u];
     let starts_at = pattern[shape + 3u];

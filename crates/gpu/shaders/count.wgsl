@@ -6,7 +6,7 @@ fn run(index: u32) {
         return;
     }
     if index == frame.cells {
-        // One more, so that every cell knows where the next one begins.
+        // One more entry, so that the end of every cell's samples can be read.
         starts[index] = 0u;
         return;
     }

@@ -1,14 +1,14 @@
-// Whether one sample covers all of a cell of the dart process; and where such cells end.
+// Tests whether one sample covers all of a cell of the dart process, and computes the extent of such cells.
 // import: grid
 // import: frame
 // import: lattice
 
-// Returns the first coordinates of the domain beyond its places.
+// Returns the first coordinates beyond the domain.
 fn domain_end() -> vec2<i32> {
     return vec2<i32>(i32(frame.side_x), i32(frame.side_y)) + select(1, 0, frame.periodic != 0u);
 }
 
-// Returns how far the places of a cell of side `side` reach that lie in the domain.
+// Returns the extent of the part of a cell of side `side` that lies in the domain.
 fn extent_of(low: vec2<i32>, side: i32) -> vec2<i32> {
     return min(vec2<i32>(side), domain_end() - vec2<i32>(domain_place(low))) - 1;
 }

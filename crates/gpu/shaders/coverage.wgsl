@@ -1,5 +1,5 @@
-// Which of a cell's 8 x 8 pixels may hold a place that no sample covers: a pixel is closed when one
-// sample covers all of it. The importing pass chooses its view of the grid.
+// Finds which of a cell's 8 x 8 pixels may hold a place that no sample covers: a pixel is closed when one sample covers
+// all of it. The importing pass also imports `grid` or `grid_shared`.
 // import: frame
 // import: lattice
 
@@ -19,7 +19,7 @@ fn open_in_row(s: vec2<i32>, row: i32) -> u32 {
     if away >= R {
         return 255u;
     }
-    // Half the chord. The root of an integer below 2^30 comes within 1/4 of a unit; one unit is given away.
+    // Half the chord. The root of an integer below 2^30 is exact within 1/4 of a unit; subtract one unit to be safe.
     let half = i32(sqrt(f32(R * R - away * away)) - 1.0);
     let first = max((s.x - half + PIXEL_SIDE - 1) >> PIXEL_BITS, 0);
     let end = min((s.x + half + 1) >> PIXEL_BITS, 8);
@@ -59,14 +59,14 @@ fn pixels_inside(at: vec2<i32>) -> OpenPixels {
     let room = vec2<i32>(frame.end_x, frame.end_y) - (at << vec2<u32>(CELL_BITS)) + PIXEL_SIDE - 1;
     let ends = clamp(room >> vec2<u32>(PIXEL_BITS), vec2<i32>(0), vec2<i32>(8));
     let row = ((1u << u32(ends.x)) - 1u) * 0x01010101u;
-    // A shift by all 32 bits is none.
+    // WGSL takes shifts modulo 32, so a shift by 32 bits needs its own case.
     let low = select((1u << u32(8 * min(ends.y, 3))) - 1u, 0xffffffffu, ends.y >= 4);
     let high = select((1u << u32(8 * clamp(ends.y - 4, 0, 3))) - 1u, 0xffffffffu, ends.y == 8);
     return OpenPixels(row & low, row & high);
 }
 
-// Returns whether the square of `side` units from `low`, near the cell `at`, holds places of the domain and no
-// single sample covers them.
+// Returns whether the square of `side` units from `low`, near the cell `at`, holds places of the domain and no single
+// sample covers all of them.
 fn is_square_open(low: vec2<i32>, side: i32, at: vec2<i32>) -> bool {
     let high = min(low + side, vec2<i32>(frame.end_x, frame.end_y)) - 1;
     if any(high < low) {
@@ -87,8 +87,8 @@ fn is_square_open(low: vec2<i32>, side: i32, at: vec2<i32>) -> bool {
     return true;
 }
 
-// Returns whether a cell may hold an uncovered place, more exactly: its open pixels are cut twice, down to 1/512 r. Nearly
-// all that is left open then lies in a gap, which keeps what is unsure from spreading where there is none.
+// Returns whether a cell may hold an uncovered place, more exactly: its open pixels are cut twice, down to 1/512 r.
+// Nearly all that is left open then lies in a gap, so that cells without gaps seldom become unsure.
 fn may_be_uncovered(pixels: OpenPixels, at: vec2<i32>) -> bool {
     let corner = at << vec2<u32>(CELL_BITS);
     for (var pixel = 0u; pixel < 64u; pixel++) {

@@ -1,5 +1,5 @@
-// A round of elimination: a sample of whose conflicts before it none is undecided is decided. What is
-// decided never changes, so a round may see decisions of the same round.
+// A round of elimination: decides each sample whose earlier conflicting samples are all decided. Decisions never
+// change, so a round may use decisions of the same round.
 // import: turn
 // import: rounds
 // import: lattice
@@ -10,7 +10,7 @@ struct Before {
     unknown: bool,
 }
 
-// Looks at the samples before `turn` that cover `p`.
+// Collects the fates of the samples before `turn` that cover `p`.
 fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
     var before = Before(false, false, false);
     for (var row = at.y - 1; row <= at.y + 1; row++) {
@@ -36,7 +36,7 @@ fn look_before(me: u32, p: vec2<i32>, turn: Turn, at: vec2<i32>) -> Before {
 }
 
 fn run(index: u32) {
-    // Where the round before left nothing undecided, this one has nothing to do.
+    // If the previous round left nothing undecided, there is nothing to do.
     if index >= atomicLoad(&counters[COUNTER_CONTESTED]) || is_over() {
         return;
     }
@@ -57,7 +57,7 @@ fn run(index: u32) {
             leave_undecided();
             continue;
         } else if before.unknown || edge {
-            // Beyond the edge nothing is known.
+            // Samples beyond the edge of the frame are unknown.
             fate = FATE_UNKNOWN;
         }
         atomicStore(&places[k], word | fate);

@@ -1,11 +1,11 @@
-// The cells of a frame: every pass sees them through this.
+// Cells and places of the frame.
 
 // Returns the index of the cell (column, row), which may lie in the padding.
 fn cell_index(column: i32, row: i32) -> u32 {
     return u32((row + PAD) * i32(frame.stride) + column + PAD);
 }
 
-// Returns column and row of a cell, below 0 and beyond the last in the padding.
+// Returns column and row of a cell. In the padding they are below 0 or beyond the last.
 fn column_row(cell: u32) -> vec2<i32> {
     return vec2<i32>(i32(cell % frame.stride), i32(cell / frame.stride)) - PAD;
 }
@@ -23,7 +23,7 @@ fn cell_of(p: vec2<i32>) -> vec2<i32> {
     return p >> vec2<u32>(CELL_BITS);
 }
 
-// Returns the lattice point of the domain at a place of the frame.
+// Returns the lattice point of the domain that a place of the frame stands for.
 fn domain_place(p: vec2<i32>) -> vec2<u32> {
     let sum = vec2<u32>(frame.origin_x, frame.origin_y) + vec2<u32>(p);
     if frame.periodic == 0u {
@@ -37,7 +37,7 @@ fn in_window(p: vec2<i32>) -> bool {
         && p.y >= frame.window_min_y && p.y < frame.window_max_y;
 }
 
-// Returns whether a place is one of the frame: inside a bounded domain, not beyond the frame.
+// Returns whether a place lies in the frame, and so inside a bounded domain.
 fn holds(p: vec2<i32>) -> bool {
     return p.x >= 0 && p.y >= 0 && p.x < frame.end_x && p.y < frame.end_y;
 }
@@ -49,7 +49,7 @@ fn touches_window(at: vec2<i32>) -> bool {
         && low.y + R > frame.window_min_y && low.y < frame.window_max_y;
 }
 
-// Returns whether a cell is an outermost one on a side where the plane goes on.
+// Returns whether a cell is an outermost one on a side beyond which the plane continues.
 fn is_edge(at: vec2<i32>) -> bool {
     return (at.x == 0 && (frame.goes_on & 1u) != 0u)
         || (at.x == frame.columns - 1 && (frame.goes_on & 2u) != 0u)

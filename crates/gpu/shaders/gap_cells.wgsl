@@ -1,5 +1,5 @@
-// Lists the cells at which uniform insertion starts: those of the domain that the box around the disk of a
-// lost sample touches and no survivor covers. A cell is listed where its lowest corner lies.
+// Lists the cells at which uniform insertion starts: those in the domain that the bounding box of a lost sample's disk
+// touches and that no single survivor covers. The invocation whose cell holds its lowest corner lists it.
 // import: cover_cell
 
 // Returns whether a lost sample's box touches the cell from `low` to `low + extent`.
@@ -27,7 +27,7 @@ fn is_touched(low: vec2<i32>, extent: vec2<i32>) -> bool {
 fn first_start(at: u32, axis: u32) -> u32 {
     let into = at % GAP_SIDE;
     let up = select(0u, GAP_SIDE - into, into != 0u);
-    // The last cell ends with the domain, where the plane begins anew.
+    // The last cell ends with the domain; in a periodic plane the next one starts there.
     return min(up, u32(domain_end()[axis]) - at);
 }
 

@@ -1,4 +1,4 @@
-// Writes the window's samples in canonical order: cell by cell, in a cell row by row.
+// Writes the window's samples in canonical order: cell by cell, and row by row in a cell.
 // import: frame
 
 fn run(index: u32) {

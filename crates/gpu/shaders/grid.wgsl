@@ -1,4 +1,4 @@
-// The grid of valid samples, seen by passes that leave its flags alone.
+// The grid of valid samples, for passes that do not change its flags.
 
 fn grid_word(index: u32) -> u32 {
     return grid[index];

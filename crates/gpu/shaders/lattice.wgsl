@@ -1,7 +1,7 @@
-// The one predicate that decides everything, as core's lattice.rs.
+// The coverage test on which all decisions rest, as in core's lattice.rs.
 
 fn covers_offset(offset: vec2<i32>) -> bool {
-    // Compared with both ends: the magnitude of -2^31 is no i32.
+    // Compare with both ends, because the magnitude of -2^31 does not fit an i32.
     if any(offset < vec2<i32>(-R)) || any(offset > vec2<i32>(R)) {
         return false;
     }

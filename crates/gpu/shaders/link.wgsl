@@ -1,5 +1,5 @@
-// Gives each proposal its turn and lists it with its cell. The sequence within a cell is left to chance, and
-// nothing depends on it.
+// Gives each proposal its rank and adds it to the list of its cell. The order within a list is arbitrary, and no result
+// depends on it.
 // import: frame
 // import: random
 
@@ -9,7 +9,7 @@ fn run(index: u32) {
         return;
     }
     let p = vec2<i32>(proposals[index].x, proposals[index].y);
-    // Darts bring their ranks.
+    // Darts already have ranks.
     if job.c == 0u {
         proposals[index].rank = threefry(vec2<u32>(job.a, job.b), domain_place(p)).x;
     }

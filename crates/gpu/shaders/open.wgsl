@@ -1,10 +1,10 @@
-// Lists the cells that may hold uncovered places: those near lost samples with an open pixel. Those within
-// reach of unsure cells become unsure instead.
+// Lists the cells that may hold uncovered places: those near lost samples with an open pixel. Of these, cells within
+// reach of unsure ones become unsure instead.
 // import: grid_shared
 // import: coverage
 // import: unsure
 
-// Returns whether a lost sample, or one of which nothing is known, may have covered a place of a cell.
+// Returns whether a lost sample, or a sample of an unsure cell, may have covered a place of a cell.
 fn is_near_lost(at: vec2<i32>) -> bool {
     let reach = min(frame.lost_reach, PAD);
     for (var row = at.y - reach; row <= at.y + reach; row++) {
@@ -14,7 +14,7 @@ fn is_near_lost(at: vec2<i32>) -> bool {
             }
         }
     }
-    // With a pattern from a file every open cell counts: the padding is too narrow to look farther.
+    // A pattern from a file may need a reach beyond the padding. Then every open cell counts.
     return frame.lost_reach > PAD;
 }
 

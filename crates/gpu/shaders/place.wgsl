@@ -1,8 +1,8 @@
-// Inserts the proposals that were kept, and notes those of which nothing is known.
+// Inserts the proposals that were kept, and marks the cells of those whose fate is unknown.
 // import: proposal
 // import: unsure
 
-// Marks the cells in which the sample may make candidates.
+// Marks the cells in which the new sample may make candidates.
 fn refresh(at: vec2<i32>) {
     let reach = select(4, 3, frame.periodic != 0u);
     for (var row = at.y - reach; row <= at.y + reach; row++) {

@@ -1,9 +1,9 @@
-// The sums of what comes before, within a workgroup.
+// Prefix sums within a workgroup.
 
-// Up to each invocation's, its own included.
+// The sum up to each invocation, inclusive.
 var<workgroup> totals: array<u32, WORKGROUP>;
 
-// Returns the sum of the totals of the invocations before this one. All of a workgroup must call it.
+// Returns the sum of the totals of the invocations before this one. All invocations of the workgroup must call it.
 fn sum_before(local: u32, total: u32) -> u32 {
     totals[local] = total;
     workgroupBarrier();

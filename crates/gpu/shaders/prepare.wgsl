@@ -1,6 +1,6 @@
-// Turns counters into the workgroups of the dispatches to come.
+// Computes the workgroups of the next indirect dispatches from counters.
 
-// Writes the workgroups for `count` invocations. Those beyond do nothing.
+// Writes the workgroups for `count` invocations. Invocations beyond `count` must return at once.
 fn set_workgroups(argument: u32, count: u32) {
     let groups = (count + WORKGROUP - 1u) / WORKGROUP;
     let columns = min(groups, GROUP_COLUMNS);

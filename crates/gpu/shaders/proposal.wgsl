@@ -1,4 +1,4 @@
-// Proposals as words, for passes that decide about them.
+// Access to proposals as atomic words, for passes that change their states.
 // import: frame
 
 fn proposed_at(index: u32) -> vec2<i32> {

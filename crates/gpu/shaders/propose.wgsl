@@ -1,4 +1,4 @@
-// How a place is proposed.
+// Adds a place to the list of proposals.
 
 fn propose(p: vec2<i32>, rank: u32, sites: vec3<u32>) {
     let place = atomicAdd(&counters[COUNTER_PROPOSALS], 1u);

@@ -1,4 +1,4 @@
-// Threefry2x32-20 and what is made of its words, as core's random.rs.
+// Threefry2x32-20 and numbers made of its words, as in core's random.rs.
 // import: wide
 
 fn rotate_left(word: u32, by: u32) -> u32 {
@@ -22,7 +22,7 @@ fn threefry_second(x: vec2<u32>) -> vec2<u32> {
     return threefry_round(threefry_round(half, 16u), 24u);
 }
 
-// Written out: an index into a list of keys or rotations would put it into memory.
+// Unrolled, because an indexed array of keys or rotations would be kept in memory.
 fn threefry(key: vec2<u32>, counter: vec2<u32>) -> vec2<u32> {
     let parity = 0x1BD11BDAu ^ key.x ^ key.y;
     var x = counter + key;

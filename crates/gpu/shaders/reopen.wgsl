@@ -1,5 +1,4 @@
-// Looks again at the open cells: those within reach of cells that have become unsure, and still open, become
-// unsure, too.
+// Checks the open cells again: those that are within reach of newly unsure cells and still open become unsure, too.
 // import: grid_shared
 // import: coverage
 // import: unsure

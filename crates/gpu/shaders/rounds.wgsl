@@ -1,5 +1,5 @@
-// Rounds: each says whether it left anything undecided, in one of two counters by turns, and does nothing
-// where the one before left nothing.
+// Rounds: each notes whether it left anything undecided, in one of two alternating counters, and does nothing if the
+// round before left nothing.
 
 fn is_over() -> bool {
     return job.b == 0u && atomicLoad(&counters[COUNTER_UNDECIDED + 1u - job.a]) == 0u;

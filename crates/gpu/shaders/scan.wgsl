@@ -1,5 +1,5 @@
-// Sums up: each workgroup turns its part of a list into the sums of what comes before, within the
-// part, and keeps the part's own sum.
+// First pass of a prefix sum: each workgroup replaces its part of a list by the prefix sums within the part, and stores
+// the part's total.
 // import: prefix
 
 @compute @workgroup_size(WORKGROUP)

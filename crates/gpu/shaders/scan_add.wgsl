@@ -1,4 +1,4 @@
-// Adds to each element what comes before its part.
+// Last pass of a prefix sum: adds to each element the total of the parts before its own.
 
 fn run(index: u32) {
     if index < job.a {

@@ -1,4 +1,5 @@
-// Sums up the sums of the parts, with one workgroup; the sum of all goes to a counter.
+// Second pass of a prefix sum: one workgroup replaces the totals of the parts by their prefix sums; the sum of all goes
+// to a counter.
 // import: prefix
 
 @compute @workgroup_size(WORKGROUP)

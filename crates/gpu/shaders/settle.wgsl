@@ -1,5 +1,5 @@
-// Ends the detectors' turn, and their surroundings': what is inserted next are the next ones. Where
-// proposals did not find room there is nothing to do: the window begins anew.
+// Clears the marks of the detectors and of their surroundings; the samples inserted next are the next detectors. If the
+// proposals did not fit, nothing is cleared, since the window will be computed again.
 
 fn run(index: u32) {
     if index >= frame.cells || counters[COUNTER_PROPOSALS] > frame.proposal_capacity {

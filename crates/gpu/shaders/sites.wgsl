@@ -1,4 +1,4 @@
-// The samples that may make a candidate in a pixel: those about as near to it as the nearest one.
+// Finds the samples that may make a candidate in a pixel: those about as near to it as the nearest sample.
 // import: grid
 // import: coverage
 
@@ -6,10 +6,10 @@ var<private> site_places: array<vec2<i32>, MAX_SITES>;
 // Cell times four plus slot, and the mark of a detector.
 var<private> site_keys: array<u32, MAX_SITES>;
 var<private> sites: u32;
-// Whether a detector is among them.
+// Whether any of them is a detector.
 var<private> has_detector: bool;
 
-// How many cells away samples may be that make candidates.
+// Returns how many cells away a sample that makes a candidate may be.
 fn widest() -> i32 {
     return select(4, 3, frame.periodic != 0u);
 }
@@ -54,7 +54,7 @@ fn gather_sites(centre: vec2<i32>, at: vec2<i32>, reach: i32, limit: f32) {
     }
 }
 
-// Fills the lists above for a pixel of the cell `at`; leaves them empty where no candidate can be.
+// Fills the lists above for a pixel of the cell `at`, or leaves them empty if it can hold no candidate.
 fn find_sites(centre: vec2<i32>, at: vec2<i32>) {
     sites = 0u;
     has_detector = false;

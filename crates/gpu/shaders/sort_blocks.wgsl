@@ -1,4 +1,4 @@
-// Puts the images that reach a tile into the sequence of their blocks.
+// Sorts the list of each tile by the order of blocks.
 
 fn run(index: u32) {
     if index >= frame.tiles {

@@ -1,5 +1,4 @@
-// Says of each sample of the result where it comes from: block and pattern index, or all ones and the
-// iteration.
+// Writes the source of each sample of the result: block and pattern index, or 0xffffffff and the iteration.
 // import: frame
 
 fn source_of(place: u32, index: u32, at: vec2<i32>) -> vec2<u32> {
@@ -26,7 +25,7 @@ fn run(index: u32) {
     let at = column_row(index);
     let window_end = heads[index + 1u];
     for (var to = heads[index]; to < min(window_end, frame.result_capacity); to++) {
-        // The result holds places of the domain; the cells of both begin together.
+        // The result holds places of the domain, whose cells are aligned with the frame's.
         let p = result[to];
         let place = ((p.y & LOW) << CELL_BITS) | (p.x & LOW);
         tags[to] = source_of(place, index, at);

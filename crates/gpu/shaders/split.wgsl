@@ -1,5 +1,4 @@
-// Cuts active cells in four and keeps the quarters that no single sample covers, unless nothing can be
-// known of them.
+// Splits active cells in four and keeps the quarters that no single sample covers, except those in unsure cells.
 // import: cover_cell
 
 fn is_unsure_at(p: vec2<i32>) -> bool {
@@ -29,7 +28,7 @@ fn run(index: u32) {
         if any(place + offset >= domain_end()) {
             continue;
         }
-        // As the whole cell lies in the domain side by side, its quarters do not wrap.
+        // The cell does not wrap around the domain, so its quarters do not either.
         let extent = min(vec2<i32>(half), domain_end() - place - offset) - 1;
         if !is_cell_covered(low, extent) && !is_unsure(low, half - 1) {
             let to = atomicAdd(&counters[COUNTER_NEXT_ACTIVE], 1u);

@@ -1,5 +1,5 @@
-// Lets the cells around newly unsure ones know: those within reach, where what is open may be filled by
-// samples that are not known, and the next ones, where insertions may be in conflict with such.
+// Marks the cells around newly unsure ones: those within reach, whose open places unknown samples may fill, and the
+// adjacent ones, where insertions may be in conflict with unknown samples.
 // import: frame
 
 fn run(index: u32) {

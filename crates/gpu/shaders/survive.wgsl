@@ -1,4 +1,4 @@
-// Puts the survivors into the grid, and notes where samples were lost and where nothing is known.
+// Puts the survivors into the grid, and flags cells where samples were lost and cells with unknown samples.
 // import: frame
 
 fn run(index: u32) {
@@ -26,7 +26,7 @@ fn run(index: u32) {
             if holds(p) {
                 eliminated += u32(in_window(p));
             } else {
-                // Counted where the domain is nearest.
+                // Counted at the nearest place of the domain.
                 let nearest = clamp(p, vec2<i32>(0), vec2<i32>(frame.end_x, frame.end_y) - 1);
                 atomicAdd(&counters[COUNTER_DROPPED], u32(in_window(nearest)));
             }

@@ -1,4 +1,4 @@
-// Throws a level's darts: each active cell draws its own. Those that no sample covers are proposed.
+// Throws a level's darts: each active cell draws its own. Darts that no sample covers are proposed.
 // import: cover_cell
 // import: random
 // import: propose

@@ -1,8 +1,8 @@
-// Tiles: writes each cell's samples where its count says, and lists the cells whose samples may be in
-// conflict: those that more than one image reaches to within r.
+// Tiles: writes each cell's samples at its start in the list, and lists the cells whose samples may be in conflict:
+// those with more than one image within r.
 // import: clip
 
-// Returns how many images reach a cell, or its surroundings of r.
+// Returns how many images come within r of a cell.
 fn reaching(at: vec2<i32>) -> u32 {
     let low = (at << vec2<u32>(CELL_BITS)) - R;
     let high = low + 3 * R;

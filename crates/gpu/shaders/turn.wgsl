@@ -1,5 +1,5 @@
-// The turn of a tiled sample in the order of elimination: rank, then block, then place in the clip,
-// row by row: the sequence of the samples' ids.
+// The position of a tiled sample in the order of elimination: rank, then id, which means block, then place in the clip,
+// row by row.
 // import: frame
 // import: random
 
@@ -23,7 +23,7 @@ fn turn_of(p: vec2<i32>, image_index: u32) -> Turn {
         let cell = min(vec2<i32>(domain_place(p)) / vec2<i32>(frame.phase_cell_x, frame.phase_cell_y), count - 1) & vec2<i32>(1);
         rank = (frame.phase_sequence >> (4u * u32(cell.y * 2 + cell.x))) & 15u;
     }
-    // Modulo 2^32 exact: places in a clip are below that.
+    // Exact modulo 2^32, since places in a clip are smaller.
     return Turn(rank, image.sequence, u32(p.y) - image.corner_y, u32(p.x) - image.corner_x);
 }
 

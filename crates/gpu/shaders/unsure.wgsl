@@ -1,4 +1,4 @@
-// How a cell becomes unsure.
+// Makes cells unsure: whether some samples are in them depends on what lies beyond the frame.
 // import: frame
 
 fn make_unsure(cell: u32, at: vec2<i32>) {
@@ -15,7 +15,7 @@ fn make_unsure(cell: u32, at: vec2<i32>) {
     }
 }
 
-// Makes a cell unsure in which samples may be inserted that are not known.
+// Makes a cell unsure because unknown samples may be inserted in it, and marks its neighbours as hot.
 fn make_hot(cell: u32, at: vec2<i32>) {
     make_unsure(cell, at);
     for (var row = at.y - 1; row <= at.y + 1; row++) {

@@ -1,5 +1,5 @@
-// 64-bit integers in two's complement: x holds the low word, y the high one. Results are modulo
-// 2^64; what fits 64 bits is exact.
+// 64-bit integers in two's complement: x holds the low word, y the high one. Results are modulo 2^64, so results that
+// fit 64 bits are exact.
 
 fn wide_from(a: i32) -> vec2<u32> {
     // The shift spreads the sign over the high word.
@@ -53,8 +53,8 @@ fn wide_times(a: vec2<u32>, b: i32) -> vec2<u32> {
     return vec2<u32>(a.x * word, multiply_high(a.x, word) + a.y * word - excess);
 }
 
-// The squared length. It is 2^63, which only an unsigned reading shows, where both components are
-// -2^31, and less, so never negative, everywhere else.
+// The squared length. If both components are -2^31 it is 2^63, which is correct only as an unsigned number; otherwise
+// it is less, and never negative.
 fn wide_norm_squared(d: vec2<i32>) -> vec2<u32> {
     return wide_add(wide_multiply(d.x, d.x), wide_multiply(d.y, d.y));
 }

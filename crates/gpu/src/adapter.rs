@@ -1,18 +1,19 @@
-//! Adapters and devices: which there are, what they allow, how one is opened, what befell it.
+//! Adapters and devices: lists adapters with their limits, opens a device, reads buffers back, and notes device
+//! failures.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::GpuError;
 use crate::kernels::Kernels;
 
-/// What an adapter is and allows.
+/// An adapter and its limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdapterReport {
-    /// Its name, as the driver gives it.
+    /// Its name, from the driver.
     pub name: String,
     /// The programming interface: vulkan, metal, dx12, webgpu.
     pub backend: String,
-    /// What it is: a discrete, integrated or virtual GPU, or a program on the CPU.
+    /// Its kind: a discrete, integrated or virtual GPU, or software on the CPU.
     pub kind: &'static str,
     /// Whether it computes on the CPU.
     pub is_software: bool,
@@ -20,7 +21,7 @@ pub struct AdapterReport {
     pub driver: String,
     /// Whether it can time passes.
     pub has_timestamps: bool,
-    /// What it allows of what the engine needs.
+    /// The limits that matter to the engine.
     pub limits: Limits,
 }
 
@@ -29,32 +30,32 @@ pub struct AdapterReport {
 pub struct Limits {
     /// The longest buffer, in bytes.
     pub max_buffer_size: u64,
-    /// The longest part of a buffer that a pass may see, in bytes.
+    /// The longest part of a buffer that a pass may bind, in bytes.
     pub max_storage_buffer_binding_size: u64,
     /// Workgroups along one axis.
     pub max_compute_workgroups_per_dimension: u32,
-    /// Storage buffers that a pass may see.
+    /// Storage buffers that a pass may bind.
     pub max_storage_buffers_per_shader_stage: u32,
 }
 
-/// The storage buffers that the widest pass sees: what WebGPU guarantees.
+/// The most storage buffers that a pass binds, which is what WebGPU guarantees.
 pub(crate) const MAX_STORAGE_BUFFERS: u32 = 8;
 
-/// The rows of workgroups, `GROUP_COLUMNS` wide, that the largest frame takes: an invocation for each of the 8 rows of
-/// pixels of 2^28 open cells.
+/// Rows of `GROUP_COLUMNS` workgroups for the largest frame: an invocation for each of the 8 rows of pixels of 2^28
+/// open cells.
 const MAX_GROUP_ROWS: u64 = 32_769;
 
-/// Bytes that are read back at a time.
+/// Bytes read back at a time.
 const STAGING: u64 = 64 << 20;
 
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// Its name or a part of it, in any case of letters; the fastest, if not given.
+    /// Its name or a part of it, ignoring case. If not given, the fastest adapter.
     pub name: Option<String>,
-    /// Whether one that computes on the CPU may serve, where no name is given.
+    /// Whether a software adapter may be chosen if no name is given.
     pub software: bool,
-    /// Limits to stay within, besides the adapter's own.
+    /// Further limits, besides the adapter's own.
     pub limits: Option<Limits>,
 }
 
@@ -67,7 +68,7 @@ pub struct Gpu {
     pub(crate) kernels: Kernels,
 }
 
-/// What befell a device.
+/// A failure that a device reported.
 #[derive(Clone, Debug)]
 enum Trouble {
     Lost(String),
@@ -83,7 +84,7 @@ impl std::fmt::Debug for Gpu {
     }
 }
 
-/// Returns the backends that run compute passes.
+/// The backends that run compute passes.
 const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
 
 fn instance() -> wgpu::Instance {
@@ -92,7 +93,7 @@ fn instance() -> wgpu::Instance {
     wgpu::Instance::new(descriptor)
 }
 
-/// Returns what adapters there are, the fastest kind first. In a browser there is at most one.
+/// Returns the adapters, the fastest kind first. In a browser there is at most one.
 pub async fn adapters() -> Vec<AdapterReport> {
     let instance = instance();
     found(&instance).await.iter().map(report_of).collect()
@@ -145,7 +146,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
             max_compute_workgroups_per_dimension: limits.max_compute_workgroups_per_dimension,
             max_storage_buffers_per_shader_stage: limits.max_storage_buffers_per_shader_stage,
         },
-        // Browsers keep it to themselves.
+        // Browsers do not give the name.
         name: if info.name.is_empty() {
             format!("{} adapter", info.backend)
         } else {
@@ -154,7 +155,7 @@ fn report_of(adapter: &wgpu::Adapter) -> AdapterReport {
     }
 }
 
-/// Browsers do not say that an adapter is a program; its name does.
+/// Browsers do not report whether an adapter is software, but its name shows it.
 fn is_known_software(name: &str) -> bool {
     let name = name.to_lowercase();
     ["llvmpipe", "swiftshader", "softpipe", "basic render"]
@@ -165,8 +166,8 @@ fn is_known_software(name: &str) -> bool {
 impl Gpu {
     /// Returns the device of the adapter that `choice` names.
     ///
-    /// Fails when there is none, when the only ones compute on the CPU and that was not asked for, and
-    /// when a limit is below what every run needs.
+    /// Fails when there is no such adapter, when only software adapters exist and none was asked for, and when a limit
+    /// is too low for any run.
     pub async fn open(choice: &Choice) -> Result<Self, GpuError> {
         let instance = instance();
         let adapter = choose(found(&instance).await, choice)?;
@@ -205,21 +206,22 @@ impl Gpu {
         })
     }
 
-    /// Returns what the adapter is and allows.
+    /// Returns the adapter's report.
     #[must_use]
     pub const fn report(&self) -> &AdapterReport {
         &self.report
     }
 
-    /// Returns the device and its queue, for passes beside the engine's.
+    /// Returns the device and its queue, for passes other than the engine's.
     #[must_use]
     pub const fn device(&self) -> (&wgpu::Device, &wgpu::Queue) {
         (&self.device, &self.queue)
     }
 
-    /// Fails when the device is gone or has refused something; memory that it lacked once may be there later.
+    /// Fails when the device is lost, has rejected a command, or has run out of memory. The last is reported once,
+    /// since memory may be free later.
     pub(crate) fn check(&self) -> Result<(), GpuError> {
-        // A lost device refuses everything, and may do so before it says that it is lost.
+        // A lost device rejects all commands, and may do so before it reports the loss.
         #[cfg(not(target_arch = "wasm32"))]
         if matches!(*self.trouble(), Some(Trouble::Refused(_))) {
             let _ = self.device.poll(wgpu::PollType::Poll);
@@ -244,7 +246,7 @@ impl Gpu {
         self.trouble.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the bytes of a buffer, which must be a source of copies. The device is drained first.
+    /// Returns bytes of a buffer, which must have the usage `COPY_SRC`. Waits for all submitted commands.
     pub async fn read(
         &self,
         buffer: &wgpu::Buffer,
@@ -275,7 +277,7 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
         let (sender, receiver) = futures_channel::oneshot::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| {
-            // A reader that is gone does not want it.
+            // Ignore a receiver that was dropped.
             let _ = sender.send(result);
         });
         self.drain();
@@ -283,7 +285,7 @@ impl Gpu {
         self.check()?;
         let refused = |reason: String| GpuError::DeviceLost { reason };
         mapped
-            .map_err(|_| refused("a readback never ended".to_owned()))?
+            .map_err(|_| refused("a readback was dropped".to_owned()))?
             .map_err(|error| refused(error.to_string()))?;
         let view = staging
             .get_mapped_range(..)
@@ -292,8 +294,8 @@ impl Gpu {
         Ok(())
     }
 
-    /// Copies `bytes` bytes on the device `times` times and waits for the end: what its memory can do at best, to be
-    /// timed by the caller. Every copy reads and writes them.
+    /// Copies `bytes` bytes on the device `times` times and waits for the end. A caller that times this gets the
+    /// device's memory bandwidth: every copy reads and writes all bytes.
     pub async fn copy(&self, bytes: u64, times: u32) -> Result<(), GpuError> {
         let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let length = bytes.min(self.report.limits.max_buffer_size) / 4 * 4;
@@ -311,9 +313,9 @@ impl Gpu {
         self.read(&to, 0..4).await.map(|_| ())
     }
 
-    /// Waits for the device where waiting is possible; in a browser the event loop brings the answers.
+    /// Waits for the device. In a browser, where waiting is impossible, the event loop delivers the results.
     pub(crate) fn drain(&self) {
-        // A failure shows in the answer that does not come.
+        // A failure shows later, as a missing result.
         #[cfg(not(target_arch = "wasm32"))]
         let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
     }
@@ -335,11 +337,11 @@ impl Gpu {
     }
 }
 
-/// Notes what befalls a device: without that, what no one catches would end the program.
+/// Notes failures of a device. Without these callbacks wgpu would panic.
 fn watch(device: &wgpu::Device, trouble: &Arc<Mutex<Option<Trouble>>>) {
     let note = |trouble: &Mutex<Option<Trouble>>, new: Trouble| {
         let mut known = trouble.lock().unwrap_or_else(PoisonError::into_inner);
-        // The first trouble brings others; a loss counts whenever it is told.
+        // Later failures follow from the first, except a loss, which always counts.
         if known.is_none() || matches!(new, Trouble::Lost(_)) {
             *known = Some(new);
         }
@@ -376,7 +378,7 @@ impl Limits {
 }
 
 impl AdapterReport {
-    /// Fails when a limit is below what every run needs.
+    /// Fails when a limit is too low for any run.
     fn check(&self) -> Result<(), GpuError> {
         let needed: [(&'static str, u64, u64); 2] = [
             (
@@ -404,7 +406,7 @@ impl AdapterReport {
     }
 }
 
-/// Returns what is missing where there is no adapter, on a page or on a system.
+/// Returns why there is no adapter.
 const fn missing(is_page: bool) -> &'static str {
     if is_page {
         "the browser has no WebGPU, or offers it only to pages that come by https"
@@ -444,6 +446,6 @@ fn choose(adapters: Vec<wgpu::Adapter>, choice: &Choice) -> Result<wgpu::Adapter
         .into_iter()
         .nth(place)
         .ok_or_else(|| GpuError::NoAdapter {
-            reason: "it went away".to_owned(),
+            reason: "the adapter is gone".to_owned(),
         })
 }

@@ -1,4 +1,4 @@
-//! The constants that shaders share with Rust: emitted, never kept in step by hand.
+//! The constants that shaders share with Rust. WGSL declarations are emitted from these, so the two cannot differ.
 
 use std::fmt::Write as _;
 
@@ -16,12 +16,12 @@ pub const WORKGROUP: u32 = 64;
 /// Workgroups in a row of a dispatch.
 pub const GROUP_COLUMNS: u32 = 1024;
 
-/// Cells along the side of a tile, for which the images of blocks are listed that reach it.
+/// Cells along the side of a tile. For each tile the images of blocks that reach it are listed.
 pub const TILE_SIDE: u32 = 8;
 
-/// Words of a tile's list: a count and room for 19 images. Blocks have sides of 6r at least; of those that,
-/// enlarged by r, come within r of a tile of 8r each shares a 6 x 6 r square with a square of 12r, and 24 x 24 r
-/// hold at most 16 of those.
+/// Words of a tile's list: a count and room for 19 images. Blocks have sides of at least 6r. Each block that, enlarged
+/// by r, comes within r of a tile of 8r contains a 6 x 6 r square that touches the tile's surrounding square of 12r;
+/// these squares lie within 24 x 24 r, which hold at most 16 of them.
 pub const TILE_WORDS: u32 = 20;
 
 /// The most samples tiled in a cell: at most 6 blocks reach it (as above, 15 x 15 r), and of each at most four
@@ -32,23 +32,23 @@ pub const MAX_FOUND: u32 = 24;
 /// farther than r from each other: fewer than 24.
 pub const MAX_SITES: u32 = 32;
 
-/// Elements of a list that an invocation, and a workgroup, sums up.
+/// Elements of a list that one invocation sums up in a scan.
 pub const SCAN_EACH: u32 = 16;
-/// See [`SCAN_EACH`].
+/// Elements that one workgroup sums up.
 pub const SCAN_PART: u32 = SCAN_EACH * WORKGROUP;
 
 /// Sides of a pixel, in units: an eighth of a cell.
 const PIXEL_BITS: u32 = CELL_BITS - 3;
 
-/// How far the places of a pixel may be from the one taken for its centre: 2048 units on each axis.
+/// The largest distance of a place in a pixel from its centre: 2048 units on each axis.
 const HALF_DIAGONAL: f32 = 2_897.5;
 
-/// How much farther from a candidate than the nearest sample its own samples may be: their squared distances
-/// differ by less than 22 R (12 R by definition, 9.7 R by rounding), at distances above R that is 11 units; the
-/// rest is for f32.
+/// How much farther from a candidate its own samples may be than the nearest sample. Their squared distances differ by
+/// less than 22 R (12 R by definition, 9.7 R by rounding), which is 11 units at distances above R; the rest allows for
+/// f32.
 const SITE_SLACK: f32 = 12.5;
 
-/// What shaders report as impossible.
+/// Faults that shaders report. None of them can happen in a correct program, except `FAULT_TILED`.
 pub const FAULTS: &[(&str, u32)] = &[
     ("FAULT_IMAGES", 1),
     ("FAULT_CROWDED", 2),
@@ -60,29 +60,30 @@ pub const FAULTS: &[(&str, u32)] = &[
 /// The fault that more room for tiled samples mends.
 pub const FAULT_TILED: u32 = 3;
 
-/// What `prepare` does besides: it notes that unsure cells have spread.
+/// A flag of `prepare`: also note that all unsure cells have been spread.
 pub const PREPARE_SPREAD: u32 = 1;
-/// It turns to the next level of uniform insertion.
+/// A flag of `prepare`: also go on to the next level of uniform insertion.
 pub const PREPARE_LEVEL: u32 = 2;
 
-/// What became of a proposal.
+/// The state of a proposal that was inserted.
 pub const PROPOSAL_PLACED: u32 = 4;
 
-/// No sample.
+/// Stands for no sample.
 pub const NO_SITE: u32 = 0x7fff_ffff;
 
-/// The bits of a tiled sample's word that say where in its cell it lies.
+/// The bits of a tiled sample's word that hold its offset in the cell.
 pub const PLACE_MASK: u32 = 0x3fff_ffff;
 /// The bits that say what became of it.
 pub const FATE_MASK: u32 = 0xc000_0000;
-/// It is in the grid.
+/// The sample was kept and is in the grid.
 pub const FATE_KEPT: u32 = 0x4000_0000;
-/// It was eliminated, or dropped.
+/// The sample was eliminated or dropped.
 pub const FATE_LOST: u32 = 0x8000_0000;
 
-/// Flags of a cell of the grid: something in it is not known.
+/// Flags of a cell of the grid: whether some samples are in it is unknown, since that depends on what lies beyond the
+/// frame.
 pub const FLAG_UNSURE: u32 = 4;
-/// Next to a cell of which something is not known.
+/// It is next to an unsure cell.
 pub const FLAG_HOT: u32 = 16;
 /// A sample was eliminated or dropped in it.
 pub const FLAG_LOST: u32 = 32;
@@ -95,7 +96,7 @@ pub const DETECTOR: u32 = 0x4000_0000;
 /// The number of samples in the last word of a cell of the grid.
 pub const COUNT_MASK: u32 = 3;
 
-/// Arguments of indirect dispatches, by their place.
+/// Arguments of indirect dispatches, numbered by position.
 pub const ARGUMENTS: &[&str] = &[
     "ARGUMENT_CONTESTED",
     "ARGUMENT_OPEN",
@@ -105,7 +106,7 @@ pub const ARGUMENTS: &[&str] = &[
     "ARGUMENT_ACTIVE",
 ];
 
-/// Orders of elimination, as shaders number them: as core's `Order`, in its sequence.
+/// Orders of elimination, numbered as the variants of core's `Order`.
 pub const ORDERS: &[&str] = &[
     "ORDER_INDEX",
     "ORDER_RANDOM",

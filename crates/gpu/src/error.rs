@@ -1,4 +1,4 @@
-//! Everything that can go wrong on a device, one variant a cause.
+//! Errors of the GPU engine, with one variant for each cause.
 
 use thiserror::Error;
 use tilescope_core::{ParameterError, SampleError};
@@ -10,15 +10,15 @@ pub enum GpuError {
     /// There is no adapter at all.
     #[error("no GPU adapter was found: {reason}")]
     NoAdapter {
-        /// What the system says.
+        /// The reason, from the system.
         reason: String,
     },
     /// No adapter has the wanted name.
-    #[error("no GPU adapter is called {wanted:?}; there are: {}", found.join(", "))]
+    #[error("no GPU adapter is called {wanted:?}; the adapters are: {}", found.join(", "))]
     NoSuchAdapter {
         /// What was asked for.
         wanted: String,
-        /// The names of those that are there.
+        /// The names of the existing adapters.
         found: Vec<String>,
     },
     /// The only adapters compute on the CPU.
@@ -27,15 +27,15 @@ pub enum GpuError {
         /// Its name.
         name: String,
     },
-    /// An adapter gives no device.
-    #[error("the adapter {name} gives no device: {reason}")]
+    /// An adapter could not open a device.
+    #[error("the adapter {name} could not open a device: {reason}")]
     NoDevice {
         /// Its name.
         name: String,
-        /// What the driver says.
+        /// The driver's message.
         reason: String,
     },
-    /// The device cannot do what every run needs.
+    /// A limit of the device is too low for any run.
     #[error("the adapter {name} allows {limit} = {value}; the engine needs at least {minimum}")]
     LimitTooLow {
         /// The adapter's name.
@@ -47,7 +47,7 @@ pub enum GpuError {
         /// What the engine needs.
         minimum: u64,
     },
-    /// Even the smallest window is too large for the memory that may be used.
+    /// A window is too large for the memory that may be used.
     #[error(
         "a window of {cells} x {cells} cells needs {needed} bytes on the device; {limit} allows {allowed}"
     )]
@@ -61,48 +61,48 @@ pub enum GpuError {
         /// What it allows.
         allowed: u64,
     },
-    /// A run that is to be kept stage by stage does not fit in one go.
+    /// A run whose stages are recorded must fit the device in one window, and does not.
     #[error(
-        "a run of {needed} x {needed} cells does not fit the device in one go ({allowed} x {allowed} do), so that its stages cannot be looked at; its result can be computed in windows"
+        "a run of {needed} x {needed} cells does not fit the device in one go ({allowed} x {allowed} do), so its stages cannot be inspected; its result can still be computed in windows"
     )]
     NotInOneGo {
-        /// Cells along the longer side, with what is computed around the domain.
+        /// Cells along the longer side of the domain.
         needed: u32,
-        /// Cells along the side that the device can take.
+        /// Cells along the longest side that fits the device.
         allowed: u32,
     },
     /// The driver has no memory left.
     #[error("the device has no memory left; choose another engine")]
     OutOfMemory,
-    /// The device is gone: removed, reset, or taken away by the system.
+    /// The device is lost: removed, reset, or revoked by the system.
     #[error("the device was lost: {reason}")]
     DeviceLost {
-        /// What the driver says.
+        /// The driver's message.
         reason: String,
     },
-    /// The driver refuses a command: a fault of the program.
-    #[error("the device refuses a command: {reason}; this is a fault of the program")]
+    /// The driver rejected a command: a bug in this program.
+    #[error("the device rejected a command: {reason}; this is a bug in the program")]
     Refused {
-        /// What the driver says.
+        /// The driver's message.
         reason: String,
     },
-    /// A pass met what cannot happen: a fault of the program or of the driver.
+    /// A pass found its data inconsistent: a bug in this program or in the driver.
     #[error(
-        "the stage {stage} met on the device what cannot happen (fault {code}); use another engine"
+        "the data of the stage {stage} on the device is inconsistent (fault {code}); use another engine"
     )]
     Fault {
         /// The stage in which the counters showed it.
         stage: tilescope_core::Stage,
-        /// What was met, as `FAULTS` in the crate's constants numbers it.
+        /// The kind of fault, numbered by `FAULTS` in constants.rs.
         code: u32,
     },
-    /// A stage was asked for that the GPU does not run, or an order of stages that makes no sense.
+    /// The GPU cannot begin with the requested stage.
     #[error("the GPU cannot begin with the stage {stage}")]
     FirstStage {
         /// The stage.
         stage: tilescope_core::Stage,
     },
-    /// The run itself fails, on any engine.
+    /// The run itself fails, whatever the engine.
     #[error(transparent)]
     Sample(#[from] SampleError),
 }
@@ -114,8 +114,8 @@ impl From<ParameterError> for GpuError {
 }
 
 impl GpuError {
-    /// Returns whether another engine may well succeed: the device fails, not the run. That goes for samples that
-    /// depend on too much around them, too: other engines look farther.
+    /// Returns whether another engine may succeed, because the device failed and not the run. This includes samples
+    /// that depend on too wide a surrounding, since the CPU engines allow wider halos.
     #[must_use]
     pub const fn is_of_the_device(&self) -> bool {
         !matches!(self, Self::Sample(error) if !matches!(error, SampleError::Entangled { .. }))

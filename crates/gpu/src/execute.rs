@@ -12,36 +12,36 @@ use crate::error::GpuError;
 use crate::layout::{Job, Name};
 use crate::pass_report::PassReport;
 use crate::passes::{Command, Pass, Size};
-use crate::plan::{Phase, Plan};
+use crate::plan::{Phase, WindowPlan};
 use crate::setup::Setup;
 
-/// The place of a job in its buffer: what every device allows.
+/// Bytes from one job to the next in their buffer: the alignment that every device supports.
 const JOB_STRIDE: u64 = 256;
 
-/// The most passes that are timed in one go.
+/// The most passes timed in one submission.
 const MAX_TIMED: u32 = 1024;
 
-/// What is kept for those who look.
+/// How much is recorded for inspection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Looks {
+pub(crate) enum Recording {
     /// Nothing.
-    Away,
+    Nothing,
     /// Reports of passes.
-    AtPasses,
-    /// Everything: reports, and what stages leave behind.
-    AtStages,
+    Passes,
+    /// Reports of passes, and the buffers that stages leave behind.
+    Stages,
 }
 
-/// A window's buffers.
+/// The buffers of a window, and the commands run on them.
 pub(crate) struct Device {
     gpu: Arc<Gpu>,
     buffers: BTreeMap<Name, (wgpu::Buffer, u64)>,
     jobs: wgpu::Buffer,
     highest_bytes: u64,
-    looks: Looks,
-    /// How often the active cells of the next level took the place of the level's.
+    recording: Recording,
+    /// How often the two lists of active cells were swapped.
     pub swaps: u32,
-    /// The passes so far, if they are to be reported.
+    /// The passes so far, if they are reported.
     pub reports: Option<Vec<PassReport>>,
     times: Option<Times>,
 }
@@ -50,25 +50,25 @@ pub(crate) struct Device {
 struct Times {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
-    /// Places in the reports of the passes timed since the last reading.
+    /// Indices into the reports of the passes timed since the last reading.
     pending: Vec<usize>,
     period_ns: f64,
 }
 
 impl Device {
-    /// Returns buffers for the beginning of a plan: those of `before` where they are long enough.
+    /// Returns the buffers for the first phase of a plan. Buffers of `before` are reused where they are long enough.
     ///
-    /// Fails when the device has no room for them.
+    /// Fails when the device has no memory for them.
     pub(crate) async fn new(
         gpu: &Arc<Gpu>,
         setup: &Setup,
-        plan: &Plan,
+        plan: &WindowPlan,
         before: Option<Self>,
-        looks: Looks,
+        recording: Recording,
     ) -> Result<Self, GpuError> {
         let mut device = match before {
             Some(device) => device,
-            None => Self::empty(gpu, looks)?,
+            None => Self::empty(gpu, recording)?,
         };
         device.enter(setup, plan, Phase::Tile).await?;
         device.write(Name::Frame, bytemuck::bytes_of(&plan.uniform))?;
@@ -79,25 +79,24 @@ impl Device {
         Ok(device)
     }
 
-    /// Lets go of the buffers that a phase no longer needs, and makes those that it needs and that are not there or
-    /// too short.
+    /// Frees the buffers that a phase does not need, and allocates those that are missing or too short.
     pub(crate) async fn enter(
         &mut self,
         setup: &Setup,
-        plan: &Plan,
+        plan: &WindowPlan,
         phase: Phase,
     ) -> Result<(), GpuError> {
-        let looks = self.looks == Looks::AtStages;
-        let mut lengths = plan.lengths(setup, looks);
+        let keeps_stages = self.recording == Recording::Stages;
+        let mut lengths = plan.lengths(setup, keeps_stages);
         lengths.push((Name::Frame, size_of_val(&plan.uniform) as u64));
-        lengths.retain(|(name, _)| looks || phase.needs(*name, setup.sources));
-        // First let go, so that memory is there.
+        lengths.retain(|(name, _)| keeps_stages || phase.needs(*name, setup.sources));
+        // Free first, to have the memory.
         self.buffers.retain(|name, (_, have)| {
             lengths
                 .iter()
                 .any(|(needed, length)| needed == name && *have >= *length)
         });
-        // A browser tells later, and only to those who asked before.
+        // A browser reports a lack of memory later, and only to an error scope opened before.
         let scope = self
             .gpu
             .device
@@ -115,20 +114,20 @@ impl Device {
         self.gpu.check()
     }
 
-    fn empty(gpu: &Arc<Gpu>, looks: Looks) -> Result<Self, GpuError> {
+    fn empty(gpu: &Arc<Gpu>, recording: Recording) -> Result<Self, GpuError> {
         let jobs = gpu.buffer(
             "jobs",
             JOB_STRIDE * u64::from(MAX_TIMED),
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         )?;
-        let reports = looks != Looks::Away;
+        let reports = recording != Recording::Nothing;
         let times = reports && gpu.report().has_timestamps;
         Ok(Self {
             gpu: Arc::clone(gpu),
             buffers: BTreeMap::new(),
             jobs,
             highest_bytes: 0,
-            looks,
+            recording,
             swaps: 0,
             reports: reports.then(Vec::new),
             times: times.then(|| Times::new(gpu)).transpose()?,
@@ -141,7 +140,7 @@ impl Device {
     }
 
     fn allocate(&mut self, name: Name, length: u64) -> Result<(), GpuError> {
-        // No buffer is empty: shaders may not see such a one.
+        // WebGPU does not allow bindings of length 0.
         let length = length.max(32).next_multiple_of(4);
         let usage = if name == Name::Frame {
             wgpu::BufferUsages::UNIFORM
@@ -156,7 +155,7 @@ impl Device {
         Ok(())
     }
 
-    /// Writes the beginning of a buffer. Fails where it is too short.
+    /// Writes the beginning of a buffer. Fails if the buffer is too short.
     pub(crate) fn write(&self, name: Name, bytes: &[u8]) -> Result<(), GpuError> {
         match self.buffers.get(&name) {
             Some((buffer, length)) if bytes.len() as u64 <= *length => {
@@ -178,7 +177,7 @@ impl Device {
         }
     }
 
-    /// Returns a buffer's length in bytes, or 0 where there is none.
+    /// Returns a buffer's length in bytes, or 0 if it is not allocated.
     pub(crate) fn length(&self, name: Name) -> u64 {
         self.buffers.get(&name).map_or(0, |(_, length)| *length)
     }
@@ -364,7 +363,7 @@ impl Device {
         });
     }
 
-    /// Fills in how many workgroups the last pass had, where the device computed them.
+    /// Fills in the number of workgroups of the last pass, if the device computed it.
     pub(crate) async fn read_workgroups(&mut self, command: &Command) -> Result<(), GpuError> {
         let Command::Dispatch {
             size: Size::Indirect(argument),
@@ -409,7 +408,7 @@ impl Device {
         if let Some(reports) = &mut self.reports {
             for (place, pair) in pending.iter().zip(ticks.chunks_exact(2)) {
                 let elapsed = pair[1].saturating_sub(pair[0]) as f64;
-                // A device may decline to measure; then both are 0.
+                // A device that does not measure leaves both at 0.
                 reports[*place].seconds = (pair[1] > 0).then_some(elapsed * times.period_ns * 1e-9);
             }
         }
@@ -437,7 +436,7 @@ impl Times {
         })
     }
 
-    /// Returns the place of the next pass' two times, or `None` where there is no more room.
+    /// Returns the index of the next pass' two timestamps, or `None` if there is no more room.
     fn next(&mut self) -> Option<u32> {
         let first = 2 * self.pending.len() as u32;
         (first + 2 <= MAX_TIMED).then_some(first)
@@ -448,7 +447,7 @@ fn invocations(workgroups: [u32; 3]) -> u64 {
     workgroups.map(u64::from).iter().product::<u64>() * u64::from(WORKGROUP)
 }
 
-/// Returns the workgroups of a dispatch that the host sizes.
+/// Returns the workgroups of a dispatch whose size the host knows.
 pub(crate) fn workgroups(size: Size) -> [u32; 3] {
     let groups = match size {
         Size::Invocations(count) => count.div_ceil(WORKGROUP.into()),

@@ -1,25 +1,26 @@
-//! How large a window a device can take: its limits and its memory, compared with what a window needs; and the halo and
-//! the number of tries with which every window begins.
+//! How large a window fits a device: the device's limits and memory compared with what a window needs. Also the initial
+//! halo and the number of tries of every window.
 
 use tilescope_core::{Point, R, Rect};
 
 use crate::adapter::{AdapterReport, Limits};
 use crate::error::GpuError;
-use crate::plan::{MAX_CELLS, MAX_SIDE, Plan, Room};
+use crate::plan::{MAX_CELLS, MAX_SIDE, Room, WindowPlan};
 use crate::setup::Setup;
 
-/// Cells around a window that are computed with it at first: what depends on what lies beyond rarely comes
-/// half as far, and then the window is computed again with twice as many.
+/// Initial width of the halo in cells. Dependence on what lies beyond it rarely reaches half as far; if it does reach
+/// the window, the window is computed again with twice the halo.
 pub(crate) const HALO: i32 = 24;
 
 /// The shortest side of a window, in cells.
 pub(crate) const MIN_SIDE: u32 = 8;
 
-/// How often a window may ask for more room before that counts as a fault.
+/// How often a window may need more room before that counts as a fault.
 pub(crate) const MAX_TRIES: usize = 8;
 
-/// Memory to use where nobody said how much: WebGPU does not tell what there is. A discrete GPU has more than the
-/// first, everything else than the second; where it has not, windows become smaller.
+/// Bytes of memory to use if the caller sets no limit, since WebGPU does not report how much there is. Nearly all
+/// discrete GPUs have more than the first, other devices more than the second. Where memory runs out, windows become
+/// smaller.
 const MEMORY_OF_DISCRETE: u64 = 6 << 30;
 const MEMORY_OF_OTHERS: u64 = 1 << 30;
 
@@ -34,7 +35,7 @@ pub(crate) fn memory_of(report: &AdapterReport, wanted: Option<u64>) -> u64 {
 
 /// Returns the plan of a window that the device can take.
 ///
-/// Fails with [`GpuError::TooLittleMemory`] where it cannot.
+/// Fails with [`GpuError::TooLittleMemory`] if it does not fit.
 pub(crate) fn plan(
     setup: &Setup,
     window: &Rect,
@@ -42,7 +43,7 @@ pub(crate) fn plan(
     room: Option<Room>,
     limits: &Limits,
     memory: u64,
-) -> Result<Plan, GpuError> {
+) -> Result<WindowPlan, GpuError> {
     let cells = |low: i32, high: i32| ((high - 1) / R - low / R + 1) as u64;
     let width = cells(window.min.x, window.max.x);
     let height = cells(window.min.y, window.max.y);
@@ -58,7 +59,7 @@ pub(crate) fn plan(
             allowed,
         })
     };
-    // Before anything is computed that grows with the window.
+    // Check first what can be checked without memory that grows with the window.
     let (bytes, around) = (16, 2 * halo as u64);
     let binding = limits.max_storage_buffer_binding_size;
     check(
@@ -77,7 +78,7 @@ pub(crate) fn plan(
     let frame = frame_side(width, max.x) * frame_side(height, max.y);
     check(bytes * frame, "the engine's frames", bytes * MAX_CELLS)?;
     check(bytes * frame, "maxStorageBufferBindingSize", binding)?;
-    let plan = Plan::new(setup, window, halo, room)?;
+    let plan = WindowPlan::new(setup, window, halo, room)?;
     let lengths = plan.lengths(setup, false);
     let longest = lengths.iter().map(|(_, length)| *length).max().unwrap_or(0);
     check(longest, "maxStorageBufferBindingSize", binding)?;
@@ -86,21 +87,21 @@ pub(crate) fn plan(
     Ok(plan)
 }
 
-/// Returns the longest side of a window, in cells, that the device can take, at most the domain's longer side.
+/// Returns the longest side, in cells, of a window that fits the device, at most the domain's longer side.
 pub(crate) fn longest_side(setup: &Setup, limits: &Limits, memory: u64) -> Result<u32, GpuError> {
     let max = setup.domain.rect().max;
     let whole = (max.x.max(max.y) - 1) as u32 / R as u32 + 1;
     let mut side = whole;
-    // From the whole domain down, a quarter at a time: a plan costs what the tree's visit costs.
+    // Start with the whole domain and shrink by a quarter at a time, since each plan visits the whole tree.
     loop {
         let end = |max: i32| (i64::from(side) * i64::from(R)).min(max.into()) as i32;
-        // In the middle, so that a bounded domain has a halo on all sides that it can have.
+        // In the middle, where a bounded domain has room for a halo on all sides.
         let low = |max: i32| (max - end(max)) / 2 / R * R;
         let window = Rect {
             min: Point::new(low(max.x), low(max.y)),
             max: Point::new(low(max.x) + end(max.x), low(max.y) + end(max.y)),
         };
-        // With a halo that had to be doubled.
+        // Leave room for a halo that must be doubled once.
         match plan(setup, &window, 2 * HALO, None, limits, memory) {
             Ok(_) => return Ok(side),
             Err(GpuError::TooLittleMemory { .. }) if side > MIN_SIDE => {

@@ -1,4 +1,4 @@
-//! Pipelines: a pass' shader compiled, with the layout that its bindings make. Each is made once a device.
+//! Pipelines: the compiled shader of a pass with the layout of its bindings, made once for each device.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,14 +11,14 @@ use crate::shader::compose;
 #[derive(Default)]
 pub(crate) struct Kernels(Mutex<HashMap<&'static str, Arc<Kernel>>>);
 
-/// A pass ready to be run.
+/// A pass compiled for a device.
 pub(crate) struct Kernel {
     pub pipeline: wgpu::ComputePipeline,
     pub layout: wgpu::BindGroupLayout,
 }
 
 impl Kernels {
-    /// Returns a pass' pipeline, made now if this is its first use.
+    /// Returns the pipeline of a pass, compiling it on first use.
     pub(crate) fn get(&self, device: &wgpu::Device, pass: &'static Pass) -> Arc<Kernel> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let kernel = known

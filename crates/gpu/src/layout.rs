@@ -1,4 +1,4 @@
-//! What lies where: the buffers and their WGSL types, the structures that Rust and WGSL share, the
+//! The layout of data on the device: the buffers and their WGSL types, the structures shared by Rust and WGSL, the
 //! counters. Declarations in shaders are emitted from here.
 
 use std::fmt::Write as _;
@@ -25,7 +25,7 @@ macro_rules! shared {
 }
 
 shared! {
-    /// What every pass needs to know of the run and of the rectangle of cells at work.
+    /// Constants of the run and of the window's rectangle of cells, for every pass.
     Frame {
         /// Cells on the horizontal axis, without the padding.
         columns: i32,
@@ -35,7 +35,7 @@ shared! {
         stride: u32,
         /// Cells in all, with the padding.
         cells: u32,
-        /// The first coordinates beyond the places of the frame.
+        /// The first coordinates beyond the frame.
         end_x: i32,
         /// See `end_x`.
         end_y: i32,
@@ -47,7 +47,7 @@ shared! {
         window_max_x: i32,
         /// See `window_min_x`.
         window_max_y: i32,
-        /// The domain's place of the frame's (0, 0): added and wrapped.
+        /// The domain coordinates of the frame's (0, 0): to be added, then wrapped.
         origin_x: u32,
         /// See `origin_x`.
         origin_y: u32,
@@ -55,13 +55,13 @@ shared! {
         side_x: u32,
         /// See `side_x`.
         side_y: u32,
-        /// 1 where the plane repeats.
+        /// 1 if the plane repeats.
         periodic: u32,
-        /// 1, 2, 4, 8: the plane goes on to the left, right, below, above the frame.
+        /// Bits 1, 2, 4, 8: the plane continues to the left, right, below, above the frame.
         goes_on: u32,
-        /// 8 x 8 cells of the frame and its padding, per row.
+        /// Tiles of 8 x 8 cells in a row of the frame with its padding.
         tile_columns: u32,
-        /// All of them.
+        /// Tiles in all.
         tiles: u32,
         /// The order of elimination, as `ORDER_*`.
         order: u32,
@@ -77,11 +77,11 @@ shared! {
         phase_count_x: i32,
         /// See `phase_count_x`.
         phase_count_y: i32,
-        /// The sequence of the groups, four bits each.
+        /// The order of the groups, four bits each.
         phase_sequence: u32,
-        /// Words that are kept of a tiled sample's origin: 1, the block's image, or 2, the pattern's index.
+        /// Words stored for a tiled sample's origin: 1 for the block's image alone, 2 with the pattern index.
         origin_words: u32,
-        /// How many cells away a lost sample may be from an uncovered place that matters.
+        /// How many cells away from a lost sample uncovered places may lie that must be found.
         lost_reach: i32,
         /// The farthest samples of a candidate from its detector, in units, far from closed borders.
         search: i32,
@@ -103,7 +103,7 @@ shared! {
 }
 
 shared! {
-    /// What one dispatch needs to know.
+    /// The arguments of one dispatch.
     Job {
         /// The first number of the dispatch.
         a: u32,
@@ -119,7 +119,7 @@ shared! {
 shared! {
     /// A block, or an image of it, that reaches into the frame.
     Image {
-        /// The block itself in the frame's coordinates, cut where 32 bits end.
+        /// The block itself in the frame's coordinates, clamped to fit 32 bits.
         own_min_x: i32,
         /// See `own_min_x`.
         own_min_y: i32,
@@ -127,7 +127,7 @@ shared! {
         own_max_x: i32,
         /// See `own_min_x`.
         own_max_y: i32,
-        /// What it clips: the block enlarged by r, inside the frame.
+        /// The block enlarged by r, inside the frame.
         clip_min_x: i32,
         /// See `clip_min_x`.
         clip_min_y: i32,
@@ -139,17 +139,17 @@ shared! {
         corner_x: u32,
         /// See `corner_x`.
         corner_y: u32,
-        /// The pattern's place at the clip's lowest corner.
+        /// The place in the pattern of the clip's lowest corner.
         start_x: i32,
         /// See `start_x`.
         start_y: i32,
         /// The word at which the variant's shape begins in the pattern buffer.
         shape: u32,
-        /// The block's place in the sequence of blocks, equal for its images.
+        /// The block's place in the order of blocks, equal for its images.
         sequence: u32,
-        /// The block's index, where blocks were counted.
+        /// The block's index, if blocks were counted.
         block: u32,
-        /// Nothing.
+        /// Padding.
         unused: u32,
     }
 }
@@ -161,7 +161,7 @@ shared! {
         x: i32,
         /// In the frame.
         y: i32,
-        /// Its turn.
+        /// Its rank in the order of insertion.
         rank: u32,
         /// The next proposal of its cell, plus one.
         next: u32,
@@ -213,19 +213,19 @@ pub mod counter {
         };
     }
     counters! {
-        /// What met what cannot happen.
+        /// The code of a fault, or 0.
         FAULT,
         /// Cells with contested samples.
         CONTESTED,
         /// Whether the last even round left anything undecided.
         UNDECIDED,
-        /// Whether the last odd round did.
+        /// Whether the last odd round left anything undecided.
         UNDECIDED_ODD,
         /// Open cells.
         OPEN,
         /// Unsure cells.
         UNSURE,
-        /// Unsure cells whose surroundings know.
+        /// Unsure cells that have been spread to their surroundings.
         SPREAD,
         /// Unsure cells that the window touches.
         UNSURE_IN_WINDOW,
@@ -241,7 +241,7 @@ pub mod counter {
         NEXT_ACTIVE,
         /// Samples eliminated in the window.
         ELIMINATED,
-        /// Samples dropped nearest to the window.
+        /// Dropped samples that are nearest to the window.
         DROPPED,
         /// Samples tiled in the frame.
         TILED,
@@ -264,23 +264,24 @@ pub enum Name {
     Images,
     /// Pieces of images: image, first tile, last tile.
     Pieces,
-    /// For each tile of cells: how many images reach it, and which.
+    /// For each tile of cells the images that reach it.
     TileImages,
     /// The pattern's variants by cells.
     Pattern,
     /// For each cell the place of its first tiled sample.
     Starts,
-    /// Sums of parts of a list that is being summed.
+    /// Sums of the parts of a list, in a prefix sum.
     Sums,
     /// Tiled samples, cell by cell: place in the cell and fate.
     Places,
     /// Where tiled samples come from.
     Origins,
-    /// Who eliminated a tiled sample.
+    /// For each tiled sample the one that eliminated it.
     By,
     /// Valid samples: for each cell three slots and a word of counts and flags.
     Grid,
-    /// Contested cells; then for each cell its first proposal, plus one; then its first sample of the result.
+    /// First the contested cells; later, for each cell, its first proposal plus one; at last, for each cell, its first
+    /// sample in the result.
     Heads,
     /// Open cells.
     List,
@@ -290,7 +291,7 @@ pub enum Name {
     Proposals,
     /// Active cells of uniform insertion.
     Active,
-    /// Those of the level to come.
+    /// Active cells of the next level.
     NextActive,
     /// Counters.
     Counters,
@@ -298,7 +299,7 @@ pub enum Name {
     Arguments,
     /// The result.
     Result,
-    /// Where the result's samples come from.
+    /// The sources of the result's samples.
     Tags,
 }
 
@@ -358,7 +359,7 @@ pub enum Access {
     Write,
     /// It is read and written, by one invocation an element.
     Update,
-    /// It is written by many: its elements are atomic 32-bit words.
+    /// Several invocations may write an element: elements are atomic 32-bit words.
     Atomic,
 }
 
@@ -367,13 +368,13 @@ pub enum Access {
 pub struct Binding {
     /// Which.
     pub name: Name,
-    /// What for.
+    /// How it is used.
     pub access: Access,
-    /// The name in the shader, where it differs.
+    /// The name in the shader, if it differs.
     pub alias: Option<&'static str>,
 }
 
-/// Returns the WGSL declarations of the bindings of a pass, numbered in their sequence.
+/// Returns the WGSL declarations of the bindings of a pass, numbered in this order.
 #[must_use]
 pub fn declarations(bindings: &[Binding]) -> String {
     let mut text = String::new();

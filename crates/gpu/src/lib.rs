@@ -2,38 +2,38 @@
 //! bit for bit. Integers decide; floats only filter, with their error bounds beside them; no result
 //! depends on the order of atomics.
 //!
-//! Architecture invariant: nothing here blocks where it could not (the web), reads a clock, or
-//! opens a file. Everything that waits is a future.
+//! Architecture invariant: nothing here blocks, reads a clock or opens a file, so all of it works in a browser.
+//! Everything that waits is a future.
 
 pub mod adapter;
+mod buffer_rows;
 mod constants;
+pub mod cpu_reference;
 mod error;
 mod execute;
 mod fit;
-mod ground;
 mod kernels;
 pub mod layout;
 mod pass_report;
 pub mod passes;
 mod plan;
+mod row_locator;
+mod row_places;
 mod self_test;
 mod setup;
 pub mod shader;
-mod spots;
 mod state;
 mod stepper;
 mod sweep;
-mod table;
-pub mod twin;
 mod upload;
-mod work;
+mod window_run;
 
 pub use adapter::{AdapterReport, Choice, Gpu, Limits, adapters};
+pub use buffer_rows::BufferRows;
 pub use error::GpuError;
-pub use ground::Ground;
 pub use pass_report::PassReport;
+pub use row_locator::RowLocator;
+pub use row_places::{RowPlace, RowPlaces, Unplaced};
 pub use self_test::{SelfTest, self_test};
-pub use spots::{Spot, Spots, Unplaced};
 pub use stepper::Stepper;
 pub use sweep::{GpuSweep, Options};
-pub use table::Table;

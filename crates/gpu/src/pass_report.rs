@@ -1,4 +1,4 @@
-//! What a pass did, for whoever looks at passes or times them. It is filled where passes are executed.
+//! The report of a pass: its name, workgroups, buffers and time.
 
 use tilescope_core::Stage;
 
@@ -13,19 +13,19 @@ pub struct PassReport {
     pub name: &'static str,
     /// Whether the device computed how many workgroups there are, from the length of a list.
     pub indirect: bool,
-    /// Workgroups on each axis; `None` of indirect passes that ran without the host waiting for each.
+    /// Workgroups on each axis; `None` for an indirect pass whose arguments the host did not read back.
     pub workgroups: Option<[u32; 3]>,
-    /// Invocations, where the workgroups are known.
+    /// Invocations, if the workgroups are known.
     pub invocations: Option<u64>,
-    /// The buffers that it saw, what for, and their lengths in bytes.
+    /// The buffers that it used, how, and their lengths in bytes.
     pub bindings: Vec<(Name, Access, u64)>,
-    /// Seconds on the device, where the adapter measures them.
+    /// Seconds on the device, if the adapter measures them.
     pub seconds: Option<f64>,
 }
 
 impl PassReport {
-    /// Returns the bytes that a pass over all elements moves at least: every buffer that it sees once, those that it
-    /// both reads and writes twice. `None` of indirect passes, which go over lists.
+    /// Returns the least bytes that a pass over all elements moves: each buffer once, or twice if it is both read and
+    /// written. `None` for indirect passes, which visit only a list.
     #[must_use]
     pub fn bytes(&self) -> Option<u64> {
         let moved = |&(_, access, length): &(Name, Access, u64)| match access {

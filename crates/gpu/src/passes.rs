@@ -1,5 +1,5 @@
-//! The compute passes, in the sequence of the stages: each names its shader and the buffers it sees. A stage is
-//! recorded as a list of commands, which needs no device.
+//! The compute passes, in the order of the stages. Each names its shader and the buffers that it binds. A stage is
+//! recorded as a list of commands; recording needs no device.
 
 mod blocks;
 mod detect;
@@ -26,40 +26,40 @@ pub struct Pass {
     pub name: &'static str,
     /// The shader file with its entry point.
     pub shader: &'static str,
-    /// The buffers that it sees, numbered in this sequence.
+    /// The buffers that it binds, numbered in this order.
     pub bindings: &'static [Binding],
 }
 
 /// How many invocations a dispatch has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// As many as elements.
+    /// One for each of so many elements.
     Invocations(u64),
-    /// So many workgroups.
+    /// This many workgroups.
     Workgroups(u64),
-    /// As many as `prepare` computed for an argument, by its place in `ARGUMENTS`.
+    /// As many as the pass `prepare` computed for an argument, given by its index in `ARGUMENTS`.
     Indirect(u32),
 }
 
-/// A step of a recorded list.
+/// A recorded command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
-    /// A pass is run.
+    /// Runs a pass.
     Dispatch {
         /// Which.
         pass: &'static Pass,
-        /// Its numbers.
+        /// Its arguments.
         job: Job,
-        /// On how much.
+        /// Its size.
         size: Size,
     },
-    /// Words of a buffer become 0: those from the first to before the second, or all.
+    /// Sets words of a buffer to 0: a half-open range, or all.
     Clear(Name, Option<(u32, u32)>),
-    /// The active cells of the next level take the place of the level's.
+    /// Swaps the lists of active cells of this level and the next.
     SwapActive,
 }
 
-/// Every pass, each once, in the sequence of the stages.
+/// Every pass, in the order of the stages.
 pub const ALL: &[&Pass] = &[
     &PREPARE,
     &blocks::BLOCKS,
@@ -92,7 +92,7 @@ pub const ALL: &[&Pass] = &[
     &finish::SOURCES,
 ];
 
-/// Turns counters into workgroups.
+/// Computes the workgroups of indirect dispatches from counters.
 pub(crate) const PREPARE: Pass = Pass {
     name: "prepare",
     shader: "prepare",
@@ -176,7 +176,7 @@ pub(crate) const fn run_with(pass: &'static Pass, job: Job, size: Size) -> Comma
     Command::Dispatch { pass, job, size }
 }
 
-/// Returns the command that brings the workgroups of indirect dispatches up to date.
+/// Returns the command that updates the workgroups of indirect dispatches.
 pub(crate) fn prepare(flags: u32) -> Command {
     let job = Job {
         a: flags,
@@ -190,7 +190,7 @@ pub(crate) const fn clear_counter(counter: u32) -> Command {
     Command::Clear(Name::Counters, Some((counter, counter + 1)))
 }
 
-/// Returns rounds of a pass, an even number; each begins with its counter at 0.
+/// Returns `rounds` rounds of a pass, an even number. Each begins by setting its counter to 0.
 pub(crate) fn alternating(
     pass: &'static Pass,
     size: &str,
@@ -211,11 +211,11 @@ pub(crate) fn alternating(
     (0..rounds).flat_map(round).collect()
 }
 
-/// Returns the place of an argument of indirect dispatches.
+/// Returns the size of an indirect dispatch by the name of its argument.
 ///
 /// # Panics
 ///
-/// When there is none of this name, which a test of the lists finds.
+/// When there is no argument of this name. A test that records all lists finds that.
 pub(crate) fn argument(name: &str) -> Size {
     let place = crate::constants::ARGUMENTS
         .iter()

@@ -1,5 +1,5 @@
-//! The plan of a window: the frame around it, the blocks that reach it, and how long every buffer must be.
-//! Nothing here needs a device.
+//! The plan of a window: the frame around it, the blocks that reach it, and the length of every buffer. Plans need no
+//! device.
 
 use tilescope_core::windows::{Frame as CoreFrame, PAD, Placed};
 use tilescope_core::{Point, R, Rect, SampleError};
@@ -8,29 +8,29 @@ use crate::constants::{SCAN_PART, TILE_SIDE, TILE_WORDS, WORKGROUP};
 use crate::layout::{Frame, Image, Name, Proposal, counter};
 use crate::setup::Setup;
 
-/// The most cells of a frame, with the padding: slots are numbered in 31 bits.
+/// The most cells of a frame, with the padding. Slots, 4 for each cell, are numbered in 31 bits.
 pub(crate) const MAX_CELLS: u64 = 1 << 28;
 
-/// The most cells along a side of a frame: with what lies a few radii beyond, 32 bits hold its coordinates.
+/// The most cells along a side of a frame, so that its coordinates, and those a few radii beyond it, fit 32 bits.
 pub(crate) const MAX_SIDE: u64 = 65_000;
 
-/// Parts of a window's computation, by the buffers that they need.
+/// Phases of a window's computation, which differ in the buffers that they need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Phase {
-    /// To the end of the rounds of elimination.
+    /// Tiling and the rounds of elimination.
     Tile,
-    /// To the end of insertion, or to the first cells of uniform insertion.
+    /// Detection and insertion; in uniform insertion up to the cells of the first level.
     Fill,
     /// The levels of uniform insertion.
     Levels,
-    /// The result is gathered.
+    /// Gathering the result.
     Finish,
 }
 
 impl Phase {
     const ALL: [Self; 4] = [Self::Tile, Self::Fill, Self::Levels, Self::Finish];
 
-    /// Returns whether a buffer is needed, where nobody looks at stages.
+    /// Returns whether a buffer is needed, if stages are not recorded.
     pub(crate) fn needs(self, name: Name, sources: bool) -> bool {
         match name {
             Name::Pieces | Name::TileImages => self == Self::Tile,
@@ -46,7 +46,7 @@ impl Phase {
     }
 }
 
-/// Room for what cannot be known before.
+/// Capacities of the lists whose lengths are not known in advance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Room {
     pub tiled: u32,
@@ -58,17 +58,17 @@ pub(crate) struct Room {
 }
 
 /// A window's plan.
-pub(crate) struct Plan {
+pub(crate) struct WindowPlan {
     pub frame: CoreFrame,
     pub uniform: Frame,
-    /// The images of blocks, as core and as shaders see them; one is one.
+    /// The images of blocks, as core has them and, in the same order, as shaders do.
     pub placed: Vec<Placed>,
     pub images: Vec<Image>,
     pub pieces: Vec<[u32; 4]>,
 }
 
-impl Plan {
-    /// Returns the plan of a window with `halo` cells around it, with room as expected, or as given.
+impl WindowPlan {
+    /// Returns the plan of a window with `halo` cells around it. If `room` is `None`, it is estimated.
     ///
     /// Fails when a bounded pattern is too small for a block.
     pub(crate) fn new(
@@ -104,7 +104,7 @@ impl Plan {
         })
     }
 
-    /// Doubles the room, and leaves as many open cells as there are.
+    /// Doubles most of the room, and makes room for all cells to be open.
     pub(crate) const fn double_room(&mut self) {
         self.uniform.tiled_capacity += self.uniform.tiled_capacity / 4;
         self.uniform.list_capacity = self.uniform.cells;
@@ -135,7 +135,7 @@ impl Plan {
         self.uniform.columns as u64 * self.uniform.rows as u64
     }
 
-    /// Returns the length in bytes of all buffers at the time when they are longest.
+    /// Returns the bytes of all buffers in the phase that needs most.
     pub(crate) fn peak(&self, setup: &Setup) -> u64 {
         let lengths = self.lengths(setup, false);
         let in_phase = |phase: Phase| -> u64 {
@@ -147,7 +147,7 @@ impl Plan {
         Phase::ALL.into_iter().map(in_phase).max().unwrap_or(0)
     }
 
-    /// Returns every buffer's length in bytes. With `by` there is one for who eliminated whom.
+    /// Returns every buffer's length in bytes. With `by` there is also the buffer of which sample eliminated which.
     pub(crate) fn lengths(&self, setup: &Setup, by: bool) -> Vec<(Name, u64)> {
         let inputs = [
             (Name::Images, bytes_of(&self.images)),
@@ -211,11 +211,11 @@ fn image(setup: &Setup, block: &Placed, target: &Rect) -> Option<Image> {
     let clip = enlarged(block).within(target)?;
     let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;
     let corner = block.rect.min.map(|v| v - i64::from(R));
-    // The corner of the clip, seen from the corner of the enlarged block, in the repeated pattern.
+    // The corner of the clip relative to the corner of the enlarged block, in the repeated pattern.
     let start = |axis: usize, start: i32, low: i32, period: i32| {
         (i64::from(start) + i64::from(low) - corner[axis]).rem_euclid(period.into()) as i32
     };
-    // A few radii beyond the target, farther than any shader looks.
+    // A few radii beyond the target, farther than any shader reads.
     let beyond = 8 * i64::from(R);
     let cut = |v: i64, low: i32, high: i32| {
         v.clamp(i64::from(low) - beyond, i64::from(high) + beyond) as i32
@@ -296,7 +296,7 @@ fn uniform(setup: &Setup, frame: &CoreFrame) -> Frame {
     }
 }
 
-/// Returns the room that a run is expected to need, with some to spare. What needs more is run again.
+/// Estimates the room that a run needs, with some to spare. A window that needs more is computed again.
 fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     let area = |image: &Image| {
         f64::from(image.clip_max_x - image.clip_min_x)
@@ -304,7 +304,8 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     };
     let clipped: f64 = images.iter().map(area).sum::<f64>() / (f64::from(R) * f64::from(R));
     let uniform = setup.parameters.insertion == tilescope_core::Insertion::Uniform;
-    // Gaps lie along the blocks' borders: about this share of the samples, seen with every order and leaf.
+    // Gaps lie along the blocks' borders, so their share falls with the leaf; measured with every order and many
+    // leaves.
     let leaf = setup.parameters.leaf;
     let share = |most: f64, per_leaf: f64| {
         (f64::from(frame.cells) * (per_leaf / leaf).min(most)) as u32 + 1024
@@ -312,7 +313,7 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     let rim = 2 * (frame.columns + frame.rows) as u32;
     Room {
         tiled: (clipped * setup.density * 1.01) as u32 + rim + 1024,
-        // Uniform insertion only asks whether cells are open.
+        // Uniform insertion does not list open cells.
         open: if uniform { 1 } else { share(0.8, 7.0) },
         unsure: 2 * rim + frame.cells / 64 + 1024,
         proposals: share(0.15, 0.75),
@@ -321,8 +322,8 @@ fn expected(setup: &Setup, frame: &Frame, images: &[Image]) -> Room {
     }
 }
 
-/// Returns how many samples a window is expected to have at most: seldom more than 0.70 to a squared radius, or as
-/// many as the pattern has.
+/// Estimates the most samples of a window: seldom more than 0.70 to a squared radius, or the pattern's density if that
+/// is higher.
 fn expected_result(setup: &Setup, frame: &Frame) -> u32 {
     let [width, height] = [
         frame.window_max_x - frame.window_min_x,
@@ -335,10 +336,11 @@ fn expected_result(setup: &Setup, frame: &Frame) -> u32 {
 
 /// Cuts images into pieces of at most 8 x 8 tiles: image, first column, first row, columns and rows.
 fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
-    // A workgroup's invocations take a tile each.
+    // Each invocation of a workgroup takes a tile.
     const SIDE: u32 = WORKGROUP.isqrt();
     let ends = [frame.tile_columns, frame.tiles / frame.tile_columns];
-    // Samples are in conflict across r, so a tile wants to know of images within r, enlarged by r.
+    // Samples are in conflict up to a distance of r, and images are enlarged by r, so a tile needs all images within 2
+    // r.
     let tiles = |low: i32, high: i32, end: u32| {
         let tile = |v: i64| (v.div_euclid(R.into()) + i64::from(PAD)).div_euclid(TILE_SIDE.into());
         let reach = 2 * i64::from(R);
@@ -360,7 +362,7 @@ fn pieces(frame: &Frame, images: &[Image]) -> Vec<[u32; 4]> {
     pieces
 }
 
-/// Returns the window that is the whole domain.
+/// Returns the whole domain as a window.
 pub(crate) fn whole(setup: &Setup) -> Rect {
     Rect {
         min: Point::new(0, 0),
@@ -387,7 +389,7 @@ mod tests {
             ..Parameters::default()
         };
         let setup = setup(&parameters);
-        let plan = Plan::new(&setup, &whole(&setup), 24, None).unwrap();
+        let plan = WindowPlan::new(&setup, &whole(&setup), 24, None).unwrap();
         plan.peak(&setup) as f64 / (0.6985 * setup.domain.area_radii())
     }
 
@@ -411,7 +413,7 @@ mod tests {
                 ..Parameters::default()
             };
             let setup = setup(&parameters);
-            let plan = Plan::new(&setup, &whole(&setup), 24, None).unwrap();
+            let plan = WindowPlan::new(&setup, &whole(&setup), 24, None).unwrap();
             let frame = &plan.uniform;
             let (side, pad) = (TILE_SIDE as i32, PAD);
             for tile in 0..frame.tiles {

@@ -11,18 +11,18 @@ use crate::adapter::Gpu;
 use crate::error::GpuError;
 use crate::sweep::{GpuSweep, Options};
 
-/// What the self-test found.
+/// The result of the self-test.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SelfTest {
     /// Whether all runs were equal to the CPU's.
     pub passed: bool,
     /// Samples compared.
     pub samples: usize,
-    /// What was compared, or the first difference, in a sentence.
+    /// A sentence that says what was compared, or the first difference.
     pub verdict: String,
 }
 
-/// Orders of the runs: with them every insertion meets every boundary.
+/// The orders of the runs, chosen so that both insertions run with both boundaries.
 const ORDERS: [Order; 4] = [
     Order::OwnBlockFirst,
     Order::Random,
@@ -30,10 +30,10 @@ const ORDERS: [Order; 4] = [
     Order::PhaseGroup,
 ];
 
-/// Runs the self-test: every order, both insertions, both boundaries, with and without symmetries of the pattern, some two
-/// thousand samples each. A device whose limits are too low for such a run computes it in several windows.
+/// Runs the self-test: every order, both insertions, both boundaries, with and without symmetries of the pattern, about
+/// two thousand samples each. A device with low limits computes such a run in several windows.
 ///
-/// Fails where the device fails; a device that computes something else makes a verdict, not an error.
+/// Fails when the device fails. A wrong result is not an error but a verdict.
 pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
     let (mut samples, mut runs) = (0, 0);
     for (order, k) in ORDERS.into_iter().zip(0..) {
@@ -45,7 +45,7 @@ pub async fn self_test(gpu: &Arc<Gpu>) -> Result<SelfTest, GpuError> {
             boundary: [Boundary::Periodic, Boundary::Bounded][k as usize % 2],
             insertion: [Insertion::Circumcentre, Insertion::Uniform][k as usize / 2],
             dihedral: k == 1 || k == 2,
-            // A short one, as the device has it in each of its eight symmetries.
+            // A short one, since the device stores it in each of its eight symmetries.
             pattern: PatternSpec {
                 side: 30.0,
                 ..PatternSpec::default()
@@ -110,7 +110,8 @@ fn difference(gpu: &Sampled, cpu: &Sampled) -> Option<String> {
             cpu.points.len()
         ));
     }
-    (gpu.sources != cpu.sources).then(|| "samples come from elsewhere".to_owned())
+    (gpu.sources != cpu.sources)
+        .then(|| "the samples are equal but their sources differ".to_owned())
 }
 
 #[cfg(test)]
@@ -139,6 +140,6 @@ mod tests {
         );
         let mut other = cpu.clone();
         other.sources = None;
-        assert!(difference(&other, &cpu).unwrap().contains("elsewhere"));
+        assert!(difference(&other, &cpu).unwrap().contains("sources differ"));
     }
 }

@@ -1,5 +1,5 @@
-//! What all windows of a run share: the domain, the blocks' tree, the pattern as the device sees it, the
-//! numbers of the orders and of detection.
+//! Data that all windows of a run share: the domain, the tree of blocks, the pattern in the device's layout, the
+//! constants of the orders and of detection.
 
 use tilescope_core::stages::order::{RankNumbers, Ranking};
 use tilescope_core::windows::{CellPattern, Clipper, lost_reach, reach_cells};
@@ -11,20 +11,20 @@ use tilescope_core::{
 /// Words of a pattern's shape: sides, columns, where its cells and its points begin, whether it repeats.
 const SHAPE_WORDS: u32 = 6;
 
-/// What a run is, apart from windows.
+/// Data of a run that does not depend on the window.
 pub(crate) struct Setup {
     pub parameters: Parameters,
     pub domain: Domain,
     pub key: Key,
     pub clipper: Clipper,
     pub ranks: RankNumbers,
-    /// How many cells away a lost sample matters to a place.
+    /// How many cells away from a lost sample uncovered places may lie that must be found.
     pub lost_reach: i32,
     /// The pattern's variants as words.
     pub pattern: Vec<u32>,
-    /// Samples to a squared radius in the pattern.
+    /// Samples of the pattern to a squared radius.
     pub density: f64,
-    /// Whether samples say where they come from.
+    /// Whether the sources of samples are returned.
     pub sources: bool,
 }
 
@@ -60,9 +60,9 @@ impl Setup {
         })
     }
 
-    /// Returns how many cells away what is unsure matters to the detection of iteration 1: candidates are
-    /// 2r + 16 units from their samples, 3.5r in bounded domains, and a lost sample 2r + 4 units further
-    /// makes those detectors. In uniform insertion only what covered a place matters.
+    /// Returns how many cells away an unsure cell can affect the detection of iteration 1. Candidates are up to 2r + 16
+    /// units from their samples, 3.5r in bounded domains, and a lost sample 2r + 4 units further makes those samples
+    /// detectors. In uniform insertion only samples that covered the place matter.
     pub(crate) fn first_reach(&self) -> u32 {
         match self.parameters.insertion {
             Insertion::Circumcentre if self.domain.is_periodic() => 5.max(self.lost_reach as u32),
@@ -76,7 +76,7 @@ impl Setup {
         reach_cells(self.domain.is_periodic()) as u32
     }
 
-    /// Returns how far detectors look for other samples: far from closed borders, and near them.
+    /// Returns the radius in which detectors search for other samples: far from closed borders, and near them.
     pub(crate) fn search(&self) -> [i32; 2] {
         match self.parameters.search {
             Search::Complete => [4 * R + 32, 7 * R],
@@ -84,7 +84,7 @@ impl Setup {
         }
     }
 
-    /// Returns the order as shaders number it.
+    /// Returns the order by its number in shaders.
     pub(crate) const fn order(&self) -> u32 {
         match self.parameters.order {
             Order::Index => 0,
@@ -100,7 +100,7 @@ impl Setup {
     }
 }
 
-/// Returns the variants as words: their shapes, then of each the starts of its cells and its points.
+/// Returns the variants as words: first all shapes, then for each variant the starts of its cells and its points.
 fn pattern_words(variants: &[CellPattern]) -> Vec<u32> {
     let mut words = vec![0; variants.len() * SHAPE_WORDS as usize];
     for (variant, shape) in variants.iter().zip((0..).step_by(SHAPE_WORDS as usize)) {

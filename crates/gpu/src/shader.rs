@@ -1,12 +1,12 @@
-//! WGSL put together: small files that name what they import, the constants that Rust emits, and
-//! the bindings of a pass. Nothing here needs a device.
+//! Composes WGSL from small files that name their imports, the constants that Rust emits, and the bindings of a pass.
+//! Composing needs no device.
 
 use std::fmt::Write as _;
 
 use crate::constants::constants;
 use crate::layout::{Binding, declarations, structures};
 
-/// Every shader file by its name: a library of functions, or a pass with the entry point `main`.
+/// Every shader file by its name. A file is a library of functions or a pass with an entry point.
 pub const FILES: &[(&str, &str)] = &[
     ("attribute", include_str!("../shaders/attribute.wgsl")),
     ("blocks", include_str!("../shaders/blocks.wgsl")),
@@ -54,12 +54,11 @@ pub const FILES: &[(&str, &str)] = &[
     ("wide", include_str!("../shaders/wide.wgsl")),
 ];
 
-/// Returns the whole WGSL source of a pass: constants, structures, bindings, imported files, the
-/// file itself.
+/// Returns the complete WGSL source of a pass: constants, structures, bindings, imported files, the file itself.
 ///
 /// # Panics
 ///
-/// When a file imports one that does not exist: a fault of the program, found by a test.
+/// When a file imports one that does not exist. A test checks all files.
 #[must_use]
 pub fn compose(file: &str, bindings: &[Binding]) -> String {
     let mut source = constants();
@@ -73,7 +72,7 @@ pub fn compose(file: &str, bindings: &[Binding]) -> String {
     source
 }
 
-/// What most passes begin with: one invocation an element, in as many rows of workgroups as it takes.
+/// The entry point of most passes: one invocation for each element, in as many rows of workgroups as needed.
 const ENTRY: &str = "
 @compute @workgroup_size(WORKGROUP)
 fn main(
@@ -85,7 +84,7 @@ fn main(
 }
 ";
 
-/// Appends a file of `files` behind what it imports, unless it is among those `done`.
+/// Appends a file of `files` after its imports, unless it is in `done`.
 fn append(files: &[(&str, &str)], file: &str, done: &mut Vec<String>, source: &mut String) {
     if done.iter().any(|name| name == file) {
         return;

@@ -1,5 +1,5 @@
-//! What lies on the device, as core's stages have it: samples with ids, origins and fates, iterations, the
-//! result. Ids follow from what a sample is, not from where it lies, so nothing depends on the device's sequence.
+//! Reads the state on the device back as a `Run` of core: samples with ids, origins and fates, iterations, the result.
+//! Ids follow from block and position, not from the order of buffers, which atomics leave open.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use tilescope_core::{
 use crate::constants::{FATE_KEPT, FATE_LOST, FATE_MASK, NO_SITE, PLACE_MASK, PROPOSAL_PLACED};
 use crate::error::GpuError;
 use crate::layout::{Name, Proposal, counter};
-use crate::work::{Kept, Work};
+use crate::window_run::{IterationBuffers, WindowRun};
 
-/// The buffers that make a state.
+/// The buffers, read back, from which a run is rebuilt.
 pub(crate) struct State {
-    /// The last whole stage.
+    /// The last completed stage.
     stage: Option<Stage>,
     starts: Vec<u32>,
     places: Vec<u32>,
@@ -28,24 +28,24 @@ pub(crate) struct State {
     by: Vec<u32>,
     grid: Vec<u32>,
     result: Vec<u32>,
-    kept: BTreeMap<u32, Kept>,
+    kept: BTreeMap<u32, IterationBuffers>,
 }
 
 /// A tiled sample as it lies on the device.
 struct Tiled {
-    /// Its turn by id: block, then row and column of the clip.
+    /// Sort key that gives the ids: block, then row and column of the clip.
     order: (u32, u32, u32),
     point: Point,
     origin: Origin,
     lies_inside: bool,
     word: u32,
-    /// Its place in the list.
+    /// Its index in the list.
     place: u32,
 }
 
 impl State {
-    /// Reads the state after the last whole stage.
-    pub(crate) async fn read(work: &Work) -> Result<Self, GpuError> {
+    /// Reads the state after the last completed stage.
+    pub(crate) async fn read(work: &WindowRun) -> Result<Self, GpuError> {
         let stage = work.last_stage();
         let device = &work.device;
         let cells = work.plan.cells();
@@ -82,8 +82,8 @@ impl State {
         Ok(state)
     }
 
-    /// Returns the run that the state is.
-    pub(crate) fn run(&self, work: &Work, pattern: &Arc<Pattern>) -> Result<Run, GpuError> {
+    /// Returns the run.
+    pub(crate) fn run(&self, work: &WindowRun, pattern: &Arc<Pattern>) -> Result<Run, GpuError> {
         let setup = &work.setup;
         let mut run = Run {
             parameters: setup.parameters,
@@ -99,7 +99,7 @@ impl State {
         if self.stage.is_none() {
             return Ok(run);
         }
-        // Iterations before the device's first one are the CPU's, and so is what they worked on.
+        // If the device began with an iteration, everything before it is the CPU's.
         if let Some((Stage::Iterate(_) | Stage::Finish, base)) = &work.base {
             run = base.clone();
             self.iterations(work, &mut run);
@@ -118,7 +118,7 @@ impl State {
     }
 
     /// Fills in iterations and the result.
-    fn iterations(&self, work: &Work, run: &mut Run) {
+    fn iterations(&self, work: &WindowRun, run: &mut Run) {
         let mut ids = ids_of(&run.samples);
         for (&k, kept) in &self.kept {
             self.iterate(work, k, kept, &mut ids, run);
@@ -127,8 +127,8 @@ impl State {
         run.result = self.result.chunks_exact(2).filter_map(id).collect();
     }
 
-    /// Fills in tiles and tiled samples, with their fates if those are decided.
-    fn tile(&self, work: &Work, run: &mut Run) {
+    /// Fills in tiles and tiled samples, with their fates once elimination is done.
+    fn tile(&self, work: &WindowRun, run: &mut Run) {
         let mut tiled = self.tiled(work);
         tiled.sort_unstable_by_key(|sample| sample.order);
         let point_of: HashMap<u32, Point> = self.points_by_place(work);
@@ -164,7 +164,7 @@ impl State {
     }
 
     /// Returns the domain's point of every tiled sample of the frame, by its place in the list.
-    fn points_by_place(&self, work: &Work) -> HashMap<u32, Point> {
+    fn points_by_place(&self, work: &WindowRun) -> HashMap<u32, Point> {
         let mut points = HashMap::new();
         for cell in 0..work.plan.cells() as usize {
             for place in self.starts[cell]..self.starts[cell + 1] {
@@ -176,7 +176,7 @@ impl State {
     }
 
     /// Returns the samples tiled in the window, and those dropped beyond closed borders.
-    fn tiled(&self, work: &Work) -> Vec<Tiled> {
+    fn tiled(&self, work: &WindowRun) -> Vec<Tiled> {
         let (plan, mut tiled) = (&work.plan, Vec::new());
         for cell in 0..plan.cells() as usize {
             for place in self.starts[cell]..self.starts[cell + 1] {
@@ -213,9 +213,9 @@ impl State {
     /// Fills in an iteration.
     fn iterate(
         &self,
-        work: &Work,
+        work: &WindowRun,
         k: u32,
-        kept: &Kept,
+        kept: &IterationBuffers,
         ids: &mut HashMap<Point, u32>,
         run: &mut Run,
     ) {
@@ -244,7 +244,7 @@ impl State {
         };
         let first = run.samples.len() as u32;
         for (point, _) in &proposals {
-            // They are sorted by place.
+            // Candidates are sorted by place.
             let made = candidates.binary_search_by_key(&point.row_major(), |c| c.point.row_major());
             let sites = made.map_or(Sites::Dart, |place| candidates[place].sites);
             ids.insert(*point, run.samples.len() as u32);
@@ -262,10 +262,10 @@ impl State {
         });
     }
 
-    /// Returns the candidates by place, each with the lowest of the sites that made it.
+    /// Returns the candidates sorted by place. If several triples of sites make the same candidate, the lowest is kept.
     fn candidates(
         &self,
-        work: &Work,
+        work: &WindowRun,
         proposals: &[(Point, Proposal)],
         ids: &HashMap<Point, u32>,
     ) -> Vec<Candidate> {
@@ -291,7 +291,7 @@ impl State {
     }
 
     /// Returns the detectors of iteration 1 by id.
-    fn detectors(work: &Work, grid: &[u8], ids: &HashMap<Point, u32>) -> Vec<u32> {
+    fn detectors(work: &WindowRun, grid: &[u8], ids: &HashMap<Point, u32>) -> Vec<u32> {
         let grid: Vec<u32> = bytemuck::pod_collect_to_vec(grid);
         let mut detectors = Vec::new();
         for (cell, slots) in grid.chunks_exact(4).enumerate() {
@@ -322,7 +322,7 @@ fn ids_of(samples: &Samples) -> HashMap<Point, u32> {
 }
 
 /// Returns the active cells of a level that lie in the window, in the sequence in which core visits them.
-fn cells(work: &Work, k: u32, active: &[u8], before: Option<&Iteration>) -> Vec<Cell> {
+fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) -> Vec<Cell> {
     let words: Vec<i32> = bytemuck::pod_collect_to_vec(active);
     let side = R >> k;
     let mut cells: Vec<Point> = words
@@ -366,7 +366,7 @@ fn tiles(placed: &[Placed], tiled: &[Tiled]) -> Vec<Tile> {
 }
 
 /// Returns where a packed place of a cell lies in the frame.
-fn unpack(work: &Work, cell: usize, word: u32) -> [i32; 2] {
+fn unpack(work: &WindowRun, cell: usize, word: u32) -> [i32; 2] {
     let (column, row) = work.plan.frame.column_row(cell);
     let low = R as u32 - 1;
     [

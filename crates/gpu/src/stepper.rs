@@ -1,30 +1,30 @@
-//! A run in one go that can be stopped after any pass and looked at.
+//! A run in one window that can be stopped after any pass and inspected.
 
 use std::sync::Arc;
 
 use tilescope_core::{Parameters, Pattern, Run, Sequential, Stage, Unobserved};
 
 use crate::adapter::Gpu;
+use crate::buffer_rows::BufferRows;
 use crate::error::GpuError;
-use crate::execute::Looks;
+use crate::execute::Recording;
 use crate::fit::{HALO, MAX_TRIES, longest_side, memory_of};
-use crate::ground::Ground;
 use crate::layout::Name;
 use crate::pass_report::PassReport;
-use crate::plan::{Plan, Room, whole};
+use crate::plan::{Room, WindowPlan, whole};
+use crate::row_locator::RowLocator;
 use crate::setup::Setup;
 use crate::state::State;
-use crate::table::Table;
 use crate::upload;
-use crate::work::{Outcome, Work};
+use crate::window_run::{WindowOutcome, WindowRun};
 
-/// The widest halo, in cells, of a run that is kept stage by stage.
+/// The widest halo, in cells.
 const MAX_HALO: i32 = 192;
 
 /// A run on a GPU between two passes.
 ///
-/// The whole domain is one window, with a halo around it. Should something in it depend on what lies beyond the halo, or
-/// need more room than was expected, the run begins anew with more: reports then begin anew, too.
+/// The whole domain is one window, with a halo around it. If a sample depends on what lies beyond the halo, or a list
+/// needs more room than expected, the run restarts with a wider halo or more room, and the reports start again.
 pub struct Stepper {
     gpu: Arc<Gpu>,
     setup: Arc<Setup>,
@@ -32,18 +32,18 @@ pub struct Stepper {
     first: Stage,
     halo: i32,
     room: Option<Room>,
-    /// How often it asked for more room.
+    /// How often more room was needed.
     tries: usize,
-    /// The last stage of which [`Self::step`] told.
+    /// The last stage that [`Self::step`] returned.
     reached: Option<Stage>,
-    /// How often it began anew.
+    /// How often the run restarted.
     restarts: u32,
-    work: Work,
+    work: WindowRun,
 }
 
 impl Stepper {
-    /// Returns a run that has done nothing yet. Stages before `first_gpu_stage` will have run on the CPU; with
-    /// [`Stage::Blocks`] all are the device's.
+    /// Returns a run before its first pass. The CPU computes the stages before `first_gpu_stage`; with
+    /// [`Stage::Blocks`] the device computes all of them.
     ///
     /// Fails when the parameters cannot be sampled, when the run does not fit the device in one go, and when a
     /// run ends before `first_gpu_stage`.
@@ -84,8 +84,8 @@ impl Stepper {
         while !self.work.is_done() {
             let before = (self.reports().len(), self.restarts);
             let outcome = self.work.run_pass().await?;
-            self.begin_anew(outcome.as_ref()).await?;
-            // A step may be without passes, and a run that began anew has no report yet.
+            self.restart_if_needed(outcome.as_ref()).await?;
+            // A step may have no passes, and a run that restarted has no report yet.
             if let Some(report) = self.reports().last()
                 && (self.reports().len(), self.restarts) != before
             {
@@ -98,7 +98,7 @@ impl Stepper {
     /// Runs to the end of a stage and returns it, or `None` when the run is finished.
     pub async fn step(&mut self) -> Result<Option<Stage>, GpuError> {
         while self.step_pass().await?.is_some() {
-            // A run that began anew passes stages again.
+            // A run that restarted goes through the same stages again.
             if let ended @ Some(_) = self.ended_stage()
                 && self.reached < ended
             {
@@ -113,29 +113,29 @@ impl Stepper {
     pub async fn finish(&mut self) -> Result<(), GpuError> {
         while !self.work.is_done() {
             let outcome = self.work.run(|_| Ok(())).await?;
-            self.begin_anew(outcome.as_ref()).await?;
+            self.restart_if_needed(outcome.as_ref()).await?;
         }
         Ok(())
     }
 
-    /// Begins anew where the halo or the room proved too small.
-    async fn begin_anew(&mut self, outcome: Option<&Outcome>) -> Result<(), GpuError> {
+    /// Restarts the run if the halo or the room proved too small.
+    async fn restart_if_needed(&mut self, outcome: Option<&WindowOutcome>) -> Result<(), GpuError> {
         match outcome {
-            None | Some(Outcome::Known(_)) => return Ok(()),
-            Some(Outcome::Unsure) if self.halo >= MAX_HALO => {
+            None | Some(WindowOutcome::Known(_)) => return Ok(()),
+            Some(WindowOutcome::Unsure) if self.halo >= MAX_HALO => {
                 return Err(tilescope_core::SampleError::Entangled {
                     radii: f64::from(self.halo),
                 }
                 .into());
             }
-            Some(Outcome::Unsure) => {
+            Some(WindowOutcome::Unsure) => {
                 self.halo *= 2;
                 self.room = None;
             }
-            Some(Outcome::TooSmall(_)) if self.tries == MAX_TRIES => {
+            Some(WindowOutcome::TooSmall(_)) if self.tries == MAX_TRIES => {
                 return Err(GpuError::OutOfMemory);
             }
-            Some(Outcome::TooSmall(room)) => {
+            Some(WindowOutcome::TooSmall(room)) => {
                 self.tries += 1;
                 self.room = Some(*room);
             }
@@ -144,8 +144,8 @@ impl Stepper {
         self.begin().await
     }
 
-    /// Goes back to before the first pass, with the halo and the room that proved large enough so far: the device
-    /// only goes forwards.
+    /// Goes back to before the first pass, keeping the halo and the room that proved large enough. The device cannot
+    /// step backwards.
     pub async fn rewind(&mut self) -> Result<(), GpuError> {
         self.reached = None;
         self.begin().await
@@ -171,7 +171,7 @@ impl Stepper {
         self.work.device.reports.as_deref().unwrap_or_default()
     }
 
-    /// Returns the stage that the last pass ended, or `None` in the middle of one. Before the first pass there is none.
+    /// Returns the stage that the last pass completed, or `None` in the middle of a stage and before the first pass.
     #[must_use]
     pub fn ended_stage(&self) -> Option<Stage> {
         let has_begun = !self.reports().is_empty();
@@ -179,33 +179,33 @@ impl Stepper {
         (has_begun && is_at_end).then(|| self.work.stage())
     }
 
-    /// Returns how often the run began anew because its halo or its room proved too small. A run of the same parameters
-    /// on the same device begins anew as often.
+    /// Returns how often the run restarted because its halo or its room proved too small. The number is the same for
+    /// the same parameters and device.
     #[must_use]
     pub const fn restarts(&self) -> u32 {
         self.restarts
     }
 
-    /// Returns the run so far as core's sequential engine has it after the last whole stage: equal to it,
-    /// sample by sample and id by id.
+    /// Returns the run after the last completed stage, equal to that of core's sequential engine sample by sample and
+    /// id by id.
     pub async fn run(&self) -> Result<Run, GpuError> {
         State::read(&self.work)
             .await?
             .run(&self.work, &self.pattern)
     }
 
-    /// Returns the first `rows` rows of a buffer as a table. A buffer that the run does not have has no rows.
-    pub async fn table(&self, name: Name, rows: u64) -> Result<Table, GpuError> {
-        Table::read(&self.work.device, name, rows).await
+    /// Returns the first `rows` rows of a buffer. A buffer that is not allocated has no rows.
+    pub async fn table(&self, name: Name, rows: u64) -> Result<BufferRows, GpuError> {
+        BufferRows::read(&self.work.device, name, rows).await
     }
 
-    /// Returns what tells the rows of tables, read between the same two passes, their places. `stage` is that of the
-    /// pass which is looked at, before or after it: some buffers serve several stages.
-    pub async fn ground(&self, stage: Stage) -> Result<Ground, GpuError> {
-        Ground::read(&self.work, stage).await
+    /// Returns a locator for buffer rows read between the same two passes. `stage` is the stage of the inspected pass,
+    /// since some buffers hold different data in different stages.
+    pub async fn row_locator(&self, stage: Stage) -> Result<RowLocator, GpuError> {
+        RowLocator::read(&self.work, stage).await
     }
 
-    /// Writes a word into a buffer between two passes: what if it were another? A place beyond the end is left alone.
+    /// Overwrites a word of a buffer between two passes, to inject a fault. A place past the end is ignored.
     pub fn set_word(&self, name: Name, place: u64, word: u32) {
         self.work.device.set_word(name, place, word);
     }
@@ -217,9 +217,9 @@ impl Stepper {
     }
 }
 
-/// Fails when a run with a halo, and with all that is kept of it, does not fit the device.
+/// Fails when a run with its halo and the recorded stages does not fit the device.
 fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
-    // What stages leave behind takes about as much again as their buffers.
+    // Recorded stages take about as much memory as the buffers.
     let memory = memory_of(gpu.report(), None) / 2;
     let allowed = longest_side(setup, &gpu.report().limits, memory)?;
     let max = setup.domain.rect().max;
@@ -230,7 +230,7 @@ fn check_size(gpu: &Gpu, setup: &Setup) -> Result<(), GpuError> {
     Ok(())
 }
 
-/// Returns the work at its beginning, behind the stages that run on the CPU.
+/// Returns the run at its first pass on the device, after the stages of the CPU.
 async fn begin(
     gpu: &Arc<Gpu>,
     setup: &Arc<Setup>,
@@ -238,13 +238,13 @@ async fn begin(
     first: Stage,
     halo: i32,
     room: Option<Room>,
-) -> Result<Work, GpuError> {
-    let mut plan = Plan::new(setup, &whole(setup), halo, room)?;
+) -> Result<WindowRun, GpuError> {
+    let mut plan = WindowPlan::new(setup, &whole(setup), halo, room)?;
     if room.is_none() {
-        // Runs that are looked at are small; beginning anew would confuse who looks.
+        // Inspected runs are small, and a restart in the middle would be confusing.
         plan.double_room();
     }
-    let mut work = Work::new(gpu, setup, plan, None, Looks::AtStages).await?;
+    let mut work = WindowRun::new(gpu, setup, plan, None, Recording::Stages).await?;
     if first != Stage::Blocks {
         let mut engine = Sequential::new(&setup.parameters, Arc::clone(pattern))?;
         while engine.next().is_some_and(|next| next < first) {

@@ -1,5 +1,5 @@
-//! A whole run as windows, band by band: the counterpart of core's `Sweep`, with the same result. Where the
-//! device can take it, the whole domain is one window.
+//! A whole run, computed in windows, band by band: the counterpart of core's `Sweep`, with the same result. If the
+//! device has the memory, the whole domain is one window.
 
 use std::sync::Arc;
 
@@ -11,27 +11,27 @@ use tilescope_core::{
 
 use crate::adapter::Gpu;
 use crate::error::GpuError;
-use crate::execute::{Device, Looks};
+use crate::execute::{Device, Recording};
 use crate::fit::{self, HALO, MAX_TRIES, MIN_SIDE, longest_side, memory_of};
 use crate::pass_report::PassReport;
 use crate::plan::Room;
 use crate::setup::Setup;
-use crate::work::{Outcome, Window, Work};
+use crate::window_run::{WindowOutcome, WindowRun, WindowSamples};
 
 /// The widest halo, in cells.
 const MAX_HALO: i32 = 768;
 
-/// What a run may use and is asked to keep.
+/// Options of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// The most bytes of device memory to use at once; by the kind of adapter, if not given.
+    /// The most bytes of device memory to use at once; if `None`, a default for the kind of adapter.
     pub memory: Option<u64>,
-    /// Whether samples say where they come from.
+    /// Whether to return the source of each sample.
     pub sources: bool,
-    /// Whether every pass is reported, and timed where the adapter can.
+    /// Whether to report every pass, with times if the adapter measures them.
     pub timed: bool,
-    /// Cells around a window that are computed with it at first, at least 1; narrower ones are repaired more often. For
-    /// experiments: the result is the same.
+    /// Initial width of the halo in cells, at least 1. Windows with a narrow halo are recomputed more often; the result
+    /// is the same. For experiments.
     pub halo: Option<u32>,
 }
 
@@ -45,7 +45,7 @@ pub struct GpuSweep {
     memory: u64,
     /// Whether passes are reported.
     timed: bool,
-    /// Cells around a window at first.
+    /// Initial width of the halo in cells.
     halo: i32,
     /// Cells along the side of a window.
     side: u32,
@@ -53,7 +53,7 @@ pub struct GpuSweep {
     done: u32,
     counts: Counts,
     count: u64,
-    /// Buffers of the window before.
+    /// Buffers of the previous window.
     idle: Option<Device>,
 }
 
@@ -122,15 +122,15 @@ impl GpuSweep {
         reports.unwrap_or_default()
     }
 
-    const fn looks(&self) -> Looks {
+    const fn recording(&self) -> Recording {
         if self.timed {
-            Looks::AtPasses
+            Recording::Passes
         } else {
-            Looks::Away
+            Recording::Nothing
         }
     }
 
-    /// Returns how many rows of cells have been computed, of how many.
+    /// Returns how many rows of cells have been computed, and how many there are.
     #[must_use]
     pub fn rows(&self) -> (u32, u32) {
         (self.done, self.cells()[1])
@@ -141,7 +141,7 @@ impl GpuSweep {
         [max.x, max.y].map(|side| ((side - 1) / R + 1) as u32)
     }
 
-    /// Returns where the run is, to go on from there in another process, with any engine.
+    /// Returns the position of the run. Another process can continue from it, with any engine.
     #[must_use]
     pub fn state(&self) -> SweepState {
         SweepState {
@@ -151,7 +151,8 @@ impl GpuSweep {
         }
     }
 
-    /// Goes on from a state of a run of the same parameters and pattern, as if the bands below had been computed.
+    /// Continues from the state of a run with the same parameters and pattern, as if the earlier bands had been
+    /// computed here.
     pub fn restore(&mut self, state: &SweepState) {
         self.done = state.rows.min(self.cells()[1]);
         self.count = state.count;
@@ -166,7 +167,7 @@ impl GpuSweep {
 
     /// Computes the next band and returns its samples, or `None` at the end.
     ///
-    /// Fails when `observer`, asked before each window, stops the run, or the device fails.
+    /// Fails when the device fails, or when `observer`, called before each window and during it, stops the run.
     pub async fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Sampled>, GpuError> {
         let (done, rows) = self.rows();
         ask(observer, done.into(), rows.into())?;
@@ -176,7 +177,7 @@ impl GpuSweep {
         let mut side = self.side;
         loop {
             match self.band(side, observer).await {
-                // Other programs use the device, too, and halos may have to be wider: smaller windows may still fit.
+                // Other programs may hold the memory, or a wider halo may not fit; smaller windows may still fit.
                 Err(GpuError::OutOfMemory) if side > MIN_SIDE => {
                     side = (side / 2).max(MIN_SIDE);
                     self.idle = None;
@@ -220,28 +221,30 @@ impl GpuSweep {
         Ok(join(windows, self.setup.sources))
     }
 
-    /// Computes a window: with a wider halo where one proves too narrow, with more room where that is needed.
+    /// Computes a window, again with a wider halo or more room as often as needed.
     async fn window(
         &mut self,
         window: &Rect,
         observer: &mut dyn Observer,
-    ) -> Result<Window, GpuError> {
+    ) -> Result<WindowSamples, GpuError> {
         let (mut halo, mut room, mut tries) = (self.halo, None, 0);
         loop {
             match self.attempt(window, halo, room, observer).await? {
-                Outcome::Known(window) => return Ok(window),
-                Outcome::Unsure if halo >= MAX_HALO => {
+                WindowOutcome::Known(window) => return Ok(window),
+                WindowOutcome::Unsure if halo >= MAX_HALO => {
                     return Err(SampleError::Entangled {
                         radii: f64::from(halo),
                     }
                     .into());
                 }
-                Outcome::Unsure => {
+                WindowOutcome::Unsure => {
                     halo *= 2;
                     room = None;
                 }
-                Outcome::TooSmall(_) if tries == MAX_TRIES => return Err(GpuError::OutOfMemory),
-                Outcome::TooSmall(wanted) => {
+                WindowOutcome::TooSmall(_) if tries == MAX_TRIES => {
+                    return Err(GpuError::OutOfMemory);
+                }
+                WindowOutcome::TooSmall(wanted) => {
                     tries += 1;
                     room = Some(wanted);
                 }
@@ -255,7 +258,7 @@ impl GpuSweep {
         halo: i32,
         room: Option<Room>,
         observer: &mut dyn Observer,
-    ) -> Result<Outcome, GpuError> {
+    ) -> Result<WindowOutcome, GpuError> {
         let plan = fit::plan(
             &self.setup,
             window,
@@ -267,7 +270,7 @@ impl GpuSweep {
         let height = f64::from(plan.frame.window.height()) / f64::from(R);
         let (done, rows) = self.rows();
         let idle = self.idle.take();
-        let mut work = Work::new(&self.gpu, &self.setup, plan, idle, self.looks()).await?;
+        let mut work = WindowRun::new(&self.gpu, &self.setup, plan, idle, self.recording()).await?;
         let early = work
             .run(|share| {
                 let now = u64::from(done) + (share * height) as u64;
@@ -276,13 +279,13 @@ impl GpuSweep {
             .await?;
         let outcome = match early {
             Some(outcome) => outcome,
-            None => Outcome::Known(work.result().await?),
+            None => WindowOutcome::Known(work.result().await?),
         };
         self.idle = Some(work.device);
         Ok(outcome)
     }
 
-    /// Runs to the end and returns the samples of all bands that are left, and the whole run's summary.
+    /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run.
     pub async fn finish(
         mut self,
         observer: &mut dyn Observer,
@@ -304,9 +307,9 @@ impl GpuSweep {
         Ok((all, self.summary()))
     }
 
-    /// Returns a finished run that knows its blocks, its result and its counts, as core's `Sweep::run`.
+    /// Returns a finished run with its blocks, its result and its counts, like core's `Sweep::run`.
     ///
-    /// Fails as [`Self::new`] and [`Self::step`].
+    /// Fails like [`Self::new`] and [`Self::step`].
     pub async fn run(
         gpu: Arc<Gpu>,
         parameters: &Parameters,
@@ -323,7 +326,7 @@ impl GpuSweep {
     }
 }
 
-/// Asks whether to go on.
+/// Reports progress to the observer. Fails if it stops the run.
 fn ask(observer: &mut dyn Observer, done: u64, total: u64) -> Result<(), SampleError> {
     let stage = Stage::Regions;
     if observer.observe(Progress { stage, done, total }).is_break() {
@@ -333,7 +336,7 @@ fn ask(observer: &mut dyn Observer, done: u64, total: u64) -> Result<(), SampleE
 }
 
 /// Joins windows that lie side by side, row of cells by row of cells.
-fn join(mut windows: Vec<Window>, with_sources: bool) -> Sampled {
+fn join(mut windows: Vec<WindowSamples>, with_sources: bool) -> Sampled {
     if windows.len() == 1 {
         let window = windows.remove(0);
         return Sampled {

@@ -1,5 +1,5 @@
-//! A state of the sequential engine, laid out as the device has it: for runs whose first stages the CPU
-//! runs, which tells where a difference begins.
+//! Uploads a state of the sequential engine in the device's layout. Used for runs whose first stages the CPU computes,
+//! to find the stage in which a difference begins.
 
 use std::collections::HashMap;
 
@@ -11,11 +11,11 @@ use crate::constants::{
 };
 use crate::error::GpuError;
 use crate::layout::{Name, counter};
-use crate::work::Work;
+use crate::window_run::WindowRun;
 
-/// Writes what `engine` has done before `first`, and lets the work begin there.
+/// Writes what `engine` has computed before the stage `first`, and lets the device begin with that stage.
 pub(crate) fn upload(
-    work: &mut Work,
+    work: &mut WindowRun,
     mut engine: Sequential,
     first: Stage,
 ) -> Result<(), GpuError> {
@@ -56,8 +56,8 @@ fn bytes(words: &[u32]) -> &[u8] {
     bytemuck::cast_slice(words)
 }
 
-/// Returns which images reach which tiles.
-fn tile_images(work: &Work) -> Vec<u32> {
+/// Returns the list of images for each tile.
+fn tile_images(work: &WindowRun) -> Vec<u32> {
     let frame = &work.plan.uniform;
     let mut lists = vec![0; (frame.tiles * TILE_WORDS) as usize];
     for &[image, column, row, size] in &work.plan.pieces {
@@ -73,8 +73,8 @@ fn tile_images(work: &Work) -> Vec<u32> {
     lists
 }
 
-/// Writes the tiled samples with their fates, all of which are contested where they are undecided.
-fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) -> Result<(), GpuError> {
+/// Writes the tiled samples with their fates. All cells that hold samples are listed as contested.
+fn write_tiled(work: &mut WindowRun, run: &Run, counters: &mut [u32]) -> Result<(), GpuError> {
     let tiled = tiled(work, run);
     let cells = work.plan.cells() as usize;
     let mut starts = vec![0_u32; cells + 1];
@@ -99,17 +99,17 @@ fn write_tiled(work: &mut Work, run: &Run, counters: &mut [u32]) -> Result<(), G
     device.write(Name::Heads, bytes(&contested))
 }
 
-/// Cell, image, place in the cell, fate, pattern index.
-type Tiled = (usize, u32, u32, u32, u32);
+/// Cell, image, offset in the cell, fate, pattern index.
+type TiledWords = (usize, u32, u32, u32, u32);
 
-/// Returns the samples tiled in the frame, in the device's sequence.
-fn tiled(work: &Work, run: &Run) -> Vec<Tiled> {
+/// Returns the samples tiled in the frame, in the order of the device's list.
+fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
     let (plan, clipper) = (&work.plan, &work.setup.clipper);
     let mut ids: HashMap<u32, Vec<(i64, i64)>> = HashMap::new();
     let mut tiled = Vec::new();
     for (placed, index) in plan.placed.iter().zip(0..) {
         let enlarged = placed.rect.grown(R.into(), R.into());
-        // The sequence of a block's ids is that of its clip, row by row.
+        // The ids of a block follow its clip row by row.
         let places = ids
             .entry(placed.index)
             .or_insert_with(|| clip_of(work, placed));
@@ -134,10 +134,10 @@ fn tiled(work: &Work, run: &Run) -> Vec<Tiled> {
 }
 
 /// Returns the offsets of a whole block's clip, row first, sorted.
-fn clip_of(work: &Work, placed: &tilescope_core::windows::Placed) -> Vec<(i64, i64)> {
+fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::Placed) -> Vec<(i64, i64)> {
     let clipper = &work.setup.clipper;
     let mut moved = *placed;
-    // Seen from its own corner, every block fits 32 bits but the longest, which no device takes in one go.
+    // Relative to its own corner a block fits 32 bits; longer ones are refused earlier, as too large to run in one go.
     for axis in 0..2 {
         let side = placed.rect.max[axis] - placed.rect.min[axis];
         moved.rect.min[axis] = R.into();
@@ -162,7 +162,7 @@ fn pack(x: i32, y: i32) -> u32 {
 
 /// Writes the grid of all valid samples; those inserted last are the detectors.
 fn write_grid(
-    work: &mut Work,
+    work: &mut WindowRun,
     run: &Run,
     first: Stage,
     counters: &mut [u32],
@@ -220,9 +220,9 @@ fn write_grid(
     work.device.write(Name::Grid, bytemuck::cast_slice(&grid))
 }
 
-/// Returns how many cells a cell of the frame is away from the edges where the plane goes on; a large number in the
-/// padding.
-fn rim(work: &Work, column: i32, row: i32) -> i32 {
+/// Returns the distance of a cell, in cells, from the nearest edge of the frame beyond which the plane continues;
+/// `i32::MAX` in the padding.
+fn rim(work: &WindowRun, column: i32, row: i32) -> i32 {
     let frame = &work.plan.frame;
     let [columns, rows] = frame.cells;
     if !(0..columns).contains(&column) || !(0..rows).contains(&row) {
@@ -239,8 +239,8 @@ fn rim(work: &Work, column: i32, row: i32) -> i32 {
     open.map(|(_, away)| away).min().unwrap_or(i32::MAX)
 }
 
-/// Returns the places of a point of the domain, or next to it, in the frame.
-fn images(work: &Work, point: Point) -> Vec<[i32; 2]> {
+/// Returns all places in the frame of a point in, or close to, the domain.
+fn images(work: &WindowRun, point: Point) -> Vec<[i32; 2]> {
     let (frame, domain) = (&work.plan.frame, &work.setup.domain);
     let along = |axis: usize, at: i32| {
         let side = i64::from([domain.width(), domain.height()][axis]);
@@ -269,9 +269,9 @@ fn images(work: &Work, point: Point) -> Vec<[i32; 2]> {
         .collect()
 }
 
-/// Writes what iteration `k` works on: all cells may be open, or the active cells of the level.
+/// Writes the input of iteration `k`: all cells as open ones, or the active cells of the level in uniform insertion.
 fn write_work(
-    work: &mut Work,
+    work: &mut WindowRun,
     engine: &mut Sequential,
     k: u32,
     counters: &mut [u32],
@@ -286,7 +286,7 @@ fn write_work(
         counters[counter::OPEN as usize] = all.len() as u32;
         return work.device.write(Name::List, bytes(&all));
     }
-    // The level's cells are recorded as it runs.
+    // The engine knows a level's cells only after running it.
     engine.step(&mut Unobserved)?;
     let Some(iteration) = engine.run().iterations.get(k as usize - 1) else {
         return Err(GpuError::FirstStage {

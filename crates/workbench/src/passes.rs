@@ -309,7 +309,7 @@ impl Passes {
     #[must_use]
     pub fn picked_place(&self) -> Option<DVec2> {
         let rows = self.on_canvas()?.rows?;
-        let spot = rows.spots.of(rows.shown.picked()? as usize).first()?;
+        let spot = rows.places.of(rows.shown.picked()? as usize).first()?;
         let tilescope_core::Point { x, y } = placed::middle(spot);
         Some(DVec2::new(radii(x), radii(y)))
     }

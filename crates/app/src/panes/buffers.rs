@@ -7,7 +7,7 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use tilescope_core::{Rect as LatticeRect, Stage};
 use tilescope_drawing::palette::Palette;
-use tilescope_gpu::Spot;
+use tilescope_gpu::RowPlace;
 use tilescope_session::units::radii;
 use tilescope_ui::widgets::Known;
 
@@ -56,7 +56,7 @@ pub fn show(
         scene.draw(&view, sprites);
         for (row, width) in [(rows.shown.pointed(), 2.0), (rows.shown.picked(), 3.0)] {
             if let Some(row) = row {
-                scene.single_out(rows.spots.of(row as usize), width);
+                scene.single_out(rows.places.of(row as usize), width);
             }
         }
     }
@@ -72,7 +72,7 @@ pub fn show(
 
 /// A spot, and whether it lies in the domain.
 struct Mark {
-    spot: Spot,
+    spot: RowPlace,
     is_inside: bool,
 }
 
@@ -133,13 +133,13 @@ impl Scene<'_> {
         Rect::from_two_pos(self.at(rect.min), self.at(rect.max))
     }
 
-    fn sees(&self, spot: &Spot) -> bool {
+    fn sees(&self, spot: &RowPlace) -> bool {
         match spot {
-            Spot::Point(p) => self.rect.expand(8.0).contains(self.at(*p)),
-            Spot::Link(ends) => {
+            RowPlace::Point(p) => self.rect.expand(8.0).contains(self.at(*p)),
+            RowPlace::Link(ends) => {
                 Rect::from_two_pos(self.at(ends[0]), self.at(ends[1])).intersects(self.rect)
             }
-            Spot::Rect(rect) => self.square(rect).intersects(self.rect),
+            RowPlace::Rect(rect) => self.square(rect).intersects(self.rect),
         }
     }
 
@@ -167,13 +167,13 @@ impl Scene<'_> {
         for mark in marks {
             let color = color.gamma_multiply(if mark.is_inside { 1.0 } else { 0.45 });
             match &mark.spot {
-                Spot::Rect(rect) => add_square(&mut squares, self.square(rect), color, strong),
-                Spot::Link(ends) => {
+                RowPlace::Rect(rect) => add_square(&mut squares, self.square(rect), color, strong),
+                RowPlace::Link(ends) => {
                     let ends = ends.map(|end| self.at(end));
                     add_line(&mut squares, ends, if strong { 1.6 } else { 1.0 }, color);
                     add_ring(&mut rings, stamp, ends[0], color);
                 }
-                Spot::Point(point) => add_ring(&mut rings, stamp, self.at(*point), color),
+                RowPlace::Point(point) => add_ring(&mut rings, stamp, self.at(*point), color),
             }
         }
         self.painter.add(squares);
@@ -181,22 +181,22 @@ impl Scene<'_> {
     }
 
     /// Draws the selected row, or the one under the pointer, larger than others.
-    fn single_out(&self, spots: &[Spot], width: f32) {
+    fn single_out(&self, spots: &[RowPlace], width: f32) {
         let stroke = Stroke::new(width, self.palette.halo);
         for spot in spots {
             match spot {
-                Spot::Rect(rect) => {
+                RowPlace::Rect(rect) => {
                     let square = self.square(rect).expand(2.0);
                     self.painter
                         .rect_stroke(square, 0.0, stroke, StrokeKind::Outside);
                 }
-                Spot::Link(ends) => {
+                RowPlace::Link(ends) => {
                     let ends = ends.map(|end| self.at(end));
                     self.painter.line_segment(ends, stroke);
                     self.painter
                         .circle_stroke(ends[0], self.ring() + 4.0, stroke);
                 }
-                Spot::Point(point) => {
+                RowPlace::Point(point) => {
                     let at = self.at(*point);
                     self.painter.circle_stroke(at, self.ring() + 4.0, stroke);
                 }

@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_core::{Fate, Stage};
 use tilescope_debugger::{Direction, Step};
-use tilescope_gpu::Spot;
+use tilescope_gpu::RowPlace;
 use tilescope_gpu::layout::Name;
 use tilescope_session::look::Look;
 use tilescope_workbench::clock::Clock;
@@ -87,8 +87,8 @@ fn points(harness: &Harness<'_, App>) -> BTreeSet<(i32, i32)> {
     let rows = rows(harness);
     let spots = rows.shown.rows().iter().flat_map(|&row| rows.marks(row));
     let inside = spots.filter(|spot| rows.lies_inside(spot));
-    let point = |spot: &Spot| match *spot {
-        Spot::Point(p) => Some((p.x, p.y)),
+    let point = |spot: &RowPlace| match *spot {
+        RowPlace::Point(p) => Some((p.x, p.y)),
         _ => None,
     };
     inside.filter_map(point).collect()

@@ -532,7 +532,7 @@ fn passes_on_a_device() {
     told.after([pass(PassCommand::Side(PassSide::Before))]);
     told.says(&[(
         "on-canvas",
-        "*buffer places, before: no pass has written it so far",
+        "*buffer places, before: no pass has written it yet",
     )]);
     told.after([pass(PassCommand::Side(PassSide::After)), filter("row<10")]);
     told.says(&[("on-canvas", "*after: 10 rows, 10 changed")]);

@@ -1,9 +1,9 @@
-//! Blocks: tells each tile of cells which images of blocks reach it (paper, Algorithm 1; the tree itself is
-//! cut on the CPU).
+//! Blocks: lists for each tile of cells the images of blocks that reach it (paper, Algorithm 1; the CPU builds the tree
+//! itself).
 
 use super::{Command, Pass, Size, atomic, read, run, run_with, uniform_of, update};
 use crate::layout::{Job, Name};
-use crate::plan::Plan;
+use crate::plan::WindowPlan;
 
 pub(super) const BLOCKS: Pass = Pass {
     name: "blocks",
@@ -23,8 +23,8 @@ pub(super) const SORT_BLOCKS: Pass = Pass {
     bindings: &[uniform_of(Name::Frame), update(Name::TileImages)],
 };
 
-/// Records the stage, from buffers of any content.
-pub(crate) fn blocks(plan: &Plan) -> Vec<Command> {
+/// Records the stage. The buffers may have any content before.
+pub(crate) fn blocks(plan: &WindowPlan) -> Vec<Command> {
     let pieces = plan.pieces.len() as u32;
     let job = Job {
         a: pieces,

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::constants::PREPARE_SPREAD;
 use crate::layout::{Job, Name, counter};
-use crate::plan::Plan;
+use crate::plan::WindowPlan;
 
 pub(super) const DETECTORS: Pass = Pass {
     name: "detectors",
@@ -80,12 +80,12 @@ pub(super) const SETTLE: Pass = Pass {
 };
 
 /// Records the choice of the detectors of iteration 1.
-pub(crate) fn detectors(plan: &Plan) -> Vec<Command> {
+pub(crate) fn detectors(plan: &WindowPlan) -> Vec<Command> {
     vec![run(&DETECTORS, Size::Invocations(plan.cells()))]
 }
 
-/// Records the detection of iteration 1. What is unsure matters `reach` cells away.
-pub(crate) fn detect(plan: &Plan, reach: u32) -> Vec<Command> {
+/// Records the detection of iteration 1. Unsure cells affect those within `reach` cells.
+pub(crate) fn detect(plan: &WindowPlan, reach: u32) -> Vec<Command> {
     let mut commands = spread(reach);
     commands.push(run(&OPEN, Size::Invocations(plan.inner_cells())));
     commands.extend(candidates(plan, 1));
@@ -93,14 +93,14 @@ pub(crate) fn detect(plan: &Plan, reach: u32) -> Vec<Command> {
 }
 
 /// Records the detection of a later iteration.
-pub(crate) fn redetect(plan: &Plan, reach: u32, iteration: u32) -> Vec<Command> {
+pub(crate) fn redetect(plan: &WindowPlan, reach: u32, iteration: u32) -> Vec<Command> {
     let mut commands = spread(reach);
     commands.push(run(&REOPEN, argument("ARGUMENT_OPEN")));
     commands.extend(candidates(plan, iteration));
     commands
 }
 
-/// Records how unsure cells let their surroundings know.
+/// Records the marking of the surroundings of unsure cells.
 pub(super) fn spread(reach: u32) -> Vec<Command> {
     let job = Job {
         a: reach,
@@ -113,12 +113,12 @@ pub(super) fn spread(reach: u32) -> Vec<Command> {
     ]
 }
 
-/// Records the opening of cells, for whoever only wants to know which are unsure.
-pub(super) fn open(plan: &Plan) -> Command {
+/// Records the pass that opens cells. Uniform insertion needs it only to mark unsure cells.
+pub(super) fn open(plan: &WindowPlan) -> Command {
     run(&OPEN, Size::Invocations(plan.inner_cells()))
 }
 
-fn candidates(plan: &Plan, iteration: u32) -> Vec<Command> {
+fn candidates(plan: &WindowPlan, iteration: u32) -> Vec<Command> {
     let job = Job {
         a: iteration,
         ..Job::default()

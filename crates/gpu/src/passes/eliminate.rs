@@ -4,9 +4,9 @@ use super::{
     Command, Pass, Size, alternating, atomic, prepare, read, read_as, run, uniform_of, write,
 };
 use crate::layout::Name;
-use crate::plan::Plan;
+use crate::plan::WindowPlan;
 
-/// Rounds between two looks at what is left.
+/// Rounds between two readings of the counters.
 const ROUNDS: u32 = 8;
 
 pub(super) const ELIMINATE: Pass = Pass {
@@ -62,15 +62,15 @@ pub(crate) fn rounds() -> Vec<Command> {
     alternating(&ELIMINATE, "ARGUMENT_CONTESTED", ROUNDS, false)
 }
 
-/// Records the end of the stage; with `by` who eliminated whom is noted, too.
-pub(crate) fn survive(plan: &Plan, by: bool) -> Vec<Command> {
+/// Records the end of the stage. With `by` the pass notes which sample eliminated which.
+pub(crate) fn survive(plan: &WindowPlan, by: bool) -> Vec<Command> {
     let cells = Size::Invocations(plan.cells());
     let mut commands = Vec::new();
     if by {
         commands.push(run(&ATTRIBUTE, cells));
     }
     commands.push(run(&SURVIVE, cells));
-    // Its contested cells are no longer needed; proposals are listed there next.
+    // The contested cells are no longer needed; the buffer holds proposals next.
     commands.push(Command::Clear(Name::Heads, None));
     commands
 }

@@ -3,7 +3,7 @@
 use super::tile::sum;
 use super::{Command, Pass, Size, read, run, uniform_of, update_as, write};
 use crate::layout::{Name, counter};
-use crate::plan::Plan;
+use crate::plan::WindowPlan;
 
 pub(super) const TALLY: Pass = Pass {
     name: "tally",
@@ -62,8 +62,8 @@ pub(super) const SOURCES: Pass = Pass {
     ],
 };
 
-/// Records the stage; with `sources` the samples say where they come from.
-pub(crate) fn finish(plan: &Plan, sources: bool) -> Vec<Command> {
+/// Records the stage. With `sources` it writes the source of each sample.
+pub(crate) fn finish(plan: &WindowPlan, sources: bool) -> Vec<Command> {
     let cells = Size::Invocations(plan.cells());
     let mut commands = vec![run(&TALLY, Size::Invocations(plan.cells() + 1))];
     commands.extend(sum(

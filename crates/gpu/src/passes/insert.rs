@@ -5,7 +5,7 @@ use super::{
 };
 use crate::layout::{Job, Name, counter};
 
-/// Rounds between two looks at what is left.
+/// Rounds between two readings of the counters.
 const ROUNDS: u32 = 6;
 
 pub(super) const LINK: Pass = Pass {
@@ -57,7 +57,7 @@ pub(super) const UNLINK: Pass = Pass {
     ],
 };
 
-/// Records the insertion of `iteration`, whose ranks are drawn under `key`, or come with the proposals.
+/// Records the insertion of `iteration`. Ranks are drawn with `key`; without a key they come with the proposals.
 pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
     let [a, b] = key.unwrap_or_default();
     let job = Job {
@@ -77,7 +77,7 @@ pub(crate) fn insert(iteration: u32, key: Option<[u32; 2]>) -> Vec<Command> {
     commands
 }
 
-/// Records further rounds, and the insertion of what is decided after them.
+/// Records further rounds, and the insertion of the proposals that they decide.
 pub(crate) fn choose(iteration: u32) -> Vec<Command> {
     decide(iteration, false)
 }

@@ -1,5 +1,5 @@
-//! Clip and tile (paper, Algorithm 2): the samples of each cell are counted, the counts summed up, the samples
-//! written. No atomic decides where a sample lies.
+//! Clip and tile (paper, Algorithm 2): counts the samples of each cell, sums the counts up, and writes the samples. The
+//! place of a sample does not depend on atomics.
 
 use super::{
     Command, Pass, Size, atomic, read, run, run_with, uniform_of, update, update_as, write,
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::constants::SCAN_PART;
 use crate::layout::{Job, Name, counter};
-use crate::plan::Plan;
+use crate::plan::WindowPlan;
 
 pub(super) const COUNT: Pass = Pass {
     name: "count",
@@ -69,7 +69,7 @@ pub(super) const TILE: Pass = Pass {
 };
 
 /// Records the stage.
-pub(crate) fn tile(plan: &Plan) -> Vec<Command> {
+pub(crate) fn tile(plan: &WindowPlan) -> Vec<Command> {
     let mut commands = vec![run(&COUNT, Size::Invocations(plan.cells() + 1))];
     commands.extend(sum(
         &SCAN_STARTS,
@@ -81,7 +81,7 @@ pub(crate) fn tile(plan: &Plan) -> Vec<Command> {
     commands
 }
 
-/// Records the summing up of a list of `length` elements; the sum of all goes to a counter.
+/// Records the prefix sum of a list of `length` elements. The total goes to a counter.
 pub(super) fn sum(
     scan: &'static Pass,
     add: &'static Pass,

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::constants::PREPARE_LEVEL;
 use crate::layout::{Job, Name, counter};
-use crate::plan::Plan;
+use crate::plan::WindowPlan;
 
 pub(super) const GAP_CELLS: Pass = Pass {
     name: "gap cells",
@@ -48,8 +48,8 @@ pub(super) const SPLIT: Pass = Pass {
     ],
 };
 
-/// Records the beginning: the cells of the first level. What is unsure matters `reach` cells away.
-pub(crate) fn start(plan: &Plan, reach: u32) -> Vec<Command> {
+/// Records the listing of the first level's cells. Unsure cells affect those within `reach` cells.
+pub(crate) fn start(plan: &WindowPlan, reach: u32) -> Vec<Command> {
     let mut commands = spread(reach);
     commands.extend([
         open(plan),
@@ -59,8 +59,7 @@ pub(crate) fn start(plan: &Plan, reach: u32) -> Vec<Command> {
     commands
 }
 
-/// Records the throw of a level whose cells have sides of two to the power of `side_bits`, under its `key`, and
-/// the insertion of its darts.
+/// Records a level: darts are thrown with `key` into cells of side 2^`side_bits`, and inserted.
 pub(crate) fn level(level: u32, side_bits: u32, key: [u32; 2]) -> Vec<Command> {
     let [a, b] = key;
     let job = Job {

@@ -1,8 +1,8 @@
-//! Room and memory that prove too small. Needs an adapter; one that computes on the CPU will do.
+//! Too little room and memory. Needs an adapter; a software one will do.
 
 use super::*;
 use crate::adapter::Choice;
-use crate::plan::{Plan, whole};
+use crate::plan::{WindowPlan, whole};
 use pollster::block_on;
 use tilescope_core::{Insertion, Unobserved};
 
@@ -29,10 +29,10 @@ fn too_little_room_is_noticed_and_made_up_for() {
     for insertion in [Insertion::Circumcentre, Insertion::Uniform] {
         let mut sweep = sweep(insertion);
         let window = whole(&sweep.setup);
-        let plan = Plan::new(&sweep.setup, &window, HALO, None).unwrap();
+        let plan = WindowPlan::new(&sweep.setup, &window, HALO, None).unwrap();
         let room = plan.room();
         let expected = block_on(sweep.attempt(&window, HALO, None, &mut Unobserved)).unwrap();
-        assert!(matches!(expected, Outcome::Known(_)));
+        assert!(matches!(expected, WindowOutcome::Known(_)));
         let uniform = insertion == Insertion::Uniform;
         let mut rooms = vec![
             Room { tiled: 99, ..room },
@@ -55,7 +55,7 @@ fn too_little_room_is_noticed_and_made_up_for() {
                 let mut go_on = Unobserved;
                 let attempt = sweep.attempt(&window, HALO, Some(wanted), &mut go_on);
                 match block_on(attempt).unwrap() {
-                    Outcome::TooSmall(more) => wanted = more,
+                    WindowOutcome::TooSmall(more) => wanted = more,
                     other => break other,
                 }
                 tries += 1;
@@ -78,7 +78,7 @@ fn memory_that_is_not_there_makes_smaller_windows() {
         count: 0,
         counts: Counts::default(),
     });
-    // As if other programs had taken the rest.
+    // As if other programs had used the rest.
     sweep.memory = 600_000;
     let side = sweep.side;
     let (mut points, mut bands) = (Vec::new(), 0);

@@ -1,7 +1,7 @@
-//! What needs a graphics driver; a software one will do.
+//! Tests that need a graphics driver; a software one will do.
 
 mod arithmetic;
 mod faults;
-mod spots;
+mod row_places;
 mod stages;
 mod windows;

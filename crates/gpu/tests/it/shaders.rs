@@ -1,5 +1,5 @@
-//! Every shader, put together, is parsed and validated as WebGPU's own WGSL, and the structures that
-//! it shares with Rust lie alike on both sides. Nothing here needs a device.
+//! Parses and validates every composed shader as the WGSL of WebGPU, without extensions, and checks that structures
+//! shared with Rust have the same layout on both sides. Needs no device.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, ScalarKind, TypeInner};
@@ -18,12 +18,12 @@ const LENGTHS: &[(&str, usize)] = &[
 /// A structure's fields with their offsets in bytes and their types.
 type Fields<'a> = &'a [(&'a str, usize, &'a str)];
 
-/// Returns whether a file is a pass, not a library.
+/// Returns whether a file is a pass and not a library.
 fn is_pass(text: &str) -> bool {
     text.contains("fn main(") || text.contains("fn run(index: u32)")
 }
 
-/// Returns the module of a source that needs nothing beyond WebGPU, or says what is wrong with it.
+/// Returns the parsed module of a source that uses only WebGPU's WGSL, or an error text.
 fn module(source: &str) -> Result<Module, String> {
     let module =
         naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
@@ -167,7 +167,7 @@ fn an_invalid_shader_is_refused() {
         "fn f() -> u32 { return 1u + 1i; }",
         // It parses, but a workgroup has no invocations.
         "@compute @workgroup_size(0) fn main() {}",
-        // Only native devices have it.
+        // Native extensions, which browsers lack.
         "fn f() -> i64 { return 1li; }",
         "fn f(a: f64) -> f64 { return a; }",
     ];

@@ -8,13 +8,13 @@ use tilescope_gpu::shader::compose;
 
 pub use device::gpu;
 
-/// The arguments or the answer of a function: four words, those not needed 0.
+/// The arguments or the answer of a function: four words; unused ones are 0.
 pub type Words = [u32; 4];
 
 /// Inputs of one dispatch: 2^14 workgroups, a quarter of what every device allows on one axis.
 const BATCH: usize = 1 << 20;
 
-/// What every test shader ends with. The function under test is called by `answer`.
+/// The end of every test shader. `answer` calls the function under test.
 const MAIN: &str = "
 @group(0) @binding(0) var<storage, read> inputs: array<vec4<u32>>;
 @group(0) @binding(1) var<storage, read_write> answers: array<vec4<u32>>;
@@ -34,14 +34,14 @@ pub fn source(file: &str, body: &str) -> String {
     format!("{library}\nfn answer(w: vec4<u32>) -> vec4<u32> {{\n{body}\n}}\n{MAIN}")
 }
 
-/// Returns the source with one part of it, which must be there once, made another.
+/// Returns the source with one part, which must occur exactly once, replaced.
 pub fn spoilt(source: &str, part: &str, other: &str) -> String {
     assert_eq!(source.matches(part).count(), 1, "{part}");
     source.replace(part, other)
 }
 
-/// Runs a test shader on the device and compares its answers with those expected. Returns how many
-/// inputs there were, or a sentence about the first difference.
+/// Runs a test shader on the device and compares its answers with the expected ones. Returns the number of inputs, or a
+/// sentence about the first difference.
 pub fn compare(
     source: &str,
     inputs: &[Words],
@@ -54,8 +54,7 @@ pub fn compare(
     })
 }
 
-/// Runs a test shader on the device and judges each of its answers. Returns how many inputs there
-/// were, or the first complaint.
+/// Runs a test shader on the device and checks each answer. Returns the number of inputs, or the first error.
 pub fn check(
     source: &str,
     inputs: &[Words],

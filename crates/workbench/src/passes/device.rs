@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use tilescope_core::{Parameters, Pattern, Progress, Rect, SampleError, Stage};
+use tilescope_gpu::cpu_reference::CpuReference;
 use tilescope_gpu::layout::Name;
-use tilescope_gpu::twin::Twin;
-use tilescope_gpu::{Gpu, GpuError, Spots, Stepper, Table};
+use tilescope_gpu::{BufferRows, Gpu, GpuError, RowPlaces, Stepper};
 use tilescope_session::jobs::Monitor;
 use tilescope_session::words::sentence;
 
@@ -117,7 +117,7 @@ impl Walker {
     }
 
     /// Returns the rows of a buffer that are read back.
-    async fn table(&self, name: Name) -> Result<Table, GpuError> {
+    async fn table(&self, name: Name) -> Result<BufferRows, GpuError> {
         let columns = self.stepper.table(name, 0).await?.columns.len() as u64;
         let rows = MAX_NUMBERS / columns.max(1);
         self.stepper.table(name, rows.max(1)).await
@@ -129,14 +129,14 @@ impl Walker {
         names: &[Name],
         stage: Stage,
         monitor: &Monitor,
-    ) -> Result<Vec<(Table, Spots)>, Stop> {
-        let ground = self.stepper.ground(stage).await?;
+    ) -> Result<Vec<(BufferRows, RowPlaces)>, Stop> {
+        let locator = self.stepper.row_locator(stage).await?;
         let mut side = Vec::with_capacity(names.len());
         for &name in names {
             continue_unless_cancelled(monitor)?;
             let table = self.table(name).await?;
-            let spots = ground.spots(name, &table);
-            side.push((table, spots));
+            let places = locator.locate(name, &table);
+            side.push((table, places));
         }
         Ok(side)
     }
@@ -172,7 +172,7 @@ impl Survey {
         };
         monitor.set_activity("making the pattern");
         let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
-        let mut twin = Twin::new(parameters, &pattern)?;
+        let mut cpu = CpuReference::new(parameters, &pattern)?;
         let walker = self.walker.insert(Walker::begin(subject, &pattern).await?);
         loop {
             continue_unless_cancelled(monitor)?;
@@ -183,13 +183,13 @@ impl Survey {
                 // The stages come again.
                 self.restarts = walker.stepper.restarts();
                 self.passes.clear();
-                twin = Twin::new(parameters, &pattern)?;
+                cpu = CpuReference::new(parameters, &pattern)?;
             }
             let mut badge = Badge::Intermediate;
             if let Some(stage) = walker.stepper.ended_stage() {
-                twin.advance(stage, &mut observer)?;
+                cpu.advance(stage, &mut observer)?;
                 let run = walker.stepper.run().await?;
-                badge = twin
+                badge = cpu
                     .compare(stage, &run)
                     .map_or(Badge::Equal, Badge::Differs);
             }

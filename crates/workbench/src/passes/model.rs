@@ -3,8 +3,8 @@
 
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, Rect, Stage};
 use tilescope_gpu::PassReport;
+use tilescope_gpu::cpu_reference::RunDifference;
 use tilescope_gpu::layout::{Access, Name};
-use tilescope_gpu::twin::Difference;
 use tilescope_session::limits::MAX_STAGED;
 use tilescope_session::words::{grouped, sentence};
 
@@ -17,7 +17,7 @@ pub enum Badge {
     /// It ended a stage, after which everything was as on the CPU.
     Equal,
     /// It ended a stage, after which something was not, and what was first.
-    Differs(Difference),
+    Differs(RunDifference),
     /// It ended no stage: the CPU knows no such state.
     Intermediate,
 }

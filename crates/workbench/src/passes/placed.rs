@@ -3,31 +3,31 @@
 
 use tilescope_core::{Point, Rect};
 use tilescope_gpu::layout::Name;
-use tilescope_gpu::{Spot, Spots};
+use tilescope_gpu::{RowPlace, RowPlaces};
 use tilescope_session::words::{counted, grouped};
 
 use super::shown::ShownBuffer;
 use super::table::{BufferTable, PassSide};
 
-/// The spots of a buffer's rows before and after a pass.
+/// The places of a buffer's rows before and after a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlacedRows {
-    before: Spots,
+    before: RowPlaces,
     /// Nothing where all is as before.
-    after: Option<Spots>,
+    after: Option<RowPlaces>,
 }
 
 impl PlacedRows {
-    /// Returns the spots of both sides.
+    /// Returns the places of both sides.
     #[must_use]
-    pub fn new(before: Spots, after: Spots) -> Self {
+    pub fn new(before: RowPlaces, after: RowPlaces) -> Self {
         let after = (after != before).then_some(after);
         Self { before, after }
     }
 
-    /// Returns the spots of a side: of both, those afterwards.
+    /// Returns the places of a side: of both, those afterwards.
     #[must_use]
-    pub fn side(&self, side: PassSide) -> &Spots {
+    pub fn side(&self, side: PassSide) -> &RowPlaces {
         match side {
             PassSide::Before => &self.before,
             PassSide::After | PassSide::Both => self.after.as_ref().unwrap_or(&self.before),
@@ -52,7 +52,7 @@ pub struct Rows<'a> {
     /// The buffer.
     pub table: &'a BufferTable,
     /// Where its rows lie.
-    pub spots: &'a Spots,
+    pub places: &'a RowPlaces,
     /// The domain.
     pub domain: &'a Rect,
     /// Which of them are shown, and how.
@@ -63,25 +63,25 @@ impl<'a> Rows<'a> {
     /// Returns what is drawn of a row. Of a buffer with a row for every cell the cells are drawn where something changed
     /// or where a filter asks for them.
     #[must_use]
-    pub fn marks(&self, row: u32) -> &'a [Spot] {
+    pub fn marks(&self, row: u32) -> &'a [RowPlace] {
         marks(
-            self.spots,
+            self.places,
             row as usize,
             self.table,
             self.shown.is_filtered(),
         )
     }
 
-    /// Returns whether a spot begins in the domain, not in the halo around it or beyond its border.
+    /// Returns whether a place begins in the domain, not in the halo around it or beyond its border.
     #[must_use]
-    pub const fn lies_inside(&self, spot: &Spot) -> bool {
-        self.domain.contains(place(spot))
+    pub const fn lies_inside(&self, place: &RowPlace) -> bool {
+        self.domain.contains(first_point(place))
     }
 }
 
-fn marks<'a>(spots: &'a Spots, row: usize, table: &BufferTable, is_filtered: bool) -> &'a [Spot] {
-    let all = spots.of(row);
-    if spots.are_cells() && !is_filtered && !table.is_changed(row) {
+fn marks<'a>(places: &'a RowPlaces, row: usize, table: &BufferTable, is_filtered: bool) -> &'a [RowPlace] {
+    let all = places.of(row);
+    if places.are_cells() && !is_filtered && !table.is_changed(row) {
         return all.get(1..).unwrap_or_default();
     }
     all
@@ -89,7 +89,7 @@ fn marks<'a>(spots: &'a Spots, row: usize, table: &BufferTable, is_filtered: boo
 
 /// Counts the rows on the canvas.
 pub(super) fn count(
-    spots: &Spots,
+    places: &RowPlaces,
     rows: &[u32],
     table: &BufferTable,
     is_filtered: bool,
@@ -98,29 +98,29 @@ pub(super) fn count(
     let mut counts = PlacedCounts::default();
     for &row in rows {
         let row = row as usize;
-        if let Some(first) = marks(spots, row, table, is_filtered).first() {
+        if let Some(first) = marks(places, row, table, is_filtered).first() {
             counts.rows += 1;
             counts.changed += usize::from(table.is_changed(row));
-            counts.inside += usize::from(domain.contains(place(first)));
+            counts.inside += usize::from(domain.contains(first_point(first)));
         }
     }
     counts
 }
 
-/// Returns the first place of a spot.
-const fn place(spot: &Spot) -> Point {
-    match spot {
-        Spot::Point(point) | Spot::Link([point, _]) => *point,
-        Spot::Rect(rect) => rect.min,
+/// Returns the first point of a place.
+const fn first_point(place: &RowPlace) -> Point {
+    match place {
+        RowPlace::Point(point) | RowPlace::Link([point, _]) => *point,
+        RowPlace::Rect(rect) => rect.min,
     }
 }
 
-/// Returns the middle of a spot.
+/// Returns the middle of a place.
 #[must_use]
-pub const fn middle(spot: &Spot) -> Point {
-    match spot {
-        Spot::Point(point) | Spot::Link([point, _]) => *point,
-        Spot::Rect(Rect { min, max }) => {
+pub const fn middle(place: &RowPlace) -> Point {
+    match place {
+        RowPlace::Point(point) | RowPlace::Link([point, _]) => *point,
+        RowPlace::Rect(Rect { min, max }) => {
             Point::new(i32::midpoint(min.x, max.x), i32::midpoint(min.y, max.y))
         }
     }
@@ -147,14 +147,14 @@ impl OnCanvas<'_> {
         };
         let buffer = buffer_text(rows.table.name);
         let counts = rows.shown.counts();
-        if let Some(why) = rows.spots.unplaced() {
+        if let Some(why) = rows.places.unplaced() {
             return [
                 format!("{pass}, {buffer}, {}: {why}", side_text(rows.shown.side())),
                 String::new(),
             ];
         }
         let side = side_text(rows.shown.side());
-        if rows.spots.are_cells() && counts.rows == 0 && !rows.shown.is_filtered() {
+        if rows.places.are_cells() && counts.rows == 0 && !rows.shown.is_filtered() {
             let none = "no row changed; a filter shows others".to_owned();
             return [format!("{pass}, {buffer}, {side}: "), none];
         }
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn both_sides_are_kept_apart_where_they_differ() {
-        let same = PlacedRows::new(Spots::default(), Spots::default());
+        let same = PlacedRows::new(RowPlaces::default(), RowPlaces::default());
         assert!(same.after.is_none());
         assert_eq!(same.side(PassSide::Before), same.side(PassSide::Both));
         assert_eq!(side_text(PassSide::Both), side_text(PassSide::After));

@@ -98,7 +98,7 @@ impl ShownBuffer {
     pub fn on_canvas<'a>(&'a self, visit: &'a Visit) -> Option<Rows<'a>> {
         Some(Rows {
             table: visit.buffers.get(self.buffer)?,
-            spots: visit.placed.get(self.buffer)?.side(self.side),
+            places: visit.placed.get(self.buffer)?.side(self.side),
             domain: &visit.domain,
             shown: self,
         })
@@ -180,8 +180,8 @@ impl ShownBuffer {
         if let Some(visit) = visit
             && let Some(placed) = visit.placed.get(self.buffer)
         {
-            let (spots, domain) = (placed.side(self.side), &visit.domain);
-            self.counts = placed::count(spots, &self.rows, table, self.is_filtered, domain);
+            let (places, domain) = (placed.side(self.side), &visit.domain);
+            self.counts = placed::count(places, &self.rows, table, self.is_filtered, domain);
         }
     }
 }

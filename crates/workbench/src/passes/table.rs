@@ -1,6 +1,6 @@
 //! A buffer of a pass as a table, before and after it. It compares and counts; it reads no device.
 
-use tilescope_gpu::Table;
+use tilescope_gpu::BufferRows;
 use tilescope_gpu::layout::{Access, Name};
 
 /// The most numbers that are read back of a buffer each time, rows times columns: 4 MB for one side of a table, at most
@@ -59,12 +59,18 @@ pub struct BufferTable {
 impl BufferTable {
     /// Returns the table of a buffer that was read before and after a pass. Rows that only one side has are left out.
     #[must_use]
-    pub fn new(name: Name, access: Access, bytes: u64, before: &Table, after: &Table) -> Self {
+    pub fn new(
+        name: Name,
+        access: Access,
+        bytes: u64,
+        before: &BufferRows,
+        after: &BufferRows,
+    ) -> Self {
         let rows = before.rows.len().min(after.rows.len());
         let pairs = before.rows.iter().zip(&after.rows);
         let changed: Vec<bool> = pairs.map(|(a, b)| a != b).collect();
         let changed_count = changed.iter().filter(|&&changed| changed).count();
-        let flat = |table: &Table| table.rows[..rows].concat();
+        let flat = |table: &BufferRows| table.rows[..rows].concat();
         Self {
             name,
             access,
@@ -170,8 +176,8 @@ const fn digits_of(value: i64) -> usize {
 mod tests {
     use super::*;
 
-    fn table(rows: &[[i64; 2]]) -> Table {
-        Table {
+    fn table(rows: &[[i64; 2]]) -> BufferRows {
+        BufferRows {
             columns: vec!["x".to_owned(), "pattern index".to_owned()],
             rows: rows.iter().map(|row| row.to_vec()).collect(),
             total: 9,

@@ -46,7 +46,7 @@ pub(super) fn show(
 /// Returns what is said of the rows on the canvas, and what there is to explain.
 fn words(rows: &Rows<'_>) -> (String, &'static str) {
     let name = rows.table.name.as_str();
-    if let Some(why) = rows.spots.unplaced() {
+    if let Some(why) = rows.places.unplaced() {
         return (format!("nothing of {name}: {why}"), "");
     }
     let PlacedCounts {
@@ -61,7 +61,7 @@ fn words(rows: &Rows<'_>) -> (String, &'static str) {
     if changed > 0 {
         let _ = write!(text, ", {} changed", grouped(changed));
     }
-    let tip = if rows.spots.are_cells() && !rows.shown.is_filtered() {
+    let tip = if rows.places.are_cells() && !rows.shown.is_filtered() {
         "This buffer has a row for every cell of the frame: cells are drawn where the pass changed something, or where a filter asks for them."
     } else {
         "Rows beyond the domain's border are images in the frame's halo, or were dropped there. Rows behind the end of a list have no place."

@@ -1,5 +1,5 @@
-//! The arithmetic of shaders, run on a device, against core's: every function, bit for bit. One
-//! software adapter is enough; without any the tests fail.
+//! Compares the arithmetic of shaders, run on a device, with core's: every function, bit for bit. One software adapter
+//! is enough; without an adapter the tests fail.
 
 use crate::support::device::demand;
 use crate::support::inputs::{
@@ -11,7 +11,7 @@ use tilescope_core::{
 };
 use tilescope_gpu::{Choice, Gpu};
 
-/// Random inputs of one function.
+/// The number of random inputs for each function.
 const MANY: usize = 2_000_000;
 
 /// Returns a 64-bit number as an answer.
@@ -20,7 +20,7 @@ const fn wide(value: i64) -> Words {
     [low, high, 0, 0]
 }
 
-/// Returns what shaders answer for rounded values, none of them if one does not exist there.
+/// Returns the expected answer of a shader for rounded values: all of them, or zeros if one exceeds the limit.
 fn existing(values: &[i64]) -> Words {
     if values.iter().any(|value| value.abs() > OFFSET_LIMIT) {
         return [0; 4];
@@ -222,7 +222,7 @@ fn a_sample_covers_the_same_places_as_in_core() {
     assert_eq!(result, Ok(inputs.len()));
 }
 
-/// Runs a shader as it is, which must be right, and with one part made another, which must not.
+/// Runs a shader unchanged, which must pass, and with one part replaced, which must fail.
 fn catch(
     (file, body): (&str, &str),
     inputs: &[Words],

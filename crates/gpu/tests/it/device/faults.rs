@@ -1,5 +1,5 @@
-//! What goes wrong on a device comes out as an error that says what, and nothing hangs or panics. Needs an adapter;
-//! one that computes on the CPU will do.
+//! Device failures become errors that say what failed, and nothing hangs or panics. Needs an adapter; a software one
+//! will do.
 
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ fn an_unknown_adapter_is_named_with_those_that_there_are() {
 #[test]
 fn a_software_adapter_serves_only_if_it_was_asked_for() {
     if !gpu().report().is_software {
-        // With a real GPU the fastest adapter is that one.
+        // If there is a real GPU, it is the fastest adapter.
         assert!(
             !pollster::block_on(Gpu::open(&Choice::default()))
                 .unwrap()
@@ -244,7 +244,7 @@ async fn stepper_table(stepper: &Stepper, name: Name) -> Vec<Vec<i64>> {
 fn a_sample_changed_on_the_device_is_caught() {
     let mut changed = stepper(gpu()).unwrap();
     while pollster::block_on(changed.step()).unwrap() != Some(Stage::Tile) {}
-    // In the middle of the domain, deep in a block, so that it is nobody's conflict: one unit to the right.
+    // In the middle of the domain, deep in a block, where the moved sample is in no conflict: one unit to the right.
     let starts = pollster::block_on(stepper_table(&changed, Name::Starts));
     // The frame is square: this is the middle of its middle row.
     let middle = starts.len() / 2 + starts.len().isqrt() / 2;

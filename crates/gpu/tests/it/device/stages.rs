@@ -1,5 +1,5 @@
-//! The GPU engine against the sequential one, stage by stage: every sample with its id, origin and fate, every
-//! detector, candidate and cell. Needs an adapter; one that computes on the CPU will do.
+//! Compares the GPU engine with the sequential one, stage by stage: every sample with its id, origin and fate, every
+//! detector, candidate and cell. Needs an adapter; a software one will do.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use tilescope_core::{
     Boundary, Insertion, Order, Parameters, Pattern, PatternSpec, Search, Sequential, Stage,
     Unobserved,
 };
+use tilescope_gpu::cpu_reference::{CpuReference, difference};
 use tilescope_gpu::layout::Name;
-use tilescope_gpu::twin::{Twin, difference};
 use tilescope_gpu::{PassReport, Stepper};
 
 use crate::support::device::gpu;
@@ -18,20 +18,20 @@ use crate::support::device::gpu;
 /// Runs both engines and compares them after every stage from `first` on.
 fn compare(parameters: &Parameters, first: Stage) -> Result<usize, String> {
     let pattern = Pattern::of_spec(&parameters.pattern, &mut Unobserved).unwrap();
-    let mut twin = Twin::new(parameters, &pattern).unwrap();
+    let mut cpu = CpuReference::new(parameters, &pattern).unwrap();
     let mut stepper =
         pollster::block_on(Stepper::new(Arc::clone(gpu()), parameters, &pattern, first))
             .map_err(|error| error.to_string())?;
     let mut compared = 0;
     while let Some(stage) = pollster::block_on(stepper.step()).map_err(|error| error.to_string())? {
-        twin.advance(stage, &mut Unobserved).unwrap();
+        cpu.advance(stage, &mut Unobserved).unwrap();
         let gpu = pollster::block_on(stepper.run()).map_err(|error| error.to_string())?;
-        if let Some(what) = twin.compare(stage, &gpu) {
+        if let Some(what) = cpu.compare(stage, &gpu) {
             return Err(format!("after {stage}: {what}; {parameters:?}"));
         }
         compared += 1;
     }
-    assert!(twin.is_done(), "the sequential engine has more to do");
+    assert!(cpu.is_done(), "the sequential engine has more to do");
     Ok(compared)
 }
 
@@ -95,7 +95,7 @@ fn every_stage_may_be_the_first_one_of_the_device() {
     }
 }
 
-/// Asserts that those passes and no others end a stage behind which another one comes.
+/// Asserts that exactly the last pass of each stage is reported as ending it.
 fn assert_ends(reports: &[PassReport], ended: &[Option<Stage>]) {
     assert_eq!(reports.len(), ended.len());
     for (pass, report) in reports.iter().enumerate() {
@@ -206,7 +206,7 @@ fn a_run_that_differs_in_one_sample_is_caught() {
 }
 
 #[test]
-fn a_word_set_on_the_device_is_found_by_the_twin() {
+fn a_word_set_on_the_device_is_found_by_the_cpu_reference() {
     let parameters = Parameters {
         radius: 0.02,
         ..Parameters::default()
@@ -215,13 +215,13 @@ fn a_word_set_on_the_device_is_found_by_the_twin() {
     let stepper = Stepper::new(Arc::clone(gpu()), &parameters, &pattern, Stage::Blocks);
     let mut stepper = pollster::block_on(stepper).unwrap();
     assert_eq!((stepper.ended_stage(), stepper.restarts()), (None, 0));
-    let mut twin = Twin::new(&parameters, &pattern).unwrap();
+    let mut cpu = CpuReference::new(&parameters, &pattern).unwrap();
     while stepper.ended_stage() != Some(Stage::Tile) {
         pollster::block_on(stepper.step_pass()).unwrap().unwrap();
     }
-    twin.advance(Stage::Tile, &mut Unobserved).unwrap();
+    cpu.advance(Stage::Tile, &mut Unobserved).unwrap();
     let equal = pollster::block_on(stepper.run()).unwrap();
-    assert_eq!(twin.compare(Stage::Tile, &equal), None);
+    assert_eq!(cpu.compare(Stage::Tile, &equal), None);
     let starts = pollster::block_on(stepper.table(Name::Starts, u64::MAX)).unwrap();
     let tiled = starts.rows.iter().map(|row| row[0]).max().unwrap();
     let places = pollster::block_on(stepper.table(Name::Places, tiled as u64)).unwrap();
@@ -236,13 +236,13 @@ fn a_word_set_on_the_device_is_found_by_the_twin() {
             stepper.set_word(Name::Places, place as u64, word(x ^ 1));
             let corrupted = pollster::block_on(stepper.run()).unwrap();
             stepper.set_word(Name::Places, place as u64, word(x));
-            twin.compare(Stage::Tile, &corrupted)
+            cpu.compare(Stage::Tile, &corrupted)
         })
         .collect();
     assert!(!found.is_empty());
     assert!(found.iter().all(|difference| difference.list == "points"));
     let mended = pollster::block_on(stepper.run()).unwrap();
-    assert_eq!(twin.compare(Stage::Tile, &mended), None);
+    assert_eq!(cpu.compare(Stage::Tile, &mended), None);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The GPU engine's results against the parallel engine's: sets of up to 200,000 samples, in one window and in many,
-//! with halos so narrow that they must be repaired. Needs an adapter; one that computes on the CPU will do.
+//! Compares the GPU engine's results with the parallel engine's: sets of up to 200,000 samples, in one window and in
+//! many, with halos so narrow that windows must be recomputed. Needs an adapter; a software one will do.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -166,7 +166,7 @@ fn a_run_can_be_cancelled_between_windows_and_within_one() {
             ..Options::default()
         };
         let mut seen = 0;
-        // Before the band, before its first window, then whenever the host has something to read.
+        // Before the band, before its first window, then whenever the host reads counters.
         let mut stop = |_: Progress| {
             seen += 1;
             if seen < 4 {

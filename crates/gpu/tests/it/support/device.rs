@@ -4,11 +4,11 @@ use std::sync::{Arc, OnceLock};
 
 use tilescope_gpu::{Choice, Gpu, GpuError};
 
-/// Returns the device or what else was found.
+/// Returns the device.
 ///
 /// # Panics
 ///
-/// When there is none: a test without a device proves nothing and must not pass.
+/// When there is no device: without one a test proves nothing and must not pass.
 pub fn demand<T>(found: Result<T, GpuError>) -> T {
     found.unwrap_or_else(|error| {
         panic!(
@@ -18,7 +18,7 @@ pub fn demand<T>(found: Result<T, GpuError>) -> T {
     })
 }
 
-/// Returns the device that all tests of a file share: the fastest there is, a software one at worst.
+/// Returns the device that all tests share: the fastest adapter, or a software one if there is no other.
 pub fn gpu() -> &'static Arc<Gpu> {
     static GPU: OnceLock<Result<Arc<Gpu>, GpuError>> = OnceLock::new();
     let opened = GPU.get_or_init(|| {

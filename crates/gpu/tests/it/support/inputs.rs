@@ -31,14 +31,14 @@ const EDGES: [u32; 18] = [
     0xFFFF_FFFF,
 ];
 
-/// Numbers that a seed determines, one after the other.
+/// A sequence of numbers determined by a seed.
 pub struct Numbers {
     key: Key,
     index: u32,
 }
 
 impl Numbers {
-    /// Returns those of a seed.
+    /// Returns the sequence of a seed.
     pub const fn new(seed: u64) -> Self {
         Self {
             key: Key::from_seed(seed),

@@ -1,28 +1,28 @@
-//! The CPU's twin of a run on a device: core's sequential engine, brought to the same stage and compared with what
-//! lies on the device. It never repairs what differs.
+//! The CPU reference of a run on a device: core's sequential engine, run to the same stage and compared with what lies
+//! on the device. Differences are reported, never repaired.
 
 use std::fmt::{self, Debug};
 use std::sync::Arc;
 
 use tilescope_core::{Observer, Parameters, Pattern, Run, SampleError, Sequential, Stage};
 
-/// The longest piece of a differing element that a sentence quotes, in characters.
+/// The most characters of a differing element that are quoted.
 const MAX_QUOTED: usize = 120;
 
-/// The first thing in which a device's run differs from the CPU's.
+/// The first difference between a run on the device and the same run on the CPU.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
+pub struct RunDifference {
     /// Which list: blocks, tiles, points, origins, fates, iterations or result.
     pub list: &'static str,
-    /// The first place of the list at which they differ; `None` where the list is no sequence of equal elements.
+    /// The index in the list; `None` if the list has no indices.
     pub place: Option<usize>,
-    /// What the device has there; empty where its list has ended.
+    /// What the device has there; empty past the end of its list.
     pub device: String,
-    /// What the CPU has there; empty where its list has ended.
+    /// What the CPU has there; empty past the end of its list.
     pub cpu: String,
 }
 
-impl fmt::Display for Difference {
+impl fmt::Display for RunDifference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.list)?;
         let Some(place) = self.place else {
@@ -38,15 +38,15 @@ impl fmt::Display for Difference {
 }
 
 /// The sequential engine beside a [`crate::Stepper`] of the same parameters and pattern.
-pub struct Twin {
+pub struct CpuReference {
     engine: Sequential,
     done: Option<Stage>,
 }
 
-impl Twin {
-    /// Returns a twin that has done nothing yet.
+impl CpuReference {
+    /// Returns the reference before its first stage.
     ///
-    /// Fails when the sequential engine refuses the parameters.
+    /// Fails when the sequential engine rejects the parameters.
     pub fn new(parameters: &Parameters, pattern: &Arc<Pattern>) -> Result<Self, SampleError> {
         Ok(Self {
             engine: Sequential::new(parameters, Arc::clone(pattern))?,
@@ -54,15 +54,15 @@ impl Twin {
         })
     }
 
-    /// Runs to the end of `stage`. It never goes back: a stage before the one reached leaves it where it is.
+    /// Runs to the end of `stage`. Does nothing if that stage is already done.
     ///
-    /// Fails as the engine, and when the observer stops it.
+    /// Fails when the engine does, and when the observer stops it.
     pub fn advance(
         &mut self,
         stage: Stage,
         observer: &mut dyn Observer,
     ) -> Result<(), SampleError> {
-        // An iteration that finds nothing is no stage of the sequential engine.
+        // The sequential engine has no stage for an iteration that finds nothing.
         while self.done < Some(stage)
             && (stage == Stage::Finish || self.engine.next().is_some_and(|next| next <= stage))
         {
@@ -74,12 +74,12 @@ impl Twin {
         Ok(())
     }
 
-    /// Returns the first difference between a device's run after `stage` and this one, which must have been advanced
-    /// to it; `None` where all is equal.
+    /// Returns the first difference from a device's run after `stage`, or `None` if they are equal. The reference must
+    /// have been advanced to that stage.
     #[must_use]
-    pub fn compare(&self, stage: Stage, device: &Run) -> Option<Difference> {
+    pub fn compare(&self, stage: Stage, device: &Run) -> Option<RunDifference> {
         let cpu = self.engine.run();
-        // The sequential engine may know its result before the device has put it into its sequence.
+        // The sequential engine may have its result earlier than the device has written it.
         let result = if stage == Stage::Finish {
             &cpu.result[..]
         } else {
@@ -88,22 +88,22 @@ impl Twin {
         first_difference(device, cpu, result)
     }
 
-    /// Returns whether the CPU has no stage left to run.
+    /// Returns whether all stages have been run.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.engine.next().is_none()
     }
 }
 
-/// Returns the first difference between two runs after the same stage; `None` where all is equal.
+/// Returns the first difference between two runs after the same stage, or `None` if they are equal.
 #[must_use]
-pub fn difference(device: &Run, cpu: &Run) -> Option<Difference> {
+pub fn difference(device: &Run, cpu: &Run) -> Option<RunDifference> {
     first_difference(device, cpu, &cpu.result)
 }
 
-fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<Difference> {
+fn first_difference(device: &Run, cpu: &Run, result: &[u32]) -> Option<RunDifference> {
     if device.blocks != cpu.blocks {
-        return Some(Difference {
+        return Some(RunDifference {
             list: "blocks",
             place: None,
             device: String::new(),
@@ -123,7 +123,7 @@ fn in_list<T: PartialEq + Debug>(
     list: &'static str,
     device: &[T],
     cpu: &[T],
-) -> Option<Difference> {
+) -> Option<RunDifference> {
     if device == cpu {
         return None;
     }
@@ -131,7 +131,7 @@ fn in_list<T: PartialEq + Debug>(
     let place = device.iter().zip(cpu).position(|(a, b)| a != b);
     let place = place.unwrap_or(shorter);
     let quoted = |of: &[T]| of.get(place).map_or_else(String::new, quote);
-    Some(Difference {
+    Some(RunDifference {
         list,
         place: Some(place),
         device: quoted(device),

@@ -1,21 +1,21 @@
-//! Where the rows of a buffer lie in the plane: it reads what tells rows their cells. It never guesses: a row behind the
-//! end of its list has no place.
+//! Computes where the rows of a buffer lie in the plane, from the frame, the counters and the cells of the tiled
+//! samples as they are on the device between two passes. A row past the end of its list has no place.
 
 use tilescope_core::windows::{CELL_BITS, PAD};
 use tilescope_core::{Point, R, Rect, Stage};
 
+use crate::buffer_rows::BufferRows;
 use crate::constants::{PLACE_MASK, TILE_SIDE};
 use crate::error::GpuError;
 use crate::layout::{Access, Frame, Name, counter};
-use crate::spots::{Spot, Spots, Unplaced};
-use crate::table::Table;
-use crate::work::Work;
+use crate::row_places::{RowPlace, RowPlaces, Unplaced};
+use crate::window_run::WindowRun;
 
-/// What lies on the device between two passes that tells rows of buffers their places.
+/// Device data, read between two passes, from which the places of buffer rows are computed.
 #[derive(Clone, Debug)]
-pub struct Ground {
+pub struct RowLocator {
     frame: Frame,
-    /// The stage of the pass that is looked at: a buffer serves several.
+    /// The stage of the inspected pass. The same buffer holds different data in different stages.
     stage: Stage,
     /// The level of the active cells of uniform insertion.
     level: u32,
@@ -27,12 +27,12 @@ pub struct Ground {
     written: Vec<Name>,
 }
 
-impl Ground {
-    pub(crate) async fn read(work: &Work, stage: Stage) -> Result<Self, GpuError> {
+impl RowLocator {
+    pub(crate) async fn read(work: &WindowRun, stage: Stage) -> Result<Self, GpuError> {
         let device = &work.device;
         let written = written(work);
-        let mut ground = Self {
-            // The device's own: shaders go by it, whatever became of it.
+        let mut locator = Self {
+            // Read back from the device, since that is what the shaders used.
             frame: bytemuck::try_pod_read_unaligned(
                 &device.bytes(Name::Frame, frame_bytes()).await?,
             )
@@ -47,62 +47,63 @@ impl Ground {
             result: Vec::new(),
             written,
         };
-        if ground.is_written(Name::Places) {
+        if locator.is_written(Name::Places) {
             let cells = work.plan.cells();
             let starts = device.words(Name::Starts, 0..cells + 1).await?;
-            let tiled = u64::from(ground.counter(counter::TILED));
-            ground.places = device.words(Name::Places, 0..tiled).await?;
-            ground.cells = cells_of(&starts, ground.places.len());
+            let tiled = u64::from(locator.counter(counter::TILED));
+            locator.places = device.words(Name::Places, 0..tiled).await?;
+            locator.cells = cells_of(&starts, locator.places.len());
         }
-        if ground.is_written(Name::Result) {
-            let kept = u64::from(ground.counter(counter::KEPT));
-            ground.result = device.words(Name::Result, 0..2 * kept).await?;
+        if locator.is_written(Name::Result) {
+            let kept = u64::from(locator.counter(counter::KEPT));
+            locator.result = device.words(Name::Result, 0..2 * kept).await?;
         }
-        Ok(ground)
+        Ok(locator)
     }
 
-    /// Returns the frame through which rows are seen.
+    /// Returns the frame that maps cells to the plane.
     #[must_use]
     pub const fn frame(&self) -> &Frame {
         &self.frame
     }
 
-    /// Returns the same buffers seen through another frame: what if it lay elsewhere?
+    /// Returns the same data with another frame. For experiments and tests.
     #[must_use]
     pub const fn with_frame(mut self, frame: Frame) -> Self {
         self.frame = frame;
         self
     }
 
-    /// Returns the spots of the rows of a buffer, read between the same two passes.
+    /// Returns the places of the rows of `table`, which must have been read from the buffer `name` between the same two
+    /// passes.
     #[must_use]
-    pub fn spots(&self, name: Name, table: &Table) -> Spots {
-        let mut spots = Spots {
+    pub fn locate(&self, name: Name, table: &BufferRows) -> RowPlaces {
+        let mut places = RowPlaces {
             unplaced: self.unplaced(name),
             are_cells: match name {
                 Name::Starts | Name::Grid | Name::TileImages => true,
                 Name::Heads => !self.heads_are_listed(),
                 _ => false,
             },
-            ..Spots::default()
+            ..RowPlaces::default()
         };
-        if spots.unplaced.is_none() {
-            spots.ends.reserve(table.rows.len());
+        if places.unplaced.is_none() {
+            places.ends.reserve(table.rows.len());
             for (row, values) in table.rows.iter().enumerate() {
-                self.row(name, row, values, &mut spots.all);
-                spots.ends.push(spots.all.len() as u32);
+                self.row(name, row, values, &mut places.all);
+                places.ends.push(places.all.len() as u32);
             }
         }
-        spots
+        places
     }
 
-    /// Returns a spot moved by whole periods so that its first place lies in the domain; as it is where the plane does
-    /// not repeat.
+    /// Returns a place moved by whole periods so that its first point lies in the domain. In a bounded domain it is
+    /// unchanged.
     #[must_use]
-    pub fn wrapped(&self, spot: Spot) -> Spot {
-        let first = match spot {
-            Spot::Point(p) | Spot::Link([p, _]) => p,
-            Spot::Rect(rect) => rect.min,
+    pub fn wrapped(&self, place: RowPlace) -> RowPlace {
+        let first = match place {
+            RowPlace::Point(p) | RowPlace::Link([p, _]) => p,
+            RowPlace::Rect(rect) => rect.min,
         };
         let back = |at: i32, side: u32| match side {
             0 => 0,
@@ -116,10 +117,10 @@ impl Ground {
             ),
         };
         let moved = |p: Point| Point::new(p.x.wrapping_add(right), p.y.wrapping_add(up));
-        match spot {
-            Spot::Point(p) => Spot::Point(moved(p)),
-            Spot::Link(ends) => Spot::Link(ends.map(moved)),
-            Spot::Rect(Rect { min, max }) => Spot::Rect(Rect {
+        match place {
+            RowPlace::Point(p) => RowPlace::Point(moved(p)),
+            RowPlace::Link(ends) => RowPlace::Link(ends.map(moved)),
+            RowPlace::Rect(Rect { min, max }) => RowPlace::Rect(Rect {
                 min: moved(min),
                 max: moved(max),
             }),
@@ -141,7 +142,8 @@ impl Ground {
         self.written.contains(&name)
     }
 
-    /// Tiling and elimination keep the list of contested cells there; later each cell has a row.
+    /// Returns whether the buffer `heads` holds a list of contested cells, as in tiling and elimination. Later it has a
+    /// row for each cell.
     fn heads_are_listed(&self) -> bool {
         self.stage <= Stage::Eliminate
     }
@@ -150,16 +152,17 @@ impl Ground {
         self.counters.get(counter as usize).copied().unwrap_or(0)
     }
 
-    /// Returns whether a row belongs to a list that a counter counts.
+    /// Returns whether a row lies within a list whose length is in `counter`.
     fn is_listed(&self, row: usize, counter: u32) -> bool {
         (row as u64) < u64::from(self.counter(counter))
     }
 
-    /// Adds the spots of a row.
-    fn row(&self, name: Name, row: usize, values: &[i64], spots: &mut Vec<Spot>) {
+    /// Adds the places of a row.
+    fn row(&self, name: Name, row: usize, values: &[i64], places: &mut Vec<RowPlace>) {
         let value = |k: usize| values.get(k).copied().unwrap_or(-1);
-        let in_list = |counter, spot: Option<Spot>| spot.filter(|_| self.is_listed(row, counter));
-        let spot = match name {
+        let in_list =
+            |counter, place: Option<RowPlace>| place.filter(|_| self.is_listed(row, counter));
+        let place = match name {
             Name::Images => self.rect([value(0), value(1)], [value(2), value(3)]),
             Name::Pieces => self.piece(value(1), value(2), value(3)),
             Name::TileImages => self.tile(row),
@@ -170,9 +173,9 @@ impl Ground {
             Name::List => in_list(counter::OPEN, self.cell(value(0))),
             Name::Unsure => in_list(counter::UNSURE, self.cell(value(0))),
             Name::Grid => {
-                spots.extend(self.cell(row as i64));
+                places.extend(self.cell(row as i64));
                 let slots = (0..3).map(|slot| 3 + 4 * slot);
-                spots.extend(
+                places.extend(
                     slots.filter_map(|k| self.sample(row as i64, [value(k), value(k + 1)])),
                 );
                 None
@@ -189,14 +192,17 @@ impl Ground {
                 counter::NEXT_ACTIVE,
                 self.square([value(0), value(1)], self.level + 1),
             ),
-            Name::Result => in_list(counter::KEPT, point([value(0), value(1)]).map(Spot::Point)),
+            Name::Result => in_list(
+                counter::KEPT,
+                point([value(0), value(1)]).map(RowPlace::Point),
+            ),
             Name::Tags => in_list(counter::KEPT, self.of_result(row)),
             _ => None,
         };
-        spots.extend(spot);
+        places.extend(place);
     }
 
-    /// Returns how far places of the plane are from those of the frame: the window lies in the domain.
+    /// Returns the offset from frame coordinates to plane coordinates. It puts the window into the domain.
     fn shift(&self) -> [i64; 2] {
         let frame = &self.frame;
         let axis = |origin: u32, window: i32, side: u32| {
@@ -213,20 +219,20 @@ impl Ground {
         ]
     }
 
-    /// Returns the place of the plane at a place of the frame.
+    /// Returns the plane point at frame coordinates.
     fn plane(&self, at: [i64; 2]) -> Option<Point> {
         let [right, up] = self.shift();
         point([at[0] + right, at[1] + up])
     }
 
-    fn point(&self, at: [i64; 2]) -> Option<Spot> {
-        self.plane(at).map(Spot::Point)
+    fn point(&self, at: [i64; 2]) -> Option<RowPlace> {
+        self.plane(at).map(RowPlace::Point)
     }
 
-    fn rect(&self, min: [i64; 2], max: [i64; 2]) -> Option<Spot> {
+    fn rect(&self, min: [i64; 2], max: [i64; 2]) -> Option<RowPlace> {
         let is_empty = min[0] >= max[0] || min[1] >= max[1];
         let (min, max) = (self.plane(min)?, self.plane(max)?);
-        (!is_empty).then_some(Spot::Rect(Rect { min, max }))
+        (!is_empty).then_some(RowPlace::Rect(Rect { min, max }))
     }
 
     /// Returns the lowest corner of a cell in the frame.
@@ -239,24 +245,24 @@ impl Ground {
         Some([low(cell % stride), low(cell / stride)])
     }
 
-    fn cell(&self, cell: i64) -> Option<Spot> {
+    fn cell(&self, cell: i64) -> Option<RowPlace> {
         let [x, y] = self.corner(cell)?;
         self.rect([x, y], [x + i64::from(R), y + i64::from(R)])
     }
 
-    /// Returns a sample of a cell by its place there.
-    fn sample(&self, cell: i64, place: [i64; 2]) -> Option<Spot> {
+    /// Returns a sample by its cell and its offset in it.
+    fn sample(&self, cell: i64, place: [i64; 2]) -> Option<RowPlace> {
         let inside = |at: i64| (0..i64::from(R)).contains(&at);
         let [x, y] = self.corner(cell)?;
         let is_there = inside(place[0]) && inside(place[1]);
         is_there.then(|| self.point([x + place[0], y + place[1]]))?
     }
 
-    fn tiled(&self, row: usize, place: [i64; 2]) -> Option<Spot> {
+    fn tiled(&self, row: usize, place: [i64; 2]) -> Option<RowPlace> {
         self.sample(i64::from(*self.cells.get(row)?), place)
     }
 
-    /// Returns where in its cell a tiled sample lies.
+    /// Returns the offset of a tiled sample in its cell.
     fn place(&self, row: usize) -> [i64; 2] {
         let Some(word) = self.places.get(row).map(|word| word & PLACE_MASK) else {
             return [-1; 2];
@@ -264,22 +270,23 @@ impl Ground {
         [word & (R as u32 - 1), word >> CELL_BITS].map(i64::from)
     }
 
-    /// Returns the link from a tiled sample to the one that eliminated it, or the sample where none did.
-    fn link(&self, row: usize, by: i64) -> Option<Spot> {
+    /// Returns the link from a tiled sample to the one that eliminated it, or the sample alone if it was not
+    /// eliminated.
+    fn link(&self, row: usize, by: i64) -> Option<RowPlace> {
         let sample = |row: usize| match self.tiled(row, self.place(row)) {
-            Some(Spot::Point(point)) => Some(point),
+            Some(RowPlace::Point(point)) => Some(point),
             _ => None,
         };
         let from = sample(row)?;
         let to = usize::try_from(by - 1).ok().and_then(sample);
-        Some(to.map_or(Spot::Point(from), |to| Spot::Link([from, to])))
+        Some(to.map_or(RowPlace::Point(from), |to| RowPlace::Link([from, to])))
     }
 
-    /// Returns an active cell of a level, cut where the domain ends.
-    fn square(&self, low: [i64; 2], level: u32) -> Option<Spot> {
+    /// Returns an active cell of a level, cut at the edge of the domain.
+    fn square(&self, low: [i64; 2], level: u32) -> Option<RowPlace> {
         let frame = &self.frame;
         let last = i64::from(frame.periodic == 0);
-        let Spot::Point(corner) = self.wrapped(self.point(low)?) else {
+        let RowPlace::Point(corner) = self.wrapped(self.point(low)?) else {
             return None;
         };
         let side = i64::from(R >> level.min(CELL_BITS));
@@ -288,7 +295,7 @@ impl Ground {
         self.rect(low, [low[0] + extent[0], low[1] + extent[1]])
     }
 
-    fn tiles(&self, column: i64, row: i64, columns: i64, rows: i64) -> Option<Spot> {
+    fn tiles(&self, column: i64, row: i64, columns: i64, rows: i64) -> Option<RowPlace> {
         let low = |tile: i64| (tile * i64::from(TILE_SIDE) - i64::from(PAD)) << CELL_BITS;
         self.rect(
             [low(column), low(row)],
@@ -296,7 +303,7 @@ impl Ground {
         )
     }
 
-    fn tile(&self, tile: usize) -> Option<Spot> {
+    fn tile(&self, tile: usize) -> Option<RowPlace> {
         let columns = i64::from(self.frame.tile_columns);
         let tile = tile as i64;
         if columns == 0 || tile >= i64::from(self.frame.tiles) {
@@ -305,13 +312,13 @@ impl Ground {
         self.tiles(tile % columns, tile / columns, 1, 1)
     }
 
-    fn piece(&self, column: i64, row: i64, size: i64) -> Option<Spot> {
+    fn piece(&self, column: i64, row: i64, size: i64) -> Option<RowPlace> {
         self.tiles(column, row, size & 0xffff, size >> 16)
     }
 
-    fn of_result(&self, row: usize) -> Option<Spot> {
+    fn of_result(&self, row: usize) -> Option<RowPlace> {
         let words = self.result.get(2 * row..2 * row + 2)?;
-        point([words[0].into(), words[1].into()]).map(Spot::Point)
+        point([words[0].into(), words[1].into()]).map(RowPlace::Point)
     }
 }
 
@@ -337,10 +344,10 @@ fn cells_of(starts: &[u32], rows: usize) -> Vec<u32> {
 }
 
 /// Returns the buffers that the host or a pass has written.
-fn written(work: &Work) -> Vec<Name> {
+fn written(work: &WindowRun) -> Vec<Name> {
     let mut written = vec![Name::Images, Name::Pieces];
     if work.base.is_some() {
-        // Those that the CPU's stages filled are not told apart.
+        // It is not recorded which buffers the upload filled, so count all of them.
         written.extend(work.device.lengths().into_iter().map(|(name, _)| name));
     }
     let reports = work.device.reports.iter().flatten();

@@ -1,5 +1,5 @@
-//! A window on the device: its buffers, and the sequence of its stages. The host records a stage, submits it, and
-//! reads counters only where it must know whether a loop ends.
+//! The computation of one window: its buffers, and the sequence of its stages. The host records the commands of a step,
+//! submits them, and reads counters back only where it must know whether a loop ends.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -12,13 +12,13 @@ use tilescope_core::{Insertion, Point, Run, Source, Stage, Stream};
 use crate::adapter::Gpu;
 use crate::constants::FAULT_TILED;
 use crate::error::GpuError;
-use crate::execute::{Device, Looks};
+use crate::execute::{Device, Recording};
 use crate::layout::{Name, counter};
 use crate::passes::{self, Command};
-use crate::plan::{Phase, Plan, Room};
+use crate::plan::{Phase, Room, WindowPlan};
 use crate::setup::Setup;
 
-/// What comes next.
+/// A step of the computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     Blocks,
@@ -44,26 +44,26 @@ enum Step {
 
 /// How a window ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    /// All is known.
-    Known(Window),
-    /// Something in the window depends on what lies beyond the frame.
+pub(crate) enum WindowOutcome {
+    /// The result is complete.
+    Known(WindowSamples),
+    /// A sample in the window depends on what lies beyond the frame; a wider halo is needed.
     Unsure,
-    /// More room is needed.
+    /// A list was too short; this room is needed.
     TooSmall(Room),
 }
 
 /// The samples of a window, in canonical order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Window {
+pub(crate) struct WindowSamples {
     pub points: Vec<Point>,
     pub sources: Vec<Source>,
     pub counts: Counts,
 }
 
-/// What is kept of an iteration for those who look at stages.
+/// Buffers copied after an iteration, for inspection of stages.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Kept {
+pub(crate) struct IterationBuffers {
     /// The proposals, as words.
     pub proposals: Vec<u8>,
     /// The active cells, as words.
@@ -73,33 +73,33 @@ pub(crate) struct Kept {
 }
 
 /// A window in progress.
-pub(crate) struct Work {
+pub(crate) struct WindowRun {
     pub setup: Arc<Setup>,
-    pub plan: Plan,
+    pub plan: WindowPlan,
     pub device: Device,
     step: Step,
     stage: Stage,
     queue: VecDeque<Command>,
     counters: [u32; counter::COUNT as usize],
-    /// Whether the counters are to be read when the queue is empty.
+    /// Whether the counters must be read once the queue is empty.
     reads: bool,
     inserted: Vec<u64>,
-    /// The first stage of the device and the run before it, where that is the CPU's.
+    /// If the CPU ran the first stages: the first stage of the device, and the run before it.
     pub base: Option<(Stage, Run)>,
-    /// By iteration, if stages are to be looked at.
-    pub kept: Option<BTreeMap<u32, Kept>>,
+    /// The copied buffers by iteration, if stages are recorded.
+    pub kept: Option<BTreeMap<u32, IterationBuffers>>,
 }
 
-impl Work {
-    /// Returns the work on a planned window, with buffers of its own or those of a window before.
+impl WindowRun {
+    /// Returns the run of a planned window at its beginning. It takes over the buffers of `before` if given.
     pub(crate) async fn new(
         gpu: &Arc<Gpu>,
         setup: &Arc<Setup>,
-        plan: Plan,
+        plan: WindowPlan,
         before: Option<Device>,
-        looks: Looks,
+        recording: Recording,
     ) -> Result<Self, GpuError> {
-        let device = Device::new(gpu, setup, &plan, before, looks).await?;
+        let device = Device::new(gpu, setup, &plan, before, recording).await?;
         Ok(Self {
             setup: Arc::clone(setup),
             plan,
@@ -111,11 +111,11 @@ impl Work {
             reads: false,
             inserted: Vec::new(),
             base: None,
-            kept: (looks == Looks::AtStages).then(BTreeMap::new),
+            kept: (recording == Recording::Stages).then(BTreeMap::new),
         })
     }
 
-    /// Begins with a stage whose buffers were uploaded, behind `inserted` counts of iterations.
+    /// Begins with a stage whose input was uploaded. `inserted` has the counts of the iterations before it.
     pub(crate) fn begin_at(&mut self, stage: Stage, inserted: Vec<u64>, base: Run) {
         let uniform = self.setup.parameters.insertion == Insertion::Uniform;
         self.step = match stage {
@@ -137,14 +137,14 @@ impl Work {
         self.counters[counter as usize] = value;
     }
 
-    /// Keeps the active cells of a level that were uploaded.
+    /// Records the uploaded active cells of a level.
     pub(crate) fn keep_active(&mut self, k: u32, cells: &[[i32; 2]]) {
         if let Some(kept) = &mut self.kept {
             kept.entry(k).or_default().active = bytemuck::cast_slice(cells).to_vec();
         }
     }
 
-    /// Returns the stage at work.
+    /// Returns the current stage.
     pub(crate) const fn stage(&self) -> Stage {
         self.stage
     }
@@ -163,7 +163,7 @@ impl Work {
         self.counters[counter as usize]
     }
 
-    /// Returns whether nothing is left to be done.
+    /// Returns whether the window is finished.
     pub(crate) fn is_done(&self) -> bool {
         self.step == Step::Done && self.queue.is_empty()
     }
@@ -173,12 +173,12 @@ impl Work {
         self.queue.is_empty() && self.stage_of(self.step) != self.stage
     }
 
-    /// Returns whether nothing has been run yet.
+    /// Returns whether no pass has run yet.
     fn is_at_beginning(&self) -> bool {
         self.device.reports.as_ref().is_some_and(Vec::is_empty)
     }
 
-    /// Returns the last stage of which nothing is left to be done, or `None` before the first.
+    /// Returns the last completed stage, or `None` before the first.
     pub(crate) fn last_stage(&self) -> Option<Stage> {
         if self.is_done() || self.is_between_stages() && !self.is_at_beginning() {
             return Some(self.stage);
@@ -188,18 +188,18 @@ impl Work {
             Stage::Eliminate => Some(Stage::Tile),
             Stage::Iterate(1) => Some(Stage::Eliminate),
             Stage::Iterate(k) => Some(Stage::Iterate(k - 1)),
-            // Iterations that found nothing are no stages.
+            // Iterations that found nothing do not count as stages.
             Stage::Finish => Some(Stage::Iterate(self.inserted.len().max(1) as u32)),
             _ => None,
         }
     }
 
-    /// Runs to the end. Whenever the host has counters to look at, `ask` is told how far the window is, from 0 to 1, and
-    /// may stop the run by an error.
+    /// Runs to the end. Whenever the host reads counters, it calls `ask` with the progress of the window, from 0 to 1;
+    /// an error from `ask` stops the run.
     pub(crate) async fn run(
         &mut self,
         mut ask: impl FnMut(f64) -> Result<(), GpuError>,
-    ) -> Result<Option<Outcome>, GpuError> {
+    ) -> Result<Option<WindowOutcome>, GpuError> {
         while !self.is_done() {
             self.record().await?;
             let commands: Vec<Command> = self.queue.drain(..).collect();
@@ -214,7 +214,7 @@ impl Work {
         Ok(None)
     }
 
-    /// Returns how far the window is: shares of time as seen on a software adapter.
+    /// Returns the progress of the window, by shares of time measured on a software adapter.
     const fn share(&self) -> f64 {
         match self.stage {
             Stage::Eliminate => 0.3,
@@ -225,8 +225,8 @@ impl Work {
         }
     }
 
-    /// Runs one pass, and what host work belongs behind it. Returns how the window ended, if it did early.
-    pub(crate) async fn run_pass(&mut self) -> Result<Option<Outcome>, GpuError> {
+    /// Runs one pass and the host work that follows it. Returns the outcome if the window ended early.
+    pub(crate) async fn run_pass(&mut self) -> Result<Option<WindowOutcome>, GpuError> {
         if self.queue.is_empty() {
             self.record().await?;
         }
@@ -237,7 +237,7 @@ impl Work {
                 break;
             }
         }
-        // What no pass follows belongs to the one before.
+        // Commands after the last pass of a step belong to that pass.
         let is_pass = |command: &Command| matches!(command, Command::Dispatch { .. });
         while matches!(self.queue.front(), Some(Command::SwapActive))
             || !self.queue.is_empty() && !self.queue.iter().any(is_pass)
@@ -253,7 +253,7 @@ impl Work {
     }
 
     /// Returns the finished window.
-    pub(crate) async fn result(&self) -> Result<Window, GpuError> {
+    pub(crate) async fn result(&self) -> Result<WindowSamples, GpuError> {
         let count = u64::from(self.counter(counter::KEPT));
         let bytes = self.device.bytes(Name::Result, 0..8 * count).await?;
         let points = bytes.chunks_exact(8).map(point).collect();
@@ -263,7 +263,7 @@ impl Work {
             let words = self.device.words(Name::Tags, 0..2 * count).await?;
             sources = words.chunks_exact(2).map(source).collect();
         }
-        Ok(Window {
+        Ok(WindowSamples {
             points,
             sources,
             counts: self.counts(),
@@ -304,10 +304,10 @@ impl Work {
         }
     }
 
-    /// Puts the next step's commands into the queue.
+    /// Queues the commands of the next step.
     async fn record(&mut self) -> Result<(), GpuError> {
         let uniform = self.setup.parameters.insertion == Insertion::Uniform;
-        let looks = self.kept.is_some();
+        let keeps_stages = self.kept.is_some();
         self.stage = self.stage_of(self.step);
         let phase = match self.step {
             Step::Survive => Some(Phase::Fill),
@@ -320,7 +320,7 @@ impl Work {
         }
         let (commands, next, reads) = match self.step {
             Step::Blocks => (passes::blocks(&self.plan), Step::Tile, false),
-            Step::Tile => (passes::tile(&self.plan), Step::Eliminate, looks),
+            Step::Tile => (passes::tile(&self.plan), Step::Eliminate, keeps_stages),
             Step::Eliminate => (passes::eliminate(), Step::EliminateMore, true),
             Step::EliminateMore => (passes::rounds(), Step::EliminateMore, true),
             Step::Survive => {
@@ -329,9 +329,17 @@ impl Work {
                 } else {
                     Step::Detectors
                 };
-                (passes::survive(&self.plan, looks), next, looks)
+                (
+                    passes::survive(&self.plan, keeps_stages),
+                    next,
+                    keeps_stages,
+                )
             }
-            Step::Detectors => (passes::detectors(&self.plan), Step::Iterate(1), looks),
+            Step::Detectors => (
+                passes::detectors(&self.plan),
+                Step::Iterate(1),
+                keeps_stages,
+            ),
             Step::Iterate(k) => (self.iteration(k), Step::ChooseMore(k), true),
             Step::ChooseMore(k) => (passes::choose(k), Step::ChooseMore(k), true),
             Step::Start => {
@@ -373,8 +381,8 @@ impl Work {
         commands
     }
 
-    /// Reads the counters where the recorded step asks for it, and decides how to go on.
-    async fn settle(&mut self) -> Result<Option<Outcome>, GpuError> {
+    /// Reads the counters if the recorded step needs them, and decides what comes next.
+    async fn settle(&mut self) -> Result<Option<WindowOutcome>, GpuError> {
         if !self.reads {
             return Ok(None);
         }
@@ -392,8 +400,8 @@ impl Work {
         Ok(None)
     }
 
-    /// Returns how the window ends where it cannot go on.
-    fn judge(&self) -> Result<Option<Outcome>, GpuError> {
+    /// Returns the outcome if the window cannot go on.
+    fn judge(&self) -> Result<Option<WindowOutcome>, GpuError> {
         let room = self.plan.room();
         let needed = |count: u32, room: u32| {
             if count > room {
@@ -418,23 +426,23 @@ impl Work {
             result: needed(self.counter(counter::KEPT), room.result),
         };
         if wanted != room {
-            return Ok(Some(Outcome::TooSmall(wanted)));
+            return Ok(Some(WindowOutcome::TooSmall(wanted)));
         }
         match self.counter(counter::FAULT) {
             0 => {}
-            FAULT_TILED => return Ok(Some(Outcome::TooSmall(wanted))),
+            FAULT_TILED => return Ok(Some(WindowOutcome::TooSmall(wanted))),
             code => {
                 let stage = self.stage;
                 return Err(GpuError::Fault { stage, code });
             }
         }
         if self.counter(counter::UNSURE_IN_WINDOW) > 0 {
-            return Ok(Some(Outcome::Unsure));
+            return Ok(Some(WindowOutcome::Unsure));
         }
         Ok(None)
     }
 
-    /// Decides what follows a step whose counters were read.
+    /// Chooses the next step from the counters.
     async fn decide(&mut self) -> Result<(), GpuError> {
         let undecided = self.counter(counter::UNDECIDED_ODD) > 0;
         match self.step {

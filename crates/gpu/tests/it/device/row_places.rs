@@ -1,5 +1,5 @@
-//! Where rows of buffers lie, against the sequential engine: samples, links, candidates, cells and blocks at the same
-//! places as on the CPU. Needs an adapter; one that computes on the CPU will do.
+//! Compares the places of buffer rows with the sequential engine: samples, links, candidates, cells and blocks lie at
+//! the same places as on the CPU. Needs an adapter; a software one will do.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use tilescope_core::{
     Boundary, Fate, Insertion, Parameters, Pattern, Point, Rect, Run, Sequential, Stage, Unobserved,
 };
 use tilescope_gpu::layout::Name;
-use tilescope_gpu::{Ground, Spot, Spots, Stepper, Table, Unplaced};
+use tilescope_gpu::{BufferRows, RowLocator, RowPlace, RowPlaces, Stepper, Unplaced};
 
 use crate::support::device::gpu;
 
@@ -44,7 +44,7 @@ impl Both {
         }
     }
 
-    /// Goes to the end of a stage.
+    /// Runs to the end of a stage.
     fn go(mut self, stage: Stage) -> Self {
         while pollster::block_on(self.stepper.step()).unwrap() != Some(stage) {}
         while self.cpu.next().is_some_and(|next| next <= stage) {
@@ -54,7 +54,7 @@ impl Both {
         self
     }
 
-    /// Runs single passes up to one of this name, and that one, too.
+    /// Runs passes up to and including the one of this name.
     fn behind(mut self, pass: &str) -> Self {
         loop {
             let report = pollster::block_on(self.stepper.step_pass()).unwrap();
@@ -70,21 +70,21 @@ impl Both {
         self.cpu.run()
     }
 
-    fn table(&self, name: Name) -> Table {
+    fn table(&self, name: Name) -> BufferRows {
         pollster::block_on(self.stepper.table(name, u64::MAX)).unwrap()
     }
 
-    fn ground(&self) -> Ground {
-        pollster::block_on(self.stepper.ground(self.stage)).unwrap()
+    fn locator(&self) -> RowLocator {
+        pollster::block_on(self.stepper.row_locator(self.stage)).unwrap()
     }
 
-    fn spots(&self, name: Name) -> Spots {
-        self.ground().spots(name, &self.table(name))
+    fn places(&self, name: Name) -> RowPlaces {
+        self.locator().locate(name, &self.table(name))
     }
 
-    /// Returns all spots of a buffer, row by row.
-    fn all(&self, name: Name) -> Vec<Spot> {
-        all(&self.spots(name), self.table(name).rows.len())
+    /// Returns all places of a buffer, row by row.
+    fn all(&self, name: Name) -> Vec<RowPlace> {
+        all(&self.places(name), self.table(name).rows.len())
     }
 
     /// Returns the points among them that lie in the domain, sorted.
@@ -113,24 +113,24 @@ impl Both {
     }
 }
 
-fn all(spots: &Spots, rows: usize) -> Vec<Spot> {
-    (0..rows).flat_map(|row| spots.of(row).to_vec()).collect()
+fn all(places: &RowPlaces, rows: usize) -> Vec<RowPlace> {
+    (0..rows).flat_map(|row| places.of(row).to_vec()).collect()
 }
 
-fn points(spots: &[Spot]) -> Vec<Place> {
-    let point = |spot: &Spot| match *spot {
-        Spot::Point(p) => Some((p.x, p.y)),
+fn points(places: &[RowPlace]) -> Vec<Place> {
+    let point = |spot: &RowPlace| match *spot {
+        RowPlace::Point(p) => Some((p.x, p.y)),
         _ => None,
     };
-    spots.iter().filter_map(point).collect()
+    places.iter().filter_map(point).collect()
 }
 
-fn rects(spots: &[Spot]) -> Vec<Rect> {
-    let rect = |spot: &Spot| match *spot {
-        Spot::Rect(rect) => Some(rect),
+fn rects(places: &[RowPlace]) -> Vec<Rect> {
+    let rect = |spot: &RowPlace| match *spot {
+        RowPlace::Rect(rect) => Some(rect),
         _ => None,
     };
-    spots.iter().filter_map(rect).collect()
+    places.iter().filter_map(rect).collect()
 }
 
 fn corners(rect: &Rect) -> [Place; 2] {
@@ -150,9 +150,9 @@ fn tiled_samples_lie_where_the_cpu_tiled_them() {
         // Each once in the domain; every image in the halo, wrapped, at the place of one of them.
         assert_eq!(both.inside(Name::Places), expected);
         assert_eq!(both.inside(Name::Origins), expected);
-        let ground = both.ground();
-        let wrapped: Vec<Spot> = both.all(Name::Places);
-        let wrapped: Vec<Spot> = wrapped.into_iter().map(|s| ground.wrapped(s)).collect();
+        let locator = both.locator();
+        let wrapped: Vec<RowPlace> = both.all(Name::Places);
+        let wrapped: Vec<RowPlace> = wrapped.into_iter().map(|s| locator.wrapped(s)).collect();
         let wrapped = set(points(&wrapped).into_iter().filter(|&p| both.holds(p)));
         assert_eq!(wrapped, set(expected));
     }
@@ -161,23 +161,23 @@ fn tiled_samples_lie_where_the_cpu_tiled_them() {
 #[test]
 fn a_frame_elsewhere_and_a_row_left_out_give_other_places() {
     let both = Both::new(&small(Boundary::Periodic, Insertion::Circumcentre)).go(Stage::Tile);
-    let (ground, table) = (both.ground(), both.table(Name::Places));
-    let places = |ground: &Ground, table: &Table| {
-        let spots = all(&ground.spots(Name::Places, table), table.rows.len());
-        let wrapped: Vec<Spot> = spots.into_iter().map(|s| ground.wrapped(s)).collect();
+    let (locator, table) = (both.locator(), both.table(Name::Places));
+    let places = |locator: &RowLocator, table: &BufferRows| {
+        let places = all(&locator.locate(Name::Places, table), table.rows.len());
+        let wrapped: Vec<RowPlace> = places.into_iter().map(|s| locator.wrapped(s)).collect();
         set(points(&wrapped))
     };
     let expected = set(both.samples(|_| true));
-    assert_eq!(places(&ground, &table), expected);
-    let mut frame = *ground.frame();
+    assert_eq!(places(&locator, &table), expected);
+    let mut frame = *locator.frame();
     frame.origin_x = (frame.origin_x + 1) % frame.side_x;
-    assert_ne!(places(&ground.clone().with_frame(frame), &table), expected);
-    let mut frame = *ground.frame();
+    assert_ne!(places(&locator.clone().with_frame(frame), &table), expected);
+    let mut frame = *locator.frame();
     frame.stride += 1;
-    assert_ne!(places(&ground.clone().with_frame(frame), &table), expected);
+    assert_ne!(places(&locator.clone().with_frame(frame), &table), expected);
     let mut shifted = table.clone();
     shifted.rows.remove(0);
-    assert_ne!(places(&ground, &shifted), expected);
+    assert_ne!(places(&locator, &shifted), expected);
 }
 
 #[test]
@@ -194,11 +194,11 @@ fn rows_behind_the_end_of_their_list_have_no_place() {
         (Name::Unsure, counter("unsure")),
         (Name::Proposals, counter("proposals")),
     ] {
-        let (spots, total) = (both.spots(name), both.table(name).rows.len());
+        let (places, total) = (both.places(name), both.table(name).rows.len());
         assert!(0 < count && count < total, "{name:?}: {count} of {total}");
-        assert!((0..count).all(|row| spots.of(row).len() == 1), "{name:?}");
+        assert!((0..count).all(|row| places.of(row).len() == 1), "{name:?}");
         assert!(
-            (count..total + 9).all(|row| spots.of(row).is_empty()),
+            (count..total + 9).all(|row| places.of(row).is_empty()),
             "{name:?}"
         );
     }
@@ -210,10 +210,10 @@ fn survivors_and_who_eliminated_whom_are_those_of_the_cpu() {
         let both = Both::new(&small(boundary, Insertion::Circumcentre)).go(Stage::Eliminate);
         let kept = both.samples(|fate| fate == Fate::Kept);
         assert_eq!(both.inside(Name::Grid), kept);
-        let spots = both.spots(Name::Grid);
+        let places = both.places(Name::Grid);
         let table = both.table(Name::Grid);
         for (row, values) in table.rows.iter().enumerate() {
-            let of = spots.of(row);
+            let of = places.of(row);
             assert_eq!(of.len(), 1 + values[0] as usize);
             let cell = rects(of)[0];
             let holds = |&(x, y): &Place| cell.contains(Point::new(x, y));
@@ -229,16 +229,16 @@ fn survivors_and_who_eliminated_whom_are_those_of_the_cpu() {
                 Fate::Eliminated { by } => Some([place(id), place(*by as usize)]),
                 _ => None,
             });
-        let ground = both.ground();
+        let locator = both.locator();
         let links = both
             .all(Name::By)
             .into_iter()
             .filter_map(|spot| match spot {
-                Spot::Link([from, _]) if both.holds((from.x, from.y)) => {
-                    let Spot::Link([from, to]) = spot else {
+                RowPlace::Link([from, _]) if both.holds((from.x, from.y)) => {
+                    let RowPlace::Link([from, to]) = spot else {
                         return None;
                     };
-                    let Spot::Point(to) = ground.wrapped(Spot::Point(to)) else {
+                    let RowPlace::Point(to) = locator.wrapped(RowPlace::Point(to)) else {
                         return None;
                     };
                     Some([(from.x, from.y), (to.x, to.y)])
@@ -258,7 +258,7 @@ fn candidates_and_the_result_lie_where_the_cpu_has_them() {
         let expected = set(candidates.map(|c| (c.point.x, c.point.y)));
         assert!(!expected.is_empty());
         assert_eq!(set(both.inside(Name::Proposals)), expected);
-        assert!(both.spots(Name::Result).unplaced() == Some(Unplaced::Unwritten));
+        assert!(both.places(Name::Result).unplaced() == Some(Unplaced::Unwritten));
         let both = Both::new(&parameters).go(Stage::Finish);
         let run = both.run();
         let places = run.result.iter().map(|&id| run.samples.points[id as usize]);
@@ -281,13 +281,13 @@ fn images_are_the_blocks_and_tiles_know_who_reaches_them() {
         let images = set(images.iter().filter(inside).map(corners));
         let leaves = &both.run().blocks.leaves;
         assert_eq!(images, set(leaves.iter().map(|leaf| corners(&leaf.rect))));
-        let tiles = (both.table(Name::TileImages), both.spots(Name::TileImages));
-        let (origins, places) = (both.table(Name::Origins), both.spots(Name::Places));
-        let pieces = (both.table(Name::Pieces), both.spots(Name::Pieces));
-        let contains = |spots: &[Spot], p: Point| rects(spots).iter().any(|r| r.contains(p));
+        let tiles = (both.table(Name::TileImages), both.places(Name::TileImages));
+        let (origins, places) = (both.table(Name::Origins), both.places(Name::Places));
+        let pieces = (both.table(Name::Pieces), both.places(Name::Pieces));
+        let contains = |places: &[RowPlace], p: Point| rects(places).iter().any(|r| r.contains(p));
         let mut looked = 0;
         for row in (0..origins.rows.len()).step_by(97) {
-            let [Spot::Point(p)] = *places.of(row) else {
+            let [RowPlace::Point(p)] = *places.of(row) else {
                 continue;
             };
             let image = origins.rows[row][0];
@@ -343,9 +343,9 @@ fn contested_cells_hold_the_samples_that_are_undecided() {
     let both = Both::new(&small(Boundary::Periodic, Insertion::Circumcentre)).go(Stage::Tile);
     let cells = rects(&both.all(Name::Heads));
     let listed = set(cells.iter().map(corners));
-    let (table, spots) = (both.table(Name::Places), both.spots(Name::Places));
+    let (table, places) = (both.table(Name::Places), both.places(Name::Places));
     let mut undecided = 0;
-    let starts = both.spots(Name::Starts);
+    let starts = both.places(Name::Starts);
     let all_cells = rects(&all(&starts, both.table(Name::Starts).rows.len()));
     let cell_of = |p: Point| {
         let side = all_cells[0].width();
@@ -354,7 +354,7 @@ fn contested_cells_hold_the_samples_that_are_undecided() {
         [(min.x, min.y), (min.x + side, min.y + side)]
     };
     for row in 0..table.rows.len() {
-        if let ([Spot::Point(p)], 0) = (spots.of(row), table.rows[row][2]) {
+        if let ([RowPlace::Point(p)], 0) = (places.of(row), table.rows[row][2]) {
             assert!(listed.contains(&cell_of(*p)), "row {row}");
             undecided += 1;
         }
@@ -362,8 +362,8 @@ fn contested_cells_hold_the_samples_that_are_undecided() {
     assert!(undecided > 100);
     // The same buffer has a row for every cell afterwards.
     let both = Both::new(&small(Boundary::Periodic, Insertion::Circumcentre)).go(Stage::Iterate(1));
-    let heads = both.spots(Name::Heads);
-    assert!(heads.are_cells() && !both.spots(Name::List).are_cells());
+    let heads = both.places(Name::Heads);
+    assert!(heads.are_cells() && !both.places(Name::List).are_cells());
     assert_eq!(rects(heads.of(0)), [all_cells[0]]);
 }
 
@@ -379,12 +379,12 @@ fn numbers_have_no_places_and_say_so() {
         (Name::Places, Unplaced::Unwritten),
         (Name::Grid, Unplaced::Unwritten),
     ] {
-        let spots = both.spots(name);
-        assert_eq!(spots.unplaced(), Some(why), "{name:?}");
-        assert!(spots.of(0).is_empty());
+        let places = both.places(name);
+        assert_eq!(places.unplaced(), Some(why), "{name:?}");
+        assert!(places.of(0).is_empty());
     }
     for name in [Name::Images, Name::Pieces, Name::TileImages] {
-        let spots = both.spots(name);
-        assert!(spots.unplaced().is_none() && !spots.of(0).is_empty());
+        let places = both.places(name);
+        assert!(places.unplaced().is_none() && !places.of(0).is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! Buffers as tables: what their words mean, column by column.
+//! The rows of a buffer, decoded column by column.
 
 use tilescope_core::R;
 use tilescope_core::windows::CELL_BITS;
@@ -8,18 +8,18 @@ use crate::error::GpuError;
 use crate::execute::Device;
 use crate::layout::{Frame, Image, Name, Proposal, counter};
 
-/// A buffer's content as a table.
+/// The rows of a buffer as a table of numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
+pub struct BufferRows {
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// The rows, a number a column.
+    /// The rows, with one number for each column.
     pub rows: Vec<Vec<i64>>,
-    /// Rows in the buffer, of which `rows` may hold but the first.
+    /// Rows in the buffer; `rows` may hold only the first of them.
     pub total: u64,
 }
 
-impl Table {
+impl BufferRows {
     /// Returns the first rows of a buffer.
     pub(crate) async fn read(device: &Device, name: Name, rows: u64) -> Result<Self, GpuError> {
         let words = words_of(name);
@@ -36,7 +36,7 @@ impl Table {
     }
 }
 
-/// Returns the words of a row.
+/// Returns the number of words in a row.
 fn words_of(name: Name) -> u64 {
     match name {
         Name::Frame => size_of::<Frame>() as u64 / 4,
@@ -94,7 +94,7 @@ fn columns(name: Name) -> Vec<String> {
     }
 }
 
-/// Returns what a row's words mean.
+/// Decodes the words of a row.
 fn meaning(name: Name, row: &[u32]) -> Vec<i64> {
     let place = |word: u32| {
         let (x, y) = (word & (R as u32 - 1), (word & PLACE_MASK) >> CELL_BITS);
