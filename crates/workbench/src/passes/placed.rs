@@ -79,7 +79,12 @@ impl<'a> Rows<'a> {
     }
 }
 
-fn marks<'a>(places: &'a RowPlaces, row: usize, table: &BufferTable, is_filtered: bool) -> &'a [RowPlace] {
+fn marks<'a>(
+    places: &'a RowPlaces,
+    row: usize,
+    table: &BufferTable,
+    is_filtered: bool,
+) -> &'a [RowPlace] {
     let all = places.of(row);
     if places.are_cells() && !is_filtered && !table.is_changed(row) {
         return all.get(1..).unwrap_or_default();
