@@ -1,5 +1,5 @@
-//! Prints how long recording and seeking take: `cargo run --release -p tilescope-debugger --example seek`.
-//! An example may read the clock; the crate never does.
+//! Prints how long recording and seeking take: `cargo run --release -p tilescope-debugger --example seek`. Only the
+//! example reads the clock, not the crate.
 
 use std::time::{Duration, Instant};
 
@@ -50,7 +50,7 @@ fn main() {
     }
 }
 
-/// Seeks to a thousand places all over the tape, and walks.
+/// Seeks to a thousand places all over the tape, and steps.
 fn seek(recording: &Recording) {
     let mut state = State::start(recording);
     let (mut worst, mut total) = (Duration::ZERO, Duration::ZERO);
@@ -80,7 +80,7 @@ fn seek(recording: &Recording) {
     println!("  step back {back:?}, step out {out:?}, query {found:?}");
 }
 
-/// Makes the indices and finds what a scan would find only at the end of the tape.
+/// Makes the indices and searches for events near the end of the tape, where a scan is slowest.
 fn find(recording: &Recording) {
     let made = best(1, || recording.prepare());
     let named: usize = (0..recording.run().samples.len() as u32)

@@ -1,4 +1,4 @@
-//! Events that are found again in other runs: the stage, the kind, and which of its kind in that stage an event is.
+//! Anchors: references to events that can be found again in other runs, by stage, kind and ordinal within the stage.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,22 +7,22 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use tilescope_core::{RunEvent, Stage};
 
-use crate::kind::Kind;
+use crate::kind::EventKind;
 use crate::recording::Recording;
 
-/// An event by its place in its stage. As text it is such as `eliminate.test.12` or `iterate-2.insert.1`.
+/// A reference to an event by its place in its stage. Written as `eliminate.test.12` or `iterate-2.insert.1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Anchor {
     /// The stage.
     pub stage: Stage,
     /// The kind of the event.
-    pub kind: Kind,
+    pub kind: EventKind,
     /// Which one of this kind it is in the stage, from 1.
     pub ordinal: usize,
 }
 
-/// A text that is no anchor.
+/// A text that is not an anchor.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no anchor such as eliminate.test.12")]
 pub struct AnchorError(String);
@@ -56,7 +56,7 @@ impl FromStr for Anchor {
             let mut parts = text.split('.');
             let anchor = Self {
                 stage: stage_named(parts.next()?)?,
-                kind: Kind::named(parts.next()?)?,
+                kind: EventKind::named(parts.next()?)?,
                 ordinal: parts.next()?.parse().ok().filter(|&ordinal| ordinal > 0)?,
             };
             parts.next().is_none().then_some(anchor)
@@ -80,7 +80,7 @@ fn stage_named(name: &str) -> Option<Stage> {
 }
 
 impl Recording {
-    /// Returns the stages in their sequence, each with its events.
+    /// Returns the stages in order, each with its events.
     fn stages(&self) -> Vec<(Stage, Range<usize>)> {
         let mut stages: Vec<(Stage, Range<usize>)> = Vec::new();
         for &begin in self.begins() {
@@ -128,7 +128,7 @@ impl Recording {
         if wanted > before(events.end) {
             return None;
         }
-        // The first end that has so many before it lies just behind the event.
+        // Find the lowest end with so many events of the kind before it; it lies just after the event.
         let (mut low, mut high) = (events.start, events.end);
         while low + 1 < high {
             let middle = usize::midpoint(low, high);
@@ -149,14 +149,14 @@ mod tests {
     #[test]
     fn anchors_are_read_as_they_are_written() {
         for (text, stage, kind, ordinal) in [
-            ("blocks.split.1", Stage::Blocks, Kind::Split, 1),
+            ("blocks.split.1", Stage::Blocks, EventKind::Split, 1),
             (
                 "iterate-12.no-gap.340",
                 Stage::Iterate(12),
-                Kind::NoGap,
+                EventKind::NoGap,
                 340,
             ),
-            ("finish.finish.1", Stage::Finish, Kind::Finish, 1),
+            ("finish.finish.1", Stage::Finish, EventKind::Finish, 1),
         ] {
             let anchor = Anchor {
                 stage,

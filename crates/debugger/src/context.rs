@@ -1,17 +1,17 @@
-//! What is current at a moment: phase, iteration, sample, search and the place under test.
-//! It follows from the last few events alone and never holds a set.
+//! The context of a cursor: current phase, iteration, sample, search and the place under test. It follows from the last
+//! few events.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
 use crate::event::Event;
 
-/// A search for the samples around one of them.
+/// A search for the valid samples around a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Search {
+pub struct NeighbourSearch {
     /// The sample in the middle.
     pub centre: u32,
-    /// How far it goes, in units.
+    /// Its radius in units.
     pub radius: i32,
     /// How many samples it found.
     pub found: u32,
@@ -22,17 +22,17 @@ pub struct Search {
 /// A place under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Examined {
-    /// The detector that looks at it.
+    /// The detector that examines it.
     pub detector: u32,
     /// The samples that make it.
     pub sites: Sites,
     /// Its offset from the detector in units, clamped to 32 bits.
     pub offset: [i32; 2],
-    /// What became of it.
+    /// The result of the test.
     pub verdict: Verdict,
 }
 
-/// What is current.
+/// The context of a cursor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Context {
     /// The phase.
@@ -41,12 +41,12 @@ pub struct Context {
     pub iteration: u32,
     /// The block that is being clipped.
     pub block: Option<u32>,
-    /// The sample that is being tiled, taken or looks for gaps (p in the listings).
+    /// The sample that is being tiled or processed, or around which gaps are searched (p in the listings).
     pub sample: Option<u32>,
     /// The sample with which it is compared (conflictPoint).
     pub other: Option<u32>,
     /// The last search of that sample: its test buffer is [`crate::Recording::test_buffer`].
-    pub search: Option<Search>,
+    pub search: Option<NeighbourSearch>,
     /// The place under test.
     pub examined: Option<Examined>,
     /// The dart under test.
@@ -54,7 +54,7 @@ pub struct Context {
 }
 
 impl Context {
-    /// Moves over an event, whose index is `index`.
+    /// Applies the event of index `index`.
     pub fn apply(&mut self, event: &Event, index: u32) {
         let Some(run_event) = event.run_event() else {
             return;
@@ -87,7 +87,7 @@ impl Context {
         };
     }
 
-    /// Notes a search or an examined place.
+    /// Records a search or an examined place.
     fn look(&mut self, run_event: RunEvent, event: u32) {
         match run_event {
             RunEvent::Search {
@@ -96,7 +96,7 @@ impl Context {
                 found,
             } => {
                 self.examined = None;
-                self.search = Some(Search {
+                self.search = Some(NeighbourSearch {
                     centre,
                     radius,
                     found,

@@ -1,5 +1,5 @@
-//! A debugging session: one cursor over a recording, with breakpoints, watches and bookmarks.
-//! Whoever shows it reads its state and calls its moves; it draws nothing.
+//! A debugging session: one cursor over a recording, with breakpoints, watches and bookmarks. A user interface reads
+//! its state and calls its moves.
 
 use std::sync::{Arc, OnceLock};
 
@@ -28,7 +28,7 @@ pub struct Breakpoint {
 }
 
 impl Breakpoint {
-    /// Returns what is wrong with the condition's text.
+    /// Returns the error in the condition's text, if there is one.
     #[must_use]
     pub const fn error(&self) -> Option<&ExpressionError> {
         match &self.parsed {
@@ -38,20 +38,20 @@ impl Breakpoint {
     }
 }
 
-/// Why a run of the cursor ended.
+/// Why a move of the cursor ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// It reached what it looked for.
+    /// It reached its target.
     Target,
     /// It reached the breakpoint of this index.
     Breakpoint(usize),
-    /// The condition of the breakpoint of this index could not be computed, which stops a run, too.
+    /// The condition of the breakpoint of this index could not be evaluated.
     BadCondition(usize, ExpressionError),
-    /// There was nothing to reach: the cursor stands at the end, or at the start.
+    /// There was nothing to reach; the cursor is at the end or the start.
     End,
 }
 
-/// What a user has set in a session, and keeps where another run takes its place.
+/// The breakpoints, watches and bookmarks of a session, which are kept when another run replaces it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
     /// The breakpoints.
@@ -65,9 +65,9 @@ pub struct Stops {
 /// Where a bookmark is in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marked {
-    /// At this cursor: it was set in this run.
+    /// It was set in this run, at this cursor.
     Here(usize),
-    /// It was set in another run; at this cursor the same one of its kind has happened in the same stage.
+    /// It was set in another run. In this run the corresponding event has just happened at this cursor.
     Like(usize),
     /// This run has no such event.
     Nowhere,
@@ -93,9 +93,9 @@ pub struct Debugger {
     run_id: OnceLock<String>,
     breakpoints: Vec<Breakpoint>,
     watches: Vec<String>,
-    /// Moments to come back to, in this run and in others.
+    /// The bookmarks, of this run and of others.
     pub bookmarks: Vec<Bookmark>,
-    /// How the session is shown, to be saved with it; nothing here reads it.
+    /// The state of the user interface, which is saved with the session but not read here.
     pub view: serde_json::Value,
     /// The file of the pattern with which the recording was made, if it came from one.
     pub pattern: Option<PatternFile>,
@@ -131,7 +131,7 @@ impl Debugger {
         &self.state
     }
 
-    /// Returns the event about to happen.
+    /// Returns the event that is about to happen.
     #[must_use]
     pub fn event(&self) -> Option<&Event> {
         self.recording.event(self.state.cursor())
@@ -143,7 +143,7 @@ impl Debugger {
         &self.breakpoints
     }
 
-    /// Adds a breakpoint; an empty condition always holds. An unreadable one is kept with its error.
+    /// Adds a breakpoint. An empty condition always holds. A condition that does not parse is kept with its error.
     pub fn add_breakpoint(&mut self, line: LineId, condition: &str) {
         let text = condition.trim();
         let parsed = (!text.is_empty()).then(|| self.evaluator.parse(text));
@@ -155,32 +155,32 @@ impl Debugger {
         });
     }
 
-    /// Removes a breakpoint; an index that there is not changes nothing.
+    /// Removes a breakpoint. An unknown index changes nothing.
     pub fn remove_breakpoint(&mut self, index: usize) {
         if index < self.breakpoints.len() {
             self.breakpoints.remove(index);
         }
     }
 
-    /// Lets a breakpoint stop runs, or not.
+    /// Enables or disables a breakpoint.
     pub fn enable_breakpoint(&mut self, index: usize, enabled: bool) {
         if let Some(breakpoint) = self.breakpoints.get_mut(index) {
             breakpoint.enabled = enabled;
         }
     }
 
-    /// Returns the watched expressions.
+    /// Returns the watched expressions, to be edited.
     pub fn watches_mut(&mut self) -> &mut Vec<String> {
         &mut self.watches
     }
 
-    /// Returns the watched expressions as they are.
+    /// Returns the watched expressions.
     #[must_use]
     pub fn watches(&self) -> &[String] {
         &self.watches
     }
 
-    /// Returns every watched expression with its value here, or why it has none.
+    /// Returns every watched expression with its value at the cursor, or the error.
     #[must_use]
     pub fn watch_values(&self) -> Vec<(&str, Result<String, ExpressionError>)> {
         let value = |text: &str| self.evaluate(text);
@@ -190,7 +190,7 @@ impl Debugger {
             .collect()
     }
 
-    /// Returns the value of an expression here.
+    /// Returns the value of an expression at the cursor.
     pub fn evaluate(&self, text: &str) -> Result<String, ExpressionError> {
         let expression = self.evaluator.parse(text)?;
         self.evaluator.value(&expression, &self.state)
@@ -207,8 +207,8 @@ impl Debugger {
         self.jump(cursor);
     }
 
-    /// Runs behind the next (or last) event that `target` means, or before that execution of a line; stays where it is
-    /// when there is none.
+    /// Runs to just after the next (or last) event that matches `target`, or to just before the next execution of a
+    /// line. If there is none, the cursor stays.
     pub fn run_to(&mut self, target: Target, direction: Direction) -> Stop {
         let from = self.state.cursor();
         match moves::arrive(&self.recording, from, target, direction) {
@@ -225,8 +225,8 @@ impl Debugger {
         self.run_while(direction, &|| true)
     }
 
-    /// Does what [`Self::run`] does for as long as `go_on` says so, which is asked at every breakpoint whose condition
-    /// does not hold; the cursor then stays there.
+    /// Like [`Self::run`], but calls `go_on` at every breakpoint whose condition does not hold. If it returns false,
+    /// the cursor stops there.
     pub fn run_while(&mut self, direction: Direction, go_on: &dyn Fn() -> bool) -> Stop {
         loop {
             if !go_on() {
@@ -268,7 +268,7 @@ impl Debugger {
         None
     }
 
-    /// Returns what tells the run from others, also from those of the same result but other events.
+    /// Returns an identifier of the run. Runs with the same result but other events have different ones.
     #[must_use]
     pub fn run_id(&self) -> &str {
         self.run_id.get_or_init(|| {
@@ -277,7 +277,7 @@ impl Debugger {
         })
     }
 
-    /// Sets a bookmark at the cursor, unless there is one.
+    /// Sets a bookmark at the cursor, if there is none yet.
     pub fn bookmark(&mut self) {
         let cursor = self.state.cursor();
         let is_there = |mark: &Bookmark| self.marked(mark) == Marked::Here(cursor);
@@ -314,7 +314,7 @@ impl Debugger {
         mark
     }
 
-    /// Puts bookmarks in the sequence of this run; those that it does not have come last.
+    /// Sorts the bookmarks by their cursors in this run; those without one come last.
     fn sort_bookmarks(&mut self) {
         let mut marks = std::mem::take(&mut self.bookmarks);
         marks.sort_by_cached_key(|mark| {
@@ -326,7 +326,7 @@ impl Debugger {
         self.bookmarks = marks;
     }
 
-    /// Returns what was set in this session, which has nothing of it any more.
+    /// Takes breakpoints, watches and bookmarks out of this session.
     pub fn take_stops(&mut self) -> Stops {
         let breakpoints = self.saved_breakpoints();
         self.breakpoints.clear();
@@ -337,8 +337,7 @@ impl Debugger {
         }
     }
 
-    /// Sets breakpoints, watches and bookmarks in the place of those that there are. A bookmark that names no run is one of
-    /// this run.
+    /// Replaces breakpoints, watches and bookmarks. A bookmark without a run counts as one of this run.
     pub fn put_stops(&mut self, stops: Stops) -> Result<(), SessionError> {
         self.breakpoints.clear();
         for saved in &stops.breakpoints {
@@ -365,7 +364,7 @@ impl Debugger {
         self.breakpoints.iter().map(saved).collect()
     }
 
-    /// Returns what is saved of this session.
+    /// Returns the session in the form in which it is saved.
     #[must_use]
     pub fn session(&self) -> Session {
         Session {
@@ -382,17 +381,17 @@ impl Debugger {
         }
     }
 
-    /// Computes a saved session's run again and returns the session where it was.
+    /// Computes the run of a saved session again and returns the session as it was.
     ///
-    /// The result is proved to be the saved one by its digest. A session whose pattern lies in a file fails: it
-    /// wants [`Self::restore_with`].
+    /// Fails if the digest of the result is not the saved one, and if the pattern comes from a file; for that see
+    /// [`Self::restore_with`].
     pub fn restore(session: &Session, observer: &mut dyn Observer) -> Result<Self, SessionError> {
         let mut refuse = |_: &PatternFile| Err("no files are opened here".to_owned());
         Self::restore_with(session, &mut refuse, observer)
     }
 
-    /// Does what [`Self::restore`] does; `pattern_loader` is asked for the pattern where it lies in a file, and its
-    /// digest proves that it is the saved one.
+    /// Like [`Self::restore`]. If the pattern comes from a file, `pattern_loader` reads it; its digest must be the
+    /// saved one.
     pub fn restore_with(
         session: &Session,
         pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
@@ -402,9 +401,9 @@ impl Debugger {
         Self::resume(session, Arc::new(recording))
     }
 
-    /// Returns the session where it was, on a recording of its run such as [`Session::record`] makes.
+    /// Returns the session as it was, on a recording of its run, such as [`Session::record`] makes.
     ///
-    /// Fails when the recording's result is not the saved one by its digest.
+    /// Fails when the digest of the recording's result is not the saved one.
     pub fn resume(session: &Session, recording: Arc<Recording>) -> Result<Self, SessionError> {
         session.check()?;
         let found = digest(recording.run());

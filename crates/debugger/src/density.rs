@@ -1,5 +1,5 @@
-//! What happens where on a tape, for a time line: counts of events in buckets of any range, and the phases.
-//! Counts are kept for every 1024th event, so that no range needs a scan of the tape.
+//! Event counts for a time line: counts in equal buckets of any range, and the phases. Counts are stored for every
+//! 1024th event, so that no range needs a scan of the tape.
 
 use std::ops::Range;
 
@@ -56,8 +56,7 @@ pub struct Phase {
     pub events: Range<usize>,
 }
 
-/// Returns the phases and iterations in sequence. Each ends where the next begins, the first begins with the tape
-/// and the last ends with it.
+/// Returns the phases and iterations in order. Together they cover the whole tape.
 #[must_use]
 pub fn phases(recording: &Recording) -> Vec<Phase> {
     let mut phases: Vec<Phase> = Vec::new();

@@ -1,5 +1,5 @@
-//! Where two runs part: the first event, or the first stage, at which they differ. Samples are compared by
-//! place, never by id, so that engines that number them differently can be compared. It never runs anything.
+//! Finds where two runs diverge: the first event, or the first stage, at which they differ. Samples are compared by
+//! place and not by id, since engines may number them differently.
 
 mod runs;
 
@@ -15,7 +15,7 @@ use crate::sentence::sentence;
 /// The first difference of two runs, a and b.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Divergence {
-    /// There is none.
+    /// They are equal.
     Same,
     /// The domains differ in size or boundary.
     Domain {
@@ -30,35 +30,35 @@ pub enum Divergence {
         a: usize,
         /// The event of the second one.
         b: usize,
-        /// What the first one does.
+        /// The first one in words.
         sentence_a: String,
-        /// What the second one does.
+        /// The second one in words.
         sentence_b: String,
     },
-    /// One recording ends, and the other goes on.
+    /// One recording ends, and the other continues.
     Ends {
-        /// Whether it is the first one that goes on.
+        /// Whether it is the first one that continues.
         a_goes_on: bool,
-        /// Its first event more.
+        /// Its first additional event.
         event: usize,
-        /// What it does.
+        /// The event in words.
         sentence: String,
     },
     /// A stage differs, and all before it are equal.
     Stage {
         /// The stage.
         stage: Stage,
-        /// Where they differ, the lowest place of several.
+        /// The place at which they differ; of several the lowest.
         place: Option<Point>,
-        /// What the first run says of it.
+        /// What the first run has there.
         a: String,
-        /// What the second run says of it.
+        /// What the second run has there.
         b: String,
     },
 }
 
-/// Returns the first event at which two recordings differ. Where tests were left out of either tape, only what is
-/// never left out is compared.
+/// Returns the first event at which two recordings differ. If tests were left out of either tape, only events that are
+/// never left out are compared.
 #[must_use]
 pub fn first_divergence(a: &Recording, b: &Recording) -> Divergence {
     if let Some(different) = domains(a.domain(), b.domain()) {
@@ -132,7 +132,7 @@ fn equal(a: &Recording, x: &Event, b: &Recording, y: &Event) -> bool {
 
 type Places = [Option<Point>; 5];
 
-/// Returns an event without ids, and the places that they stand for.
+/// Returns an event with its ids removed, and the places of these ids.
 fn placed(recording: &Recording, run_event: RunEvent) -> (RunEvent, Places) {
     let mut places = of_block(recording, run_event);
     let mut bare = run_event;
@@ -147,7 +147,7 @@ fn placed(recording: &Recording, run_event: RunEvent) -> (RunEvent, Places) {
             Sites::Border(_) => 3,
             _ => 2,
         };
-        // The detector comes before the sites, the sample of the verdict behind them.
+        // The detector comes before the sites, the sample of the verdict after them.
         places[1..first_after].sort_unstable_by_key(|place| place.map(Point::row_major));
     }
     (bare, places)
@@ -177,7 +177,7 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
             take(a);
             take(b);
         }
-        RunEvent::Dart { verdict, .. } => nobody(verdict, take),
+        RunEvent::Dart { verdict, .. } => take_from_verdict(verdict, take),
         RunEvent::Candidate {
             detector,
             sites,
@@ -185,22 +185,22 @@ fn strip(run_event: &mut RunEvent, take: &mut impl FnMut(&mut u32)) {
             ..
         } => {
             take(detector);
-            anywhere(sites, take);
-            nobody(verdict, take);
+            take_from_sites(sites, take);
+            take_from_verdict(verdict, take);
         }
         _ => {}
     }
 }
 
 /// Takes the id out of a verdict.
-fn nobody(verdict: &mut Verdict, take: &mut impl FnMut(&mut u32)) {
+fn take_from_verdict(verdict: &mut Verdict, take: &mut impl FnMut(&mut u32)) {
     if let Verdict::Covered { by: id } | Verdict::NotNearest { nearer: id } = verdict {
         take(id);
     }
 }
 
 /// Takes the ids out of sites.
-fn anywhere(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
+fn take_from_sites(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
     match sites {
         Sites::Three(ids) => ids.iter_mut().for_each(take),
         Sites::Border(ids) => ids.iter_mut().for_each(take),
@@ -209,7 +209,7 @@ fn anywhere(sites: &mut Sites, take: &mut impl FnMut(&mut u32)) {
     }
 }
 
-/// Returns the corners of a node or a block, where it is cut or its clip begins.
+/// Returns the places that describe a node or a block: its corners, and its cut or the start of its clip.
 fn of_block(recording: &Recording, run_event: RunEvent) -> Places {
     let run = recording.run();
     let (corners, third) = match run_event {

@@ -1,22 +1,21 @@
-//! Events: what happens in a run, in 24 bytes each, with the line of pseudocode that each executes.
-//! Packing loses nothing: an event gives back the run event that it was made from.
-//! It never looks at the run.
+//! Events of a run, packed into 24 bytes each, with the line of pseudocode that each executes. Packing loses nothing:
+//! the run event can be unpacked again.
 
 mod packing;
 
 use tilescope_core::RunEvent;
 
-use crate::kind::Kind;
+use crate::kind::EventKind;
 use crate::lines::Lines;
 use crate::listing::LineId;
 
-/// No sample, block or event.
+/// Stands for no sample, block or event.
 pub const NONE: u32 = u32::MAX;
 
 /// An event of a run, packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    kind: Kind,
+    kind: EventKind,
     line: u8,
     tags: u8,
     extra: u8,
@@ -37,12 +36,12 @@ impl Event {
         bytes
     }
 
-    /// Returns the event of bytes, or `None` where they name no kind.
+    /// Returns the event of bytes, or `None` if their kind is unknown.
     pub(crate) fn from_bytes(bytes: &[u8; Self::BYTES]) -> Option<Self> {
         let [kind, line, tags, extra, ..] = *bytes;
         let word = |k: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[4 + 4 * k + i]));
         Some(Self {
-            kind: *Kind::ALL.get(usize::from(kind))?,
+            kind: *EventKind::ALL.get(usize::from(kind))?,
             line,
             tags,
             extra,
@@ -50,7 +49,7 @@ impl Event {
         })
     }
 
-    /// Returns the packed form of an event in a run of `variant`.
+    /// Returns the packed form of an event.
     #[must_use]
     pub fn new(run_event: &RunEvent, lines: &Lines) -> Self {
         let mut event = packing::pack(run_event);
@@ -61,14 +60,14 @@ impl Event {
     /// Returns the notice that `count` events were left out.
     #[must_use]
     pub const fn thinned(count: u32, line: LineId) -> Self {
-        let mut event = packing::plain(Kind::Thinned, [count, 0, 0, 0, 0]);
+        let mut event = packing::plain(EventKind::Thinned, [count, 0, 0, 0, 0]);
         event.line = line.0;
         event
     }
 
-    /// Returns what the event is about.
+    /// Returns the kind of the event.
     #[must_use]
-    pub const fn kind(&self) -> Kind {
+    pub const fn kind(&self) -> EventKind {
         self.kind
     }
 
@@ -88,9 +87,9 @@ impl Event {
     #[must_use]
     pub const fn is_detail(&self) -> bool {
         match self.kind {
-            Kind::Test => self.tags == 0,
-            Kind::Candidate | Kind::Dart => self.tags & 7 != 0,
-            Kind::Cut => true,
+            EventKind::Test => self.tags == 0,
+            EventKind::Candidate | EventKind::Dart => self.tags & 7 != 0,
+            EventKind::Cut => true,
             _ => false,
         }
     }
@@ -104,7 +103,7 @@ impl Event {
     #[must_use]
     pub const fn left_out(&self) -> Option<u32> {
         match self.kind {
-            Kind::Thinned => Some(self.words[0]),
+            EventKind::Thinned => Some(self.words[0]),
             _ => None,
         }
     }
@@ -114,19 +113,19 @@ impl Event {
     pub fn samples(&self) -> [u32; 4] {
         let [a, b, c, d, _] = self.words;
         match self.kind {
-            Kind::Tiled
-            | Kind::Take
-            | Kind::Keep
-            | Kind::Detect
-            | Kind::Search
-            | Kind::NoGap
-            | Kind::Call
-            | Kind::Pairs
-            | Kind::Insert => [a, NONE, NONE, NONE],
-            Kind::Test | Kind::Eliminate | Kind::Mark => [a, b, NONE, NONE],
-            Kind::Pass | Kind::Dart => [c, NONE, NONE, NONE],
-            Kind::Candidate if matches!(self.tags & 7, 3 | 4) => [a, b, c, d],
-            Kind::Candidate => [a, b, c, NONE],
+            EventKind::Tiled
+            | EventKind::Take
+            | EventKind::Keep
+            | EventKind::Detect
+            | EventKind::Search
+            | EventKind::NoGap
+            | EventKind::Call
+            | EventKind::Pairs
+            | EventKind::Insert => [a, NONE, NONE, NONE],
+            EventKind::Test | EventKind::Eliminate | EventKind::Mark => [a, b, NONE, NONE],
+            EventKind::Pass | EventKind::Dart => [c, NONE, NONE, NONE],
+            EventKind::Candidate if matches!(self.tags & 7, 3 | 4) => [a, b, c, d],
+            EventKind::Candidate => [a, b, c, NONE],
             _ => [NONE; 4],
         }
     }
@@ -137,7 +136,7 @@ impl Event {
         sample != NONE && self.samples().contains(&sample)
     }
 
-    /// Returns what it was packed from, or `None` for a notice of thinning.
+    /// Returns the run event that it was packed from, or `None` for a notice of thinning.
     #[must_use]
     pub fn run_event(&self) -> Option<RunEvent> {
         packing::unpack(self)

@@ -1,5 +1,5 @@
-//! Expressions of conditions and watches, in the language of `rhai`, over what is in scope at a
-//! cursor. Operations, sizes and nesting are limited, and nothing outside the run can be reached.
+//! Expressions of conditions and watches, in the language of `rhai`, over what is in scope at a cursor. Operations,
+//! sizes and nesting are limited, and expressions cannot access anything outside the run.
 
 use std::sync::Arc;
 
@@ -12,17 +12,18 @@ use crate::query::{block, verdict_name};
 use crate::recording::Recording;
 use crate::state::State;
 
-/// Operations after which an expression is given up.
+/// The most operations of an evaluation.
 pub const MAX_OPERATIONS: u64 = 10_000;
-/// Characters of an expression at most.
+/// The most characters of an expression.
 pub const MAX_LENGTH: usize = 1_000;
 /// How deep an expression may nest.
 pub const MAX_DEPTH: usize = 32;
 
-/// How many of the first [`NAMES`] are about the event that is about to happen; the rest are about what has happened.
+/// The first so many of [`NAMES`] describe the event that is about to happen; the rest describe the state after the
+/// last event.
 pub const NAMES_OF_NEXT: usize = 11;
 
-/// The names in scope, each with what it is. Lengths and positions are in r; what does not exist is `()`.
+/// The names in scope, each with its meaning. Lengths and positions are in r; a value that does not exist is `()`.
 pub const NAMES: [(&str, &str); 25] = [
     ("event", "number of the event about to happen, from 1"),
     ("kind", "its kind, a text such as \"insert\""),
@@ -71,22 +72,22 @@ pub enum ExpressionError {
         /// The limit.
         maximum: usize,
     },
-    /// It cannot be read.
+    /// It does not parse.
     #[error("{message}")]
     Syntax {
         /// What is wrong, and where.
         message: String,
     },
-    /// It cannot be computed here.
+    /// It cannot be evaluated here.
     #[error("{message}")]
     Evaluation {
         /// What is wrong.
         message: String,
     },
-    /// A condition must be true or false.
+    /// The value of a condition is not true or false.
     #[error("a condition must be true or false, not {found}")]
     NotTruth {
-        /// What it is.
+        /// The type of the value.
         found: String,
     },
 }

@@ -1,12 +1,12 @@
-//! Where events are on a tape: by sample, and by class (kind, line and whether they came to nothing). With them a run
-//! to a line, a kind or a sample is a few binary searches. An index holds numbers of events only.
+//! Indices of the events on a tape: by sample, and by class (kind, line, and whether the event is a detail). With them
+//! a run to a line, a kind or a sample takes a few binary searches.
 
 use std::ops::Range;
 
 use crate::event::{Event, NONE};
 use crate::tape::Tape;
 
-/// Which way time runs.
+/// A direction in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direction {
@@ -16,7 +16,7 @@ pub enum Direction {
     Backwards,
 }
 
-/// Events that are alike: of one kind and line, and all or none of them details.
+/// Events of the same kind and line that are all details or all not.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct Class {
     #[serde(with = "crate::tape::portable::event")]
@@ -138,7 +138,7 @@ impl BySample {
                 }
             });
         }
-        // Each start has moved to its end, which is the next one's start.
+        // Filling moved each start to its end, which is the start of the next.
         starts.rotate_right(1);
         starts[0] = 0;
         Self { starts, events }

@@ -1,14 +1,13 @@
 //! Kinds of events: their names in queries and their depths in the tree of events.
-//! A kind says nothing about the samples concerned; the event does.
 
 macro_rules! kinds {
     ($($kind:ident $name:literal $depth:literal $doc:literal,)*) => {
-        /// What an event is about. Depths: 0 phase or iteration, 1 block, 2 sample, 3 search, 4 test.
+        /// The kind of an event. Depths: 0 phase or iteration, 1 block, 2 sample, 3 search, 4 test.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
         #[repr(u8)]
-        pub enum Kind { $(#[doc = $doc] #[serde(rename = $name)] $kind,)* }
+        pub enum EventKind { $(#[doc = $doc] #[serde(rename = $name)] $kind,)* }
 
-        impl Kind {
+        impl EventKind {
             /// All kinds.
             pub const ALL: &[Self] = &[$(Self::$kind,)*];
 

@@ -1,7 +1,7 @@
 //! The debugger of a run: events, time travel, breakpoints, watches and the history of points.
 //!
-//! Architecture invariant: it knows no window, no GPU, no files and no clock, and it computes nothing
-//! of the algorithm. The sequential engine of `tilescope-core` runs; a recorder hears what it does.
+//! Architecture invariant: this crate uses no window, no GPU, no files and no clock, and implements no part of the
+//! algorithm. The sequential engine of `tilescope-core` runs and reports its events to a recorder.
 
 mod anchor;
 mod context;
@@ -27,18 +27,18 @@ mod tape;
 pub mod why;
 
 pub use anchor::{Anchor, AnchorError};
-pub use context::{Context, Examined, Search};
+pub use context::{Context, Examined, NeighbourSearch};
 pub use debugger::{Breakpoint, Debugger, Marked, Stop, Stops};
 pub use density::{Phase, density, phases};
 pub use divergence::{Divergence, first_divergence, first_divergence_of_runs};
 pub use event::{Event, NONE};
 pub use expression::{Evaluator, Expression, ExpressionError, LENGTHS, NAMES, NAMES_OF_NEXT};
-pub use kind::Kind;
+pub use kind::EventKind;
 pub use life::{Life, Status};
 pub use lines::Lines;
-pub use listing::{Line, LineId, Listing, ListingError, Listings, by_id};
+pub use listing::{LineId, Listing, ListingError, ListingLine, Listings, by_id};
 pub use moves::{Direction, Step, Target};
-pub use outline::{Outline, OutlineRows, Row};
+pub use outline::{Outline, OutlineRow, OutlineRows};
 pub use query::{Query, QueryError};
 pub use recording::Recording;
 pub use sentence::{grouped, sentence, short};
@@ -46,6 +46,6 @@ pub use session::{
     Bookmark, MAX_BOOKMARKS, MAX_BUDGET, MAX_BYTES, MAX_SAMPLES, MAX_STOPS, MAX_TEXT, PatternFile,
     SavedBreakpoint, Session, SessionError, VERSION, digest, pattern_digest,
 };
-pub use state::{Counts, State};
+pub use state::{State, StatusCounts};
 pub use tally::Density;
 pub use tape::{DEFAULT_BUDGET, Tape};

@@ -1,15 +1,15 @@
-//! How samples stand, and which events changed them. It holds no positions and no tape.
+//! The status of samples, and the events that changed it.
 
 use tilescope_core::RunEvent;
 
 use crate::event::NONE;
 
-/// How a sample stands at a moment.
+/// The status of a sample at a cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// It does not exist yet.
     Absent,
-    /// It is tiled and valid, and its turn has not come.
+    /// It is tiled, valid and not yet decided.
     Undecided,
     /// It is valid and stays.
     Kept,
@@ -27,7 +27,7 @@ impl Status {
     }
 }
 
-/// The events that changed a sample, [`NONE`] where none did.
+/// The indices of the events that changed a sample, or [`NONE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Life {
     /// It was tiled or inserted.
@@ -48,7 +48,7 @@ pub(crate) const UNBORN: Life = Life {
     marked: NONE,
 };
 
-/// Writes down what an event does to a sample's life.
+/// Records in `lives` how an event changes a sample.
 pub(crate) fn note_change(lives: &mut [Life], run_event: RunEvent, index: u32) {
     match run_event {
         RunEvent::Tiled { sample, inside, .. } => {

@@ -1,6 +1,5 @@
-//! Which line of pseudocode each event executes. One table, by variant; a test elsewhere shows that
-//! every line of the listings is reached by some run.
-//! It knows ids only, never texts.
+//! Maps each event to the line of pseudocode that it executes. One table for each variant; a test checks that every
+//! line of the listings is reached by some run.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Insertion, Parameters, RunEvent, Stage, Variant, Verdict};
@@ -45,7 +44,7 @@ impl Lines {
         Self::of_program(program)
     }
 
-    /// Returns which of the programs they are of.
+    /// Returns the program of these lines.
     pub(crate) const fn program(&self) -> Program {
         self.program
     }

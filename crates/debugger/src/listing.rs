@@ -1,6 +1,5 @@
-//! The pseudocode listings: lines with ids, explanations and errata, read from `assets/pseudocode`.
-//! Events name lines by number; breakpoints and saved sessions by id, which is stable.
-//! This module runs nothing.
+//! The pseudocode listings: lines with ids, explanations and errata, read from `assets/pseudocode`. Events refer to
+//! lines by number; breakpoints and saved sessions by id, which is stable.
 
 use std::sync::LazyLock;
 
@@ -38,24 +37,24 @@ pub mod by_id {
 
 /// A line of pseudocode.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
+pub struct ListingLine {
     /// Its stable id, such as `eliminate.3`.
     pub id: String,
     /// How far it is indented.
     pub indentation: u32,
-    /// The line, with [`REACH`] where it depends on the run.
+    /// The text, with [`REACH`] as a placeholder.
     text: String,
     /// One sentence that explains it.
     pub explanation: String,
-    /// What is wrong or silent in the paper here.
+    /// An error or omission of the paper in this line.
     pub erratum: Option<String>,
 }
 
-/// Stands in a text for how far detection looks for samples.
+/// The placeholder for the search radius of detection.
 const REACH: &str = "{reach}";
 
-impl Line {
-    /// Returns the line as it runs with these parameters.
+impl ListingLine {
+    /// Returns the text of the line for these parameters.
     #[must_use]
     pub fn text(&self, parameters: &Parameters) -> String {
         let reach = match (parameters.search, parameters.boundary) {
@@ -81,12 +80,12 @@ pub struct Listing {
 /// All listings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listings {
-    /// The listings, in the sequence of the stages.
+    /// The listings, in the order of the stages.
     pub listings: Vec<Listing>,
-    lines: Vec<Line>,
+    lines: Vec<ListingLine>,
 }
 
-/// What is wrong with a listing's text.
+/// An error in a listing's text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ListingError {
     /// It does not begin with a title.
@@ -105,7 +104,7 @@ pub enum ListingError {
         /// The line.
         line: String,
     },
-    /// There are more lines than a byte can number.
+    /// There are more than 256 lines.
     #[error("more than 255 lines of pseudocode")]
     TooMany,
 }
@@ -194,13 +193,13 @@ impl Listings {
 
     /// Returns all lines, by number.
     #[must_use]
-    pub fn lines(&self) -> &[Line] {
+    pub fn lines(&self) -> &[ListingLine] {
         &self.lines
     }
 
     /// Returns a line of these listings.
     #[must_use]
-    pub fn line(&self, id: LineId) -> Option<&Line> {
+    pub fn line(&self, id: LineId) -> Option<&ListingLine> {
         self.lines.get(usize::from(id.0))
     }
 
@@ -212,14 +211,14 @@ impl Listings {
     }
 }
 
-fn parse_line(name: &str, row: &str) -> Option<Line> {
+fn parse_line(name: &str, row: &str) -> Option<ListingLine> {
     let parts: Vec<&str> = row.split(" | ").map(str::trim).collect();
     let (&[number, indentation, text, explanation], rest) = parts.split_first_chunk()?;
     let number: u32 = number.parse().ok()?;
     if rest.len() > 1 || text.is_empty() {
         return None;
     }
-    Some(Line {
+    Some(ListingLine {
         id: format!("{name}.{number}"),
         indentation: indentation.parse().ok()?,
         text: text.into(),

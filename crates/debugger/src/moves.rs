@@ -1,12 +1,12 @@
-//! Where to go: steps into, over and out, and runs to a line, a kind of event, a sample, both ways.
-//! Moves only find cursors; the state follows.
+//! Moves of the cursor: steps into, over and out, and runs to a line, a kind of event or a sample, in both directions.
+//! They only compute the new cursor.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, R, RunEvent};
 
 use crate::event::Event;
 use crate::index;
-use crate::kind::Kind;
+use crate::kind::EventKind;
 use crate::listing::LineId;
 use crate::recording::Recording;
 
@@ -24,14 +24,14 @@ pub enum Step {
     Out,
 }
 
-/// What a run looks for.
+/// The target of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
     /// A line of pseudocode.
     Line(#[serde(with = "crate::listing::by_id")] LineId),
     /// An event of a kind.
-    Kind(Kind),
+    Kind(EventKind),
     /// Two samples found to be in conflict.
     Conflict,
     /// An elimination.
@@ -49,8 +49,8 @@ pub enum Target {
     Sample(u32),
 }
 
-/// Returns where a step from `cursor` ends: the event at the returned cursor is about to happen. Forwards that
-/// is the end of the recording at the latest, backwards its start.
+/// Returns the cursor after a step from `cursor`, at most the end of the recording or, backwards, its start. The event
+/// at the returned cursor is about to happen.
 #[must_use]
 pub fn step(recording: &Recording, cursor: usize, step: Step, direction: Direction) -> usize {
     let depth = recording.event(cursor).map_or(0, Event::depth);
@@ -82,7 +82,7 @@ pub fn find(
     hit.map(|(index, _)| index)
 }
 
-/// Returns the nearest event after (or before) the one at `cursor` that is what `target` says.
+/// Returns the nearest event after (or before) the one at `cursor` that matches `target`.
 #[must_use]
 pub fn run_to(
     recording: &Recording,
@@ -90,14 +90,14 @@ pub fn run_to(
     target: Target,
     direction: Direction,
 ) -> Option<usize> {
-    let kinds: &[Kind] = match target {
+    let kinds: &[EventKind] = match target {
         Target::Sample(sample) => {
             return index::nearest(recording.events_of(sample), cursor, direction);
         }
-        Target::SecondInsertion => &[Kind::Insert],
-        Target::Violation => &[Kind::Keep, Kind::Insert],
+        Target::SecondInsertion => &[EventKind::Insert],
+        Target::Violation => &[EventKind::Keep, EventKind::Insert],
         _ => {
-            // Whether an event is what these mean depends on its class alone.
+            // These targets depend only on the class of an event.
             let meant = |event: &Event| matches_target(recording, cursor, event, target);
             return recording.classes().nearest(cursor, direction, meant);
         }
@@ -110,8 +110,8 @@ pub fn run_to(
     })
 }
 
-/// Returns where a run from `cursor` to `target` ends: behind the event, so that it is the last one that has happened, or
-/// before the next execution of a line, where a breakpoint would stop.
+/// Returns the cursor after a run from `cursor` to `target`: just after the event, so that it is the last one that has
+/// happened, or just before the next execution of a line, as at a breakpoint.
 #[must_use]
 pub fn arrive(
     recording: &Recording,
@@ -136,16 +136,16 @@ pub fn arrive(
     found.map(|index| index + 1)
 }
 
-/// Returns whether an event is what `target` says.
+/// Returns whether an event matches `target`.
 #[must_use]
 pub fn matches_target(recording: &Recording, index: usize, event: &Event, target: Target) -> bool {
     match target {
         Target::Line(line) => event.line() == line,
         Target::Kind(kind) => event.kind() == kind,
         Target::Conflict => matches!(event.run_event(), Some(RunEvent::Test { covers: true, .. })),
-        Target::Elimination => event.kind() == Kind::Eliminate,
+        Target::Elimination => event.kind() == EventKind::Eliminate,
         Target::Gap => Recording::is_gap(event),
-        Target::Insertion => event.kind() == Kind::Insert,
+        Target::Insertion => event.kind() == EventKind::Insert,
         Target::SecondInsertion => is_second(recording, index, event),
         Target::Violation => violates(recording, index, event),
         Target::Sample(sample) => event.touches(sample),
@@ -181,7 +181,7 @@ fn is_second(recording: &Recording, index: usize, event: &Event) -> bool {
 
 /// Returns whether a sample that is kept or inserted here covers another that stays.
 fn violates(recording: &Recording, index: usize, event: &Event) -> bool {
-    if !matches!(event.kind(), Kind::Keep | Kind::Insert) {
+    if !matches!(event.kind(), EventKind::Keep | EventKind::Insert) {
         return false;
     }
     let sample = event.samples()[0];

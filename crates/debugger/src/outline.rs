@@ -1,28 +1,28 @@
-//! The tree of events: phase or iteration, block, sample, search, test. A skip table of four bytes an event says
-//! where each one's descendants end. What a list shows of it is in `rows`.
+//! The tree of events: phase or iteration, block, sample, search, test. A skip table of four bytes an event has the end
+//! of each event's descendants. The visible rows of a list are in `rows`.
 
 mod rows;
 
-pub use rows::{OutlineRows, Row};
+pub use rows::{OutlineRow, OutlineRows};
 
 use crate::recording::Recording;
 
-/// Events between two rows of ancestors that are kept.
+/// Events between two stored rows of ancestors.
 const STRIDE: usize = 1024;
 
-/// Deepest events of a tape, plus one.
+/// The depth of the deepest events, plus one.
 const LEVELS: usize = 5;
 
-/// No event.
+/// Stands for no event.
 const NONE: u32 = u32::MAX;
 
-/// The tree of events. The parent of an event is the nearest one before it that is less deep; an event without one
-/// is a root.
+/// The tree of events. The parent of an event is the nearest earlier event that is less deep; an event without one is a
+/// root.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Outline {
     /// The first event after each one's descendants.
     ends: Vec<u32>,
-    /// For every 1024th event the nearest event before it of each depth that still holds it.
+    /// For every 1024th event its ancestor of each depth.
     ancestors: Vec<[u32; LEVELS]>,
 }
 
@@ -37,7 +37,7 @@ impl Outline {
     /// Returns the tree of `len` events of these depths, each below [`LEVELS`].
     fn of_depths(depths: impl DoubleEndedIterator<Item = u8>, len: usize) -> Self {
         let mut ends = vec![0; len];
-        // The nearest event behind the one at work whose depth is at most this.
+        // The nearest event after the current one whose depth is at most this.
         let mut next = [len as u32; LEVELS];
         for (index, depth) in (0..len).rev().zip(depths.rev()) {
             let depth = usize::from(depth).min(LEVELS - 1);
@@ -98,7 +98,7 @@ impl Outline {
             .is_some_and(|&end| end as usize > index + 1)
     }
 
-    /// Returns the event that holds an event, or `None` for a root. At most 1024 entries are read.
+    /// Returns the parent of an event, or `None` for a root. Reads at most 1024 entries.
     #[must_use]
     pub fn parent(&self, index: usize) -> Option<usize> {
         if index >= self.len() {
@@ -114,7 +114,7 @@ impl Outline {
         })
     }
 
-    /// Returns the chain of events that hold an event, the nearest first.
+    /// Returns the ancestors of an event, the nearest first.
     pub fn parents(&self, index: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(self.parent(index), |&event| self.parent(event))
     }
@@ -124,12 +124,12 @@ impl Outline {
         self.row(index.saturating_add(1).min(self.len()), self.end(index))
     }
 
-    /// Returns the events that no event holds, in sequence.
+    /// Returns the roots, in sequence.
     pub fn roots(&self) -> impl Iterator<Item = usize> {
         self.row(0, self.len())
     }
 
-    /// Returns the maximal events from `start` to `end`.
+    /// Returns the siblings from `start` to `end`, skipping descendants.
     fn row(&self, start: usize, end: usize) -> impl Iterator<Item = usize> {
         let within = move |event: usize| (event < end).then_some(event);
         std::iter::successors(within(start), move |&event| within(self.end(event)))

@@ -1,16 +1,15 @@
-//! Queries of events: words that must all hold, such as `insert iteration>1 block=7`.
-//! Events are numbered from 1, so that the number of the last event is how many have happened.
-//! A query never changes anything; what is wrong with it is said with the word.
+//! Queries of events: words that must all hold, such as `insert iteration>1 block=7`. Events are numbered from 1, so
+//! that the number of the last event is how many have happened. Errors name the word that they are in.
 
 use tilescope_core::{Origin, RunEvent, Verdict};
 
 use crate::context::Context;
 use crate::event::Event;
-use crate::kind::Kind;
+use crate::kind::EventKind;
 use crate::listing::{LineId, Listings};
 use crate::recording::Recording;
 
-/// What is wrong with a query.
+/// An error in a query.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum QueryError {
     /// A word is neither a kind of event nor a comparison.
@@ -19,7 +18,7 @@ pub enum QueryError {
         /// The word.
         word: String,
     },
-    /// Nothing has this name.
+    /// The name is unknown.
     #[error(
         "\"{word}\": there is no \"{name}\"; there are event, iteration, block, sample, depth, line, kind and verdict"
     )]
@@ -29,7 +28,7 @@ pub enum QueryError {
         /// The name.
         name: String,
     },
-    /// The value is no whole number.
+    /// The value is not a whole number.
     #[error("\"{word}\": \"{value}\" is not a whole number")]
     NotANumber {
         /// The word.
@@ -45,7 +44,7 @@ pub enum QueryError {
         /// The value.
         value: String,
     },
-    /// The comparison makes no sense for what is compared.
+    /// The comparison needs numbers, and the values are not.
     #[error("\"{word}\": only = and != can be used here")]
     NotOrdered {
         /// The word.
@@ -54,7 +53,7 @@ pub enum QueryError {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Comparison {
+enum Operator {
     Equal,
     Unequal,
     Less,
@@ -64,7 +63,7 @@ enum Comparison {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Number {
+enum NumberField {
     Event,
     Iteration,
     Block,
@@ -73,11 +72,11 @@ enum Number {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Term {
-    Kind(Kind, bool),
+    Kind(EventKind, bool),
     Line(LineId, bool),
     Verdict(&'static str, bool),
     Sample(u32, bool),
-    Number(Number, Comparison, i64),
+    Number(NumberField, Operator, i64),
 }
 
 /// A parsed query.
@@ -86,14 +85,14 @@ pub struct Query {
     terms: Vec<Term>,
 }
 
-const COMPARISONS: [(&str, Comparison); 7] = [
-    ("!=", Comparison::Unequal),
-    ("<=", Comparison::LessOrEqual),
-    (">=", Comparison::GreaterOrEqual),
-    ("<", Comparison::Less),
-    (">", Comparison::Greater),
-    ("=", Comparison::Equal),
-    (":", Comparison::Equal),
+const OPERATORS: [(&str, Operator); 7] = [
+    ("!=", Operator::Unequal),
+    ("<=", Operator::LessOrEqual),
+    (">=", Operator::GreaterOrEqual),
+    ("<", Operator::Less),
+    (">", Operator::Greater),
+    ("=", Operator::Equal),
+    (":", Operator::Equal),
 ];
 
 const VERDICTS: [&str; 5] = ["accepted", "too-far", "outside", "covered", "not-nearest"];
@@ -105,7 +104,7 @@ impl Query {
         Ok(Self { terms: terms? })
     }
 
-    /// Returns whether an event is meant; `context` is what is current once it has happened.
+    /// Returns whether an event matches. `context` is the context after the event.
     #[must_use]
     pub fn accepts(
         &self,
@@ -119,7 +118,7 @@ impl Query {
             .all(|term| term.holds(recording, index, event, context))
     }
 
-    /// Returns the events that are meant, in sequence, at most `limit` of them.
+    /// Returns the matching events in order, at most `limit` of them.
     #[must_use]
     pub fn find_all(&self, recording: &Recording, limit: usize) -> Vec<usize> {
         let mut context = Context::default();
@@ -140,10 +139,10 @@ impl Term {
             Self::Sample(sample, wanted) => event.touches(sample) == wanted,
             Self::Number(number, comparison, value) => {
                 let found = match number {
-                    Number::Event => Some(index as i64 + 1),
-                    Number::Iteration => Some(context.iteration.into()),
-                    Number::Depth => Some(event.depth().into()),
-                    Number::Block => block(recording, event).map(i64::from),
+                    NumberField::Event => Some(index as i64 + 1),
+                    NumberField::Iteration => Some(context.iteration.into()),
+                    NumberField::Depth => Some(event.depth().into()),
+                    NumberField::Block => block(recording, event).map(i64::from),
                 };
                 found.is_some_and(|found| comparison.holds(found, value))
             }
@@ -151,7 +150,7 @@ impl Term {
     }
 }
 
-impl Comparison {
+impl Operator {
     const fn holds(self, found: i64, value: i64) -> bool {
         match self {
             Self::Equal => found == value,
@@ -164,8 +163,7 @@ impl Comparison {
     }
 }
 
-/// Returns the block that an event is about: its own, that of its first sample, or the block in which an
-/// inserted sample lies.
+/// Returns the block of an event: its own, that of its first sample, or the block in which an inserted sample lies.
 #[must_use]
 pub fn block(recording: &Recording, event: &Event) -> Option<u32> {
     if let Some(RunEvent::Leaf { block } | RunEvent::Clip { block }) = event.run_event() {
@@ -202,20 +200,23 @@ pub fn verdict_name(event: &Event) -> Option<&'static str> {
     })
 }
 
-/// A comparison in words.
+/// The parts of a comparison's text.
 struct Word<'a> {
     text: &'a str,
     name: &'a str,
     value: &'a str,
-    comparison: Comparison,
+    comparison: Operator,
 }
 
-fn kind_of(name: &str) -> Option<Kind> {
-    Kind::ALL.iter().copied().find(|kind| kind.name() == name)
+fn kind_of(name: &str) -> Option<EventKind> {
+    EventKind::ALL
+        .iter()
+        .copied()
+        .find(|kind| kind.name() == name)
 }
 
 fn parse_word(word: &str) -> Result<Term, QueryError> {
-    let signs = COMPARISONS.iter();
+    let signs = OPERATORS.iter();
     let split = signs.filter_map(|&(sign, c)| word.split_once(sign).map(|parts| (parts, c)));
     let Some(((name, value), comparison)) = split.min_by_key(|((name, _), _)| name.len()) else {
         let unknown = || QueryError::UnknownWord { word: word.into() };
@@ -244,10 +245,10 @@ impl Word<'_> {
                 Ok(Term::Verdict(self.known(name)?, self.same()?))
             }
             "sample" => Ok(Term::Sample(self.whole()?, self.same()?)),
-            "event" => self.number(Number::Event),
-            "iteration" => self.number(Number::Iteration),
-            "block" => self.number(Number::Block),
-            "depth" => self.number(Number::Depth),
+            "event" => self.number(NumberField::Event),
+            "iteration" => self.number(NumberField::Iteration),
+            "block" => self.number(NumberField::Block),
+            "depth" => self.number(NumberField::Depth),
             _ => Err(QueryError::UnknownName {
                 word: self.text.into(),
                 name: self.name.into(),
@@ -262,11 +263,11 @@ impl Word<'_> {
         })
     }
 
-    /// Returns whether equality is asked for, rather than its contrary.
+    /// Returns whether the comparison is for equality or, if false, for inequality. Fails for other comparisons.
     fn same(&self) -> Result<bool, QueryError> {
         match self.comparison {
-            Comparison::Equal => Ok(true),
-            Comparison::Unequal => Ok(false),
+            Operator::Equal => Ok(true),
+            Operator::Unequal => Ok(false),
             _ => Err(QueryError::NotOrdered {
                 word: self.text.into(),
             }),
@@ -280,7 +281,7 @@ impl Word<'_> {
         })
     }
 
-    fn number(&self, number: Number) -> Result<Term, QueryError> {
+    fn number(&self, number: NumberField) -> Result<Term, QueryError> {
         let value = self.whole()?.into();
         Ok(Term::Number(number, self.comparison, value))
     }
@@ -293,12 +294,12 @@ mod tests {
     #[test]
     fn words_are_parsed() {
         let query = Query::parse("insert iteration>=2 block=7 kind!=dart line:insert.3").unwrap();
-        assert_eq!(query.terms[0], Term::Kind(Kind::Insert, true));
+        assert_eq!(query.terms[0], Term::Kind(EventKind::Insert, true));
         assert_eq!(
             query.terms[1],
-            Term::Number(Number::Iteration, Comparison::GreaterOrEqual, 2)
+            Term::Number(NumberField::Iteration, Operator::GreaterOrEqual, 2)
         );
-        assert_eq!(query.terms[3], Term::Kind(Kind::Dart, false));
+        assert_eq!(query.terms[3], Term::Kind(EventKind::Dart, false));
         assert_eq!(query.terms.len(), 5);
         assert_eq!(Query::parse("  "), Ok(Query::default()));
     }

@@ -1,5 +1,5 @@
-//! A recorded run: the finished run, its tape, and when each sample was born, decided and lost, so that
-//! how a sample stood at any moment is two comparisons. It never moves: cursors do.
+//! A recorded run: the finished run, its tape, and when each sample was born, decided and lost, so that a sample's
+//! status at any cursor takes two comparisons. A recording never changes.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,21 +9,21 @@ use tilescope_core::{
     Sequential, Verdict, sample_recorded,
 };
 
-use crate::context::{Context, Search};
+use crate::context::{Context, NeighbourSearch};
 use crate::event::Event;
 use crate::index::{BySample, Classes, Direction};
-use crate::kind::Kind;
+use crate::kind::EventKind;
 use crate::life::{Life, Status, UNBORN, note_change};
 use crate::tally::Density;
 use crate::tape::Tape;
 
-/// Events between two contexts that are kept.
+/// Events between two stored contexts.
 pub(crate) const STRIDE: usize = 1024;
 
 /// A recorded run.
 ///
-/// It can be sent to another thread's memory as bytes, indices and all, where threads share none: that is no file
-/// format, and nothing is checked but that every event has a kind.
+/// It can be serialised, with its indices, for web workers that share no memory. That is not a file format: only the
+/// kinds of events are checked.
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct Recording {
     run: Run,
@@ -36,9 +36,9 @@ pub struct Recording {
     splits: Vec<u32>,
     leaves: Vec<u32>,
     clips: Vec<u32>,
-    /// The first accepted examination of each triple, sorted.
+    /// The first event that accepted each set of sites, sorted.
     gaps: Vec<(Sites, u32)>,
-    /// The events with which phases and iterations begin.
+    /// The first events of phases and iterations.
     begins: Vec<u32>,
     /// The counts of all events before every 1024th.
     tallies: Vec<Density>,
@@ -61,7 +61,7 @@ impl Recording {
         Ok(Self::of(run, tape))
     }
 
-    /// Does what [`Self::new`] does with a pattern of one's own.
+    /// Like [`Self::new`], with a given pattern.
     pub fn with_pattern(
         parameters: &Parameters,
         pattern: Arc<Pattern>,
@@ -149,7 +149,7 @@ impl Recording {
         &self.tape
     }
 
-    /// Returns how many events there are. A cursor may stand before each of them and behind the last.
+    /// Returns the number of events. A cursor may be before each of them or after the last.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.tape.len()
@@ -173,7 +173,7 @@ impl Recording {
         &self.run.domain
     }
 
-    /// Returns the place of a sample, or `None` for an id that no sample has.
+    /// Returns the place of a sample, or `None` for an unknown id.
     #[must_use]
     pub fn point(&self, sample: u32) -> Option<Point> {
         self.run.samples.points.get(sample as usize).copied()
@@ -201,7 +201,7 @@ impl Recording {
         &self.clips
     }
 
-    /// Returns how a sample stands when the events before `cursor` have happened.
+    /// Returns the status of a sample after the events before `cursor`.
     #[must_use]
     pub fn status(&self, sample: u32, cursor: usize) -> Status {
         self.life(sample)
@@ -224,8 +224,7 @@ impl Recording {
         }
     }
 
-    /// Returns what is current when the events before `cursor` have happened; at most 1024 events
-    /// are read.
+    /// Returns the context after the events before `cursor`. Reads at most 1024 events.
     #[must_use]
     pub fn context(&self, cursor: usize) -> Context {
         let key = (cursor.min(self.len()) / STRIDE).min(self.contexts.len().saturating_sub(1));
@@ -239,7 +238,7 @@ impl Recording {
 
     /// Returns the samples of a search, by id: those within its radius that were valid when it was made.
     #[must_use]
-    pub fn test_buffer(&self, search: &Search) -> Vec<u32> {
+    pub fn test_buffer(&self, search: &NeighbourSearch) -> Vec<u32> {
         let Some(centre) = self.point(search.centre) else {
             return Vec::new();
         };
@@ -278,7 +277,7 @@ impl Recording {
         found
     }
 
-    /// Returns the place that an event examines or changes, or `None` where it has none in the domain.
+    /// Returns the place that an event examines or changes, or `None` if it has none in the domain.
     #[must_use]
     pub fn place(&self, event: &Event) -> Option<Point> {
         match event.run_event()? {
@@ -296,8 +295,8 @@ impl Recording {
         }
     }
 
-    /// Returns the last event before `end` that accepted the place made by `sites`. It takes the logarithm of the number
-    /// of places.
+    /// Returns the last event before `end` that accepted the place made by `sites`. Takes time logarithmic in the
+    /// number of places.
     #[must_use]
     pub fn gap(&self, sites: Sites, end: usize) -> Option<usize> {
         let first = self.gaps.partition_point(|(other, _)| *other < sites);
@@ -323,13 +322,13 @@ impl Recording {
     }
 
     /// Returns the last event before `end` of the given kind.
-    pub(crate) fn last_of(&self, kind: Kind, end: usize) -> Option<usize> {
+    pub(crate) fn last_of(&self, kind: EventKind, end: usize) -> Option<usize> {
         self.classes()
             .nearest(end, Direction::Backwards, |event| event.kind() == kind)
     }
 
-    /// Makes the indices of events by sample, line and kind, which otherwise the first search that needs
-    /// one makes: some hundred milliseconds for five million events.
+    /// Makes the indices of events by sample, line and kind now, instead of at the first search. Takes some hundred
+    /// milliseconds for five million events.
     pub fn prepare(&self) {
         let _ = (self.classes(), self.by_sample());
     }

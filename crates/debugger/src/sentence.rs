@@ -1,5 +1,4 @@
-//! Events in words: one plain sentence for whoever follows the run by ear or line by line.
-//! It reads the recording and the finished run; it decides nothing.
+//! Events in words: one plain sentence each, for the timeline and for screen readers.
 
 mod gaps;
 mod short;
@@ -12,8 +11,8 @@ use crate::recording::Recording;
 
 pub use short::short;
 
-/// Returns what the event at `index` does: one sentence that names its samples, with distances in r. Behind
-/// the last event it says that the run has ended.
+/// Returns a sentence that describes the event at `index`, names its samples, and gives distances in r. Past the last
+/// event it says that the run has ended.
 #[must_use]
 pub fn sentence(recording: &Recording, index: usize) -> String {
     let Some(event) = recording.event(index) else {
@@ -45,7 +44,7 @@ pub fn grouped(number: u64) -> String {
     text
 }
 
-/// Returns a length in r with two decimals, or three where two would say 1.00 of something else.
+/// Returns a length in r with two decimals, or with three if two would round another length to 1.00.
 pub(crate) fn radii(units: f64) -> String {
     let radii = units / f64::from(R);
     let off = (radii - 1.0).abs();
@@ -306,7 +305,7 @@ impl Words<'_> {
     }
 }
 
-/// Returns a length in r: small ones as a part of it, since cells halve.
+/// Returns a length in r, small ones as a fraction, since the sides of cells are halved.
 fn fraction(units: i32) -> String {
     if units > 0 && units < R && R % units == 0 {
         format!("r / {}", grouped(u64::from((R / units).unsigned_abs())))

@@ -1,5 +1,5 @@
-//! Saved sessions: parameters, cursor, breakpoints, watches and bookmarks as JSON, and a digest of the
-//! result. The run itself is not saved: it is computed again, and the digest proves that it is the same.
+//! Saved sessions: parameters, cursor, breakpoints, watches and bookmarks as JSON, and a digest of the result. The run
+//! itself is not saved. It is computed again, and the digest shows whether it is the same.
 
 use std::sync::Arc;
 
@@ -14,15 +14,15 @@ use crate::recording::Recording;
 /// The version of sessions that this program writes, and the newest that it reads.
 pub const VERSION: u32 = 1;
 
-/// The most events that a saved session may ask a tape to hold: 480 MB. A tab has less room: 120 MB.
+/// The largest budget of events in a saved session: 480 MB. On a web page, which has less memory, 120 MB.
 pub const MAX_BUDGET: usize = if cfg!(target_arch = "wasm32") {
     crate::DEFAULT_BUDGET
 } else {
     20_000_000
 };
 
-/// The most samples that a saved session's run may have. Of each up to 20 events are kept whatever the budget: 1 GB, and
-/// in a tab 100 MB.
+/// The most samples of a saved session's run. Up to 20 events of each are kept whatever the budget: 1 GB, and on a web
+/// page 100 MB.
 pub const MAX_SAMPLES: usize = if cfg!(target_arch = "wasm32") {
     200_000
 } else {
@@ -52,18 +52,18 @@ pub struct SavedBreakpoint {
     pub enabled: bool,
 }
 
-/// A moment to come back to. It stays where the parameters change: in the run in which it was set it is where it was, and
-/// in others where its anchor is.
+/// A bookmark of a cursor. It is kept when the parameters change: in the run in which it was set it is a number of
+/// events, in others it is found by its anchor.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bookmark {
     /// How many events have happened, in the run in which it was set.
     pub event: usize,
     /// The note.
     pub note: String,
-    /// The run in which it was set, as [`crate::Debugger::run_id`] names it. Empty: the one of the session that holds it.
+    /// The [`crate::Debugger::run_id`] of the run in which it was set. If empty, that of the session.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub run: String,
-    /// The last of its events; none at the start of a run.
+    /// The event before it; `None` at the start of a run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub anchor: Option<Anchor>,
 }
@@ -71,7 +71,7 @@ pub struct Bookmark {
 /// A file with the pattern of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PatternFile {
-    /// Where it lies, in words that whoever loads it understands.
+    /// Its path, which the pattern loader interprets.
     pub path: String,
     /// The pattern's [`pattern_digest`].
     pub digest: String,
@@ -80,15 +80,15 @@ pub struct PatternFile {
 /// A session as it is saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {
-    /// [`VERSION`] when it was written.
+    /// The [`VERSION`] of the program that wrote it.
     pub version: u32,
-    /// What the run is made from.
+    /// The parameters of the run.
     pub parameters: Parameters,
     /// The budget of the tape, on which the numbers of events depend.
     pub budget: usize,
     /// The digest of the result, 16 hexadecimal digits.
     pub digest: String,
-    /// Where the cursor stands.
+    /// The cursor.
     pub cursor: usize,
     /// The breakpoints.
     pub breakpoints: Vec<SavedBreakpoint>,
@@ -96,10 +96,10 @@ pub struct Session {
     pub watches: Vec<String>,
     /// The bookmarks.
     pub bookmarks: Vec<Bookmark>,
-    /// How whoever shows the session shows it; nothing here reads it. Null when there is nothing.
+    /// The state of the user interface, not read here; null if there is none.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub view: Value,
-    /// The file of the run's pattern, where it is not the one that the parameters describe.
+    /// The file of the run's pattern, if it is not generated from the parameters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pattern: Option<PatternFile>,
 }
@@ -107,22 +107,22 @@ pub struct Session {
 /// Why a session cannot be restored.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    /// The text is no session.
+    /// The text does not parse as a session.
     #[error("this is no saved session: {0}")]
     Corrupt(#[from] serde_json::Error),
-    /// It comes from a newer program.
+    /// It was written by a newer version of the program.
     #[error("the session has version {found}; this program reads versions up to {VERSION}")]
     Newer {
         /// Its version.
         found: u32,
     },
-    /// A breakpoint names a line that there is not.
+    /// A breakpoint is on an unknown line.
     #[error("the session has a breakpoint on line \"{line}\", which there is not")]
     UnknownLine {
         /// The line's id.
         line: String,
     },
-    /// The run came out differently.
+    /// The result of the run differs from the saved one.
     #[error("the run has digest {found}, the saved one had {expected}: it is not the same run")]
     Different {
         /// The saved digest.
@@ -130,7 +130,7 @@ pub enum SessionError {
         /// The digest of the run.
         found: String,
     },
-    /// The cursor or a bookmark lies behind the end.
+    /// The cursor or a bookmark is past the end.
     #[error("the session names event {event}; the run has {events}")]
     NoSuchEvent {
         /// The event.
@@ -138,17 +138,17 @@ pub enum SessionError {
         /// How many there are.
         events: usize,
     },
-    /// It asks for more than this program takes from a file.
+    /// It exceeds a limit for saved sessions.
     #[error("the session has {found} {what}; at most {limit} are taken")]
     TooMuch {
-        /// What there is too much of.
+        /// What exceeds the limit.
         what: &'static str,
         /// How much there is.
         found: usize,
         /// The most there may be.
         limit: usize,
     },
-    /// The pattern's file cannot be used.
+    /// The pattern's file cannot be loaded.
     #[error("the session's pattern {path} cannot be loaded: {reason}")]
     PatternGone {
         /// The file.
@@ -163,7 +163,7 @@ pub enum SessionError {
         path: String,
         /// The saved digest.
         expected: String,
-        /// The digest of what the file holds.
+        /// The digest of the pattern in the file.
         found: String,
     },
     /// The run cannot be computed.
@@ -177,7 +177,7 @@ struct Head {
 }
 
 impl Session {
-    /// Returns the session of a text: of a version that this program reads, with known lines and within the limits.
+    /// Parses a session. Fails if the version is newer, a line is unknown, or a limit is exceeded.
     pub fn from_json(text: &str) -> Result<Self, SessionError> {
         within("bytes", text.len(), MAX_BYTES)?;
         let Head { version } = serde_json::from_str(text)?;
@@ -195,8 +195,8 @@ impl Session {
         Ok(session)
     }
 
-    /// Computes the session's run again, with its events. `pattern_loader` is asked for the pattern where it lies in a
-    /// file, and its digest proves that it is the saved one.
+    /// Computes the session's run again, with its events. If the pattern comes from a file, `pattern_loader` reads it;
+    /// its digest must be the saved one.
     pub fn record(
         &self,
         pattern_loader: &mut dyn FnMut(&PatternFile) -> Result<Pattern, String>,
@@ -228,7 +228,7 @@ impl Session {
         )?)
     }
 
-    /// Fails when the session asks for more than is taken, before anything is computed.
+    /// Fails when the session exceeds a limit. Computes nothing else.
     pub fn check(&self) -> Result<(), SessionError> {
         within("events of budget", self.budget, MAX_BUDGET)?;
         within("breakpoints", self.breakpoints.len(), MAX_STOPS)?;
@@ -252,7 +252,7 @@ impl Session {
             "bytes in a path",
             self.pattern.iter().map(|p| p.path.as_str()),
         )?;
-        // What else is wrong with the parameters the run will say.
+        // Other errors in the parameters are reported by the run.
         if let Ok(domain) = self.parameters.validate() {
             let samples = MAXIMAL_DENSITY * domain.area_radii();
             within("expected samples", samples as usize, MAX_SAMPLES)?;
@@ -280,15 +280,15 @@ fn longest<'a>(
     texts.try_for_each(|text| within(what, text.len(), MAX_TEXT))
 }
 
-/// Returns the digest of a run's result: FNV-1a, 64 bits, over the lattice points in canonical order. It tells
-/// different runs apart; it is no protection against forgery.
+/// Returns the digest of a run's result: FNV-1a, 64 bits, over the lattice points in canonical order. It distinguishes
+/// runs, but does not protect against forgery.
 #[must_use]
 pub fn digest(run: &Run) -> String {
     let points = run.points();
     hash(points.iter().flat_map(|point| [point.x, point.y]))
 }
 
-/// Returns the digest of a pattern: as [`digest`], over its width, height, whether it repeats, and its samples.
+/// Returns the digest of a pattern: like [`digest`], over its width, height, whether it is periodic, and its samples.
 #[must_use]
 pub fn pattern_digest(pattern: &Pattern) -> String {
     let domain = pattern.domain();

@@ -1,5 +1,5 @@
-//! The state at a cursor: how every sample stands, how many of each there are, and what is current.
-//! It moves by applying and undoing events, and jumps by what the recording knows of each sample.
+//! The state at a cursor: the status of every sample, counts of each status, and the context. Near cursors are reached
+//! by applying and undoing events, far ones from the recording's data of each sample.
 
 use tilescope_core::RunEvent;
 
@@ -8,10 +8,10 @@ use crate::event::Event;
 use crate::life::Status;
 use crate::recording::Recording;
 
-/// How many samples stand how.
+/// The number of samples of each status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Valid samples whose turn has not come.
+pub struct StatusCounts {
+    /// Valid samples that are not decided yet.
     pub undecided: usize,
     /// Valid samples that stay, inserted ones included.
     pub kept: usize,
@@ -23,12 +23,12 @@ pub struct Counts {
     pub inserted: usize,
 }
 
-/// The state when all events before the cursor have happened; the event at the cursor is about to.
+/// The state after all events before the cursor. The event at the cursor is about to happen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct State {
     cursor: usize,
     statuses: Vec<Status>,
-    counts: Counts,
+    counts: StatusCounts,
     context: Context,
 }
 
@@ -39,7 +39,7 @@ impl State {
         Self {
             cursor: 0,
             statuses: vec![Status::Absent; recording.lives().len()],
-            counts: Counts::default(),
+            counts: StatusCounts::default(),
             context: Context::default(),
         }
     }
@@ -58,26 +58,25 @@ impl State {
         self.cursor
     }
 
-    /// Returns how every sample stands, by id.
+    /// Returns the status of every sample, by id.
     #[must_use]
     pub fn statuses(&self) -> &[Status] {
         &self.statuses
     }
 
-    /// Returns how many samples stand how.
+    /// Returns the number of samples of each status.
     #[must_use]
-    pub const fn counts(&self) -> &Counts {
+    pub const fn counts(&self) -> &StatusCounts {
         &self.counts
     }
 
-    /// Returns what is current.
+    /// Returns the context.
     #[must_use]
     pub const fn context(&self) -> &Context {
         &self.context
     }
 
-    /// Moves to a cursor, at most the number of events: event by event when it is near, at once when it is
-    /// far.
+    /// Moves to a cursor, at most the number of events: event by event if it is near, directly if it is far.
     pub fn seek(&mut self, recording: &Recording, cursor: usize) {
         let cursor = cursor.min(recording.len());
         if cursor.abs_diff(self.cursor) > self.statuses.len() {
@@ -118,7 +117,7 @@ impl State {
         let count = self.cursor - cursor;
         for (index, event) in recording.tape().before(self.cursor).take(count) {
             if let Some((sample, _)) = change(event) {
-                // How the sample stood when this event had not happened.
+                // The status of the sample before this event.
                 let status = recording.status(sample, index);
                 self.set(recording, sample, status);
             }
@@ -128,7 +127,7 @@ impl State {
     }
 
     fn jump(&mut self, recording: &Recording, cursor: usize) {
-        self.counts = Counts::default();
+        self.counts = StatusCounts::default();
         let first_inserted = first_inserted(recording);
         for ((status, life), id) in self.statuses.iter_mut().zip(recording.lives()).zip(0..) {
             *status = recording.status_of(life, id, cursor);
@@ -156,7 +155,7 @@ impl State {
     }
 }
 
-impl Counts {
+impl StatusCounts {
     fn of(&mut self, status: Status) -> Option<&mut usize> {
         match status {
             Status::Absent => None,
@@ -177,7 +176,7 @@ fn first_inserted(recording: &Recording) -> u32 {
         .map_or(0, |tile| tile.samples.end)
 }
 
-/// Returns the sample that an event changes, and how it stands then.
+/// Returns the sample that an event changes, and its new status.
 fn change(event: &Event) -> Option<(u32, Status)> {
     match event.run_event()? {
         RunEvent::Tiled {

@@ -1,9 +1,9 @@
-//! How many events there are of each sort. A recording keeps such counts along its tape; nothing is looked up here.
+//! Counts of events by sort. A recording stores such counts along its tape.
 
 use crate::event::Event;
-use crate::kind::Kind;
+use crate::kind::EventKind;
 
-/// How many events of each sort there are in a bucket.
+/// The number of events of each sort in a bucket.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Density {
     /// Comparisons, examined places and darts that came to nothing.
@@ -14,12 +14,12 @@ pub struct Density {
     pub gaps: u32,
     /// Insertions.
     pub insertions: u32,
-    /// All others; a notice of tests left out is one.
+    /// All others, including notices of tests left out.
     pub others: u32,
 }
 
 impl Density {
-    /// Returns how many events there are in all.
+    /// Returns the number of all events.
     #[must_use]
     pub const fn total(&self) -> u32 {
         self.tests + self.conflicts + self.gaps + self.insertions + self.others
@@ -29,17 +29,17 @@ impl Density {
     pub(crate) const fn add(&mut self, event: &Event) {
         let dull = event.is_detail();
         let count = match event.kind() {
-            Kind::Test | Kind::Candidate | Kind::Dart if dull => &mut self.tests,
-            Kind::Test | Kind::Eliminate => &mut self.conflicts,
-            Kind::Candidate => &mut self.gaps,
-            Kind::Dart if event.is_ranked() => &mut self.gaps,
-            Kind::Insert => &mut self.insertions,
+            EventKind::Test | EventKind::Candidate | EventKind::Dart if dull => &mut self.tests,
+            EventKind::Test | EventKind::Eliminate => &mut self.conflicts,
+            EventKind::Candidate => &mut self.gaps,
+            EventKind::Dart if event.is_ranked() => &mut self.gaps,
+            EventKind::Insert => &mut self.insertions,
             _ => &mut self.others,
         };
         *count += 1;
     }
 
-    /// Returns the counts without those of `other`, which is a part of them.
+    /// Returns the counts minus those of `other`, which must be a part of them.
     pub(crate) const fn minus(self, other: Self) -> Self {
         Self {
             tests: self.tests - other.tests,

@@ -1,6 +1,5 @@
-//! The tape: events in the sequence in which they happened, within a budget. Beyond it tests that came
-//! to nothing are left out, oldest first, and a notice stands in their place; changes never are.
-//! It understands no event.
+//! The tape: events in the order in which they happened, within a budget. Beyond it, tests without consequences are
+//! left out, oldest first, and replaced by a notice; changes are always kept.
 
 pub(crate) mod portable;
 
@@ -9,7 +8,7 @@ use tilescope_core::{Parameters, Recorder, RunEvent};
 use crate::event::Event;
 use crate::lines::Lines;
 
-/// Events that a tape holds unless it is told otherwise: 120 MB.
+/// The default number of events that a tape holds: 120 MB.
 pub const DEFAULT_BUDGET: usize = 5_000_000;
 
 const CHUNK: usize = 1 << 16;
@@ -28,8 +27,8 @@ pub struct Tape {
 impl Tape {
     /// Returns an empty tape for a run of `parameters` that holds about `budget` events.
     ///
-    /// What cannot be thinned (every change of a set, at most some 20 events for a sample) is
-    /// kept even beyond the budget.
+    /// Events that cannot be left out (every change of a set, at most about 20 events for a sample) are kept even
+    /// beyond the budget.
     #[must_use]
     pub fn new(parameters: &Parameters, budget: usize) -> Self {
         Self {
@@ -60,7 +59,7 @@ impl Tape {
         self.left_out
     }
 
-    /// Returns an event, once recording has ended with [`Self::seal`].
+    /// Returns an event. Valid after recording has ended with [`Self::seal`].
     #[must_use]
     pub fn get(&self, index: usize) -> Option<&Event> {
         self.chunks.get(index / CHUNK)?.get(index % CHUNK)
@@ -94,7 +93,7 @@ impl Tape {
         (0..end).rev().zip(tail.iter().rev().chain(earlier))
     }
 
-    /// Ends the recording: chunks become equally long again, so that indices are places.
+    /// Ends the recording: makes chunks equally long again, so that an index gives its chunk.
     pub fn seal(&mut self) {
         let mut whole: Vec<Vec<Event>> = Vec::with_capacity(self.len / CHUNK + 1);
         for chunk in std::mem::take(&mut self.chunks) {
@@ -120,7 +119,7 @@ impl Tape {
         self.len += 1;
     }
 
-    /// Thins the oldest chunks that still have tests until another chunk fits into the budget.
+    /// Leaves tests out of the oldest chunks that still have them until another chunk fits into the budget.
     fn thin(&mut self) {
         while self.len + CHUNK > self.budget && self.thinned < self.chunks.len() {
             let (thin, left_out) = thin(&self.chunks[self.thinned]);
@@ -144,7 +143,7 @@ fn new_chunk(first: Event) -> Vec<Event> {
     chunk
 }
 
-/// Returns a chunk with a notice for each row of details, and how many details are gone.
+/// Returns a chunk with a notice in place of each run of details, and how many details were left out.
 fn thin(chunk: &[Event]) -> (Vec<Event>, u64) {
     let mut thin = Vec::new();
     let mut left_out = 0;

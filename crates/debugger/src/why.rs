@@ -1,18 +1,18 @@
-//! Why: the event that caused an event, and so on up to the split of the KD-tree; and the history of a
-//! sample or a place. Everything is read from the recording.
+//! Causes and histories: the event that caused an event, and so on up to the split of the KD-tree; and all events of a
+//! sample or a place.
 
 use tilescope_core::{Origin, Point, R, Rect, RunEvent};
 
 use crate::event::{Event, NONE};
-use crate::kind::Kind;
+use crate::kind::EventKind;
 use crate::moves::Direction;
 use crate::recording::Recording;
 
 /// How near a place an examined place must be to belong to its history: r / 8.
 pub const PLACE_REACH: i32 = R / 8;
 
-/// Returns the event that caused an event, which is always an earlier one; `None` for what begins by itself: a
-/// phase, an iteration, the first split.
+/// Returns the event that caused an event, which is always an earlier one; `None` for events without a cause: a phase,
+/// an iteration, the first split.
 #[must_use]
 pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
     let run_event = recording.event(index)?.run_event();
@@ -24,24 +24,26 @@ pub fn cause(recording: &Recording, index: usize) -> Option<usize> {
         RunEvent::Tiled { block, .. } => at(recording.clips(), block),
         RunEvent::Take { sample, .. } => Some(life(sample)?.born),
         RunEvent::Keep { sample, rest } if rest => Some(life(sample)?.born),
-        RunEvent::Keep { .. } => recording.last_of(Kind::Take, index).map(|i| i as u32),
+        RunEvent::Keep { .. } => recording.last_of(EventKind::Take, index).map(|i| i as u32),
         RunEvent::Test { pivot, .. } => Some(life(pivot)?.kept),
         RunEvent::Eliminate { by, .. } => tested(recording, index).or_else(|| Some(life(by)?.kept)),
         RunEvent::Mark { sample, because } if sample == because => Some(life(sample)?.kept),
         RunEvent::Mark { because, .. } => Some(life(because)?.lost),
         RunEvent::Detect { sample } => Some(marked_or_born(recording, sample, index)),
         RunEvent::Search { centre, .. } => cause_of_search(recording, centre, index),
-        RunEvent::NoGap { .. } | RunEvent::Call { .. } => {
-            recording.last_of(Kind::Search, index).map(|i| i as u32)
-        }
-        RunEvent::Pairs { .. } => recording.last_of(Kind::Call, index).map(|i| i as u32),
+        RunEvent::NoGap { .. } | RunEvent::Call { .. } => recording
+            .last_of(EventKind::Search, index)
+            .map(|i| i as u32),
+        RunEvent::Pairs { .. } => recording.last_of(EventKind::Call, index).map(|i| i as u32),
         RunEvent::Candidate { .. } => recording.context(index).search.map(|search| search.event),
         RunEvent::Pass { by, .. } => Some(life(by)?.born),
         RunEvent::Insert { sample, .. } => cause_of_insertion(recording, sample, index),
         RunEvent::Rank { .. }
         | RunEvent::IterationEnd { .. }
         | RunEvent::Dart { .. }
-        | RunEvent::Cut { .. } => recording.last_of(Kind::Iteration, index).map(|i| i as u32),
+        | RunEvent::Cut { .. } => recording
+            .last_of(EventKind::Iteration, index)
+            .map(|i| i as u32),
         RunEvent::Begin(_) | RunEvent::Iteration { .. } | RunEvent::Finish { .. } => None,
     };
     found
@@ -91,7 +93,7 @@ pub fn history_of_place(recording: &Recording, place: Point) -> Vec<usize> {
     for (index, event) in recording.tape().from(0) {
         if matches!(
             event.kind(),
-            Kind::Candidate | Kind::Pass | Kind::Dart | Kind::Cut
+            EventKind::Candidate | EventKind::Pass | EventKind::Dart | EventKind::Cut
         ) {
             let near = |p| recording.domain().distance_squared(p, place) <= limit;
             if recording.place(event).is_some_and(near) {
@@ -111,7 +113,7 @@ fn at(events: &[u32], index: u32) -> Option<u32> {
 /// Returns the event just before, if it is the test that found the conflict.
 fn tested(recording: &Recording, index: usize) -> Option<u32> {
     let before = index.checked_sub(1)?;
-    let test = recording.event(before)?.kind() == Kind::Test;
+    let test = recording.event(before)?.kind() == EventKind::Test;
     test.then_some(before as u32)
 }
 
@@ -125,7 +127,7 @@ fn parent_split(recording: &Recording, index: u32) -> Option<u32> {
     at(recording.splits(), parent as u32)
 }
 
-/// Returns the split that made a block: the deepest that holds it.
+/// Returns the split that made a block: the deepest one that contains it.
 fn split_of_block(recording: &Recording, block: u32) -> Option<u32> {
     let blocks = &recording.run().blocks;
     let corner = blocks.leaves.get(block as usize)?.rect.min;
@@ -152,25 +154,25 @@ fn marked_or_born(recording: &Recording, sample: u32, before: usize) -> u32 {
     }
 }
 
-/// Returns the elimination whose neighbourhood is searched, or what made the sample the one at work.
+/// Returns the elimination whose neighbourhood is searched, or the event that made the sample the current one.
 fn cause_of_search(recording: &Recording, centre: u32, index: usize) -> Option<u32> {
     let life = recording.life(centre)?;
     if (life.lost as usize) < index {
         return Some(life.lost);
     }
-    let begins = |event: &Event| matches!(event.kind(), Kind::Detect | Kind::Take);
+    let begins = |event: &Event| matches!(event.kind(), EventKind::Detect | EventKind::Take);
     let last = recording
         .classes()
         .nearest(index, Direction::Backwards, begins);
     last.map(|event| event as u32)
 }
 
-/// Returns the examination that found the place, or the dart.
+/// Returns the event that examined and accepted the place, or the dart.
 fn cause_of_insertion(recording: &Recording, sample: u32, index: usize) -> Option<u32> {
     let Origin::Inserted { sites, .. } = recording.run().samples.origins[sample as usize] else {
         return None;
     };
-    let dart = || recording.last_of(Kind::Dart, index);
+    let dart = || recording.last_of(EventKind::Dart, index);
     recording
         .gap(sites, index)
         .or_else(dart)

@@ -1,8 +1,6 @@
-//! Measures streams: points per second of export and check, and peak memory.
-//! Usage: `stream_rate export PATTERN 3x2 FILE [verify 0 or 1] [f32 or f64] [checkpoints]`, where the certified
-//! periodic set PATTERN is repeated 3 times across and 2 times
-//! up, and `stream_rate check FILE` or `stream_rate whole FILE`.
-//! It never asserts a time; it prints what it saw.
+//! Measures streams: points per second of export and check, and peak memory. Usage: `stream_rate export PATTERN 3x2
+//! FILE [verify 0 or 1] [f32 or f64] [checkpoints]`, where the certified periodic set PATTERN is repeated 3 times
+//! across and 2 times up, and `stream_rate check FILE` or `stream_rate whole FILE`. It prints times and asserts none.
 
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -1,9 +1,9 @@
-//! Little- and big-endian scalars out of a byte slice, with bounds as typed errors.
+//! Reads little- and big-endian scalars from a byte slice; leaving its bounds is a typed error.
 //!
-//! Sizes stated by a header are multiplied with overflow checks and compared with what is there
-//! *before* anything is allocated. Never reads past the slice, never panics.
+//! Sizes stated by a header are multiplied with overflow checks and compared with the bytes that are there *before*
+//! anything is allocated. Never panics.
 
-use crate::error::{FormatError, Place};
+use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 
 /// Byte order of stored numbers.
@@ -53,7 +53,7 @@ impl<'a> Cursor<'a> {
         Ok(u32::from_le_bytes(word))
     }
 
-    /// The next `rows` records of `width` bytes each; an absurd product is "truncated" like any other.
+    /// The next `rows` records of `width` bytes each. A product that overflows is reported as truncated, too.
     pub(crate) fn records(&mut self, rows: u64, width: u64) -> Result<&'a [u8], FormatError> {
         self.take(rows.saturating_mul(width))
     }
@@ -91,7 +91,7 @@ pub(crate) fn coordinate(bytes: &[u8], precision: Precision, endian: Endian) -> 
     }
 }
 
-/// The first `N` bytes, zeros where there are fewer.
+/// The first `N` bytes, padded with zeros.
 pub(crate) fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
     let mut word = [0; N];
     for (to, from) in word.iter_mut().zip(bytes) {
@@ -107,7 +107,7 @@ pub(crate) fn finite(value: f64, format: Format, index: u64) -> Result<f64, Form
     }
     Err(FormatError::NotFinite {
         format,
-        place: Place::Point(index),
+        place: FilePlace::Point(index),
         value,
     })
 }
@@ -199,7 +199,7 @@ mod tests {
         assert!(matches!(
             error,
             Err(FormatError::NotFinite {
-                place: Place::Point(0),
+                place: FilePlace::Point(0),
                 ..
             })
         ));

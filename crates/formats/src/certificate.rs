@@ -1,7 +1,7 @@
 //! The certificate: a JSON document that states what a point-set file holds and what was verified.
 //!
-//! Written beside a data file as `<file>.certificate.json`, and inside a JSON point set. Never states what was meant to be
-//! written: every number is of the positions read back from the file.
+//! Written beside a data file as `<file>.certificate.json`, and inside a JSON point set. Every number in it is measured
+//! on the positions read back from the file.
 
 use std::collections::BTreeMap;
 
@@ -14,14 +14,14 @@ use crate::format::{Format, Precision};
 /// The version this crate writes; higher ones are refused on reading.
 pub const CERTIFICATE_FORMAT_VERSION: u32 = 1;
 
-/// What a certificate's file name has after the data file's name.
+/// The suffix that makes a certificate's file name from the data file's name.
 pub const CERTIFICATE_SUFFIX: &str = ".certificate.json";
 
 /// The largest certificate file read, 4 MiB. One is about 2 KiB; the rest is room for parameters, and a
 /// data file given in its place by mistake is refused before it is parsed.
 pub const MAX_CERTIFICATE_BYTES: usize = 4 << 20;
 
-/// What storing the positions did to them.
+/// How storing changed the positions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rounding {
     /// The largest change of a coordinate, in domain units, around the torus when periodic.
@@ -79,7 +79,7 @@ pub struct Certificate {
     pub scale: f64,
     /// The seed of the order in which the points were written, if they were shuffled.
     pub shuffle_seed: Option<u64>,
-    /// What storing changed; null when every position is as it was, to the bit.
+    /// How storing changed the positions; null when all are stored exactly.
     pub rounding: Option<Rounding>,
     /// [`positions_digest`](crate::positions_digest) of the file coordinates in the file's order.
     pub positions_digest: String,
@@ -87,7 +87,7 @@ pub struct Certificate {
     pub digest: Option<String>,
 }
 
-/// Read before the rest, so that a newer certificate is named as such.
+/// Read before the rest, so that a certificate of a newer version is reported as such.
 #[derive(Deserialize)]
 struct Version {
     format_version: u32,
@@ -113,7 +113,7 @@ impl Certificate {
     ///
     /// # Errors
     ///
-    /// [`FormatError::Certificate`] for what is too large, of a newer version, not JSON or lacks a field.
+    /// [`FormatError::Certificate`] when it is too large, of a newer version, not JSON, or lacks a field.
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, FormatError> {
         let fault = |reason: String| FormatError::Certificate {
             name: name.to_owned(),
@@ -145,8 +145,8 @@ impl Certificate {
         ]
     }
 
-    /// Returns the fields that no file can bear out: how the set was made, what the file was called when it was written, and
-    /// what storing changed. They are statements of whoever wrote the certificate.
+    /// Returns the fields that cannot be checked against the file: how the set was made, the file's name when it was
+    /// written, and how storing changed the positions.
     #[must_use]
     pub fn unchecked(&self) -> Vec<String> {
         let known = self.known_parameters().map(|(name, ..)| name);
@@ -196,7 +196,7 @@ fn check_version(found: u32, name: &str) -> Result<(), FormatError> {
     })
 }
 
-/// JSON has no infinity; the one a report can hold becomes null.
+/// JSON has no infinity; an infinite value becomes null.
 pub(crate) fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|v| v.is_finite())
 }

@@ -1,7 +1,7 @@
-//! Re-verification: what a file holds against what its certificate states.
+//! Re-verification: compares a file with the statements of its certificate.
 //!
-//! Judges the positions afresh and lists every difference by name. Never trusts a number of the certificate except
-//! the region and radius to judge against, and those only where the caller gives none.
+//! Verifies the positions afresh and lists every difference by name. Of the certificate's numbers only the region and
+//! the radius are used for that, and only if the caller gives none.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -19,12 +19,11 @@ use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
 use crate::point_set::PointSet;
 
-/// Relative difference up to which two measured lengths are the same, 1e-9: the verifier's arithmetic is correct
-/// to about 1e-15, another version may order it otherwise, and an altered position that the digest
-/// misses does not exist.
+/// Relative difference up to which two measured lengths count as equal, 1e-9. The verifier's arithmetic is correct to
+/// about 1e-15, and another version may round differently. Altered positions are found by the digest, not by this.
 pub const MEASURE_TOLERANCE: f64 = 1e-9;
 
-/// What the caller knows better than the file and its certificate.
+/// Values that take precedence over the file and its certificate.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// The format.
@@ -37,18 +36,18 @@ pub struct Overrides {
     pub radius: Option<f64>,
 }
 
-/// One statement of a certificate that the file does not bear out.
+/// One statement of a certificate that does not hold for the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// What is stated: the certificate's field.
+pub struct CertificateDifference {
+    /// The certificate's field.
     pub field: &'static str,
     /// The certificate's value.
     pub stated: String,
-    /// The file's, or the caller's.
+    /// The value of the file, or of the caller.
     pub found: String,
 }
 
-impl fmt::Display for Difference {
+impl fmt::Display for CertificateDifference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             field,
@@ -70,10 +69,10 @@ pub struct Check {
     pub precision: Precision,
     /// The certificate beside or inside the file, if there is one.
     pub certificate: Option<Certificate>,
-    /// The verdict on the file as it is.
+    /// The verifier's report on the positions in the file.
     pub report: Report,
-    /// Where the certificate is wrong; empty without one.
-    pub differences: Vec<Difference>,
+    /// The wrong statements of the certificate; empty if there is none.
+    pub differences: Vec<CertificateDifference>,
 }
 
 impl Check {
@@ -102,9 +101,9 @@ pub enum CheckError {
         "the set of {count} points is too large to be verified in memory ({limit} points), and: {source}"
     )]
     TooLarge {
-        /// Points in the file, or for text a bound of them.
+        /// Points in the file; for text an upper bound.
         count: u64,
-        /// Points that are read into memory.
+        /// The most points that are read into memory.
         limit: u64,
         /// Why memory is needed.
         source: VerifyError,
@@ -156,7 +155,7 @@ pub fn check_bytes(
         control,
     )?;
     let differences = certificate.as_ref().map(|stated| {
-        let found = Found {
+        let found = Contents {
             format,
             precision,
             digest: stated.digest.as_ref().map(|_| bytes_digest(data)),
@@ -177,7 +176,7 @@ pub fn check_bytes(
     })
 }
 
-/// What the file is judged against.
+/// The region, radius and options to verify the file with.
 pub(crate) struct Judged {
     pub region: Region,
     pub radius: f64,
@@ -206,21 +205,21 @@ impl Judged {
         Ok(Self {
             region,
             radius: radius.ok_or(CheckError::NoRadius)?,
-            // A certificate has no say in it: with a tolerance of its own it could call any hole none.
+            // Not from the certificate, which could hide any gap by stating a large tolerance.
             options: VerifyOptions::default(),
             mapping: Mapping::new(format, Some(region), precision),
         })
     }
 }
 
-/// Gathers the statements that are not borne out.
+/// Collects the statements that do not hold.
 #[derive(Default)]
-struct Differences(Vec<Difference>);
+struct Differences(Vec<CertificateDifference>);
 
 impl Differences {
     fn unless(&mut self, same: bool, field: &'static str, stated: String, found: String) {
         if !same {
-            self.0.push(Difference {
+            self.0.push(CertificateDifference {
                 field,
                 stated,
                 found,
@@ -247,11 +246,11 @@ impl Differences {
     }
 }
 
-/// What a file turned out to hold, besides its report.
-pub(crate) struct Found {
+/// Facts about the file besides the verifier's report.
+pub(crate) struct Contents {
     pub format: Format,
     pub precision: Precision,
-    /// Of the file; wanted only where the certificate states one.
+    /// The digest of the file, computed only if the certificate states one.
     pub digest: Option<String>,
     pub positions_digest: String,
 }
@@ -259,9 +258,9 @@ pub(crate) struct Found {
 pub(crate) fn differences(
     stated: &Certificate,
     judged: &Judged,
-    found: &Found,
+    found: &Contents,
     report: &Report,
-) -> Vec<Difference> {
+) -> Vec<CertificateDifference> {
     let mut list = Differences::default();
     if let (Some(stated), Some(digest)) = (&stated.digest, &found.digest) {
         list.exact("digest", stated, digest);
@@ -281,7 +280,7 @@ pub(crate) fn differences(
     let same_question = stated.region == region
         && stated.radius.to_bits() == judged.radius.to_bits()
         && stated.covering_tolerance.to_bits() == tolerance.to_bits();
-    // Answers to another question may differ without a fault.
+    // With another region, radius or tolerance the measures may differ without being wrong.
     if same_question {
         measures(&mut list, stated, report);
     }
@@ -292,7 +291,7 @@ pub(crate) fn differences(
 fn parameters(list: &mut Differences, stated: &Certificate) {
     for (name, field, found) in stated.known_parameters() {
         if let Some(parameter) = stated.parameters.get(name) {
-            // 1 and 1.0 are two numbers to JSON.
+            // 1 and 1.0 are different values in serde_json.
             let number = parameter.as_f64().is_some() && parameter.as_f64() == found.as_f64();
             let same = number || *parameter == found;
             list.unless(same, field, parameter.to_string(), found.to_string());
@@ -318,7 +317,7 @@ fn measures(list: &mut Differences, stated: &Certificate, report: &Report) {
     for (field, stated, found) in measured {
         list.measure(field, stated, finite(found));
     }
-    // An older certificate may count further.
+    // Older certificates have no such upper limit.
     let counted = stated.conflicts.min(MAX_CONFLICTS);
     list.exact("conflicts", &counted, &report.conflicts);
     list.exact("gaps", &stated.gaps, &report.gaps);

@@ -1,6 +1,6 @@
 //! Bytes to points and points to bytes, one file of the folder for each family of formats.
 //!
-//! `decode` and `encode` check what no format may hold (nothing, NaN, ragged provenance) so that the
+//! `decode` and `encode` refuse what no format may hold (empty sets, NaN, provenance of another length), so that the
 //! codecs need not. Never touches the file system and never verifies geometry.
 
 mod csv;
@@ -25,7 +25,7 @@ use crate::format::{Format, Precision};
 use crate::mapping::Mapping;
 use crate::point_set::PointSet;
 
-/// What is known of some bytes before they are decoded.
+/// What the caller knows about some bytes before they are decoded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Hint<'a> {
     /// The file's name, whose extension is evidence; empty for none.
@@ -56,22 +56,22 @@ pub struct Decoded {
     pub detection: Detection,
     /// Number type of the coordinates.
     pub precision: Precision,
-    /// How many sets the file holds; 1 but for UTK files.
+    /// How many sets the file holds; only UTK files hold several.
     pub sets: usize,
     /// The certificate inside the file (JSON only).
     pub certificate: Option<Certificate>,
 }
 
-/// What a file is to be.
+/// How a file is to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     /// The format.
     pub format: Format,
     /// The region of the positions; without it, unit-torus formats store positions as they are.
     pub region: Option<Region>,
-    /// The sampling radius, for the formats which draw it (SVG).
+    /// The sampling radius, for formats that draw it (SVG).
     pub radius: Option<f64>,
-    /// Number type wished; [`Format::precision`] says what comes of it.
+    /// The wanted number type; [`Format::precision`] gives the one that is written.
     pub precision: Precision,
 }
 

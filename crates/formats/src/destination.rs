@@ -1,7 +1,7 @@
-//! Where an output goes: what may be replaced, and what a link leads to.
+//! Where an output is written: which files may be replaced, and where links lead.
 //!
-//! Files are written beside their destination and renamed over it. Never decides for a device, a pipe or a folder:
-//! renaming would put a file in its place.
+//! Files are written beside their destination and renamed over it. Devices, pipes and folders are refused, because
+//! renaming would replace them by a file.
 
 use std::fs;
 use std::io;
@@ -28,7 +28,7 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
             return Ok(file);
         }
         let folder = file.parent().unwrap_or(Path::new(""));
-        // The links of a process to what it has open, such as /dev/stdout, name no place in a folder.
+        // The links of a process to its open files, such as /dev/stdout, do not lead to a place in a folder.
         let of_process = || folder.canonicalize().is_ok_and(|f| f.starts_with("/proc"));
         let refused = |kind| Err(not_a_file(path, kind));
         if !found.is_symlink() {
@@ -43,7 +43,7 @@ pub fn destination(path: &Path) -> Result<PathBuf, FormatError> {
     Err(io_error(path, source))
 }
 
-/// Refuses a name for work in progress that anything but a file has, links included.
+/// Refuses a temporary name that is taken by anything but a regular file; links are refused, too.
 pub(crate) fn check_own(path: &Path) -> Result<(), FormatError> {
     match fs::symlink_metadata(path) {
         Ok(found) if !found.is_file() => Err(not_a_file(path, kind(found.file_type()))),

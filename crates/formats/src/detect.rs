@@ -1,5 +1,5 @@
-//! Which format some bytes are: by extension, then by content, and on what evidence; and which format a file may be
-//! written in, so that its name does not make readers take it for another one.
+//! Detects the format of some bytes by extension, then by content, and says on what evidence. Also checks that a file
+//! is not written in a format that readers would take for another because of its name.
 //!
 //! A file that begins with a format's own mark is of that format whatever its name says. Never parses
 //! beyond the first line; whether the file is *valid* shows on decoding.
@@ -17,7 +17,7 @@ pub(crate) const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 /// First bytes of a UTK binary file: 0x214B5455, little-endian.
 pub(crate) const UTK_MAGIC: &[u8] = b"UTK!";
 
-/// What told the format.
+/// The evidence for a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Evidence {
     /// The caller named it.
@@ -35,7 +35,7 @@ pub enum Evidence {
 pub struct Detection {
     /// The format.
     pub format: Format,
-    /// What told it.
+    /// The evidence.
     pub evidence: Evidence,
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Detection {
 ///
 /// # Errors
 ///
-/// [`FormatError::UnknownFormat`] when neither name nor content tell.
+/// [`FormatError::UnknownFormat`] when neither name nor content shows the format.
 ///
 /// ```
 /// use tilescope_formats::{Format, detect};
@@ -121,7 +121,7 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
             Format::PlyBinary
         });
     }
-    // A raw f32 file may begin with any byte, so these two marks need company.
+    // A raw f32 file may begin with any byte, so for these two marks more of the text is checked.
     let text = without_bom(bytes).trim_ascii_start();
     let second = text.get(1..).unwrap_or_default().trim_ascii_start().first();
     match (text.first()?, second?) {
@@ -131,7 +131,7 @@ fn by_mark(bytes: &[u8]) -> Option<Format> {
     }
 }
 
-/// `.txt` is psa's, but plain `x y` lines are as often called so.
+/// `.txt` is psa's extension, but files of plain `x y` lines often have it, too.
 fn psa_or_utk_text(bytes: &[u8]) -> (Format, Evidence) {
     let columns = data_lines(bytes)
         .next()
@@ -167,7 +167,7 @@ fn by_text_shape(bytes: &[u8]) -> Option<Format> {
 fn looks_like_rps(bytes: &[u8]) -> Option<Format> {
     let in_unit = |word: &[u8]| (0.0..=1.0).contains(&f32::from_le_bytes(array(word)));
     let whole = !bytes.is_empty() && bytes.len().is_multiple_of(8);
-    // As floats, blanks and digits are tiny numbers: text would pass.
+    // Text read as floats gives tiny numbers and would pass, so it is excluded first.
     let text = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace();
     (whole && !bytes.iter().all(text) && bytes.chunks_exact(4).all(in_unit))
         .then_some(Format::PsaRps)
@@ -178,8 +178,8 @@ impl Format {
     ///
     /// # Errors
     ///
-    /// [`FormatError::UnknownFormat`] when neither tells, [`FormatError::Misnamed`] when the file would be read as
-    /// another format.
+    /// [`FormatError::UnknownFormat`] when neither gives a format, [`FormatError::Misnamed`] when the file would be
+    /// read as another format.
     pub fn to_write(path: &Path, told: Option<Self>) -> Result<Self, FormatError> {
         let name = || path.to_string_lossy().into_owned();
         let named = Self::from_path(path);
@@ -200,7 +200,7 @@ impl Format {
             self,
             Self::UtkBinary | Self::Npy | Self::PlyAscii | Self::PlyBinary | Self::Json | Self::Svg
         );
-        // Lines of two numbers are as often called .txt.
+        // Files of two numbers a line are often called .txt, too.
         marked || self == named || (self, named) == (Self::UtkText, Self::PsaText)
     }
 }

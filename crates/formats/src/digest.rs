@@ -12,7 +12,7 @@ pub fn bytes_digest(bytes: &[u8]) -> String {
     format!("blake3:{}", blake3::hash(bytes).to_hex())
 }
 
-/// A finished hash as it is written.
+/// The text of a finished hash.
 pub(crate) fn digest_text(hasher: &blake3::Hasher) -> String {
     format!("blake3:{}", hasher.finalize().to_hex())
 }
@@ -27,7 +27,7 @@ pub fn positions_digest(points: &[[f64; 2]]) -> String {
     digest_text(&hasher)
 }
 
-/// Adds to what [`positions_digest`] hashes.
+/// Adds points to the hash of [`positions_digest`].
 pub(crate) fn add_positions(hasher: &mut blake3::Hasher, points: &[[f64; 2]]) {
     let mut buffer = Vec::with_capacity(CHUNK.min(points.len()) * 16);
     for chunk in points.chunks(CHUNK) {

@@ -1,7 +1,7 @@
-//! What can be wrong with a point-set file, one variant per cause.
+//! Errors of point-set files, with one variant for each cause.
 //!
-//! Each message names the format, the place, the value found and what was expected. Never carries
-//! unbounded file content: quoted tokens are cut.
+//! Each message names the format, the place, the value found and what was expected. Quoted tokens are cut to a bounded
+//! length.
 
 use std::fmt;
 
@@ -9,9 +9,9 @@ use tilescope_analysis::Number;
 
 use crate::format::Format;
 
-/// Where in a file something is.
+/// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePlace {
     /// A line, counted from 1.
     Line(u64),
     /// A byte offset from the start of the file.
@@ -20,7 +20,7 @@ pub enum Place {
     Point(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line(n) => write!(f, "line {n}"),
@@ -39,7 +39,7 @@ pub enum FormatError {
     Io {
         /// The file.
         path: String,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file is too large to be read into memory.
@@ -52,12 +52,12 @@ pub enum FormatError {
         /// The most that are read.
         limit: u64,
     },
-    /// An output has the name of something that is no file.
+    /// The path of an output names something other than a regular file.
     #[error("{path}: this is {kind}; give the name of a file, which is made or replaced")]
     NotAFile {
         /// The name.
         path: String,
-        /// What has it.
+        /// What it is.
         kind: &'static str,
     },
     /// A file is to be written in a format that would not be recognised under its name.
@@ -93,11 +93,11 @@ pub enum FormatError {
         /// The format being read.
         format: Format,
         /// Where in the file.
-        place: Place,
+        place: FilePlace,
         /// What is wrong, with the value found.
         reason: String,
     },
-    /// The file is well-formed but of a kind that is not read here.
+    /// The file is well-formed but of a kind that is not supported.
     #[error("{format}: {what} cannot be read; {supported}")]
     Unsupported {
         /// The format being read.
@@ -113,7 +113,7 @@ pub enum FormatError {
         /// The format being read.
         format: Format,
         /// Where in the file.
-        place: Place,
+        place: FilePlace,
         /// The token, cut to 40 characters.
         token: String,
     },
@@ -123,7 +123,7 @@ pub enum FormatError {
         /// The format being read or written.
         format: Format,
         /// Where.
-        place: Place,
+        place: FilePlace,
         /// The value.
         value: f64,
     },
@@ -133,7 +133,7 @@ pub enum FormatError {
         /// The format being read.
         format: Format,
         /// The line.
-        place: Place,
+        place: FilePlace,
         /// Columns found.
         found: usize,
         /// Columns needed.
@@ -145,7 +145,7 @@ pub enum FormatError {
         /// The format being read.
         format: Format,
         /// Where.
-        place: Place,
+        place: FilePlace,
         /// The third coordinate.
         z: f64,
     },
@@ -159,7 +159,7 @@ pub enum FormatError {
         /// The number that is there.
         found: u64,
     },
-    /// The data end before what the header states.
+    /// The data ends earlier than the header states.
     #[error(
         "{format}: truncated: {needed} bytes are needed from byte {offset} on and {available} are there"
     )]
@@ -183,13 +183,13 @@ pub enum FormatError {
         /// How many bytes.
         extra: u64,
     },
-    /// No point at all.
+    /// The set has no points.
     #[error("{format}: the set has no points")]
     Empty {
         /// The format being read or written.
         format: Format,
     },
-    /// The file holds several sets and none was chosen, or one that is not there.
+    /// The file holds several sets, and the chosen one does not exist or none was chosen.
     #[error("{format}: the file holds {found} sets; choose one of 0 to {} ({})", found - 1, wish(*.chosen))]
     Sets {
         /// The format being read.
@@ -243,7 +243,7 @@ pub enum FormatError {
     },
 }
 
-/// What the system said of a file.
+/// An error of the file system.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn io_error(path: &std::path::Path, source: std::io::Error) -> FormatError {
     FormatError::Io {
@@ -275,7 +275,7 @@ pub(crate) fn quote(bytes: &[u8]) -> String {
     quoted
 }
 
-/// Returns what else there is to say of a file of unknown format.
+/// Returns a hint for files that look like archives.
 fn of_archive(name: &str) -> &'static str {
     let extension = std::path::Path::new(name).extension();
     if extension.is_some_and(|extension| extension.eq_ignore_ascii_case("zip")) {
@@ -301,7 +301,7 @@ mod tests {
     fn messages_name_value_place_and_limit() {
         let error = FormatError::Columns {
             format: Format::Csv,
-            place: Place::Line(3),
+            place: FilePlace::Line(3),
             found: 1,
             expected: 2,
         };

@@ -1,7 +1,7 @@
 //! Validated export: encode, store, read back, verify what was read, certify.
 //!
-//! One pipeline for files and for memory (the web), which differ in how bytes are stored and read back. Never
-//! certifies positions that were not decoded from the stored bytes.
+//! One pipeline for files and for memory (the web), which differ in how bytes are stored and read back. Only positions
+//! decoded from the stored bytes are certified.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ pub struct ExportContext {
     pub radius: f64,
     /// The format; `None` takes it from the file's extension.
     pub format: Option<Format>,
-    /// Number type wished, for the formats that leave the choice.
+    /// The wanted number type, for formats that leave the choice.
     pub precision: Precision,
     /// Writes the points in an order drawn from this seed, so that a truncated file is a uniform subset.
     pub shuffle_seed: Option<u64>,
@@ -65,7 +65,7 @@ impl ExportContext {
     }
 }
 
-/// What the caller of a successful export should tell the user.
+/// A warning about a successful export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Warning {
     /// The stored set has conflicts.
@@ -82,7 +82,7 @@ pub enum Warning {
         /// Whether the set had none before it was rounded.
         by_rounding: bool,
     },
-    /// The format has no room for the provenance which the set has.
+    /// The format cannot store the provenance of the set.
     ProvenanceLeftOut {
         /// The format.
         format: Format,
@@ -120,7 +120,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Why nothing was exported. An existing file of that name is as it was.
+/// Why an export failed. An existing file of that name is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
@@ -135,7 +135,7 @@ pub enum ExportError {
         /// What the verifier said.
         source: VerifyError,
     },
-    /// The format cannot be written while the points pass by.
+    /// The format cannot be written point by point.
     #[error(
         "{format} cannot be written as a stream; csv, psa-rps, utk-binary, npy and ply-binary can"
     )]
@@ -143,27 +143,27 @@ pub enum ExportError {
         /// The format.
         format: Format,
     },
-    /// A shuffled order was asked of a stream, which never has all points.
+    /// A stream cannot shuffle, because it never holds all points.
     #[error("points that are written as they come cannot be shuffled (seed {seed})")]
     ShuffledStream {
         /// The seed asked for.
         seed: u64,
     },
-    /// An earlier failure left the export without a usable state.
+    /// The export failed earlier and cannot be continued.
     #[error("{path}: the export failed before and cannot go on")]
     Failed {
         /// The file that was to be written.
         path: String,
     },
-    /// Another export of the name is at work.
+    /// Another export is writing the same file.
     #[error(
-        "{path}: another process is writing it, or this one; wait for its end, or choose another name"
+        "{path}: this or another process is writing it; wait until it ends, or choose another name"
     )]
     Busy {
         /// The file that is being written.
         path: String,
     },
-    /// An interrupted export cannot go on.
+    /// An interrupted export cannot be resumed.
     #[error("{path}: cannot be resumed: {reason}")]
     Resume {
         /// The file at fault.
@@ -171,7 +171,7 @@ pub enum ExportError {
         /// What is wrong with it.
         reason: String,
     },
-    /// What was read back is not what was written.
+    /// The data read back differs from the data written.
     #[error("reading back gave {found} where {written} was written; the storage is not reliable")]
     ReadBack {
         /// What was written.
@@ -192,7 +192,7 @@ pub struct ExportedBytes {
     pub certificate: Certificate,
     /// The verifier's report on the stored positions; indices are of the stored order.
     pub report: Report,
-    /// What to tell the user.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
@@ -288,7 +288,7 @@ fn decode_own(data: &[u8], format: Format) -> Result<Decoded, FormatError> {
     decode(data, &hint)
 }
 
-/// Refuses stored positions or provenance that are not, to the bit, what the format should hold.
+/// Fails if the decoded positions or provenance differ, in any bit, from what the format should store.
 fn compare(set: &PointSet, decoded: &Decoded, target: &Target) -> Result<(), ExportError> {
     let mapping = target.mapping();
     let found = &decoded.set;
@@ -325,7 +325,8 @@ fn judge(
     .map_err(|source| ExportError::Verify { precision, source })
 }
 
-/// What storing did to the positions; judges the original too where the verdict could have changed.
+/// Measures how storing changed the positions. Where that may have changed the verdict, the original positions are
+/// verified, too.
 fn rounding(
     original: &[[f64; 2]],
     stored: &[[f64; 2]],
@@ -357,7 +358,7 @@ fn rounding(
     )))
 }
 
-/// What a certificate says of positions that storing moved.
+/// The certificate's statement about positions that storing moved.
 pub(crate) fn statement(
     target: &Target,
     largest_shift: f64,
@@ -443,7 +444,7 @@ pub(crate) fn warnings(
     warnings
 }
 
-/// What is to be told of a format that has no room for the provenance.
+/// The warning for a format that cannot store the provenance.
 pub(crate) fn left_out(has_provenance: bool, format: Format) -> Vec<Warning> {
     let left_out = has_provenance && !format.carries_provenance();
     (left_out

@@ -1,7 +1,7 @@
 //! Point sets on disk: reading, validated export, re-verification.
 //!
-//! Files appear whole or not at all: temporary file in the same folder, sync, read back, rename. Never
-//! leaves a temporary behind and never touches an existing file before the new one is verified.
+//! Files appear complete or not at all: temporary file in the same folder, sync, read back, rename. No temporary file
+//! is left behind, and an existing file is not touched before the new one is verified.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
@@ -24,8 +24,8 @@ use crate::pipe::Input;
 use crate::point_set::PointSet;
 use crate::read::{ReadSet, certificate_path, read_bytes};
 
-/// Most points of a file that is checked in memory because a stream cannot judge it, 2^28: it takes about
-/// 76 bytes for each, in all 20 GB.
+/// The most points of a file that is checked in memory because a stream cannot verify it, 2^28. Each takes about 76
+/// bytes, in all 20 GB.
 pub const MAX_IN_MEMORY: u64 = 1 << 28;
 
 /// Bytes of the largest file that is decoded in memory: [`MAX_IN_MEMORY`] points as pairs of f64, and
@@ -93,7 +93,7 @@ pub fn check(
 ///
 /// # Errors
 ///
-/// [`ExportError`]; the temporary files are removed then, and files that were there are as they were.
+/// [`ExportError`]. The temporary files are then removed, and existing files are unchanged.
 pub fn export(
     path: &Path,
     set: &PointSet,
@@ -122,13 +122,13 @@ pub fn export(
     })
 }
 
-/// Writes `set` (in domain units) to the file `path` without a verdict. A certificate that lies beside it, of what was there before,
-/// is removed.
+/// Writes `set` (in domain units) to the file `path` without verifying it. The certificate of an earlier file of that
+/// name is removed.
 ///
 /// # Errors
 ///
-/// [`FormatError`] when the format is unknown or cannot hold the set, and with the path that failed; a file that was there
-/// is as it was then.
+/// [`FormatError`] when the format is unknown or cannot hold the set, and when writing fails. An existing file is then
+/// unchanged.
 pub fn export_unverified(
     path: &Path,
     set: &PointSet,
@@ -143,7 +143,8 @@ pub fn export_unverified(
     Ok(left_out(set.provenance.is_some(), target.format))
 }
 
-/// Writes `bytes` to a temporary file in the folder of `path` and renames it: `path` is whole or as it was.
+/// Writes `bytes` to a temporary file in the folder of `path` and renames it, so `path` is either complete or
+/// unchanged.
 ///
 /// # Errors
 ///
@@ -154,7 +155,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     temporary.place().map_err(|e| io_error(path, e))
 }
 
-/// Does what [`write_whole`] does with bytes that come one after another: `write` has the temporary file.
+/// Like [`write_whole`], for data that is produced piece by piece: `write` gets the temporary file.
 ///
 /// # Errors
 ///
@@ -179,15 +180,15 @@ pub(crate) fn publish(
     path: &Path,
     certificate: &Temporary,
 ) -> Result<(), FormatError> {
-    // A second name for the old file lets the first rename be undone when the second fails. A file
-    // system without hard links loses only that.
+    // A second name for the old file lets the first rename be undone if the second fails. File systems without hard
+    // links cannot do this.
     let old = Temporary::beside(path.to_owned());
     let kept = fs::hard_link(path, &old.path).is_ok();
     let existed = path.exists();
     fs::rename(data, path).map_err(|e| io_error(path, e))?;
     certificate.place().map_err(|source| {
         if kept {
-            // If this fails too, the data file is new and its old certificate's digest says so.
+            // If this fails too, the old certificate beside the new file shows it by its digest.
             let _ = fs::rename(&old.path, path);
         } else if !existed {
             let _ = fs::remove_file(path);
@@ -199,13 +200,13 @@ pub(crate) fn publish(
 /// A temporary file, removed when dropped if it still has its name.
 pub(crate) struct Temporary {
     pub path: PathBuf,
-    /// The file in whose place it is to be.
+    /// The file that it will replace.
     pub destination: PathBuf,
 }
 
 impl Temporary {
-    /// An unused name in the folder of the file that an output named `path` makes or replaces: renaming never crosses
-    /// file systems.
+    /// An unused name in the folder of the output `path`, with links resolved, so that renaming stays within one file
+    /// system.
     ///
     /// # Errors
     ///
@@ -247,12 +248,12 @@ impl Temporary {
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        // Gone already after a rename; nothing else can be done about a failure here.
+        // After a rename it no longer exists; other failures cannot be handled here.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// The bytes of a file that was written here.
+/// The bytes of a file that this program wrote.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, FormatError> {
     fs::read(path).map_err(|e| io_error(path, e))
 }
@@ -272,7 +273,7 @@ pub(crate) fn read_certificate(path: &Path) -> Result<Option<Vec<u8>>, FormatErr
     }
 }
 
-/// Removes the certificate of `path`, if it has one: it would be a false one of what is to be written there.
+/// Removes the certificate of `path`, if it has one, because it would be false for the new file.
 pub(crate) fn remove_certificate(path: &Path) -> Result<(), FormatError> {
     let path = certificate_path(path);
     match fs::remove_file(&path) {
@@ -281,11 +282,11 @@ pub(crate) fn remove_certificate(path: &Path) -> Result<(), FormatError> {
     }
 }
 
-/// The bytes of the file `path`, or of a pipe, which is read once and kept, as they are decoded in memory.
+/// The bytes of the file `path`, for decoding in memory. A pipe is read once and its bytes are kept.
 ///
 /// # Errors
 ///
-/// [`FormatError::Io`] for what cannot be read, and [`FormatError::TooLarge`].
+/// [`FormatError::Io`] when it cannot be read, and [`FormatError::TooLarge`].
 pub fn read_whole(path: &Path) -> Result<Vec<u8>, FormatError> {
     read_limited(path, MAX_BYTES_IN_MEMORY)
 }

@@ -1,7 +1,6 @@
 //! The names of the formats and what each can carry.
 //!
-//! One enum which every other module matches on. Never opens a file and never looks at bytes;
-//! that is `detect`.
+//! One enum that all other modules match on. Recognising a file's format is in `detect`.
 
 use std::fmt;
 use std::path::Path;
@@ -132,8 +131,8 @@ impl Format {
         )
     }
 
-    /// What is written when `wished` is asked for: text is always f64 (shortest round-trip decimals),
-    /// psa's `.rps` always f32, the other binary formats as wished.
+    /// The number type that is written when `wished` is wanted: text is always f64 (shortest round-trip decimals),
+    /// psa's `.rps` always f32, other binary formats as wanted.
     #[must_use]
     pub fn precision(self, wished: Precision) -> Precision {
         match self {
@@ -162,7 +161,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// A name that no format has.
+/// A name that is not a format's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "no file format is called \"{0}\"; the names are csv, psa-text, psa-rps, utk-text, utk-binary, npy, ply-ascii, ply-binary, xyz, json and svg"

@@ -1,9 +1,9 @@
 //! Point-set files of the field, certificates and validated export.
 //!
-//! The room for everything that turns positions into bytes and back: eleven file formats, detection of
-//! which one a file is, the certificate that travels beside a file, and the re-verification of both.
-//! Invariant: never depends on `tilescope-core` (it cannot know how a set was made), never panics
-//! on any bytes, and never hides a rounding: a certificate states what the *written* file holds.
+//! Everything that turns positions into bytes and back: eleven file formats, detection of a file's format, the
+//! certificate beside a file, and the re-verification of both. Invariants: this crate does not depend on
+//! `tilescope-core` (it cannot know how a set was made), no bytes make it panic, and roundings are reported: a
+//! certificate states what the *written* file holds.
 //!
 //! ```
 //! use tilescope_formats::{Format, Hint, PointSet, Target, decode, encode};
@@ -39,13 +39,15 @@ mod text;
 pub use certificate::{
     CERTIFICATE_FORMAT_VERSION, CERTIFICATE_SUFFIX, Certificate, MAX_CERTIFICATE_BYTES, Rounding,
 };
-pub use check::{Check, CheckError, Difference, MEASURE_TOLERANCE, Overrides, check_bytes};
+pub use check::{
+    CertificateDifference, Check, CheckError, MEASURE_TOLERANCE, Overrides, check_bytes,
+};
 pub use codecs::{Decoded, Hint, Target, decode, encode};
 #[cfg(not(target_arch = "wasm32"))]
 pub use destination::destination;
 pub use detect::{Detection, Evidence, detect};
 pub use digest::{bytes_digest, positions_digest};
-pub use error::{FormatError, Place};
+pub use error::{FilePlace, FormatError};
 pub use export::{ExportContext, ExportError, ExportedBytes, Warning, export_bytes};
 #[cfg(not(target_arch = "wasm32"))]
 pub use files::{

@@ -1,7 +1,7 @@
 //! From domain positions to file coordinates and back.
 //!
-//! The one place which knows that psa and UTK files are of the unit torus and that f32 rounds.
-//! Never changes a position silently: the exporter measures the shift and the certificate states it.
+//! The only place that handles the unit torus of psa and UTK files and the rounding to f32. Never changes a position
+//! silently: the exporter measures the shift and the certificate states it.
 
 use tilescope_analysis::{Boundary, Region};
 
@@ -58,7 +58,7 @@ impl Mapping {
     #[must_use]
     pub fn file_from_domain(&self, point: [f64; 2]) -> [f64; 2] {
         if self.scale.to_bits() == 1.0_f64.to_bits() && self.precision == Precision::Double {
-            // What follows would give just that, with eight divisions.
+            // A shortcut: the computation below gives the same, with eight divisions.
             return point;
         }
         let stored = point.map(|value| self.round(value / self.scale));
@@ -123,7 +123,7 @@ impl Mapping {
         }
     }
 
-    /// Periods of both axes; infinite where nothing wraps.
+    /// Periods of both axes; infinite in a bounded region.
     fn extents(&self) -> [f64; 2] {
         match self.region {
             Some(region) if region.boundary == Boundary::Periodic => [region.width, region.height],

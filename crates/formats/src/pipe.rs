@@ -9,20 +9,20 @@ use std::sync::{Mutex, PoisonError};
 /// The most bytes of a pipe, 2^30: they are kept in memory.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// What pipes gave, by their names.
+/// The bytes read from pipes, by path.
 static GIVEN: Mutex<BTreeMap<PathBuf, &'static [u8]>> = Mutex::new(BTreeMap::new());
 
 /// An open input.
 #[derive(Debug)]
 pub(crate) enum Input {
-    /// A file, which gives the same whenever it is opened.
+    /// A file, which can be opened again.
     File(File),
-    /// What is left of the bytes of anything else.
+    /// The rest of the bytes of anything else.
     Pipe(&'static [u8]),
 }
 
 impl Input {
-    /// Opens a file, or reads whatever else `path` names to its end the first time that it is opened.
+    /// Opens a file. Anything else that `path` names is read to its end when it is first opened.
     pub fn open(path: &Path) -> io::Result<Self> {
         if fs::metadata(path)?.is_file() {
             return File::open(path).map(Self::File);
@@ -95,7 +95,7 @@ mod tests {
             read()
         });
         assert_eq!(first.1, b"0.1,0.2\n");
-        // Nobody writes any more.
+        // The writer has ended.
         assert_eq!(read().1, first.1);
     }
 }

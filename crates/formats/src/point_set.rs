@@ -1,7 +1,6 @@
-//! Positions with, optionally, where each came from.
+//! Positions with, optionally, their provenance.
 //!
-//! Plain data shared by every codec. Never checks geometry: conflict and maximality are
-//! `tilescope_analysis::verify`'s business.
+//! Plain data shared by every codec. Conflicts and gaps are checked by `tilescope_analysis::verify`, not here.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +11,7 @@ pub struct Provenance {
     pub block: u32,
     /// Index of the sample in the tiled pattern, or [`Provenance::NO_BLOCK`] for an inserted one.
     pub pattern_index: u32,
-    /// Iteration which inserted the sample; 0 for a sample of the tiling.
+    /// Iteration that inserted the sample; 0 for a sample of the tiling.
     pub iteration: u32,
 }
 
@@ -41,7 +40,7 @@ impl Provenance {
     }
 }
 
-/// Positions, in the order of the file or of the run, and their provenance where it is known.
+/// Positions, in the order of the file or of the run, and their provenance if it is known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointSet {
     /// Positions `[x, y]`. Domain units unless the function returning the set says otherwise.

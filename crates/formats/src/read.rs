@@ -1,5 +1,4 @@
-//! A point set out of bytes and the certificate that came with them: what a file holds, in memory. Opens no file
-//! and verifies nothing.
+//! Reads a point set from the bytes of a file and of its certificate. Opens no file and verifies nothing.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -41,7 +40,7 @@ pub fn certificate_path(path: &Path) -> PathBuf {
     name.into()
 }
 
-/// The point set that the bytes of a file hold; `certificate` is the name and the bytes of the certificate that lay beside it.
+/// The point set in the bytes of a file. `certificate` has the name and the bytes of the certificate beside it.
 ///
 /// # Errors
 ///

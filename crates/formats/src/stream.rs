@@ -1,8 +1,7 @@
-//! Sets too large for memory: validated export while the points pass by, reading and checking in pieces.
+//! Sets too large for memory: validated export point by point, and reading and checking in pieces.
 //!
-//! The same bytes, certificates and verdicts as for whole sets, for the formats that
-//! [stream](crate::Format::streams). Never holds more of a set than a band of rows, and never lets an unfinished file
-//! bear the final name.
+//! The same bytes, certificates and verdicts as for whole sets, for the formats that [stream](crate::Format::streams).
+//! Only a band of rows is in memory at a time, and a file gets its final name only when it is complete.
 
 mod check;
 mod export;
@@ -30,7 +29,7 @@ pub fn partial_path(path: &Path) -> PathBuf {
     with_suffix(path, ".partial")
 }
 
-/// The name of the checkpoint from which the export of `path` can go on.
+/// The name of the checkpoint from which the export of `path` can be resumed.
 #[must_use]
 pub fn resume_path(path: &Path) -> PathBuf {
     with_suffix(path, ".resume.json")

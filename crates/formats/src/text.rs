@@ -1,11 +1,11 @@
 //! Lines, fields and numbers of text formats, without allocating per line.
 //!
-//! Works on byte slices so that a stray non-UTF-8 byte is a typed error at its line. Never decides what a
-//! line means: that is each codec's business.
+//! Works on byte slices so that a stray non-UTF-8 byte is a typed error at its line. The meaning of a line is up to
+//! each codec.
 
 use std::io::Write;
 
-use crate::error::{FormatError, Place, quote};
+use crate::error::{FilePlace, FormatError, quote};
 use crate::format::Format;
 
 /// Bytes without a UTF-8 byte-order mark, which Windows editors put before text.
@@ -21,7 +21,7 @@ pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
         .map(|(line, number)| (number, line.trim_ascii()))
 }
 
-/// Lines which are neither blank nor a `#` comment.
+/// Lines that are neither blank nor a `#` comment.
 pub(crate) fn data_lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     lines(bytes).filter(|(_, line)| !line.is_empty() && line[0] != b'#')
 }
@@ -34,9 +34,9 @@ pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// The finite number that `token` spells.
 ///
-/// Rust's own grammar (correctly rounded, so shortest decimals return their f64 to the bit) without its
-/// `inf` and `nan`, which come out as [`FormatError::NotFinite`].
-pub(crate) fn number(token: &[u8], format: Format, place: Place) -> Result<f64, FormatError> {
+/// Rust's own grammar (correctly rounded, so shortest decimals return their f64 to the bit). `inf` and `nan` are
+/// [`FormatError::NotFinite`].
+pub(crate) fn number(token: &[u8], format: Format, place: FilePlace) -> Result<f64, FormatError> {
     let parsed = std::str::from_utf8(token)
         .ok()
         .and_then(|text| text.parse::<f64>().ok());
@@ -62,7 +62,7 @@ pub(crate) fn numbers<'a, const N: usize>(
     line: u64,
     exact: bool,
 ) -> Result<[f64; N], FormatError> {
-    let place = Place::Line(line);
+    let place = FilePlace::Line(line);
     let mut values = [0.0; N];
     for (found, value) in values.iter_mut().enumerate() {
         let columns = FormatError::Columns {
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn numbers_refuse_what_is_not_a_finite_number() {
-        let parse = |token| number(token, Format::Xyz, Place::Line(2));
+        let parse = |token| number(token, Format::Xyz, FilePlace::Line(2));
         assert_eq!(parse(b"0.5").ok(), Some(0.5));
         for token in [&b"nan"[..], b"inf", b"1e999"] {
             assert!(matches!(parse(token), Err(FormatError::NotFinite { .. })));

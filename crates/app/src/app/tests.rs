@@ -3,7 +3,7 @@
 
 use egui::accesskit::{Node, NodeId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect};
-use tilescope_debugger::{Kind, Target};
+use tilescope_debugger::{EventKind, Target};
 use tilescope_session::sentence::happened;
 
 use super::*;
@@ -152,7 +152,7 @@ fn keys_of_one_frame_count_one_after_the_other() {
         .recording()
         .unwrap();
     let eliminations = recording.tape().from(0).take(window.cursor());
-    let count = eliminations.filter(|(_, event)| event.kind() == Kind::Eliminate);
+    let count = eliminations.filter(|(_, event)| event.kind() == EventKind::Eliminate);
     assert_eq!(count.count(), 2);
     // What opens the list of actions and what closes it.
     window.frame(vec![

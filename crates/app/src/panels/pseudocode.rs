@@ -6,7 +6,9 @@ use egui::{
     StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use tilescope_core::{Insertion, Variant};
-use tilescope_debugger::{Debugger, Direction, Event, Line, LineId, Listing, Listings, Target};
+use tilescope_debugger::{
+    Debugger, Direction, Event, LineId, Listing, ListingLine, Listings, Target,
+};
 use tilescope_drawing::palette::Palette;
 use tilescope_ui::focus;
 use tilescope_ui::theme::{FINGER, is_for_fingers, row_height, semibold};
@@ -106,7 +108,7 @@ fn show_line(
     ui: &mut Ui,
     context: &PanelContext<'_>,
     debugger: &Debugger,
-    (id, line): (LineId, &Line),
+    (id, line): (LineId, &ListingLine),
     (now, moved): (Now, bool),
     commands: &mut Vec<Command>,
 ) {
@@ -203,7 +205,7 @@ fn show_line(
 fn breakpoint(
     ui: &mut Ui,
     debugger: &Debugger,
-    (id, line): (LineId, &Line),
+    (id, line): (LineId, &ListingLine),
     gutter: egui::Rect,
     palette: &Palette,
     commands: &mut Vec<Command>,
@@ -252,7 +254,7 @@ fn breakpoint(
     }
 }
 
-fn explanation(line: &Line) -> String {
+fn explanation(line: &ListingLine) -> String {
     match &line.erratum {
         Some(erratum) => format!("{}\n\nThe print: {erratum}", line.explanation),
         None => line.explanation.clone(),

@@ -9,7 +9,7 @@ use egui_kittest::{Harness, Node};
 use std::sync::Arc;
 
 use tilescope_app::App;
-use tilescope_debugger::{Debugger, Kind};
+use tilescope_debugger::{Debugger, EventKind};
 use tilescope_session::Session;
 
 /// So many frames may pass until the window rests: work in the background asks for one whenever it gets on, however
@@ -101,7 +101,7 @@ pub fn cursor(harness: &Harness<'_, App>) -> usize {
 }
 
 /// Returns what happened last.
-pub fn last_kind(harness: &Harness<'_, App>) -> Option<Kind> {
+pub fn last_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
     let last = cursor(harness).checked_sub(1)?;
     let debugger = harness
         .state()
@@ -116,7 +116,7 @@ pub fn last_kind(harness: &Harness<'_, App>) -> Option<Kind> {
 }
 
 /// Returns what happens next.
-pub fn next_kind(harness: &Harness<'_, App>) -> Option<Kind> {
+pub fn next_kind(harness: &Harness<'_, App>) -> Option<EventKind> {
     let debugger = harness.state().state.runs.first.debugger.as_ref();
     debugger
         .expect("events")

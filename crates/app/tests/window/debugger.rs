@@ -5,7 +5,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use tilescope_app::App;
 use tilescope_core::Stage;
-use tilescope_debugger::{Kind, Listings};
+use tilescope_debugger::{EventKind, Listings};
 use tilescope_session::layers::Layer;
 use tilescope_session::look::Look;
 use tilescope_session::selection::Selection;
@@ -50,7 +50,7 @@ fn a_conditional_breakpoint_stops_where_it_holds() {
     node(&harness, "eliminate.5.condition").type_text("distance < 0.2");
     harness.run();
     press(&mut harness, Modifiers::NONE, Key::F5);
-    assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
+    assert_eq!(next_kind(&harness), Some(EventKind::Eliminate));
     let distance: f64 = debugger(&harness)
         .evaluate("distance")
         .unwrap()
@@ -75,7 +75,7 @@ fn time_goes_both_ways_by_keys_alone() {
     let mut harness = opened();
     let end = cursor(&harness);
     press(&mut harness, Modifiers::SHIFT, Key::E);
-    assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
+    assert_eq!(last_kind(&harness), Some(EventKind::Eliminate));
     let at = cursor(&harness);
     press(&mut harness, Modifiers::NONE, Key::F11);
     assert_eq!(cursor(&harness), at + 1);
@@ -88,9 +88,9 @@ fn time_goes_both_ways_by_keys_alone() {
     press(&mut harness, Modifiers::NONE, Key::F10);
     assert_eq!(cursor(&harness), out);
     for (key, kind) in [
-        (Key::G, Kind::Candidate),
-        (Key::I, Kind::Insert),
-        (Key::S, Kind::Insert),
+        (Key::G, EventKind::Candidate),
+        (Key::I, EventKind::Insert),
+        (Key::S, EventKind::Insert),
     ] {
         press(&mut harness, Modifiers::NONE, key);
         assert_eq!(last_kind(&harness), Some(kind));
@@ -121,7 +121,7 @@ fn a_press_counts_with_the_modifiers_of_its_moment() {
     }
     harness.run();
     assert!(cursor(&harness) < end);
-    assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
+    assert_eq!(last_kind(&harness), Some(EventKind::Eliminate));
 }
 
 #[test]

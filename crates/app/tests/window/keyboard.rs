@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, ViewportCommand, ViewportId};
-use tilescope_debugger::Kind;
+use tilescope_debugger::EventKind;
 
 use crate::support;
 use egui_kittest::Harness;
@@ -69,9 +69,9 @@ fn a_session_needs_no_mouse() {
     // A breakpoint where samples die, with a condition.
     act(&mut harness, "go-time-first-stage");
     act(&mut harness, "go-time-run-to-elimination-forwards");
-    assert_eq!(last_kind(&harness), Some(Kind::Eliminate));
+    assert_eq!(last_kind(&harness), Some(EventKind::Eliminate));
     act(&mut harness, "go-time-step-into-backwards");
-    assert_eq!(next_kind(&harness), Some(Kind::Eliminate));
+    assert_eq!(next_kind(&harness), Some(EventKind::Eliminate));
     act(&mut harness, "debug-debug-toggle-breakpoint");
     act(&mut harness, "view-window-open-panel-bookmarks");
     tab_to(&mut harness, "eliminate.5.condition");

@@ -1,5 +1,5 @@
-//! The first stage at which two runs differ, from what runs keep: blocks, samples with their fates, detectors,
-//! candidates and the result. It needs no events.
+//! The first stage at which two runs differ, by the data of the runs: blocks, samples with their fates, detectors,
+//! candidates and the result. Needs no events.
 
 use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::{Fate, Origin, Point, Run, Stage, Variant};
@@ -9,9 +9,8 @@ use crate::sentence::{count, sample_name};
 
 /// Returns the first stage at which two runs differ.
 ///
-/// Of runs that keep nothing but their result only pattern, blocks and result are compared. Lists that an
-/// engine keeps in no iteration (detectors, candidates, cells) are not compared, nor are sites that it did not
-/// record.
+/// If a run keeps only its result, only pattern, blocks and result are compared. Lists that an engine never fills
+/// (detectors, candidates, cells) and sites that it did not record are not compared.
 #[must_use]
 pub fn first_divergence_of_runs(a: &Run, b: &Run) -> Divergence {
     if let Some(different) = domains(&a.domain, &b.domain) {
@@ -29,7 +28,7 @@ struct Pair<'a> {
     b: &'a Run,
 }
 
-/// What sorted lists of two runs are compared by: a row, a column and a number more.
+/// The sort key of lists that are compared: row, column and one more number.
 type Key = (i32, i32, u32);
 
 fn keyed(place: Point, number: u32) -> Key {
@@ -37,7 +36,7 @@ fn keyed(place: Point, number: u32) -> Key {
     (row, column, number)
 }
 
-/// A place's coordinates: the difference may be a single unit.
+/// Writes a place in units, since places may differ by a single unit.
 fn units(place: Point) -> String {
     format!("({}, {}) units", place.x, place.y)
 }
@@ -57,7 +56,7 @@ fn first_alone(a: &[Key], b: &[Key]) -> Option<(Key, bool)> {
     }
 }
 
-/// Returns the difference of two sorted lists of things of one sort.
+/// Returns the first difference of two sorted lists.
 fn lists(stage: Stage, noun: &str, a: &[Key], b: &[Key]) -> Option<Divergence> {
     let ((y, x, _), of_a) = first_alone(a, b)?;
     let place = Point::new(x, y);
@@ -110,7 +109,7 @@ impl Pair<'_> {
         let keys = |tiled: &[(Key, u32)]| tiled.iter().map(|&(key, _)| key).collect::<Vec<_>>();
         let found = self.tiles();
         let found = found.or_else(|| lists(Stage::Tile, "tiled sample", &keys(&a), &keys(&b)));
-        // From here on every tiled sample has its like at the same place of the list.
+        // From here on the lists have the same places at the same indices.
         let found = found.or_else(|| self.fates(Stage::Tile, &a, &b));
         let found = found.or_else(|| self.fates(Stage::Eliminate, &a, &b));
         let last = self.a.iterations.len().max(self.b.iterations.len());
@@ -136,7 +135,7 @@ impl Pair<'_> {
         Some(differ(Stage::Tile, Some(block.rect.min), text(x), text(y)))
     }
 
-    /// Compares which samples were dropped, or what elimination made of all.
+    /// Compares which samples were dropped, or all fates after elimination.
     fn fates(&self, stage: Stage, a: &[(Key, u32)], b: &[(Key, u32)]) -> Option<Divergence> {
         let fate = |run: &Run, id: u32| {
             let fate = run.samples.fates[id as usize];
@@ -185,7 +184,7 @@ impl Pair<'_> {
         found.or_else(|| lists(stage, "inserted sample", &a, &b))
     }
 
-    /// Compares what made the candidates, which have equal places.
+    /// Compares the sites of the candidates, whose places are equal.
     fn sites(&self, stage: Stage, k: usize) -> Option<Divergence> {
         let sorted = |run: &Run| {
             let mut all = run
@@ -240,7 +239,7 @@ fn tiled(run: &Run) -> Vec<(Key, u32)> {
     all
 }
 
-/// Returns the places of ids; an id that no sample has is at none.
+/// Returns the places of ids. Unknown ids are skipped.
 fn places(run: &Run, ids: impl Iterator<Item = u32>) -> Vec<Key> {
     let points = &run.samples.points;
     let found = ids.filter_map(|id| points.get(id as usize));
@@ -270,7 +269,7 @@ fn candidates(run: &Run, k: usize) -> Vec<Key> {
     sorted(candidates.iter().map(|c| keyed(c.point, 0)).collect())
 }
 
-/// Returns where the samples are that made a candidate, or `None` where nobody knows.
+/// Returns the places of the samples that made a candidate, or `None` if they were not recorded.
 fn sites(run: &Run, candidate: &Candidate) -> Option<Vec<Key>> {
     let ids: &[u32] = match &candidate.sites {
         Sites::Three(ids) => ids,

@@ -1,29 +1,39 @@
-//! How events are packed and unpacked: five words, a few bits and nothing lost.
-//! It never looks at the run.
+//! Packs and unpacks events: five words and a few bits, without loss.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Point, RunEvent, Stage, Verdict};
 
 use super::{Event, NONE};
-use crate::kind::Kind;
+use crate::kind::EventKind;
 
-/// Returns what an event was packed from, or `None` for a notice of thinning.
+/// Returns the run event that an event was packed from, or `None` for a notice of thinning.
 pub(super) fn unpack(event: &Event) -> Option<RunEvent> {
     Some(match event.kind {
-        Kind::Begin | Kind::Split | Kind::Leaf | Kind::Clip | Kind::Tiled => event.tiling(),
-        Kind::Take | Kind::Keep | Kind::Test | Kind::Eliminate | Kind::Mark => event.elimination(),
-        Kind::Iteration
-        | Kind::Detect
-        | Kind::Search
-        | Kind::NoGap
-        | Kind::Call
-        | Kind::Pairs
-        | Kind::IterationEnd => event.detection(),
-        Kind::Candidate => event.candidate(),
-        Kind::Rank | Kind::Pass | Kind::Insert | Kind::Dart | Kind::Cut | Kind::Finish => {
-            event.insertion()
-        }
-        Kind::Thinned => return None,
+        EventKind::Begin
+        | EventKind::Split
+        | EventKind::Leaf
+        | EventKind::Clip
+        | EventKind::Tiled => event.tiling(),
+        EventKind::Take
+        | EventKind::Keep
+        | EventKind::Test
+        | EventKind::Eliminate
+        | EventKind::Mark => event.elimination(),
+        EventKind::Iteration
+        | EventKind::Detect
+        | EventKind::Search
+        | EventKind::NoGap
+        | EventKind::Call
+        | EventKind::Pairs
+        | EventKind::IterationEnd => event.detection(),
+        EventKind::Candidate => event.candidate(),
+        EventKind::Rank
+        | EventKind::Pass
+        | EventKind::Insert
+        | EventKind::Dart
+        | EventKind::Cut
+        | EventKind::Finish => event.insertion(),
+        EventKind::Thinned => return None,
     })
 }
 
@@ -35,13 +45,13 @@ impl Event {
     fn tiling(&self) -> RunEvent {
         let [a, b, ..] = self.words;
         match self.kind {
-            Kind::Begin => RunEvent::Begin(stage(self.tags, a)),
-            Kind::Split => RunEvent::Split {
+            EventKind::Begin => RunEvent::Begin(stage(self.tags, a)),
+            EventKind::Split => RunEvent::Split {
                 index: a,
                 turned: self.flag(),
             },
-            Kind::Leaf => RunEvent::Leaf { block: a },
-            Kind::Clip => RunEvent::Clip { block: a },
+            EventKind::Leaf => RunEvent::Leaf { block: a },
+            EventKind::Clip => RunEvent::Clip { block: a },
             _ => RunEvent::Tiled {
                 sample: a,
                 block: b,
@@ -53,20 +63,20 @@ impl Event {
     fn elimination(&self) -> RunEvent {
         let [a, b, ..] = self.words;
         match self.kind {
-            Kind::Take => RunEvent::Take {
+            EventKind::Take => RunEvent::Take {
                 sample: a,
                 valid: self.flag(),
             },
-            Kind::Keep => RunEvent::Keep {
+            EventKind::Keep => RunEvent::Keep {
                 sample: a,
                 rest: self.flag(),
             },
-            Kind::Test => RunEvent::Test {
+            EventKind::Test => RunEvent::Test {
                 pivot: a,
                 other: b,
                 covers: self.flag(),
             },
-            Kind::Eliminate => RunEvent::Eliminate { sample: a, by: b },
+            EventKind::Eliminate => RunEvent::Eliminate { sample: a, by: b },
             _ => RunEvent::Mark {
                 sample: a,
                 because: b,
@@ -77,22 +87,22 @@ impl Event {
     fn detection(&self) -> RunEvent {
         let [a, b, c, ..] = self.words;
         match self.kind {
-            Kind::Iteration => RunEvent::Iteration {
+            EventKind::Iteration => RunEvent::Iteration {
                 number: a,
                 detectors: b,
             },
-            Kind::Detect => RunEvent::Detect { sample: a },
-            Kind::Search => RunEvent::Search {
+            EventKind::Detect => RunEvent::Detect { sample: a },
+            EventKind::Search => RunEvent::Search {
                 centre: a,
                 radius: b as i32,
                 found: c,
             },
-            Kind::NoGap => RunEvent::NoGap { sample: a },
-            Kind::Call => RunEvent::Call {
+            EventKind::NoGap => RunEvent::NoGap { sample: a },
+            EventKind::Call => RunEvent::Call {
                 pivot: a,
                 iteration: b,
             },
-            Kind::Pairs => RunEvent::Pairs {
+            EventKind::Pairs => RunEvent::Pairs {
                 pivot: a,
                 others: b,
             },
@@ -106,21 +116,21 @@ impl Event {
     fn insertion(&self) -> RunEvent {
         let [a, b, c, d, _] = self.words;
         match self.kind {
-            Kind::Rank => RunEvent::Rank { candidates: a },
-            Kind::Pass => RunEvent::Pass {
+            EventKind::Rank => RunEvent::Rank { candidates: a },
+            EventKind::Pass => RunEvent::Pass {
                 point: point(a, b),
                 by: c,
             },
-            Kind::Insert => RunEvent::Insert {
+            EventKind::Insert => RunEvent::Insert {
                 sample: a,
                 iteration: b,
             },
-            Kind::Dart => RunEvent::Dart {
+            EventKind::Dart => RunEvent::Dart {
                 point: point(a, b),
                 ranked: self.is_ranked(),
                 verdict: verdict(self.tags, c),
             },
-            Kind::Cut => RunEvent::Cut {
+            EventKind::Cut => RunEvent::Cut {
                 cell: point(a, b),
                 side: c as i32,
                 kept: d,
@@ -156,7 +166,7 @@ impl Event {
 }
 
 /// Returns an event without a line.
-pub(super) const fn plain(kind: Kind, words: [u32; 5]) -> Event {
+pub(super) const fn plain(kind: EventKind, words: [u32; 5]) -> Event {
     Event {
         kind,
         line: 0,
@@ -166,7 +176,7 @@ pub(super) const fn plain(kind: Kind, words: [u32; 5]) -> Event {
     }
 }
 
-fn flagged(kind: Kind, a: u32, b: u32, flag: bool) -> Event {
+fn flagged(kind: EventKind, a: u32, b: u32, flag: bool) -> Event {
     Event {
         tags: u8::from(flag),
         ..plain(kind, [a, b, 0, 0, 0])
@@ -177,17 +187,17 @@ const fn point(x: u32, y: u32) -> Point {
     Point::new(x as i32, y as i32)
 }
 
-const fn one(kind: Kind, a: u32) -> Event {
+const fn one(kind: EventKind, a: u32) -> Event {
     plain(kind, [a, 0, 0, 0, 0])
 }
 
-const fn two(kind: Kind, a: u32, b: u32) -> Event {
+const fn two(kind: EventKind, a: u32, b: u32) -> Event {
     plain(kind, [a, b, 0, 0, 0])
 }
 
-/// What a part of [`pack`] returns for events that are not its own: never.
+/// A placeholder that the parts of [`pack`] need for events that they are never called with.
 const fn nothing() -> Event {
-    plain(Kind::Candidate, [NONE; 5])
+    plain(EventKind::Candidate, [NONE; 5])
 }
 
 /// Returns the packed event, without its line.
@@ -220,63 +230,65 @@ pub(super) fn pack(run_event: &RunEvent) -> Event {
     }
 }
 
-/// Packs what happens before gaps are looked for.
+/// Packs the events before gap detection.
 fn pack_tiled(run_event: &RunEvent) -> Event {
     match *run_event {
         RunEvent::Begin(stage) => {
             let (tags, k) = stage_tags(stage);
             Event {
                 tags,
-                ..one(Kind::Begin, k)
+                ..one(EventKind::Begin, k)
             }
         }
-        RunEvent::Split { index, turned } => flagged(Kind::Split, index, 0, turned),
-        RunEvent::Leaf { block } => one(Kind::Leaf, block),
-        RunEvent::Clip { block } => one(Kind::Clip, block),
+        RunEvent::Split { index, turned } => flagged(EventKind::Split, index, 0, turned),
+        RunEvent::Leaf { block } => one(EventKind::Leaf, block),
+        RunEvent::Clip { block } => one(EventKind::Clip, block),
         RunEvent::Tiled {
             sample,
             block,
             inside,
-        } => flagged(Kind::Tiled, sample, block, inside),
-        RunEvent::Take { sample, valid } => flagged(Kind::Take, sample, 0, valid),
-        RunEvent::Keep { sample, rest } => flagged(Kind::Keep, sample, 0, rest),
+        } => flagged(EventKind::Tiled, sample, block, inside),
+        RunEvent::Take { sample, valid } => flagged(EventKind::Take, sample, 0, valid),
+        RunEvent::Keep { sample, rest } => flagged(EventKind::Keep, sample, 0, rest),
         RunEvent::Test {
             pivot,
             other,
             covers,
-        } => flagged(Kind::Test, pivot, other, covers),
-        RunEvent::Eliminate { sample, by } => two(Kind::Eliminate, sample, by),
-        RunEvent::Mark { sample, because } => two(Kind::Mark, sample, because),
+        } => flagged(EventKind::Test, pivot, other, covers),
+        RunEvent::Eliminate { sample, by } => two(EventKind::Eliminate, sample, by),
+        RunEvent::Mark { sample, because } => two(EventKind::Mark, sample, because),
         _ => nothing(),
     }
 }
 
-/// Packs what happens while gaps are filled.
+/// Packs the events while gaps are filled.
 fn pack_filling(run_event: &RunEvent) -> Event {
     match *run_event {
-        RunEvent::Iteration { number, detectors } => two(Kind::Iteration, number, detectors),
-        RunEvent::Detect { sample } => one(Kind::Detect, sample),
+        RunEvent::Iteration { number, detectors } => two(EventKind::Iteration, number, detectors),
+        RunEvent::Detect { sample } => one(EventKind::Detect, sample),
         RunEvent::Search {
             centre,
             radius,
             found,
-        } => plain(Kind::Search, [centre, radius as u32, found, 0, 0]),
-        RunEvent::NoGap { sample } => one(Kind::NoGap, sample),
-        RunEvent::Call { pivot, iteration } => two(Kind::Call, pivot, iteration),
-        RunEvent::Pairs { pivot, others } => two(Kind::Pairs, pivot, others),
-        RunEvent::Rank { candidates } => one(Kind::Rank, candidates),
-        RunEvent::Insert { sample, iteration } => two(Kind::Insert, sample, iteration),
-        RunEvent::IterationEnd { number, inserted } => two(Kind::IterationEnd, number, inserted),
-        RunEvent::Finish { count } => one(Kind::Finish, count),
+        } => plain(EventKind::Search, [centre, radius as u32, found, 0, 0]),
+        RunEvent::NoGap { sample } => one(EventKind::NoGap, sample),
+        RunEvent::Call { pivot, iteration } => two(EventKind::Call, pivot, iteration),
+        RunEvent::Pairs { pivot, others } => two(EventKind::Pairs, pivot, others),
+        RunEvent::Rank { candidates } => one(EventKind::Rank, candidates),
+        RunEvent::Insert { sample, iteration } => two(EventKind::Insert, sample, iteration),
+        RunEvent::IterationEnd { number, inserted } => {
+            two(EventKind::IterationEnd, number, inserted)
+        }
+        RunEvent::Finish { count } => one(EventKind::Finish, count),
         _ => nothing(),
     }
 }
 
-/// Packs what happens at a place that is no sample's.
+/// Packs events at a place that is not a sample.
 fn pack_place(run_event: &RunEvent) -> Event {
     match *run_event {
         RunEvent::Pass { point, by } => {
-            plain(Kind::Pass, [point.x as u32, point.y as u32, by, 0, 0])
+            plain(EventKind::Pass, [point.x as u32, point.y as u32, by, 0, 0])
         }
         RunEvent::Dart {
             point,
@@ -288,18 +300,19 @@ fn pack_place(run_event: &RunEvent) -> Event {
             Event {
                 tags,
                 extra: u8::from(ranked),
-                ..plain(Kind::Dart, words)
+                ..plain(EventKind::Dart, words)
             }
         }
         RunEvent::Cut { cell, side, kept } => plain(
-            Kind::Cut,
+            EventKind::Cut,
             [cell.x as u32, cell.y as u32, side as u32, kept, 0],
         ),
         _ => nothing(),
     }
 }
 
-/// Packs an examined place. Offsets that come with another sample's id are within reach, below 2^19 units.
+/// Packs an examined place. Offsets that are packed together with another sample's id are within reach, below 2^19
+/// units.
 fn pack_candidate(run_event: &RunEvent) -> Event {
     let &RunEvent::Candidate {
         detector,
@@ -329,7 +342,7 @@ fn pack_candidate(run_event: &RunEvent) -> Event {
     Event {
         tags: tags | tag << 3 | place << 5,
         extra,
-        ..plain(Kind::Candidate, words)
+        ..plain(EventKind::Candidate, words)
     }
 }
 

@@ -1,18 +1,17 @@
-//! The rows that a list of the tree of events shows: which nodes are expanded, and which event each row holds.
-//! It knows no heights and draws nothing.
+//! The visible rows of the tree of events: which nodes are expanded, and which event is in each row.
 
 use super::Outline;
 
 /// A row of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Row {
+pub struct OutlineRow {
     /// The event.
     pub event: usize,
-    /// How many events hold it.
+    /// How many ancestors it has.
     pub level: usize,
     /// Whether it has children.
     pub has_children: bool,
-    /// Whether its children follow.
+    /// Whether its children are visible.
     pub expanded: bool,
 }
 
@@ -20,7 +19,7 @@ pub struct Row {
 #[derive(Clone, Debug, Default)]
 struct Node {
     children: Vec<u32>,
-    /// The first event behind the last child's descendants.
+    /// The first event after the last child's descendants.
     end: u32,
     open: Vec<Open>,
 }
@@ -29,9 +28,9 @@ struct Node {
 struct Open {
     /// Which child it is.
     place: usize,
-    /// Rows below earlier expanded children.
+    /// Rows inside earlier expanded children.
     before: usize,
-    /// Rows below this one.
+    /// Rows inside this one.
     rows: usize,
     node: Node,
 }
@@ -68,7 +67,7 @@ impl Node {
         self.open.binary_search_by_key(&place, |open| open.place)
     }
 
-    /// Returns which child is the event or holds it.
+    /// Returns the index of the child that is the event or its ancestor.
     fn place_of(&self, event: usize) -> Option<usize> {
         if event >= self.end as usize {
             return None;
@@ -79,7 +78,7 @@ impl Node {
         after.checked_sub(1)
     }
 
-    fn row(&self, k: usize, level: usize) -> Option<Row> {
+    fn row(&self, k: usize, level: usize) -> Option<OutlineRow> {
         // The last expanded child whose own row is at or before the wanted one.
         let after = self
             .open
@@ -97,7 +96,7 @@ impl Node {
                 )
             }
         };
-        Some(Row {
+        Some(OutlineRow {
             event: *self.children.get(place)? as usize,
             level,
             has_children: self.has_children(place),
@@ -117,8 +116,7 @@ impl Node {
         Some(place + before + 1 + below)
     }
 
-    /// Expands or collapses a visible event, or both in turn when `wanted` is `None`; returns whether
-    /// anything changed.
+    /// Expands or collapses a visible event, or toggles it if `wanted` is `None`. Returns whether anything changed.
     fn set(&mut self, outline: &Outline, event: usize, wanted: Option<bool>) -> bool {
         let Some(place) = self.place_of(event) else {
             return false;
@@ -184,26 +182,25 @@ impl OutlineRows {
         self.len() == 0
     }
 
-    /// Returns a row, or `None` behind the last one.
+    /// Returns a row, or `None` past the end.
     #[must_use]
-    pub fn row(&self, k: usize) -> Option<Row> {
+    pub fn row(&self, k: usize) -> Option<OutlineRow> {
         self.root.row(k, 0)
     }
 
-    /// Returns the row of an event, or `None` where a collapsed node hides it.
+    /// Returns the row of an event, or `None` if a collapsed node hides it.
     #[must_use]
     pub fn row_of(&self, event: usize) -> Option<usize> {
         self.root.row_of(event)
     }
 
-    /// Expands a collapsed event, or collapses an expanded one, which forgets what was expanded below it. Returns whether
-    /// anything changed: an event without children or a hidden one stays as it is. `outline` must be the one
-    /// that the rows were made from.
+    /// Expands a collapsed event, or collapses an expanded one with everything in it. Returns whether anything changed:
+    /// events without children and hidden ones do not change. `outline` must be the one that the rows were made from.
     pub fn toggle(&mut self, outline: &Outline, event: usize) -> bool {
         self.root.set(outline, event, None)
     }
 
-    /// Expands all that hides an event, and nothing else.
+    /// Expands all collapsed ancestors of an event.
     pub fn expand_to(&mut self, outline: &Outline, event: usize) {
         let mut parents: Vec<usize> = outline.parents(event).collect();
         while let Some(parent) = parents.pop() {
@@ -223,17 +220,17 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
-    /// The rows, written down one by one.
-    fn naive(outline: &Outline, expanded: &BTreeSet<usize>) -> Vec<Row> {
+    /// A reference implementation: all rows, one by one.
+    fn naive(outline: &Outline, expanded: &BTreeSet<usize>) -> Vec<OutlineRow> {
         fn walk(
             outline: &Outline,
             expanded: &BTreeSet<usize>,
             (event, level): (usize, usize),
-            rows: &mut Vec<Row>,
+            rows: &mut Vec<OutlineRow>,
         ) {
             let open = expanded.contains(&event);
             let has_children = outline.children(event).next().is_some();
-            rows.push(Row {
+            rows.push(OutlineRow {
                 event,
                 level,
                 has_children,

@@ -1,5 +1,4 @@
-//! What the search for gaps, candidates, insertions and darts do, in words.
-//! It reads the recording only.
+//! Sentences about the search for gaps, candidates, insertions and darts.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Origin, Point, RunEvent, Verdict};

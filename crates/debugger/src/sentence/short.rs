@@ -1,5 +1,4 @@
-//! Events as rows of a list: numbers of samples and as few words as say what happens.
-//! It reads the recording only.
+//! Events as rows of a list: numbers of samples and few words.
 
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{RunEvent, Verdict};
@@ -8,8 +7,8 @@ use super::{Words, count, fraction, grouped, place, radii, size};
 use crate::event::NONE;
 use crate::recording::Recording;
 
-/// Returns what the event at `index` does as a row of a list: at most some 60 characters, with numbers of samples
-/// and no names.
+/// Returns a short text of the event at `index` for a row of a list: at most about 60 characters, with numbers of
+/// samples.
 #[must_use]
 pub fn short(recording: &Recording, index: usize) -> String {
     let Some(event) = recording.event(index) else {

@@ -1,5 +1,5 @@
-//! A sealed tape as bytes and back, for threads that share no memory: 24 bytes an event, in one piece. It is no file
-//! format; what is no tape is refused.
+//! Serialises a sealed tape for web workers that share no memory: 24 bytes an event, in one piece. Not a file format;
+//! invalid bytes are refused.
 
 use serde::de::{Deserializer, Error as _, SeqAccess, Visitor};
 use serde::ser::Serializer;
@@ -11,44 +11,44 @@ use crate::event::Event;
 use crate::lines::Lines;
 
 /// Bytes in one piece.
-struct Piece(Vec<u8>);
+struct ByteString(Vec<u8>);
 
-impl Serialize for Piece {
+impl Serialize for ByteString {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(&self.0)
     }
 }
 
-impl<'de> Deserialize<'de> for Piece {
+impl<'de> Deserialize<'de> for ByteString {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Bytes;
         impl<'de> Visitor<'de> for Bytes {
-            type Value = Piece;
+            type Value = ByteString;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 f.write_str("bytes")
             }
 
-            fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Piece, E> {
-                Ok(Piece(bytes.to_vec()))
+            fn visit_bytes<E>(self, bytes: &[u8]) -> Result<ByteString, E> {
+                Ok(ByteString(bytes.to_vec()))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<Piece, A::Error> {
+            fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<ByteString, A::Error> {
                 let mut all = Vec::new();
                 while let Some(byte) = bytes.next_element()? {
                     all.push(byte);
                 }
-                Ok(Piece(all))
+                Ok(ByteString(all))
             }
         }
         deserializer.deserialize_byte_buf(Bytes)
     }
 }
 
-/// What a tape is beside its events.
+/// The serialised parts of a tape.
 #[derive(Serialize, Deserialize)]
 struct Parts {
-    events: Piece,
+    events: ByteString,
     left_out: u64,
     budget: usize,
     lines: Lines,
@@ -73,7 +73,7 @@ pub fn serialize<S: Serializer>(tape: &Tape, serializer: S) -> Result<S::Ok, S::
         events.extend(event.to_bytes());
     }
     let parts = Parts {
-        events: Piece(events),
+        events: ByteString(events),
         left_out: tape.left_out,
         budget: tape.budget,
         lines: tape.lines.clone(),
@@ -117,13 +117,13 @@ pub mod event {
     }
 }
 
-/// What is made with the first question.
+/// Serialises values that are computed on first use.
 pub mod once {
     use std::sync::OnceLock;
 
     use super::{Deserialize, Deserializer, Serialize, Serializer};
 
-    /// Writes what was made.
+    /// Writes the value, if it was computed.
     pub fn serialize<T: Serialize, S: Serializer>(
         made: &OnceLock<T>,
         serializer: S,
@@ -131,7 +131,7 @@ pub mod once {
         made.get().serialize(serializer)
     }
 
-    /// Reads what was made.
+    /// Reads the value, if it was computed.
     pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
         deserializer: D,
     ) -> Result<OnceLock<T>, D::Error> {

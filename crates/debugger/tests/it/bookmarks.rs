@@ -1,4 +1,4 @@
-//! Bookmarks outlive their run: they stand at its own events, in other runs where their anchors are, or nowhere.
+//! Bookmarks outlive their run: in it they are at their events, in other runs at their anchors or nowhere.
 
 use std::sync::Arc;
 
@@ -71,7 +71,7 @@ fn bookmarks_stay_with_their_moments_in_other_runs_and_come_back_exactly() {
             assert_eq!(anchor, mark.anchor);
         }
     }
-    // They are saved with this run, though its events are fewer, and come back with the first.
+    // They are saved with this run, which has fewer events, and are restored in the first one.
     let text = small.session().to_json().unwrap();
     let saved = Session::from_json(&text).unwrap();
     let mut restored = Debugger::restore(&saved, &mut Unobserved).unwrap();

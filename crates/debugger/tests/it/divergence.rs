@@ -1,11 +1,12 @@
-//! Where two runs part, with runs that differ in one known thing.
+//! Finds the divergence of runs that differ in one known thing.
 
 use tilescope_core::{
     Fate, Parameters, PatternSpec, Point, Run, RunEvent, Search, Stage, Unobserved, sample,
     sample_recorded,
 };
 use tilescope_debugger::{
-    DEFAULT_BUDGET, Divergence, Kind, Recording, Tape, first_divergence, first_divergence_of_runs,
+    DEFAULT_BUDGET, Divergence, EventKind, Recording, Tape, first_divergence,
+    first_divergence_of_runs,
 };
 
 use crate::support::{record, variants};
@@ -98,7 +99,7 @@ fn a_flipped_fate_is_found_at_elimination() {
         a.contains("is eliminated by the sample at") && b.ends_with("is kept"),
         "{a} {b}"
     );
-    // Another winner is a difference, too.
+    // An elimination by another sample is a difference, too.
     let Fate::Eliminated { by } = whole.samples.fates[id] else {
         panic!("eliminated");
     };
@@ -111,7 +112,7 @@ fn a_flipped_fate_is_found_at_elimination() {
     flipped.samples.fates[id] = Fate::Eliminated { by: other };
     let divergence = first_divergence_of_runs(&whole, &flipped);
     assert_eq!(stage(&divergence).0, Stage::Eliminate);
-    // And a sample that was dropped is one of tiling.
+    // A sample that was dropped is a difference of tiling.
     flipped.samples.fates[id] = Fate::Dropped;
     assert_eq!(
         stage(&first_divergence_of_runs(&whole, &flipped)).0,
@@ -130,7 +131,7 @@ fn a_missing_candidate_is_found_in_its_iteration() {
     assert!(a.starts_with("candidate at") && b.starts_with("no such candidate"));
     let back = first_divergence_of_runs(&missing, &whole);
     assert_eq!(stage(&back).1, Some(gone.point));
-    // One that other samples made lies at the same place.
+    // A candidate at the same place, made by other samples.
     let mut other = whole.clone();
     let [first, second] = [0, 1].map(|k| whole.iterations[0].candidates[k].sites);
     assert_ne!(first, second);
@@ -261,13 +262,13 @@ fn a_shorter_search_parts_at_the_first_search() {
     );
     let (i, j, sentence_a, sentence_b) = parted(&a, &b);
     assert_eq!(i, j);
-    let is_search = |recording: &Recording| recording.event(i).unwrap().kind() == Kind::Search;
+    let is_search = |recording: &Recording| recording.event(i).unwrap().kind() == EventKind::Search;
     assert!(is_search(&a) && is_search(&b));
     assert!(sentence_a.contains("4.00 r") && sentence_b.contains("2.00 r"));
     let begins = a
         .tape()
         .from(0)
-        .find(|(_, event)| event.kind() == Kind::Iteration);
+        .find(|(_, event)| event.kind() == EventKind::Iteration);
     assert!(begins.unwrap().0 < i);
 }
 

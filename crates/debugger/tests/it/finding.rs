@@ -1,12 +1,12 @@
-//! Indices, the tree of events and counts give what plain scans of the tape give.
+//! Compares indices, the tree of events and counts with plain scans of the tape.
 
 use proptest::prelude::*;
 use tilescope_core::{
     Boundary, Insertion, Parameters, Point, R, RunEvent, Stage, Variant, Verdict,
 };
 use tilescope_debugger::{
-    DEFAULT_BUDGET, Debugger, Density, Direction, Kind, LineId, Listings, Outline, OutlineRows,
-    Recording, Stop, Target, density, moves, phases, why,
+    DEFAULT_BUDGET, Debugger, Density, Direction, EventKind, LineId, Listings, Outline,
+    OutlineRows, Recording, Stop, Target, density, moves, phases, why,
 };
 
 use crate::support::{record, variants};
@@ -32,7 +32,7 @@ fn targets(recording: &Recording, line: u8, sample: u32) -> Vec<Target> {
         Target::Sample(sample % recording.run().samples.len() as u32),
         Target::Sample(u32::MAX - 1),
     ];
-    all.extend(Kind::ALL.iter().map(|&kind| Target::Kind(kind)));
+    all.extend(EventKind::ALL.iter().map(|&kind| Target::Kind(kind)));
     all
 }
 
@@ -79,7 +79,7 @@ proptest! {
     }
 }
 
-/// The counts, written down again from the events.
+/// A reference implementation of the counts.
 fn counted(recording: &Recording, start: usize, end: usize) -> Density {
     let mut counts = Density::default();
     for (_, event) in recording.tape().from(start).take(end - start) {
@@ -151,9 +151,9 @@ fn histories_and_causes_are_those_of_a_scan() {
             assert_eq!(why::history_of_sample(&recording, sample), expected);
         }
         for (index, event) in recording.tape().from(0) {
-            if matches!(event.kind(), Kind::NoGap | Kind::Call) && index % 13 == 0 {
+            if matches!(event.kind(), EventKind::NoGap | EventKind::Call) && index % 13 == 0 {
                 let mut before = recording.tape().before(index);
-                let search = before.find(|(_, event)| event.kind() == Kind::Search);
+                let search = before.find(|(_, event)| event.kind() == EventKind::Search);
                 assert_eq!(
                     why::cause(&recording, index),
                     search.map(|(index, _)| index)

@@ -1,11 +1,11 @@
-//! Every event says what it does, and names its samples.
+//! Checks that every event has a sentence that names its samples.
 
 use std::collections::BTreeSet;
 
 use tilescope_core::{Parameters, R, RunEvent, Search};
 use tilescope_debugger::{
-    DEFAULT_BUDGET, Direction, Kind, Listings, NONE, Recording, Target, grouped, moves, sentence,
-    short,
+    DEFAULT_BUDGET, Direction, EventKind, Listings, NONE, Recording, Target, grouped, moves,
+    sentence, short,
 };
 
 use crate::support::{record, variants};
@@ -46,7 +46,7 @@ fn every_event_of_every_variant_has_a_sentence_that_names_its_samples() {
         ..variants()[2]
     };
     kinds.extend(check(&record(&thinned, 150_000)));
-    let all: BTreeSet<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    let all: BTreeSet<&str> = EventKind::ALL.iter().map(|kind| kind.name()).collect();
     assert_eq!(kinds, all);
 }
 
@@ -120,7 +120,7 @@ fn a_line_says_how_far_the_run_looks() {
             let parameters = Parameters { search, ..variant };
             let recording = record(&parameters, DEFAULT_BUDGET);
             let events = recording.tape().from(0);
-            for (_, event) in events.filter(|(_, event)| event.kind() == Kind::Search) {
+            for (_, event) in events.filter(|(_, event)| event.kind() == EventKind::Search) {
                 let Some(RunEvent::Search { radius, .. }) = event.run_event() else {
                     panic!("a search");
                 };

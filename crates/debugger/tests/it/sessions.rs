@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tilescope_core::{Origin, R, RunEvent, Unobserved};
 use tilescope_debugger::{
-    DEFAULT_BUDGET, Debugger, Direction, Kind, Listings, Query, Recording, Session, SessionError,
-    Status, Step, Stop, Target, moves, why,
+    DEFAULT_BUDGET, Debugger, Direction, EventKind, Listings, Query, Recording, Session,
+    SessionError, Status, Step, Stop, Target, moves, why,
 };
 
 use crate::support::{record, variants};
@@ -18,7 +18,7 @@ fn debugger(variant: usize) -> Debugger {
     Debugger::new(recording, DEFAULT_BUDGET)
 }
 
-fn last_kind(debugger: &Debugger) -> Option<Kind> {
+fn last_kind(debugger: &Debugger) -> Option<EventKind> {
     let last = debugger.state().cursor().checked_sub(1)?;
     debugger
         .recording()
@@ -29,20 +29,20 @@ fn last_kind(debugger: &Debugger) -> Option<Kind> {
 #[test]
 fn steps_respect_the_depth_of_events() {
     let mut debugger = debugger(2);
-    let take = debugger.run_to(Target::Kind(Kind::Eliminate), FORWARDS);
+    let take = debugger.run_to(Target::Kind(EventKind::Eliminate), FORWARDS);
     assert_eq!(take, Stop::Target);
-    assert_eq!(last_kind(&debugger), Some(Kind::Eliminate));
+    assert_eq!(last_kind(&debugger), Some(EventKind::Eliminate));
     debugger.step(Step::Into, BACKWARDS);
     let at = debugger.state().cursor();
     debugger.step(Step::Out, BACKWARDS);
     let search = debugger.event().unwrap();
     assert!(search.depth() < 4, "{search:?}");
     debugger.step(Step::Out, BACKWARDS);
-    assert_eq!(debugger.event().unwrap().kind(), Kind::Take);
+    assert_eq!(debugger.event().unwrap().kind(), EventKind::Take);
     let taken = debugger.state().cursor();
     assert!(taken < at);
     debugger.step(Step::Over, FORWARDS);
-    assert_eq!(debugger.event().unwrap().kind(), Kind::Take);
+    assert_eq!(debugger.event().unwrap().kind(), EventKind::Take);
     assert!(debugger.state().cursor() > at);
     debugger.step(Step::Into, BACKWARDS);
     debugger.step(Step::Into, FORWARDS);
@@ -122,14 +122,14 @@ fn a_run_to_a_line_stops_before_it_as_a_breakpoint_does() {
 #[test]
 fn the_first_event_is_reached_and_both_ends_are_ends() {
     let mut debugger = debugger(0);
-    let begin = Target::Kind(Kind::Begin);
+    let begin = Target::Kind(EventKind::Begin);
     assert_eq!(debugger.run_to(begin, BACKWARDS), Stop::End);
     assert_eq!(debugger.run_to(begin, FORWARDS), Stop::Target);
     assert_eq!(debugger.state().cursor(), 1);
     assert_eq!(debugger.run_to(begin, BACKWARDS), Stop::End);
     debugger.jump(usize::MAX);
     let end = debugger.state().cursor();
-    let finish = Target::Kind(Kind::Finish);
+    let finish = Target::Kind(EventKind::Finish);
     assert_eq!(debugger.run_to(finish, FORWARDS), Stop::End);
     debugger.jump(end - 1);
     assert_eq!(debugger.run_to(finish, FORWARDS), Stop::Target);
@@ -188,7 +188,7 @@ fn every_change_has_a_chain_of_causes_up_to_a_split() {
         for (index, event) in recording.tape().from(0) {
             if matches!(
                 event.kind(),
-                Kind::Eliminate | Kind::Insert | Kind::Keep | Kind::Tiled
+                EventKind::Eliminate | EventKind::Insert | EventKind::Keep | EventKind::Tiled
             ) && index % 7 == 0
             {
                 let causes = why::causes(&recording, index);
@@ -196,10 +196,12 @@ fn every_change_has_a_chain_of_causes_up_to_a_split() {
                 let first = recording.event(*causes.last().unwrap()).unwrap();
                 let expected = match event.kind() {
                     // A dart is thrown whatever there was: its chain ends at the iteration.
-                    Kind::Insert if parameters.insertion == tilescope_core::Insertion::Uniform => {
-                        Kind::Iteration
+                    EventKind::Insert
+                        if parameters.insertion == tilescope_core::Insertion::Uniform =>
+                    {
+                        EventKind::Iteration
                     }
-                    _ => Kind::Split,
+                    _ => EventKind::Split,
                 };
                 assert_eq!(first.kind(), expected, "{event:?} {causes:?}");
                 checked += 1;
@@ -225,7 +227,7 @@ fn an_eliminated_samples_history_tells_its_life() {
     assert_eq!(recording.status(sample, lost + 1), Status::Eliminated);
     let place = why::history_of_place(&recording, recording.point(sample).unwrap());
     assert!(place.contains(&lost) && place.contains(&(recording.life(by).unwrap().kept as usize)));
-    assert_eq!(recording.event(place[0]).unwrap().kind(), Kind::Split);
+    assert_eq!(recording.event(place[0]).unwrap().kind(), EventKind::Split);
 }
 
 #[test]

@@ -1,9 +1,11 @@
-//! Forwards, then backwards, is where one was; and the end is the engine's.
+//! Stepping forwards and then backwards restores the state, and the state at the end is the engine's.
 
 use proptest::prelude::*;
 use tilescope_core::stages::detect::Sites;
 use tilescope_core::{Fate, Parameters, Point, RunEvent, Stage, Unobserved, Verdict, sample};
-use tilescope_debugger::{DEFAULT_BUDGET, Event, Kind, Lines, Listings, Recording, State, Status};
+use tilescope_debugger::{
+    DEFAULT_BUDGET, Event, EventKind, Lines, Listings, Recording, State, Status,
+};
 
 use crate::support::{record, variants};
 
@@ -74,7 +76,7 @@ fn a_test_buffer_holds_as_many_samples_as_the_engine_found() {
         let recording = record(&parameters, DEFAULT_BUDGET);
         let mut searches = 0;
         for (index, event) in recording.tape().from(0) {
-            if event.kind() == Kind::Search && searches < 400 {
+            if event.kind() == EventKind::Search && searches < 400 {
                 let search = recording.context(index + 1).search.unwrap();
                 assert_eq!(recording.test_buffer(&search).len(), search.found as usize);
                 searches += 1;
@@ -124,7 +126,7 @@ fn beyond_the_budget_only_tests_are_left_out_and_a_notice_says_so() {
     assert_eq!(changes(&whole), changes(&thin));
     let (a, b) = (State::at(&whole, whole.len()), State::at(&thin, thin.len()));
     assert_eq!(a.statuses(), b.statuses());
-    // Indices are places after thinning, too, in both directions.
+    // Iteration in both directions agrees with indices after thinning, too.
     let forwards: Vec<usize> = thin
         .tape()
         .from(65_530)

@@ -1,4 +1,4 @@
-//! Every statement of a certificate, true and falsified.
+//! Checks every statement of a certificate, true and falsified.
 
 use super::*;
 use crate::export::{ExportContext, ExportedBytes, export_bytes};
@@ -94,7 +94,7 @@ fn each_falsified_statement_is_named() {
     assert!(parameter("boundary", "periodic".into()).is_empty());
 }
 
-/// A hole that a certificate calls none, with a tolerance of its own.
+/// A gap that a certificate hides by stating a large tolerance.
 #[test]
 fn the_tolerance_is_not_the_certificates() {
     let file = exported("set.csv");

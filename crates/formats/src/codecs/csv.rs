@@ -4,7 +4,7 @@
 //! skipped. Never guesses at a decimal comma: a row with more fields than the first line is refused.
 
 use super::Raw;
-use crate::error::{FormatError, Place};
+use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::text::{data_lines, number, push_line};
 
@@ -13,26 +13,26 @@ const FORMAT: Format = Format::Csv;
 pub(super) const HEAD: &[u8] = b"x,y\n";
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
-    let (mut table, mut points) = (Table::default(), Vec::new());
+    let (mut table, mut points) = (CsvTable::default(), Vec::new());
     for (line, row) in data_lines(bytes) {
         table.take(row, line, &mut points)?;
     }
     Ok(Raw::new(points, Precision::Double))
 }
 
-/// What the first line says of the others.
+/// The columns found in the first line.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Table(Option<Columns>);
+pub(super) struct CsvTable(Option<CsvColumns>);
 
 #[derive(Clone, Copy, Debug)]
-struct Columns {
+struct CsvColumns {
     /// Which columns are x and y.
     places: [usize; 2],
     count: usize,
 }
 
-impl Table {
-    /// Takes a line that is neither blank nor a comment: a header, if it is the first, or a point.
+impl CsvTable {
+    /// Reads a line that is neither blank nor a comment: a header, if it is the first, or a point.
     pub(super) fn take(
         &mut self,
         row: &[u8],
@@ -44,7 +44,7 @@ impl Table {
             return Ok(());
         }
         let header = is_header(row);
-        let columns = Columns {
+        let columns = CsvColumns {
             places: if header {
                 named_columns(row, line)?
             } else {
@@ -60,7 +60,7 @@ impl Table {
     }
 }
 
-/// The fields of a line; a comma between quotation marks separates none.
+/// The fields of a line. A comma between quotation marks does not separate fields.
 fn fields(row: &[u8]) -> impl Iterator<Item = &[u8]> {
     let mut quoted = false;
     row.split(move |&b| {
@@ -89,15 +89,15 @@ fn named_columns(header: &[u8], line: u64) -> Result<[usize; 2], FormatError> {
             .position(|field| field_name(field).eq_ignore_ascii_case(name))
             .ok_or_else(|| FormatError::Header {
                 format: FORMAT,
-                place: Place::Line(line),
+                place: FilePlace::Line(line),
                 reason: format!("no column is named {}", String::from_utf8_lossy(name)),
             })
     };
     Ok([find(b"x")?, find(b"y")?])
 }
 
-fn point(row: &[u8], line: u64, columns: Columns) -> Result<[f64; 2], FormatError> {
-    let place = Place::Line(line);
+fn point(row: &[u8], line: u64, columns: CsvColumns) -> Result<[f64; 2], FormatError> {
+    let place = FilePlace::Line(line);
     let wrong = |expected| FormatError::Columns {
         format: FORMAT,
         place,

@@ -1,12 +1,13 @@
 //! numpy's array file, shape (N, 2).
 //!
-//! Reads header versions 1 to 3, f4 and f8 of either byte order, C and Fortran order; writes version 1.0, little-endian,
-//! C order. Never evaluates the header: it is matched as the literal that numpy's format specification prescribes.
+//! Reads header versions 1 to 3, f4 and f8 of either byte order, C and Fortran order; writes version 1.0,
+//! little-endian, C order. The header, a Python literal, is matched as numpy's format specification prescribes and
+//! never evaluated.
 
 use super::Raw;
 use crate::binary::{self, Cursor, Endian, coordinate};
 use crate::detect::NPY_MAGIC;
-use crate::error::{FormatError, Place, quote};
+use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
 use crate::text::push;
 
@@ -14,8 +15,8 @@ const FORMAT: Format = Format::Npy;
 /// numpy pads so that data begin at a multiple of this.
 const ALIGNMENT: usize = 64;
 
-/// What the header's dictionary says.
-pub(super) struct Header {
+/// The content of the header's dictionary.
+pub(super) struct NpyHeader {
     pub precision: Precision,
     pub endian: Endian,
     /// Whether all x come first, then all y.
@@ -38,7 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
 }
 
 /// The header of a file that begins with `bytes`, and where its data begin.
-pub(super) fn read_head(bytes: &[u8]) -> Result<(Header, u64), FormatError> {
+pub(super) fn read_head(bytes: &[u8]) -> Result<(NpyHeader, u64), FormatError> {
     if !bytes.starts_with(NPY_MAGIC) {
         return Err(FormatError::Magic {
             format: FORMAT,
@@ -58,13 +59,13 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<(Header, u64), FormatError> {
             });
         }
     };
-    let at = Place::Offset(cursor.offset());
+    let at = FilePlace::Offset(cursor.offset());
     let header = header(cursor.take(length)?, at)?;
     Ok((header, cursor.offset()))
 }
 
 /// Points of data that hold all x, then all y.
-fn columns(data: &[u8], header: &Header) -> Result<Vec<[f64; 2]>, FormatError> {
+fn columns(data: &[u8], header: &NpyHeader) -> Result<Vec<[f64; 2]>, FormatError> {
     let size = header.precision.bytes();
     let (xs, ys) = data.split_at(data.len() / 2);
     let read = |at: &[u8], index| {
@@ -78,7 +79,7 @@ fn columns(data: &[u8], header: &Header) -> Result<Vec<[f64; 2]>, FormatError> {
         .collect()
 }
 
-fn header(text: &[u8], place: Place) -> Result<Header, FormatError> {
+fn header(text: &[u8], place: FilePlace) -> Result<NpyHeader, FormatError> {
     let fault = |reason: String| FormatError::Header {
         format: FORMAT,
         place,
@@ -102,7 +103,7 @@ fn header(text: &[u8], place: Place) -> Result<Header, FormatError> {
         .and_then(|rest| rest.split_once(')'))
         .ok_or_else(|| fault(format!("shape is {}", quote(shape.as_bytes()))))?
         .0;
-    Ok(Header {
+    Ok(NpyHeader {
         precision,
         endian,
         fortran,

@@ -4,10 +4,10 @@
 //! Never flattens: a vertex with z other than 0 is refused.
 
 use super::Raw;
-use super::ply_header::{Element, Encoding, Header, Scalar, parse};
+use super::ply_header::{Element, Encoding, PlyHeader, Scalar, parse};
 use super::xyz::planar;
 use crate::binary::{self, Cursor, Endian};
-use crate::error::{FormatError, Place};
+use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::point_set::{PointSet, Provenance};
 use crate::text::{lines, number, push, words};
@@ -15,24 +15,24 @@ use crate::text::{lines, number, push, words};
 /// Names of the provenance properties, of type uint.
 const PROVENANCE: [&str; 3] = ["block", "pattern_index", "iteration"];
 
-/// Which columns of the vertex table are what.
+/// The columns of the vertex table.
 #[derive(Clone, Copy, Debug)]
-struct Columns {
+struct PlyColumns {
     position: [usize; 2],
     z: Option<usize>,
     provenance: Option<[usize; 3]>,
 }
 
-impl Columns {
+impl PlyColumns {
     fn find(vertex: &Element, format: Format, line: u64) -> Result<Self, FormatError> {
         let axis = |name: &str| {
             vertex.column(name).ok_or_else(|| FormatError::Header {
                 format,
-                place: Place::Line(line),
+                place: FilePlace::Line(line),
                 reason: format!("vertices have no scalar property {name}"),
             })
         };
-        // Only our own type counts: another program's "block" may be anything.
+        // Only the type that this program writes counts: another program's "block" may be anything.
         let own = |name| {
             let column = vertex.column(name)?;
             (vertex.properties[column].scalar == Scalar::U32).then_some(column)
@@ -48,12 +48,12 @@ impl Columns {
         })
     }
 
-    /// Takes a row whose columns `value` gives.
+    /// Reads a row, whose columns `value` returns.
     fn take(
         &self,
         set: &mut PointSet,
         format: Format,
-        place: Place,
+        place: FilePlace,
         value: impl Fn(usize) -> Result<f64, FormatError>,
     ) -> Result<(), FormatError> {
         let point = [value(self.position[0])?, value(self.position[1])?];
@@ -71,7 +71,7 @@ impl Columns {
         Ok(())
     }
 
-    /// That of positions in a binary file.
+    /// The precision of positions in a binary file.
     fn precision(&self, vertex: &Element) -> Precision {
         let [x, y] = self.position.map(|c| vertex.properties[c].scalar);
         if x.bytes() <= 4 && y.bytes() <= 4 {
@@ -91,7 +91,7 @@ impl Columns {
 
 pub(super) fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
     let header = parse(bytes, format)?;
-    let columns = Columns::find(&header.vertex, format, header.data_line - 1)?;
+    let columns = PlyColumns::find(&header.vertex, format, header.data_line - 1)?;
     let (set, precision) = match header.encoding {
         Encoding::Ascii => (read_ascii(bytes, &header, &columns)?, Precision::Double),
         Encoding::Binary(endian) => {
@@ -104,7 +104,11 @@ pub(super) fn read(bytes: &[u8], format: Format) -> Result<Raw, FormatError> {
     Ok(raw)
 }
 
-fn read_ascii(bytes: &[u8], header: &Header, columns: &Columns) -> Result<PointSet, FormatError> {
+fn read_ascii(
+    bytes: &[u8],
+    header: &PlyHeader,
+    columns: &PlyColumns,
+) -> Result<PointSet, FormatError> {
     const FORMAT: Format = Format::PlyAscii;
     let vertex = &header.vertex;
     let skipped = header
@@ -123,7 +127,7 @@ fn read_ascii(bytes: &[u8], header: &Header, columns: &Columns) -> Result<PointS
         };
         fields.clear();
         fields.extend(words(row));
-        let place = Place::Line(line);
+        let place = FilePlace::Line(line);
         if fields.len() != vertex.properties.len() {
             return Err(FormatError::Columns {
                 format: FORMAT,
@@ -150,8 +154,8 @@ fn read_ascii(bytes: &[u8], header: &Header, columns: &Columns) -> Result<PointS
 
 fn read_binary(
     bytes: &[u8],
-    header: &Header,
-    columns: &Columns,
+    header: &PlyHeader,
+    columns: &PlyColumns,
     endian: Endian,
 ) -> Result<PointSet, FormatError> {
     const FORMAT: Format = Format::PlyBinary;
@@ -177,13 +181,13 @@ fn read_binary(
 /// Binary rows of vertices.
 #[derive(Clone, Debug)]
 pub(super) struct BinaryTable {
-    columns: Columns,
+    columns: PlyColumns,
     vertex: Element,
     endian: Endian,
 }
 
 impl BinaryTable {
-    /// Takes whole rows, of which the first is vertex `first`.
+    /// Reads whole rows, of which the first is vertex `first`.
     pub(super) fn take(
         &self,
         data: &[u8],
@@ -197,7 +201,7 @@ impl BinaryTable {
                 let value = property.scalar.value(&row[property.offset..], self.endian);
                 binary::finite(value, FORMAT, index)
             };
-            (self.columns).take(set, FORMAT, Place::Point(index), value)?;
+            (self.columns).take(set, FORMAT, FilePlace::Point(index), value)?;
         }
         Ok(())
     }
@@ -216,10 +220,10 @@ impl BinaryTable {
     }
 }
 
-/// The head of a binary file: its table, where the rows begin, how many there are, and whether anything
-/// follows them.
+/// The head of a binary file: its columns, where the rows begin, how many there are, and whether other data follows
+/// them.
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) struct BinaryHead {
+pub(super) struct PlyHead {
     pub table: BinaryTable,
     pub precision: Precision,
     pub offset: u64,
@@ -229,17 +233,17 @@ pub(super) struct BinaryHead {
 
 /// The head of a file that begins with `bytes`; none for an ASCII file.
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) fn read_head(bytes: &[u8]) -> Result<Option<BinaryHead>, FormatError> {
+pub(super) fn read_head(bytes: &[u8]) -> Result<Option<PlyHead>, FormatError> {
     const FORMAT: Format = Format::PlyBinary;
     let header = parse(bytes, FORMAT)?;
-    let columns = Columns::find(&header.vertex, FORMAT, header.data_line - 1)?;
+    let columns = PlyColumns::find(&header.vertex, FORMAT, header.data_line - 1)?;
     let Encoding::Binary(endian) = header.encoding else {
         return Ok(None);
     };
     let skipped = (header.before.iter()).fold(0, |sum: u64, element| {
         sum.saturating_add(element.count.saturating_mul(element.width as u64))
     });
-    Ok(Some(BinaryHead {
+    Ok(Some(PlyHead {
         precision: columns.precision(&header.vertex),
         offset: skipped.saturating_add(header.data_offset as u64),
         count: header.vertex.count,

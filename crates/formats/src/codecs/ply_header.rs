@@ -4,7 +4,7 @@
 //! its lists is refused here.
 
 use crate::binary::{Endian, array};
-use crate::error::{FormatError, Place, quote};
+use crate::error::{FilePlace, FormatError, quote};
 use crate::format::Format;
 use crate::text::words;
 
@@ -102,7 +102,7 @@ impl Element {
 
 /// A parsed header.
 #[derive(Debug)]
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub encoding: Encoding,
     /// Elements stored before the vertices.
     pub before: Vec<Element>,
@@ -124,7 +124,7 @@ struct Parser {
 }
 
 /// The header of `bytes`.
-pub(super) fn parse(bytes: &[u8], format: Format) -> Result<Header, FormatError> {
+pub(super) fn parse(bytes: &[u8], format: Format) -> Result<PlyHeader, FormatError> {
     let mut parser = Parser {
         format,
         line: 0,
@@ -154,7 +154,7 @@ impl Parser {
     fn fault(&self, reason: String) -> FormatError {
         FormatError::Header {
             format: self.format,
-            place: Place::Line(self.line),
+            place: FilePlace::Line(self.line),
             reason,
         }
     }
@@ -217,7 +217,7 @@ impl Parser {
         Ok(())
     }
 
-    fn finish(mut self, data_offset: usize) -> Result<Header, FormatError> {
+    fn finish(mut self, data_offset: usize) -> Result<PlyHeader, FormatError> {
         let Some(encoding) = self.encoding else {
             return Err(self.fault("no line \"format\"".to_owned()));
         };
@@ -236,7 +236,7 @@ impl Parser {
         let followed = self.elements.len() > at + 1;
         let vertex = self.elements.swap_remove(at);
         self.elements.truncate(at);
-        Ok(Header {
+        Ok(PlyHeader {
             encoding,
             before: self.elements,
             vertex,

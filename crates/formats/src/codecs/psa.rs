@@ -1,18 +1,18 @@
 //! The two files of psa (point set analysis, Schlömer & Deussen).
 //!
-//! `.txt` begins with the number of points; `.rps` is nothing but f32 pairs. Both are of the unit torus.
-//! Never corrects a count: psa itself would read too few points or garbage.
+//! `.txt` begins with the number of points; `.rps` holds only f32 pairs. Both are of the unit torus. A wrong count is
+//! refused, because psa itself would read too few points or garbage.
 
 use super::Raw;
 use crate::binary::{self, Cursor, Endian};
-use crate::error::{FormatError, Place, quote};
+use crate::error::{FilePlace, FormatError, quote};
 use crate::format::{Format, Precision};
 use crate::text::{data_lines, number, push, push_line, words};
 
 pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::PsaText;
     let mut tokens = data_lines(bytes)
-        .flat_map(|(line, row)| words(row).map(move |word| (Place::Line(line), word)));
+        .flat_map(|(line, row)| words(row).map(move |word| (FilePlace::Line(line), word)));
     let Some((place, first)) = tokens.next() else {
         return Err(FormatError::Empty { format: FORMAT });
     };
@@ -45,7 +45,7 @@ pub(super) fn read_text(bytes: &[u8]) -> Result<Raw, FormatError> {
     Ok(Raw::new(points, Precision::Double))
 }
 
-fn count(token: &[u8], format: Format, place: Place) -> Result<u64, FormatError> {
+fn count(token: &[u8], format: Format, place: FilePlace) -> Result<u64, FormatError> {
     let parsed = std::str::from_utf8(token).ok().and_then(|t| t.parse().ok());
     parsed.ok_or_else(|| FormatError::Header {
         format,

@@ -1,7 +1,7 @@
-//! Files that are a head and then a row for each point, some rows at a time.
+//! Files that consist of a head and a row for each point, read and written some rows at a time.
 //!
-//! The same layouts, functions and refusals as for whole files. Never sees more of a file than it is handed and
-//! keeps nothing of it but the state of its reading.
+//! The same layouts, functions and errors as for whole files. Callers pass pieces of the file; only the position in it
+//! is kept.
 
 use super::{csv, npy, ply, utk};
 use crate::binary::{self, Endian};
@@ -42,30 +42,29 @@ pub(crate) fn push_rows(
     }
 }
 
-/// How the rows of a file lie in it.
+/// Where the rows are in a file.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     pub rows: Rows,
     pub precision: Precision,
     /// Where the rows begin.
     pub offset: u64,
-    /// How many there are, where the file says so.
+    /// How many there are, if the file says so.
     pub count: Option<u64>,
     /// Whether something else may follow the rows.
     pub followed: bool,
 }
 
 impl Layout {
-    /// The layout of a file of `format` that begins with `start`; none where rows of one set do not follow
-    /// each other.
+    /// The layout of a file of `format` that begins with `start`; `None` if the rows of one set are not contiguous.
     pub fn of(start: &[u8], format: Format) -> Result<Option<Self>, FormatError> {
         let pairs = |precision, endian, offset, count| {
-            let kind = Kind::Pairs(precision, endian);
+            let kind = RowKind::Pairs(precision, endian);
             Self::new(format, kind, precision, offset, count)
         };
         Ok(match format {
             Format::Csv => {
-                let kind = Kind::Csv(csv::Table::default());
+                let kind = RowKind::Csv(csv::CsvTable::default());
                 Some(Self::new(format, kind, Precision::Double, 0, None))
             }
             Format::PsaRps => Some(pairs(Precision::Single, Endian::Little, 0, None)),
@@ -84,7 +83,7 @@ impl Layout {
                 followed: head.followed,
                 ..Self::new(
                     format,
-                    Kind::Ply(head.table),
+                    RowKind::Ply(head.table),
                     head.precision,
                     head.offset,
                     Some(head.count),
@@ -96,7 +95,7 @@ impl Layout {
 
     fn new(
         format: Format,
-        kind: Kind,
+        kind: RowKind,
         precision: Precision,
         offset: u64,
         count: Option<u64>,
@@ -116,29 +115,29 @@ impl Layout {
     }
 }
 
-/// Reads rows, one piece of a file after the other.
+/// Reads rows, piece by piece.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
     format: Format,
-    kind: Kind,
+    kind: RowKind,
     /// Rows, or lines, read so far.
     next: u64,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum RowKind {
     Pairs(Precision, Endian),
     Ply(ply::BinaryTable),
-    Csv(csv::Table),
+    Csv(csv::CsvTable),
 }
 
 impl Rows {
     /// Bytes of a row; none for lines of text.
     pub fn width(&self) -> Option<usize> {
         match &self.kind {
-            Kind::Pairs(precision, _) => Some(2 * precision.bytes()),
-            Kind::Ply(table) => Some(table.width()),
-            Kind::Csv(_) => None,
+            RowKind::Pairs(precision, _) => Some(2 * precision.bytes()),
+            RowKind::Ply(table) => Some(table.width()),
+            RowKind::Csv(_) => None,
         }
     }
 
@@ -161,18 +160,18 @@ impl Rows {
     /// The points of the next whole rows, or lines, in file coordinates.
     pub fn read(&mut self, bytes: &[u8]) -> Result<PointSet, FormatError> {
         match &mut self.kind {
-            Kind::Pairs(precision, endian) => {
+            RowKind::Pairs(precision, endian) => {
                 let points = binary::pairs(bytes, self.next, *precision, *endian, self.format)?;
                 self.next += points.len() as u64;
                 Ok(PointSet::from_points(points))
             }
-            Kind::Ply(table) => {
+            RowKind::Ply(table) => {
                 let mut set = table.new_set();
                 table.take(bytes, self.next, &mut set)?;
                 self.next += set.len() as u64;
                 Ok(set)
             }
-            Kind::Csv(table) => {
+            RowKind::Csv(table) => {
                 let mut points = Vec::new();
                 let first = self.next == 0;
                 let bytes = if first { without_bom(bytes) } else { bytes };

@@ -1,10 +1,10 @@
 //! SVG circles in domain units, for drawing and plotting tools.
 //!
 //! Each point is a disk of half the sampling radius, so the disks of a conflict-free set do not overlap. Reads back
-//! circles in user units; never applies transforms, so a file that has them is refused.
+//! circles in user units; a file with transforms is refused, since they are not applied.
 
 use super::{Raw, Target};
-use crate::error::{FormatError, Place};
+use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::text::{number, push, without_bom};
 
@@ -52,7 +52,7 @@ fn contains(text: &[u8], part: &[u8]) -> bool {
 }
 
 fn circle(tag: &[u8], index: u64) -> Result<[f64; 2], FormatError> {
-    let place = Place::Point(index);
+    let place = FilePlace::Point(index);
     let axis = |name: &str| {
         let value = attribute(tag, name.as_bytes()).ok_or_else(|| FormatError::Header {
             format: FORMAT,

@@ -172,7 +172,7 @@ fn every_truncation_is_refused_or_a_shorter_valid_text() {
             let shorter = decode(&bytes[..length], &told(target.format));
             let kept = shorter.map_or(0, |d| d.set.len());
             let limit = if counted { 0 } else { 3 };
-            // Cutting digits of the last number of a counted text leaves a valid, other file.
+            // Without the last digits a counted text is still a valid file, with another last number.
             let other_number = kept == 3 && length + 20 > end;
             assert!(
                 kept <= limit || other_number,

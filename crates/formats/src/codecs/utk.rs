@@ -1,12 +1,12 @@
 //! The two files of UTK (the sampling toolkit of Coeurjolly, Ostromoukhov et al.).
 //!
-//! Text: `x y` a line, `#` between sets. Binary: a 20-byte header, then rows. Both are of the unit torus and may
-//! hold several sets. Never picks one of several by itself.
+//! Text: `x y` a line, `#` between sets. Binary: a 20-byte header, then rows. Both are of the unit torus and may hold
+//! several sets. If there are several, the caller must choose one.
 
 use super::Raw;
 use crate::binary::{self, Cursor, Endian};
 use crate::detect::UTK_MAGIC;
-use crate::error::{FormatError, Place};
+use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::text::{lines, numbers, push_line, words};
 
@@ -23,7 +23,7 @@ pub(super) fn read_text(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, Form
         let last = sets.last_mut();
         match last {
             Some(set) if row[0] != b'#' => set.push(numbers(words(row), FORMAT, line, true)?),
-            // As UTK does, empty sets (leading comments, doubled separators) count for nothing.
+            // Like UTK, ignore empty sets (leading comments, doubled separators).
             Some(set) if set.is_empty() => {}
             _ => sets.push(Vec::new()),
         }
@@ -60,7 +60,7 @@ pub(super) fn write_text(points: &[[f64; 2]]) -> Vec<u8> {
 }
 
 /// The head of a binary file.
-pub(super) struct BinaryHead {
+pub(super) struct UtkHead {
     pub precision: Precision,
     pub sets: u32,
     /// Points of each set.
@@ -68,7 +68,7 @@ pub(super) struct BinaryHead {
 }
 
 /// The head of a file that begins with `bytes`; data begin at [`HEADER_BYTES`].
-pub(super) fn read_head(bytes: &[u8]) -> Result<BinaryHead, FormatError> {
+pub(super) fn read_head(bytes: &[u8]) -> Result<UtkHead, FormatError> {
     const FORMAT: Format = Format::UtkBinary;
     if !bytes.starts_with(UTK_MAGIC) {
         return Err(FormatError::Magic {
@@ -89,7 +89,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<BinaryHead, FormatError> {
     if sets == 0 || count == 0 {
         return Err(FormatError::Empty { format: FORMAT });
     }
-    Ok(BinaryHead {
+    Ok(UtkHead {
         precision,
         sets,
         count,
@@ -98,7 +98,7 @@ pub(super) fn read_head(bytes: &[u8]) -> Result<BinaryHead, FormatError> {
 
 pub(super) fn read_binary(bytes: &[u8], chosen: Option<usize>) -> Result<Raw, FormatError> {
     const FORMAT: Format = Format::UtkBinary;
-    let BinaryHead {
+    let UtkHead {
         precision,
         sets,
         count,
@@ -127,7 +127,7 @@ fn precision_of(code: u8) -> Result<Precision, FormatError> {
         }),
         _ => Err(FormatError::Header {
             format: Format::UtkBinary,
-            place: Place::Offset(4),
+            place: FilePlace::Offset(4),
             reason: format!("the type is {code}; UTK knows 0 to 5"),
         }),
     }

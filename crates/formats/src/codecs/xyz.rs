@@ -4,7 +4,7 @@
 //! flattens: a set with z other than 0 is refused.
 
 use super::Raw;
-use crate::error::{FormatError, Place};
+use crate::error::{FilePlace, FormatError};
 use crate::format::{Format, Precision};
 use crate::text::{data_lines, numbers, push_line, words};
 
@@ -14,14 +14,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw, FormatError> {
     let mut points = Vec::new();
     for (line, row) in data_lines(bytes) {
         let [x, y, z] = numbers(words(row), FORMAT, line, false)?;
-        planar(z, FORMAT, Place::Line(line))?;
+        planar(z, FORMAT, FilePlace::Line(line))?;
         points.push([x, y]);
     }
     Ok(Raw::new(points, Precision::Double))
 }
 
 /// Refuses a third coordinate other than 0.
-pub(super) fn planar(z: f64, format: Format, place: Place) -> Result<(), FormatError> {
+pub(super) fn planar(z: f64, format: Format, place: FilePlace) -> Result<(), FormatError> {
     if z == 0.0 {
         return Ok(());
     }

@@ -22,7 +22,7 @@ fn lattice(n: u32, width: f64) -> PointSet {
     PointSet::from_points((0..n * n).map(point).collect())
 }
 
-/// A context whose radius is just what the lattice's closest pair is apart, so that any rounding hurts.
+/// A context whose radius is exactly the distance of the closest pair, so that rounding makes conflicts.
 fn tight(set: &PointSet, width: f64) -> ExportContext {
     let options = VerifyOptions::default();
     let report = verify(&set.points, region(width), width / 100.0, &options, &GO).expect("lattice");

@@ -1,7 +1,7 @@
-//! Re-verification in bounded memory, with the whole file in memory where that is the better way.
+//! Re-verification in bounded memory; small files are read whole.
 //!
-//! A small file is read whole, and so is one that a stream cannot judge (points in no order of rows, a wide hole),
-//! up to a limit. Never gives another answer than [`check`](crate::check).
+//! A file that a stream cannot verify (points not in row order, a wide hole) is also read whole, up to a limit. The
+//! result is the same as that of [`check`](crate::check).
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -10,7 +10,9 @@ use tilescope_analysis::{Progress, Report, StreamVerifier};
 
 use super::read::StreamReader;
 use crate::certificate::Certificate;
-use crate::check::{Check, CheckError, Difference, Found, Judged, Overrides, differences};
+use crate::check::{
+    CertificateDifference, Check, CheckError, Contents, Judged, Overrides, differences,
+};
 use crate::detect::Detection;
 use crate::digest::{add_positions, digest_text};
 use crate::error::io_error;
@@ -30,10 +32,10 @@ pub struct StreamCheck {
     pub precision: Precision,
     /// The certificate beside or inside the file, if there is one.
     pub certificate: Option<Certificate>,
-    /// The verdict on the file as it is.
+    /// The verifier's report on the positions in the file.
     pub report: Report,
-    /// Where the certificate is wrong; empty without one.
-    pub differences: Vec<Difference>,
+    /// The wrong statements of the certificate; empty if there is none.
+    pub differences: Vec<CertificateDifference>,
 }
 
 impl StreamCheck {
@@ -61,8 +63,8 @@ impl From<Check> for StreamCheck {
 ///
 /// # Errors
 ///
-/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file of more than [`MAX_IN_MEMORY`] points that
-/// a stream cannot judge.
+/// As [`check`](crate::check), and [`CheckError::TooLarge`] for a file of more than [`MAX_IN_MEMORY`] points that a
+/// stream cannot verify.
 pub fn check_stream(
     path: &Path,
     overrides: &Overrides,
@@ -91,7 +93,7 @@ pub(super) fn check_from(
     if shuffled && reader.count().is_none_or(|count| count <= MAX_IN_MEMORY) {
         return in_memory();
     }
-    // No point of a text file takes less than four bytes.
+    // A point of a text file takes at least four bytes.
     let count = reader.count().unwrap_or(length / 4);
     match in_pieces(reader, overrides, control) {
         Err(CheckError::Verify(source)) if source.needs_memory() => {
@@ -130,7 +132,7 @@ fn in_pieces(
         verifier.push(&points, control)?;
     }
     let report = verifier.finish(control)?;
-    let found = Found {
+    let found = Contents {
         format: detection.format,
         precision,
         digest: reader.finish_digest()?,

@@ -1,7 +1,7 @@
-//! Validated export while the points pass by: taking points and checkpoints; `finish` does the rest.
+//! Validated export point by point: takes points and makes checkpoints. The end of an export is in `finish`.
 //!
-//! What is judged was decoded from the encoded bytes, and before the file gets its name it is read back and compared
-//! with them. Never holds the set, and never replaces a file before the new one is proven.
+//! Points are verified as decoded from the encoded bytes, and before the file gets its name it is read back and
+//! compared with those bytes. An existing file is not replaced before that.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -23,17 +23,17 @@ use crate::point_set::Provenance;
 use crate::read::certificate_path;
 use crate::{binary, digest};
 
-/// Points encoded, decoded and judged at a time.
+/// Points encoded, decoded and verified at a time.
 const PIECE: usize = 1 << 14;
 
 /// How to write a stream.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamOptions {
-    /// Whether to judge the points as they are stored. Without it there is no certificate, for a
-    /// certificate says what was verified, and one that lies beside an older file of the name is removed.
+    /// Whether to verify the points as they are stored. Otherwise no certificate is written, and the certificate of an
+    /// older file of that name is removed.
     pub verify: bool,
-    /// Whether [`StreamExport::checkpoint`] may be called. What is left of an interrupted export
-    /// then stays, once there is a checkpoint.
+    /// Whether [`StreamExport::checkpoint`] may be called. Then the files of an interrupted export are kept once there
+    /// is a checkpoint.
     pub resumable: bool,
 }
 
@@ -46,18 +46,18 @@ impl Default for StreamOptions {
     }
 }
 
-/// Writes a set to a file while its points pass by, and a certificate beside it.
+/// Writes a set to a file point by point, and a certificate beside it.
 ///
-/// The finished bytes and the certificate are those of [`export`](crate::export) of the whole set. Points are in
-/// domain units and come in nearly row order, see [`StreamVerifier`](tilescope_analysis::StreamVerifier);
-/// unverified ones come in any order. Until [`Self::finish`] the file is called [`partial_path`](crate::partial_path) and a
-/// file of the final name is as it was. Dropped unfinished, the export leaves nothing behind, unless it can be
-/// resumed from a checkpoint. Of two exports of one name at a time the second fails.
+/// The finished bytes and the certificate are those of [`export`](crate::export) of the whole set. Points are in domain
+/// units and come in nearly row order, see [`StreamVerifier`](tilescope_analysis::StreamVerifier); unverified ones come
+/// in any order. Until [`Self::finish`] the file is called [`partial_path`](crate::partial_path), and a file of the
+/// final name is unchanged. An export that is dropped unfinished removes its files, unless it can be resumed from a
+/// checkpoint. A second export to the same name at the same time fails.
 #[derive(Debug)]
 pub struct StreamExport {
-    /// As it was given.
+    /// The path as given.
     pub(super) path: PathBuf,
-    /// The file that is made or replaced.
+    /// The file that is written or replaced, with links resolved.
     pub(super) file: PathBuf,
     pub(super) name: String,
     pub(super) context: ExportContext,
@@ -65,14 +65,14 @@ pub struct StreamExport {
     options: StreamOptions,
     pub(super) partial: Partial,
     pub(super) judges: Option<Judges>,
-    /// Reads the own rows; none before the first point.
+    /// Decodes the rows just written; `None` before the first point.
     rows: Option<Rows>,
     pub(super) count: u64,
     /// Whether points come with their provenance.
     pub(super) provenance: bool,
     /// The state that the last checkpoint refers to.
     state: Option<StateFile>,
-    /// Whether what is there can be resumed.
+    /// Whether the files must be kept to be resumed.
     kept: bool,
     failed: bool,
     /// Held to the end.
@@ -80,12 +80,13 @@ pub struct StreamExport {
 }
 
 impl StreamExport {
-    /// An export of no point yet. An interrupted export of the same name is given up.
+    /// An export without points yet. An interrupted export of the same name is discarded.
     ///
     /// # Errors
     ///
-    /// [`ExportError::NotStreamed`], [`ExportError::Busy`], [`ExportError::ShuffledStream`], [`ExportError::Format`] for an
-    /// unknown format or a file that cannot be made, [`ExportError::Verify`] for a region or radius that cannot be judged.
+    /// [`ExportError::NotStreamed`], [`ExportError::Busy`], [`ExportError::ShuffledStream`], [`ExportError::Format`]
+    /// for an unknown format or a file that cannot be created, [`ExportError::Verify`] for a region or radius that
+    /// cannot be verified.
     pub fn create(
         path: &Path,
         context: &ExportContext,
@@ -131,14 +132,14 @@ impl StreamExport {
         })
     }
 
-    /// The same with the number of points that will come, for the progress alone.
+    /// Sets the expected number of points, which is used only for progress.
     #[must_use]
     pub fn expecting(mut self, count: u64) -> Self {
         self.judges = self.judges.take().map(|judges| judges.expecting(count));
         self
     }
 
-    /// The same with bands of another size for the verifier.
+    /// Sets the size of the verifier's bands.
     #[must_use]
     pub fn with_band(mut self, band: StreamBand) -> Self {
         self.judges = self.judges.take().map(|judges| judges.with_band(band));
@@ -151,11 +152,11 @@ impl StreamExport {
         self.count
     }
 
-    /// Encodes, judges and writes the next points, with their provenance or always without.
+    /// Encodes, verifies and writes the next points. Either all points have provenance or none do.
     ///
     /// # Errors
     ///
-    /// [`ExportError`]; the export is then of no more use than to be dropped.
+    /// [`ExportError`]; the export can then only be dropped.
     pub fn push(
         &mut self,
         points: &[[f64; 2]],
@@ -165,31 +166,31 @@ impl StreamExport {
         self.guarded(|this| this.take(points, provenance, control))
     }
 
-    /// Makes what was taken so far durable, with `token` for the caller's own state. After an interruption
-    /// [`Self::resume`] goes on from here.
+    /// Makes the points so far durable, with `token` for the caller's own state. After an interruption [`Self::resume`]
+    /// continues from here.
     ///
-    /// It waits for the device and writes about 24 bytes for each sample that the verifier holds.
+    /// Waits for the disk, and writes about 24 bytes for each sample that the verifier holds.
     ///
     /// # Errors
     ///
-    /// [`ExportError::Resume`] for an export that was not asked to be resumable, and as [`Self::push`].
+    /// [`ExportError::Resume`] for an export that was not created as resumable, and as [`Self::push`].
     pub fn checkpoint(&mut self, token: &Value) -> Result<(), ExportError> {
         if !self.options.resumable {
             return Err(ExportError::Resume {
                 path: self.path.display().to_string(),
-                reason: "the export was not begun as one that can be".to_owned(),
+                reason: "the export was not created as resumable".to_owned(),
             });
         }
         self.guarded(|this| this.save(token))
     }
 
-    /// The interrupted export of `path`, ready for the points after its last checkpoint, and the token
-    /// of that. `context` must be that of the interrupted export.
+    /// The interrupted export of `path`, ready for the points after its last checkpoint, and that checkpoint's token.
+    /// `context` must be the one of the interrupted export.
     ///
     /// # Errors
     ///
-    /// [`ExportError::Resume`] with what is missing, too short, damaged or of another context, and
-    /// [`ExportError::Busy`]; all is left as it is.
+    /// [`ExportError::Resume`] when a file is missing, too short, damaged or of another context, and
+    /// [`ExportError::Busy`]. All files are left as they are.
     pub fn resume(path: &Path, context: &ExportContext) -> Result<(Self, Value), ExportError> {
         let target = stream_target(path, context)?;
         let file = destination(path)?;
@@ -209,14 +210,14 @@ impl StreamExport {
         };
         let partial = resume::reopen(&file, &checkpoint)?;
         let mut export = Self::new(path, context, target, options, (file, lock, partial))?;
-        // Whatever goes wrong from here on, the files are as useful as before.
+        // If anything fails from here on, the files can still be resumed.
         (export.kept, export.judges) = (true, judges);
         (export.count, export.state) = (checkpoint.count, checkpoint.state.clone());
         export.take_over(&checkpoint)?;
         Ok((export, checkpoint.token))
     }
 
-    /// Reads the rows of the checkpoint again, for the digests.
+    /// Reads the rows before the checkpoint again, for the digests.
     fn take_over(&mut self, checkpoint: &Checkpoint) -> Result<(), ExportError> {
         let head = match checkpoint.provenance {
             Some(provenance) => self.begin(provenance)?,
@@ -238,7 +239,7 @@ impl StreamExport {
         Ok(self.partial.truncate(checkpoint.bytes)?)
     }
 
-    /// Settles the head and how rows are read.
+    /// Writes the head and chooses how rows are read.
     fn begin(&mut self, provenance: bool) -> Result<Vec<u8>, ExportError> {
         let (format, precision) = (self.target.format, self.target.precision);
         self.provenance = provenance;
@@ -272,7 +273,7 @@ impl StreamExport {
             let points = points.len();
             return Err(FormatError::Provenance { found, points }.into());
         }
-        // The head says whether so many can be counted.
+        // Fails if the head cannot count so many points.
         self.head(self.count + points.len() as u64)?;
         for (index, piece) in points.chunks(PIECE).enumerate() {
             let first = index * PIECE;
@@ -355,12 +356,12 @@ impl StreamExport {
         Ok(())
     }
 
-    /// Removes all that was written, the checkpoint, too.
+    /// Removes all files of the export, including the checkpoint.
     pub fn discard(mut self) {
         self.kept = false;
     }
 
-    /// Does some work unless an earlier one failed.
+    /// Runs `work` unless an earlier call failed.
     pub(super) fn guarded<T>(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<T, ExportError>,
@@ -386,7 +387,7 @@ impl Drop for StreamExport {
 
 fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportError> {
     let mut target = target(&file_name(path)?, context)?;
-    // Not only when everything is done.
+    // Check this now and not only at the end.
     destination(&certificate_path(path))?;
     let format = target.format;
     if !format.streams() {
@@ -400,7 +401,7 @@ fn stream_target(path: &Path, context: &ExportContext) -> Result<Target, ExportE
     Ok(target)
 }
 
-/// Refuses decoded points or provenance that are not, to the bit, what was encoded.
+/// Fails if decoded points or provenance differ in any bit from what was encoded.
 fn compare(
     written: &[[f64; 2]],
     provenance: Option<&[Provenance]>,

@@ -1,6 +1,6 @@
-//! The end of a streamed export: head, verdict, reading back, certificate, names.
+//! The end of a streamed export: final head, verdict, reading back, certificate, renaming.
 //!
-//! Never renames a file that was not read back and found to be what was written.
+//! A file is renamed only after it was read back and compared with what was written.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -26,20 +26,20 @@ pub struct Streamed {
     pub count: u64,
     /// Bytes of the data file.
     pub bytes: u64,
-    /// What [`export`](crate::export) would have returned; none if the stream was not verified.
+    /// The result that [`export`](crate::export) would have returned; `None` if the stream was not verified.
     pub verified: Option<Exported>,
     /// What to tell the user.
     pub warnings: Vec<Warning>,
 }
 
 impl StreamExport {
-    /// Proves the file, gives it its name and writes the certificate.
+    /// Reads the file back, gives it its final name and writes the certificate.
     ///
     /// The verdict is honest, not a condition: an invalid set is exported with `valid: false` and a warning.
     ///
     /// # Errors
     ///
-    /// [`ExportError`]; a file that was there is as it was, and what can be resumed still can.
+    /// [`ExportError`]. An existing file is unchanged, and a resumable export can still be resumed.
     pub fn finish(
         mut self,
         control: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
@@ -122,7 +122,7 @@ impl StreamExport {
         Ok(publish(&self.partial.path, &self.file, &temporary)?)
     }
 
-    /// Renames the data file. An older certificate goes first: it would be a false one.
+    /// Renames the data file. The certificate of an older file is removed first, because it would be false.
     fn publish_uncertified(&self) -> Result<(), FormatError> {
         remove_certificate(&self.path)?;
         let renamed = fs::rename(&self.partial.path, &self.file);

@@ -1,7 +1,7 @@
-//! What is found out about the points of a stream as they were stored: verdict, rounding, digest.
+//! Measures the points of a stream as they were stored: verdict, rounding, digest.
 //!
-//! It is handed positions decoded from the encoded bytes. Where storing moves positions, the ones before are judged,
-//! too, from the first that moved on. Never judges what was not stored in place of what was.
+//! It gets positions decoded from the encoded bytes. If storing moves a position, the original positions are verified,
+//! too, from that one on.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,19 +14,19 @@ use crate::digest::{add_positions, digest_text};
 use crate::export::{Control, ExportContext, ExportError, statement};
 use crate::format::{Format, Precision};
 
-/// The judges of one export.
+/// The verifiers and digests of one export.
 #[derive(Debug)]
 pub(super) struct Judges {
     target: Target,
     pub stored: StreamVerifier,
-    /// Judges the positions before storing. None as long as they are the same.
+    /// Verifies the original positions. `None` as long as storing has not moved any.
     pub original: Option<StreamVerifier>,
     pub largest_shift: f64,
-    /// Of the positions in the file, where the file's rows are not just that.
+    /// The digest of the positions, if it is not simply that of the file's rows.
     positions: Option<blake3::Hasher>,
 }
 
-/// Whether the rows of a file are the very bytes that a positions digest is of.
+/// Whether the rows of a file are exactly the bytes that a positions digest hashes.
 fn rows_are_positions(target: &Target) -> bool {
     matches!(target.format, Format::Npy | Format::UtkBinary)
         && target.precision == Precision::Double
@@ -65,15 +65,15 @@ impl Judges {
         self.positions.is_some()
     }
 
-    /// Takes positions in file coordinates as an interrupted export stored them; the verifiers have
-    /// them already.
+    /// Adds positions that an interrupted export stored, in file coordinates, to the digest. The verifiers' saved state
+    /// already has them.
     pub fn remember(&mut self, stored: &[[f64; 2]]) {
         if let Some(hasher) = &mut self.positions {
             add_positions(hasher, stored);
         }
     }
 
-    /// Takes points as they were and, in file coordinates, as they are stored.
+    /// Takes points as given and, in file coordinates, as stored.
     pub fn take(
         &mut self,
         points: &[[f64; 2]],
@@ -94,20 +94,20 @@ impl Judges {
         if self.largest_shift > 0.0 && self.original.is_none() {
             self.original = Some(self.stored.clone());
         }
-        let told = Told::new(control);
-        let judged = self.stored.push(&domain, &|progress| told.tell(progress));
+        let last = LastProgress::new(control);
+        let judged = self.stored.push(&domain, &|progress| last.report(progress));
         judged.map_err(|source| unjudged(&self.target, source))?;
         if let Some(original) = &mut self.original {
-            // What else is wrong with them matters only if the stored set is invalid; it is told then.
-            if let Err(source @ VerifyError::Cancelled) = original.push(points, &|_| told.ask()) {
+            // Other errors matter only if the stored set is invalid, and are reported then.
+            if let Err(source @ VerifyError::Cancelled) = original.push(points, &|_| last.repeat())
+            {
                 return Err(unjudged(&self.target, source));
             }
         }
         Ok(())
     }
 
-    /// The verdict, what rounding had to do with it, and the positions digest, which is `rows` where
-    /// the rows are the positions.
+    /// The verdict, the effect of rounding, and the positions digest, which is `rows` if the rows are the positions.
     pub fn finish(
         self,
         rows: String,
@@ -115,13 +115,13 @@ impl Judges {
     ) -> Result<(Report, Option<Rounding>, String), ExportError> {
         let target = self.target;
         let failed = |source| unjudged(&target, source);
-        let told = Told::new(control);
+        let last = LastProgress::new(control);
         let report = (self.stored)
-            .finish(&|progress| told.tell(progress))
+            .finish(&|progress| last.report(progress))
             .map_err(failed)?;
         let (mut made_conflicts, mut made_gaps) = (false, false);
         if let (false, Some(original)) = (report.valid(), self.original) {
-            let before = original.finish(&|_| told.ask()).map_err(failed)?;
+            let before = original.finish(&|_| last.repeat()).map_err(failed)?;
             made_conflicts = before.conflict_free() && !report.conflict_free();
             made_gaps = before.maximal() && !report.maximal();
         }
@@ -133,15 +133,15 @@ impl Judges {
     }
 }
 
-/// Remembers what a control function was told last, so that a second verifier can ask it whether to go on
-/// and tell nothing new: one bar shows one verdict's progress.
-struct Told<'a> {
+/// Remembers the last progress reported to a control function. A second verifier repeats it to learn whether to go on,
+/// so that the progress bar follows the first verifier only.
+struct LastProgress<'a> {
     control: Control<'a>,
     done: AtomicU64,
     total: AtomicU64,
 }
 
-impl<'a> Told<'a> {
+impl<'a> LastProgress<'a> {
     fn new(control: Control<'a>) -> Self {
         Self {
             control,
@@ -150,13 +150,13 @@ impl<'a> Told<'a> {
         }
     }
 
-    fn tell(&self, progress: Progress) -> ControlFlow<()> {
+    fn report(&self, progress: Progress) -> ControlFlow<()> {
         self.done.fetch_max(progress.done, Ordering::Relaxed);
         self.total.store(progress.total, Ordering::Relaxed);
         (self.control)(progress)
     }
 
-    fn ask(&self) -> ControlFlow<()> {
+    fn repeat(&self) -> ControlFlow<()> {
         (self.control)(Progress {
             done: self.done.load(Ordering::Relaxed),
             total: self.total.load(Ordering::Relaxed),

@@ -1,4 +1,5 @@
-//! The lock beside a file that is being written as a stream: two exports of one name would spoil each other's work.
+//! The lock beside a file that is being written as a stream, so that two exports to one name cannot overwrite each
+//! other's data.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use crate::destination::check_own;
 use crate::error::io_error;
 use crate::export::ExportError;
 
-/// A lock that ends with the process, whatever ends that.
+/// A lock, released when the process ends in any way.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
@@ -31,10 +32,10 @@ impl Lock {
                     let path = file.display().to_string();
                     return Err(ExportError::Busy { path });
                 }
-                // Some file systems have no locks: what is written is read back and compared in any case.
+                // Some file systems have no locks. That is safe, since the file is read back and compared.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
-            // The export that had the lock before has removed its file, maybe after this one was opened.
+            // The previous export removes its lock file, perhaps after it was opened here.
             if is_named(&opened, &path).map_err(|e| io_error(&path, e))? {
                 return Ok(Self {
                     path,
@@ -47,7 +48,7 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Whoever meets what is left takes the lock all the same.
+        // A lock file left behind does not block later exports.
         let _ = fs::remove_file(&self.path);
     }
 }

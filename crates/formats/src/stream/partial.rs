@@ -1,6 +1,6 @@
-//! The file under its temporary name: head, rows as they come, and what was written as a digest.
+//! The file under its temporary name: head, rows, and a digest of what was written.
 //!
-//! Never touches the final name; whoever owns it renames it when all is proven.
+//! The caller renames it to its final name after it was read back.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -26,7 +26,7 @@ pub(super) struct Partial {
     pub rows: Vec<u8>,
     /// Bytes of rows in the file.
     written: u64,
-    /// Of the rows in the file.
+    /// The digest of the rows in the file.
     digest: blake3::Hasher,
 }
 
@@ -41,7 +41,7 @@ impl Partial {
         Ok(Self::new(path, file))
     }
 
-    /// The file beside `path` that was left behind; nothing of it is read yet.
+    /// The file left beside `path` by an interrupted export, not yet read.
     pub fn reopen(path: &Path) -> Result<Self, FormatError> {
         let path = partial_path(path);
         check_own(&path)?;
@@ -68,8 +68,8 @@ impl Partial {
         Ok(())
     }
 
-    /// Takes the bytes from the start up to byte `length` as what was written, handing rows to
-    /// `each` as they are read. It says how many bytes it used; those that it never used are counted.
+    /// Reads the bytes up to `length` again as written data, passing rows to `each`, which returns how many bytes it
+    /// used. Returns how many bytes were left unused at the end.
     pub fn take_over(
         &mut self,
         head: Vec<u8>,
@@ -92,7 +92,7 @@ impl Partial {
         Ok(pending.len())
     }
 
-    /// Drops what follows byte `length` and goes on there.
+    /// Truncates the file to `length` bytes; writing continues there.
     pub fn truncate(&mut self, length: u64) -> Result<(), FormatError> {
         self.checked(|this| {
             this.file.set_len(length)?;
@@ -110,7 +110,7 @@ impl Partial {
         self.head.len() as u64 + self.written + self.rows.len() as u64
     }
 
-    /// Writes the rows gathered so far, if they are a block or `all` are wanted.
+    /// Writes the buffered rows, if they fill a block or `all` is set.
     pub fn flush(&mut self, all: bool) -> Result<(), FormatError> {
         if self.rows.len() < BLOCK && !all {
             return Ok(());
@@ -146,8 +146,8 @@ impl Partial {
         Ok(())
     }
 
-    /// Reads the whole file back and compares it with what was written. Returns the digest of the file,
-    /// if it is wanted. `go_on` is asked for each block.
+    /// Reads the whole file back and compares it with what was written. Returns the digest of the file, if wanted.
+    /// Calls `go_on` for each block.
     pub fn read_back(
         &self,
         whole: bool,
@@ -187,9 +187,9 @@ impl Partial {
         Ok(whole.then(|| digest_text(&all)))
     }
 
-    /// Removes the file, which has no other use.
+    /// Removes the file.
     pub fn remove(&self) {
-        // Gone already after a rename; nothing else can be done about a failure here.
+        // After a rename it no longer exists; other failures cannot be handled here.
         let _ = fs::remove_file(&self.path);
     }
 

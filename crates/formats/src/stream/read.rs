@@ -1,7 +1,7 @@
 //! Reading a file piece by piece, in bounded memory.
 //!
-//! The same detection, layouts and refusals as for whole files; what a head states is compared with the file's
-//! length before a row is read. Never keeps more than a block of the file.
+//! The same detection, layouts and errors as for whole files. The number of rows in the head is compared with the
+//! file's length before any row is read. At most one block of the file is in memory.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -54,17 +54,17 @@ pub struct StreamReader {
     count: Option<u64>,
     /// Points read so far.
     read: u64,
-    /// Bytes of rows still to be read; none where the file's end ends them.
+    /// Bytes of rows still to be read; `None` if the rows extend to the end of the file.
     left: Option<u64>,
-    /// Bytes read of which no row was made yet.
+    /// Bytes read but not yet decoded.
     pending: Vec<u8>,
     points: Vec<[f64; 2]>,
-    /// Of all bytes read, if somebody wants to know.
+    /// The digest of all bytes read, if wanted.
     digest: Option<blake3::Hasher>,
 }
 
 impl StreamReader {
-    /// The file `path`, of the given format or the one it is recognised as.
+    /// Opens the file `path` in the given format, or in the detected one.
     ///
     /// # Errors
     ///
@@ -121,8 +121,8 @@ impl StreamReader {
         Ok(Ok(reader))
     }
 
-    /// The same with points in the unit of `region`; without it, that of the certificate is taken,
-    /// and without a certificate points are as the file has them.
+    /// Sets the region to whose units points are scaled. The default is the certificate's region; without a certificate
+    /// points are in file coordinates.
     #[must_use]
     pub fn with_region(mut self, region: Region) -> Self {
         self.mapping = Mapping::new(self.detection.format, Some(region), self.precision);
@@ -141,7 +141,7 @@ impl StreamReader {
         self.precision
     }
 
-    /// Points in the file; not known beforehand for text.
+    /// Points in the file; `None` for text, where the number is not known in advance.
     #[must_use]
     pub fn count(&self) -> Option<u64> {
         self.count
@@ -158,7 +158,7 @@ impl StreamReader {
         self.certificate.as_ref()
     }
 
-    /// The next points, in domain units; none at the end.
+    /// The next points, in domain units; `None` at the end.
     ///
     /// # Errors
     ///
@@ -218,7 +218,7 @@ impl StreamReader {
         }
     }
 
-    /// The digest of the whole file; what follows the rows is read for it.
+    /// The digest of the whole file, including data after the rows.
     pub(super) fn finish_digest(mut self) -> Result<Option<String>, FormatError> {
         self.left = None;
         while self.digest.is_some() && !self.fill()? {
@@ -244,7 +244,7 @@ impl StreamReader {
         Ok(count < want || self.left == Some(0))
     }
 
-    /// Refuses a line without an end: whatever it is, it is no point.
+    /// Refuses a line longer than a block, which cannot be a point.
     fn check_line(&self) -> Result<(), FormatError> {
         if self.pending.len() <= BLOCK {
             return Ok(());
@@ -256,7 +256,7 @@ impl StreamReader {
         })
     }
 
-    /// Passes over the file's first `offset` bytes, of which `start` may have more or fewer.
+    /// Skips the first `offset` bytes of the file. `start` holds the bytes read so far, which may be more or fewer.
     fn skip(&mut self, start: Vec<u8>, offset: u64) -> Result<(), FormatError> {
         if let Some(digest) = &mut self.digest {
             digest.update(&start);
@@ -275,7 +275,7 @@ impl StreamReader {
         }
         let beyond = (here - offset) as usize;
         self.pending.drain(..self.pending.len() - beyond);
-        // Rows may end within what is there already.
+        // The rows may end within the bytes already read.
         self.left = left;
         if let Some(left) = &mut self.left {
             self.pending.truncate((*left).min(beyond as u64) as usize);

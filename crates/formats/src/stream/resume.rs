@@ -1,8 +1,8 @@
 //! The checkpoint beside an unfinished file: a small JSON document and the verifier's state.
 //!
-//! The state is written under a name that no document knows yet, then the document to a temporary name, which is
-//! renamed. Temporary names are fixed, so that an interruption leaves nothing that is not found again. Never trusts
-//! what it finds: lengths, digests and the question asked are compared before anything is used.
+//! The state is written under a new name, then the document, which names the state, to a temporary name that is
+//! renamed. Temporary names are fixed, so that files left by an interruption are found and removed. Before a checkpoint
+//! is used, lengths, digests and the verification's parameters are compared.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -27,19 +27,19 @@ use crate::format::{Format, Precision};
 /// The version of the checkpoint's layout.
 pub(super) const VERSION: u32 = 1;
 
-/// From where an export can go on.
+/// A point from which an export can be resumed.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Checkpoint {
     pub version: u32,
-    /// The caller's own.
+    /// The caller's token.
     pub token: Value,
     /// Points in the file.
     pub count: u64,
     /// Bytes of the file.
     pub bytes: u64,
-    /// Of the rows, without the head.
+    /// The digest of the rows, without the head.
     pub rows_digest: String,
-    /// Whether points come with provenance; none before the first point.
+    /// Whether points have provenance; `None` before the first point.
     pub provenance: Option<bool>,
     pub format: Format,
     pub precision: Precision,
@@ -50,12 +50,12 @@ pub(super) struct Checkpoint {
     pub state: Option<StateFile>,
 }
 
-/// The file with the state of one verifier or two.
+/// The file with the state of one or two verifiers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct StateFile {
     serial: u64,
     digest: String,
-    /// Bytes of the state of the verifier of stored positions; the rest is of the other one.
+    /// Bytes of the state of the first verifier, of stored positions; the rest is the second one's.
     stored: u64,
 }
 
@@ -125,7 +125,7 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// Refuses rows of another digest or number, and `left` bytes of half a row.
+    /// Refuses rows with another digest or number, and `left` bytes of an incomplete row.
     pub fn matches(
         &self,
         path: &Path,
@@ -150,8 +150,8 @@ impl Checkpoint {
     }
 }
 
-/// The token of the last checkpoint of `path`, if there is one: what the caller needs to know before it can say
-/// with which context to resume.
+/// The token of the last checkpoint of `path`, if there is one. The caller may need it to find the context to resume
+/// with.
 ///
 /// # Errors
 ///
@@ -179,7 +179,7 @@ pub(super) fn reopen(path: &Path, checkpoint: &Checkpoint) -> Result<Partial, Ex
     Ok(partial)
 }
 
-/// Hands whole rows to the judges, if they remember what they saw.
+/// Passes complete rows to the judges, if they need them.
 pub(super) fn read_rows(
     bytes: &[u8],
     path: &Path,
@@ -203,7 +203,7 @@ impl StateFile {
         with_suffix(path, &format!(".resume.{serial}.state"))
     }
 
-    /// Writes the state under a name that no older checkpoint knows.
+    /// Writes the state under a name that no older checkpoint uses.
     pub fn write(
         path: &Path,
         old: Option<&Self>,
@@ -214,7 +214,8 @@ impl StateFile {
         let mut bytes = judges.stored.save().map_err(failed)?;
         let stored = bytes.len() as u64;
         if let Some(original) = &judges.original {
-            // A fault that its positions had is told only if it matters; to go on, they must have none.
+            // Errors of the original positions are reported only if they matter, but a checkpoint needs positions
+            // without errors.
             bytes.extend(original.save().map_err(failed)?);
         }
         let state = Self {
@@ -254,17 +255,17 @@ impl StateFile {
     }
 
     pub fn remove(&self, path: &Path) {
-        // It is of no use any more, and nothing else can be done about a failure.
+        // It is no longer needed, and a failure cannot be handled here.
         let _ = fs::remove_file(self.path(path));
     }
 }
 
-/// Where the document is written before it gets its name.
+/// The temporary name of the document.
 fn temporary(path: &Path) -> PathBuf {
     with_suffix(path, ".resume.tmp")
 }
 
-/// Writes a file through to the device.
+/// Writes a file and syncs it to the disk.
 fn write_through(path: &Path, bytes: &[u8]) -> Result<(), FormatError> {
     let wrote = File::create(path).and_then(|mut file| {
         file.write_all(bytes)?;

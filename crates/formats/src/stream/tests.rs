@@ -1,4 +1,4 @@
-//! Streams against the same sets in memory: bytes, certificates, refusals, interruptions.
+//! Compares streams with the same sets in memory: bytes, certificates, errors, interruptions.
 
 mod checks;
 mod exports;

@@ -183,7 +183,7 @@ fn what_is_selected_or_looked_for_stays_where_it_is_still_there() {
     let found = state.runs.first.query.found.events();
     let inserted = |&event: &usize| {
         let event = debugger.recording().event(event);
-        event.is_some_and(|event| event.kind() == tilescope_debugger::Kind::Insert)
+        event.is_some_and(|event| event.kind() == tilescope_debugger::EventKind::Insert)
     };
     assert!(!found.is_empty() && found.iter().all(inserted));
 }

@@ -1,4 +1,4 @@
-//! Reading and checking in pieces against the same in memory.
+//! Compares reading and checking in pieces with the same in memory.
 
 use super::super::check::check_from;
 use super::*;
@@ -45,7 +45,7 @@ fn a_file_read_in_pieces_has_the_points_of_the_whole() {
     }
 }
 
-/// More than a block of each, so that rows and lines lie across two.
+/// Files longer than a block, so that a row and a line lie across two.
 #[test]
 fn rows_across_blocks_are_read_whole() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -123,7 +123,7 @@ fn what_a_stream_cannot_judge_is_judged_in_memory() {
     let (_folder, path, _) = whole(&set, &context, Format::Npy);
     let found = streamed(&path).expect("a verdict");
     assert!(found.differences.is_empty(), "{:?}", found.differences);
-    // In no order, though no certificate says so.
+    // Shuffled, though no certificate says so.
     context.shuffle_seed = None;
     set.points.reverse();
     for format in STREAMED {

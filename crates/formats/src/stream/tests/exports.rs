@@ -1,4 +1,4 @@
-//! Byte for byte what the export in memory writes, and nothing at all when it cannot be.
+//! A stream writes the same bytes as an export in memory, and no file if it fails.
 
 use tilescope_analysis::VerifyError;
 
@@ -56,7 +56,7 @@ fn all_formats_and_precisions_have_the_bytes_of_the_export_in_memory() {
     }
 }
 
-/// A radius of the closest pair exactly, so that rounding makes conflicts; and one just above it.
+/// The radius is exactly the distance of the closest pair, so that rounding makes conflicts; then just above it.
 #[test]
 fn what_rounding_did_is_stated_as_in_memory() {
     let boundary = Boundary::Periodic;

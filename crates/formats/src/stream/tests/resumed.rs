@@ -1,4 +1,4 @@
-//! Interruptions: what goes on gives the same bytes, and what cannot go on says why.
+//! Interruptions: a resumed export gives the same bytes, and one that cannot be resumed says why.
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ fn begun(path: &Path, context: &ExportContext) -> StreamExport {
     export.with_band(SMALL)
 }
 
-/// Interrupted as by a power cut: what was pushed after the checkpoint is in the file in part.
+/// An export interrupted as by a power cut: the points pushed after the checkpoint are only partly in the file.
 fn interrupted(path: &Path, context: &ExportContext, set: &PointSet, stops: [usize; 2]) {
     let mut export = begun(path, context);
     let [kept, lost] = stops;
@@ -254,7 +254,7 @@ fn a_second_export_of_a_name_is_refused_and_the_first_is_not_harmed() {
     second.finish(&GO).expect("proven");
     assert_eq!(bytes_of(&path), expected);
     assert_eq!(names(folder.path()).len(), 2);
-    // What a process that was killed left behind locks nothing.
+    // The lock file of a killed process does not lock.
     fs::write(folder.path().join("set.npy.lock"), "").expect("writable");
     drop(begun(&path, &context));
     assert_eq!(names(folder.path()).len(), 2);

@@ -132,7 +132,7 @@ fn a_page_seeks_what_happens() {
     );
     let recording = state.runs.first.debugger.as_ref().unwrap().recording();
     let eliminates = recording.event(found[1] - 1).unwrap().kind();
-    assert_eq!(eliminates, tilescope_debugger::Kind::Eliminate);
+    assert_eq!(eliminates, tilescope_debugger::EventKind::Eliminate);
     assert_eq!(
         ask(&mut state, &json!({"do": "seek", "previous": "conflict"}))["ok"],
         json!(true)
