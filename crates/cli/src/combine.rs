@@ -15,7 +15,9 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
 use tilescope_core::Sampled;
-use tilescope_core::combine::file::{Layout, LayoutError, MAX_LAYOUT_BYTES, Placed, Source};
+use tilescope_core::combine::file::{
+    Layout, LayoutError, MAX_LAYOUT_BYTES, PieceSource, PlacedLayout,
+};
 use tilescope_core::combine::{Combined, combine};
 use tilescope_formats::{Exported, Format, PointSet, Precision};
 
@@ -181,10 +183,10 @@ fn read(path: &Path) -> Result<Layout> {
 }
 
 /// Returns the layout as a certificate states it: files without folders, with their digests.
-fn stated(layout: &Layout, placed: &Placed, folder: &Path) -> Result<Value> {
+fn stated(layout: &Layout, placed: &PlacedLayout, folder: &Path) -> Result<Value> {
     let mut stated = serde_json::to_value(layout)?;
     for (k, place) in placed.places.iter().enumerate() {
-        if let Source::File { path, .. } = &place.source {
+        if let PieceSource::File { path, .. } = &place.source {
             let named = named_by_content(&folder.join(path))?;
             stated["pieces"][k]["file"] = named["file"].clone();
             stated["pieces"][k]["digest"] = named["digest"].clone();

@@ -3,8 +3,8 @@
 //!
 //!     cargo run --release -p tilescope-core --example parallel_reference -- [SIDE] [ROUNDS] [PIECES]
 //!
-//! SIDE is the domain's in radii (default 1200: a million samples), PIECES those along a side
-//! (default: about eight a thread, so that all threads end together).
+//! SIDE is the domain's side in radii (default 1200: a million samples), PIECES those along a side (default: about
+//! eight a thread, so that all threads end together).
 
 use std::error::Error;
 use std::hint::black_box;
@@ -38,7 +38,7 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-/// Makes the set in three ways, in turn, and tells the shortest times.
+/// Makes the set in three ways, in turn, and prints the shortest times.
 fn compare(domain: Domain, along: u32, own: Boundary, rounds: u32) -> Outcome<()> {
     let single = ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut alone = f64::MAX;

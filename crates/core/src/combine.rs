@@ -1,16 +1,15 @@
-//! Combining: maximal sets that are already there, each in its rectangle of a layout, become one (paper, section
-//! 4.2). The two last stages do it, near the seams. It never makes a set and never moves a sample.
+//! Combining: existing maximal sets, each in its rectangle of a layout, become one (paper, section 4.2). The last two
+//! stages, elimination and insertion, are run near the seams. No sample is moved.
 //!
-//! *Each rectangle is covered by what its piece contributes*: the samples of its set in the rectangle enlarged by
-//! r, as far as the set goes on (paper, Theorem 3.1). A set that ends at the rectangle covers it without
-//! them. So all contributions together are maximal, and what elimination opens, detection closes, for the
-//! reasons given in [`crate::stages::detect`]. Samples of the margin yield to those of the rectangles
-//! they reach into ([`crate::Order::OwnBlockFirst`]): first they are a choice of places for what is lost at the
-//! seam, then they are gone.
+//! *Each rectangle is covered by what its piece contributes*: the samples of its set in the rectangle enlarged by r, as
+//! far as the set goes on (paper, Theorem 3.1). A set that ends at the rectangle covers it without them. So all
+//! contributions together are maximal, and detection finds all gaps that elimination opens, for the reasons given in
+//! [`crate::stages::detect`]. Samples of the margin yield to those of the rectangles they reach into
+//! ([`crate::Order::OwnBlockFirst`]), and fill places that lost samples leave at the seam.
 //!
-//! *Nothing farther than [`TOUCHED`] from all seams is touched*: conflicts are between samples of which one is in a
-//! margin, so that eliminated samples are at most 2r inside their rectangles; places that they covered are
-//! at most 3r inside, and a unit more where a set covers the lattice but not every place between.
+//! *Nothing farther than [`TOUCHED`] from all seams is touched*: in every conflict one sample is in a margin, so
+//! eliminated samples are at most 2r inside their rectangles; places that they covered are at most 3r inside, and a
+//! unit more where a set covers the lattice but not every place between.
 
 mod clip;
 pub mod file;
@@ -39,8 +38,8 @@ pub use staged::{Staged, combine_in_stages};
 /// The most pieces: their rectangles are compared with each other.
 pub const MAX_PIECES: usize = 4096;
 
-/// How far inside a rectangle a sample can be eliminated or inserted, in units: 3r and 4 units. Only sets from elsewhere
-/// that leave lattice points uncovered by a hair can receive a sample there that lies deeper.
+/// How far inside a rectangle a sample can be eliminated or inserted, in units: 3r and 4 units. Only a set from a file
+/// that leaves lattice points uncovered by a hair can receive a deeper sample.
 pub const TOUCHED: i32 = 3 * R + 4;
 
 /// A set and the rectangle of the result that it fills.
@@ -64,7 +63,7 @@ pub struct CombineOptions {
     pub order: Order,
     /// How gaps are filled.
     pub insertion: Insertion,
-    /// How far detectors look.
+    /// The search radius of detectors.
     pub search: Search,
 }
 
@@ -81,10 +80,10 @@ impl Default for CombineOptions {
 
 /// A sample that was eliminated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost {
+pub struct EliminatedSample {
     /// Where it was.
     pub point: Point,
-    /// The piece it was of.
+    /// Its piece.
     pub piece: u32,
     /// Its index in the piece's set.
     pub index: u32,
@@ -99,10 +98,10 @@ pub struct Combined {
     pub domain: Domain,
     /// The samples in canonical order.
     pub points: Vec<Point>,
-    /// Where each comes from: a piece (in the place of the block) and the index in its set, or an iteration.
+    /// The source of each: a piece (in place of the block) and the index in its set, or an iteration.
     pub sources: Vec<Source>,
-    /// What was eliminated, piece by piece and row by row.
-    pub eliminated: Vec<Lost>,
+    /// The eliminated samples, piece by piece and row by row.
+    pub eliminated: Vec<EliminatedSample>,
     /// The lines along which different sets meet.
     pub seams: Vec<Seam>,
     summary: Summary,
@@ -116,7 +115,7 @@ impl Combined {
         self.points.iter().map(user).collect()
     }
 
-    /// Returns the counts; blocks are the pieces, and tiled is what they contributed.
+    /// Returns the counts. Blocks are the pieces; tiled samples are those that they contributed.
     #[must_use]
     pub const fn summary(&self) -> &Summary {
         &self.summary
@@ -125,9 +124,9 @@ impl Combined {
 
 /// Returns the maximal set of `domain` that the pieces make, whose rectangles must partition it.
 ///
-/// The result is conflict-free and, with the complete search, maximal (covering radius at most (1 + 2^-15) r). It depends
-/// on nothing but the arguments: not on the number of threads. Uses the current rayon pool. Time beyond copying
-/// grows with the length of the seams. One periodic piece in its own domain comes back unchanged.
+/// The result is conflict-free and, with the complete search, maximal (covering radius at most (1 + 2^-15) r). It
+/// depends only on the arguments, not on the number of threads. Uses the current rayon pool. Time beyond copying grows
+/// with the length of the seams. One periodic piece in its own domain comes back unchanged.
 ///
 /// Fails when the rectangles do not partition the domain, a set ends inside its rectangle, the domain holds too many
 /// samples, or `observer` stops it.
@@ -176,7 +175,7 @@ fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineError> {
     layout::check(domain, pieces)
 }
 
-/// Puts what was glued and what was far from all seams together.
+/// Joins the samples near the seams and the others.
 fn gather(domain: Domain, pieces: &[Piece], glued: &Glued) -> Combined {
     let (points, sources) = in_order(glued);
     let eliminated = glued.eliminated();
@@ -230,7 +229,7 @@ pub enum CombineError {
     /// There is no piece.
     #[error("there are no pieces")]
     NoPieces,
-    /// More pieces than rectangles are compared.
+    /// There are too many pieces.
     #[error("there are {count} pieces; there may be at most {maximum}")]
     TooManyPieces {
         /// How many there are.

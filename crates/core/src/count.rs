@@ -1,5 +1,5 @@
-//! The radius that gives a wanted number of samples. It tries: an estimate from the density of
-//! maximal sets, corrected by what the runs really gave.
+//! Finds the radius that gives a wanted number of samples: starts with an estimate from the density of maximal sets and
+//! corrects it by the counts of actual runs.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const TOLERANCE: u64 = 100;
 /// varies; small ones are cheap.
 const MAX_TRIES: u32 = 64;
 
-/// Tries before the radius is spread: the count of a small set jumps as the radius moves.
+/// Tries before the radius is varied at random: the count of a small set jumps as the radius changes.
 const STRAIGHT_TRIES: u32 = 4;
 
 /// Samples that a closed border adds, as a width in radii by which it widens the domain.
@@ -48,8 +48,7 @@ pub fn radius_estimate(parameters: &Parameters, count: u64) -> Result<f64, Param
     Ok(radius.clamp(shortest, longest))
 }
 
-/// Returns what `attempt` makes with a radius for which it says that there are `count` samples, to
-/// within 1% or one sample.
+/// Returns the value that `attempt` makes with a radius for which it reports `count` samples, within 1% or one sample.
 ///
 /// `attempt` is called with one radius after the other. Fails as [`radius_estimate`] and as
 /// `attempt`, and when none of many radii gave the count.

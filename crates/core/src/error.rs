@@ -1,4 +1,4 @@
-//! Why a run ends without a result, and why parameters or patterns are refused: one variant per cause.
+//! Errors of runs, parameters and patterns, with one variant for each cause.
 
 mod parameters;
 mod pattern;
@@ -17,7 +17,7 @@ pub enum SampleError {
     /// The parameters cannot be sampled.
     #[error(transparent)]
     Parameters(#[from] ParameterError),
-    /// The pattern cannot serve.
+    /// The pattern cannot be used.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// A window of the parallel engine depends on too much around it.
@@ -25,13 +25,13 @@ pub enum SampleError {
         "a part of this set depends on more than {radii} r around it (the pattern leaves too many places uncovered); the sequential engine can make it"
     )]
     Entangled {
-        /// How far around it was looked, in radii.
+        /// The width of the widest halo, in radii.
         radii: f64,
     },
     /// The observer asked to stop.
     #[error("cancelled during stage \"{stage}\"")]
     Cancelled {
-        /// Where it was.
+        /// The stage that was running.
         stage: Stage,
     },
 }

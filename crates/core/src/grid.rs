@@ -1,25 +1,25 @@
-//! A uniform grid over the domain that answers "which samples are near this place?".
-//! It never decides anything: callers apply the exact predicate to what it hands them.
+//! A uniform grid over the domain that finds the samples near a place. Callers apply the exact predicate to the samples
+//! found.
 
 use crate::lattice::{Domain, Point};
 
 /// Cells have sides of 2^15 units, one radius.
 const CELL_BITS: u32 = 15;
 
-/// No entry.
+/// Stands for no entry.
 const NONE: u32 = u32::MAX;
 
-/// A sample as the grid hands it out.
+/// A sample found by the grid.
 #[derive(Clone, Copy, Debug)]
-pub struct Near {
+pub struct NearSample {
     /// The sample's id.
     pub id: u32,
-    /// Its offset from the place asked about, the shortest way around.
+    /// Its offset from the query's place, the shortest way around.
     pub offset: (i32, i32),
 }
 
 #[derive(Clone, Copy, serde::Serialize, serde::Deserialize)]
-struct Entry {
+struct GridEntry {
     point: Point,
     id: u32,
     next: u32,
@@ -31,7 +31,7 @@ pub struct SampleGrid {
     domain: Domain,
     columns: usize,
     first: Vec<u32>,
-    entries: Vec<Entry>,
+    entries: Vec<GridEntry>,
 }
 
 impl SampleGrid {
@@ -52,7 +52,7 @@ impl SampleGrid {
     /// Adds the sample `id` at `point`, which must lie in the domain.
     pub fn insert(&mut self, id: u32, point: Point) {
         let cell = (point.y >> CELL_BITS) as usize * self.columns + (point.x >> CELL_BITS) as usize;
-        let entry = Entry {
+        let entry = GridEntry {
             point,
             id,
             next: self.first[cell],
@@ -64,10 +64,14 @@ impl SampleGrid {
     /// Calls `visit` with every sample whose offset from `centre` is at most `reach` units on both
     /// axes, in no particular order, until `visit` returns `true`; returns whether it did.
     ///
-    /// `centre` may lie outside a bounded domain. In a periodic one a sample is handed out once,
-    /// with its shortest offset.
+    /// `centre` may lie outside a bounded domain. In a periodic one a sample is visited once, with its shortest offset.
     #[inline]
-    pub fn any_near(&self, centre: Point, reach: i32, mut visit: impl FnMut(Near) -> bool) -> bool {
+    pub fn any_near(
+        &self,
+        centre: Point,
+        reach: i32,
+        mut visit: impl FnMut(NearSample) -> bool,
+    ) -> bool {
         let rect = self.domain.rect();
         let periodic = self.domain.is_periodic();
         let (rows, row_spans) = spans(centre.y, reach, rect.max.y, periodic);
@@ -85,7 +89,7 @@ impl SampleGrid {
                             let offset = self.domain.difference(centre, entry.point);
                             if offset.0.abs() <= reach
                                 && offset.1.abs() <= reach
-                                && visit(Near {
+                                && visit(NearSample {
                                     id: entry.id,
                                     offset,
                                 })
@@ -139,7 +143,7 @@ pub(crate) fn spans(
     } else {
         (low, high - extent)
     };
-    // Two ranges that meet in one cell would hand its samples out twice.
+    // Two ranges that meet in one cell would visit its samples twice.
     if upper < 0 || cell(lower) >= cell(upper) {
         return all;
     }
@@ -155,7 +159,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(tilescope_tests::cases(64)))]
-        /// The grid hands out exactly the samples that a plain scan finds, each once.
+        /// The grid visits exactly the samples that a plain scan finds, each once.
         #[test]
         fn finds_what_a_scan_finds(
             seed: u64,

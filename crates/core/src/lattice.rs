@@ -1,6 +1,6 @@
-//! The integer lattice on which every decision is made, and the domain laid over it.
-//! This is the only file that converts between user space (`f64`) and lattice units (`i32`).
-//! It never decides anything about sampling beyond "does this sample cover that point".
+//! The integer lattice on which every decision is made, and the domain on it. This is the only file that converts
+//! between user space (`f64`) and lattice units (`i32`). It also has the one predicate of sampling: whether a sample
+//! covers a point.
 
 use crate::error::ParameterError;
 
@@ -26,8 +26,8 @@ pub const MIN_SIDE_RADII_PERIODIC: f64 = 10.0;
 /// longer small enough for the promised covering radius (see [`Domain::covering_bound`]).
 pub const MIN_SIDE_RADII_BOUNDED: f64 = 6.0;
 
-/// By how many units a bound may miss a lattice line and still be on it: 2^-10. Sums of a thousand lengths miss
-/// theirs by less.
+/// By how many units a bound may be off a lattice line and still count as on it: 2^-10. Sums of a thousand lengths are
+/// off by less.
 const EXACT_UNITS: f64 = 1.0 / 1024.0;
 
 /// A position in lattice units.
@@ -172,8 +172,8 @@ impl Domain {
         })
     }
 
-    /// Returns a domain of `width` x `height` lattice units whose user unit is one radius: what a
-    /// pattern lives in. The caller guarantees positive sides within the limits.
+    /// Returns a domain of `width` x `height` lattice units whose user unit is one radius: the domain of a pattern. The
+    /// caller guarantees positive sides within the limits.
     #[must_use]
     pub(crate) fn from_units(width: i32, height: i32, boundary: Boundary) -> Self {
         let size = [
@@ -189,8 +189,8 @@ impl Domain {
         }
     }
 
-    /// Returns the domain of radius 1 that has as many lattice points on each axis as `rect`: what a set
-    /// lives in that is made for that rectangle.
+    /// Returns the domain of radius 1 that has as many lattice points on each axis as `rect`: the domain of a set made
+    /// for that rectangle.
     ///
     /// Fails when the rectangle is too small or too large for a domain of its own.
     pub fn of_rect(rect: &Rect, boundary: Boundary) -> Result<Self, ParameterError> {
@@ -294,7 +294,7 @@ impl Domain {
         dx as i64 * dx as i64 + dy as i64 * dy as i64
     }
 
-    /// Returns whether a sample at `p` covers `x`: the one predicate that decides everything.
+    /// Returns whether a sample at `p` covers `x`: the predicate on which all decisions rest.
     #[inline]
     #[must_use]
     pub const fn covers(&self, p: Point, x: Point) -> bool {
@@ -314,9 +314,9 @@ impl Domain {
         ]
     }
 
-    /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, seen
-    /// from the plane: a periodic domain repeats without end, of a bounded one only what lies inside is
-    /// returned, its closed upper border with a window that ends there.
+    /// Returns the lattice rectangle of the samples with `low <= position < high` in user units, in the plane: a
+    /// periodic domain repeats without end, and a bounded one is cut at its borders. A window that ends at its upper
+    /// border includes that border.
     ///
     /// Fails when a side is not finite, not above 0 or longer than the domain's, or begins more than a thousand sides
     /// away.
@@ -356,10 +356,10 @@ impl Domain {
     }
 
     /// Returns the lattice rectangle of the points `low <= position < high` of the domain, in user units, with its
-    /// closed border where `high` reaches it. A bound that lies less than 2^-10 units above a lattice line
-    /// is on it, so that bounds that were added up give the rectangles that they mean.
+    /// closed border where `high` reaches it. A bound less than 2^-10 units above a lattice line counts as on it, so
+    /// that sums of lengths give the intended rectangles.
     ///
-    /// Bounds outside the domain, or no numbers, give a rectangle that ends at the border or is empty.
+    /// Bounds outside the domain, or NaN, give a rectangle that ends at the border or is empty.
     #[must_use]
     pub fn rect_from_user(&self, low: [f64; 2], high: [f64; 2]) -> Rect {
         let first = |position: f64, axis: usize| {
@@ -444,7 +444,7 @@ pub(crate) fn check_side(name: &'static str, side: f64) -> Result<(), ParameterE
 fn first_unit(position: f64, side: f64, units: i32) -> i64 {
     let unit = side / f64::from(units);
     let mut first = (position / unit).floor() as i64;
-    // As positions are computed, whose rounding the quotient does not share.
+    // Compare with positions as they are computed, since the quotient is rounded differently.
     while first as f64 * unit < position {
         first += 1;
     }
@@ -481,7 +481,7 @@ fn side_units(
         });
     }
     let mut units = (radii * f64::from(R)).floor();
-    // The quotient may have been rounded up: a unit must not be shorter than radius / R.
+    // The quotient may have been rounded up, but a unit must not be shorter than radius / R.
     while side / units * f64::from(R) < radius {
         units -= 1.0;
     }

@@ -1,8 +1,8 @@
 //! KDRT on an integer lattice: maximal Poisson-disk sets by randomized tiling (Wang and Suda,
 //! HPG 2017), defined so exactly that every engine gives the same points, bit for bit.
 //!
-//! Architecture invariant: the core knows no files, no clock, no window and no GPU, and no float
-//! takes part in a decision. Everything drawn is keyed by what it is drawn for.
+//! Architecture invariant: the core uses no files, no clock, no window and no GPU, and no float takes part in a
+//! decision. Every random draw is keyed by its purpose.
 
 mod circumcentre;
 pub mod combine;
@@ -24,11 +24,11 @@ mod stage;
 pub mod stages;
 mod whole_sets;
 
-/// The parts of the parallel engine that other engines of windows share: frames of cells, the blocks and
-/// pattern samples that reach into them, counts.
+/// The parts of the parallel engine that the GPU engine shares: frames of cells, the blocks and pattern samples that
+/// reach into them, counts.
 pub mod windows {
-    pub use crate::engine::parallel::clip::{CellPattern, Clipper, Placed, Rect64};
-    pub use crate::engine::parallel::counts::Counts;
+    pub use crate::engine::parallel::clip::{CellPattern, Clipper, PlacedBlock, Rect64};
+    pub use crate::engine::parallel::counts::WindowCounts;
     pub use crate::engine::parallel::frame::{CELL_BITS, Frame, PAD};
     pub use crate::engine::parallel::gaps::reach_cells;
     pub use crate::engine::parallel::plane::lost_reach;
@@ -41,7 +41,7 @@ pub use engine::parallel::plane::Plane;
 pub use engine::parallel::sweep::{Sweep, SweepState};
 pub use engine::sequential::{Sequential, sample, sample_recorded};
 pub use error::{ParameterError, PatternError, SampleError};
-pub use grid::{Near, SampleGrid};
+pub use grid::{NearSample, SampleGrid};
 pub use lattice::{
     Boundary, Domain, MAX_SIDE_RADII, MIN_SIDE_RADII_BOUNDED, MIN_SIDE_RADII_PERIODIC, Point, R,
     R_SQUARED, Rect, SIDE_LIMITS, Window, covers_offset,
@@ -50,7 +50,7 @@ pub use parameters::{
     Insertion, MAX_PATTERN_SIDE_RADII, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, MIN_LEAF_RADII,
     MIN_PATTERN_SIDE_RADII, Order, Parameters, PatternSpec, Search, Variant,
 };
-pub use pattern::{Pattern, Symmetry, Variant as PatternVariant};
+pub use pattern::{Pattern, PatternVariant, Symmetry};
 pub use progress::{Observer, Progress, Unobserved};
 pub use random::{Key, Stream, below, threefry2x32_20};
 pub use record::{Recorder, RunEvent, Unrecorded, Verdict};

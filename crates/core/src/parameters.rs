@@ -1,5 +1,5 @@
-//! What a run is made from, and the checks that refuse what cannot be made.
-//! Everything here is plain data that serialises; a run is a function of it and of its pattern.
+//! The parameters of a run, and their validation. Everything here is plain data that serialises; a run is a function of
+//! its parameters and its pattern.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +12,12 @@ pub const MIN_LEAF_RADII: f64 = 6.0;
 /// The shortest side of a pattern, in radii: as for a periodic domain.
 pub const MIN_PATTERN_SIDE_RADII: f64 = 10.0;
 
-/// The longest side of a generated pattern, in radii: 2.8 million samples. A larger one would cost
-/// more than the run that it is to speed up.
+/// The longest side of a generated pattern, in radii: 2.8 million samples. A larger one would cost more than the run
+/// that uses it.
 pub const MAX_PATTERN_SIDE_RADII: f64 = 2_000.0;
 
-/// The most samples that the sequential engine takes. Measured: 105 bytes a sample with its
-/// verification and export, which makes 21 GB.
+/// The most samples that the sequential engine accepts. Measured: 105 bytes a sample with its verification and export,
+/// which makes 21 GB.
 pub const MAX_SEQUENTIAL_SAMPLES: f64 = 2e8;
 
 /// Expected samples of a maximal set per squared radius of area (Ebeida et al. 2012; seen: 0.6960).
@@ -50,7 +50,7 @@ pub enum Insertion {
     Uniform,
 }
 
-/// How far a gap detector looks for the other two samples of a gap.
+/// The radius in which a gap detector searches for the other two samples of a gap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Search {
@@ -109,7 +109,7 @@ pub struct Parameters {
     pub seed: u64,
     /// Shortest edge of a building block, in radii.
     pub leaf: f64,
-    /// The pattern that blocks clip from; of no meaning when an engine is given another one.
+    /// The pattern that blocks clip from; ignored when an engine is given another one.
     pub pattern: PatternSpec,
     /// Whether each block clips from one of the pattern's 8 rotations and mirror images.
     pub dihedral: bool,
@@ -117,7 +117,7 @@ pub struct Parameters {
     pub order: Order,
     /// How gaps are filled.
     pub insertion: Insertion,
-    /// How far detectors look.
+    /// The search radius of detectors.
     pub search: Search,
     /// Staged, or as printed.
     pub variant: Variant,
@@ -144,15 +144,15 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// Returns the domain, or the first thing that is wrong with these parameters.
+    /// Returns the domain, or the first error in these parameters.
     pub fn validate(&self) -> Result<Domain, ParameterError> {
         let domain = Domain::from_size([self.width, self.height], self.radius, self.boundary)?;
         self.validate_but_radius()?;
         Ok(domain)
     }
 
-    /// Returns the domain as [`Self::validate`]; also refuses more samples than engines take that keep
-    /// every sample with its origin and fate, and the reference sampler.
+    /// Returns the domain like [`Self::validate`]. Also refuses more samples than the reference sampler and engines
+    /// that keep the origin and fate of every sample accept.
     pub fn validate_sequential(&self) -> Result<Domain, ParameterError> {
         let domain = self.validate()?;
         let samples = domain.area_radii() * MAXIMAL_DENSITY;
@@ -165,7 +165,7 @@ impl Parameters {
         Ok(domain)
     }
 
-    /// Returns the first thing that is wrong with these parameters whatever the radius.
+    /// Returns the first error in these parameters that does not depend on the radius.
     pub(crate) fn validate_but_radius(&self) -> Result<(), ParameterError> {
         for (name, side) in [("width", self.width), ("height", self.height)] {
             check_side(name, side)?;
@@ -194,9 +194,9 @@ impl Parameters {
 }
 
 impl Parameters {
-    /// Returns the side in radii of a pattern that would hold the largest block, where a periodic pattern is smaller: it then
-    /// repeats itself within blocks, which spectra show. None where the pattern is large enough, or bounded, since no block is
-    /// larger than a bounded pattern.
+    /// Returns the side in radii of a pattern that would hold the largest block, if the periodic pattern is smaller: it
+    /// then repeats within blocks, which shows in spectra. `None` if the pattern is large enough or bounded, since no
+    /// block is larger than a bounded pattern.
     ///
     /// ```
     /// use tilescope_core::Parameters;

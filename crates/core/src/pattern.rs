@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::lattice::{Domain, Point, Rect};
 
-/// A maximal set that blocks clip from. Patterns are equal when blocks clip the same from them,
-/// wherever they came from.
+/// A maximal set that blocks clip from. Patterns are equal if their samples and domains are equal, whatever their
+/// source.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pattern {
     domain: Domain,
@@ -29,7 +29,7 @@ pub struct Symmetry(pub u8);
 
 /// The pattern under one symmetry, row by row, ready to be clipped.
 #[derive(Clone, Debug)]
-pub struct Variant {
+pub struct PatternVariant {
     /// Lattice columns: the period in a periodic pattern.
     pub width: i32,
     /// Lattice rows.
@@ -44,7 +44,7 @@ impl Pattern {
     /// Returns the pattern of samples in canonical order that need no check.
     pub(crate) fn of_samples(domain: &Domain, samples: Vec<Point>, covers_lattice: bool) -> Self {
         Self {
-            // Blocks see lattice units only; the user's unit ends here.
+            // Blocks use lattice units only, so the user's unit is dropped here.
             domain: Domain::from_units(domain.width(), domain.height(), domain.boundary()),
             samples,
             covers_lattice,
@@ -70,7 +70,7 @@ impl Pattern {
 
     /// Returns the pattern under `symmetry`.
     #[must_use]
-    pub fn variant(&self, symmetry: Symmetry) -> Variant {
+    pub fn variant(&self, symmetry: Symmetry) -> PatternVariant {
         let extent = self.domain.rect().max;
         let map = |p: Point| {
             let x = if symmetry.0 & 1 == 0 {
@@ -101,7 +101,7 @@ impl Pattern {
         } else {
             Point::new(extent.y, extent.x)
         };
-        Variant {
+        PatternVariant {
             width: far.x,
             height: far.y,
             periodic: self.domain.is_periodic(),
@@ -110,7 +110,7 @@ impl Pattern {
     }
 }
 
-impl Variant {
+impl PatternVariant {
     /// Calls `place` with the offset from the clip's corner and the pattern index of every sample
     /// in the `width` x `height` rectangle that starts at `start`, repeating a periodic pattern.
     pub fn clip(

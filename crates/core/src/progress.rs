@@ -1,19 +1,18 @@
-//! How a run tells where it is and is asked to stop. It knows neither clocks nor threads: whoever
-//! observes measures time and carries the answer across threads.
+//! Progress reports and cancellation of a run. Clocks and threads are left to the observer.
 
 use std::ops::ControlFlow;
 
 use crate::error::SampleError;
 use crate::stage::Stage;
 
-/// Where a run is: `done` of `total` pieces of work of `stage`.
+/// The progress of a run: `done` of `total` pieces of work of `stage`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// The stage at work.
+    /// The current stage.
     pub stage: Stage,
     /// Pieces done; 0 when the stage begins, `total` when it has ended.
     pub done: u64,
-    /// Pieces in all; an estimate where the stage cannot know.
+    /// Pieces in all; an estimate if the stage does not know.
     pub total: u64,
 }
 
@@ -43,7 +42,7 @@ impl Observer for Unobserved {
 /// Pieces of work between two calls of an observer.
 const STRIDE: u64 = 1 << 14;
 
-/// Counts the pieces of one stage and asks the observer now and then.
+/// Counts the pieces of one stage and calls the observer at intervals.
 pub(crate) struct Meter<'a> {
     observer: &'a mut dyn Observer,
     progress: Progress,
@@ -58,7 +57,7 @@ impl<'a> Meter<'a> {
         Self::resume(observer, stage, 0, total)
     }
 
-    /// Goes on with a stage of which `done` pieces are done.
+    /// Continues a stage of which `done` pieces are done.
     pub(crate) fn resume(
         observer: &'a mut dyn Observer,
         stage: Stage,
@@ -76,7 +75,7 @@ impl<'a> Meter<'a> {
         self.progress.total = total;
     }
 
-    /// One piece is done.
+    /// Counts one piece.
     #[inline]
     pub(crate) fn tick(&mut self) -> Result<(), SampleError> {
         self.progress.done += 1;

@@ -2,7 +2,7 @@
 //! No generator state exists, so no draw depends on the order in which draws are made: any block,
 //! cell or candidate can be visited alone, on any thread or device.
 
-/// What a draw is for. Each stream of one key is independent of the others.
+/// The purpose of a draw. The streams of a key are independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Stream {

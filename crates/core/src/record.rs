@@ -1,17 +1,16 @@
-//! What a run does, event by event, for whoever records it. A recorder hears of everything and
-//! changes nothing; the one that hears nothing, [`Unrecorded`], costs nothing, since engines ask
-//! [`Recorder::ENABLED`] before they gather what only a recording needs.
+//! Events of a run, for recorders. A recorder does not change the run. [`Unrecorded`] costs nothing, since engines
+//! check [`Recorder::ENABLED`] before they gather data that only a recording needs.
 
 use crate::lattice::Point;
 use crate::samples::Sites;
 use crate::stage::Stage;
 
-/// What became of a place that was examined.
+/// The result of examining a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Verdict {
     /// It lies in a gap.
     Accepted,
-    /// It is farther from its detector than detection reaches.
+    /// It is farther from its detector than the reach of detection.
     TooFar,
     /// It lies outside a bounded domain.
     Outside,
@@ -27,7 +26,7 @@ pub enum Verdict {
     },
 }
 
-/// One thing that a run does.
+/// An event of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunEvent {
     /// A stage begins.
@@ -62,7 +61,7 @@ pub enum RunEvent {
     Take {
         /// Its id.
         sample: u32,
-        /// Whether it is still valid, so that its turn counts.
+        /// Whether it is still valid.
         valid: bool,
     },
     /// A sample is kept.
@@ -92,7 +91,7 @@ pub enum RunEvent {
     Mark {
         /// Its id.
         sample: u32,
-        /// The eliminated, dropped or inserted sample because of which it does.
+        /// The eliminated, dropped or inserted sample that is the reason.
         because: u32,
     },
     /// An iteration of detection and insertion begins.
@@ -111,9 +110,9 @@ pub enum RunEvent {
     Search {
         /// The sample in the middle.
         centre: u32,
-        /// How far the search goes, in units.
+        /// The radius of the search, in units.
         radius: i32,
-        /// How many it finds, the middle included where it is valid.
+        /// How many it finds, including the middle one if that is valid.
         found: u32,
     },
     /// A detector's neighbours prove that it has no gap.
@@ -121,14 +120,14 @@ pub enum RunEvent {
         /// The detector.
         sample: u32,
     },
-    /// Gaps are looked for between a sample and all pairs of the test buffer.
+    /// Gaps are searched between a sample and all pairs of the test buffer.
     Call {
         /// That sample.
         pivot: u32,
-        /// The iteration for which places are looked for.
+        /// The iteration.
         iteration: u32,
     },
-    /// The pairs of the test buffer are about to be gone through.
+    /// The pairs of the test buffer are about to be examined.
     Pairs {
         /// The sample that is one of every three.
         pivot: u32,
@@ -143,7 +142,7 @@ pub enum RunEvent {
         sites: Sites,
         /// The place as an offset from the detector, clamped to 32 bits.
         offset: [i32; 2],
-        /// What became of it.
+        /// The result of the examination.
         verdict: Verdict,
     },
     /// The candidates of an iteration are put in order.
@@ -151,7 +150,7 @@ pub enum RunEvent {
         /// How many there are.
         candidates: u32,
     },
-    /// A candidate is passed over, since a sample inserted before it covers it.
+    /// A candidate is skipped, since a sample inserted before it covers it.
     Pass {
         /// The place.
         point: Point,
@@ -169,9 +168,9 @@ pub enum RunEvent {
     Dart {
         /// Where it lands.
         point: Point,
-        /// Whether it was sorted by rank: it is then taken in its turn.
+        /// Whether it was sorted by rank, to be examined again in that order.
         ranked: bool,
-        /// What became of it.
+        /// The result of the examination.
         verdict: Verdict,
     },
     /// An active cell is cut in four.
@@ -197,16 +196,16 @@ pub enum RunEvent {
     },
 }
 
-/// Hears what a run does.
+/// Receives the events of a run.
 pub trait Recorder {
-    /// Whether anything is heard at all.
+    /// Whether events are wanted at all.
     const ENABLED: bool = true;
 
     /// Called at every event, in sequence. Samples that an event names exist by then.
     fn record(&mut self, run_event: RunEvent);
 }
 
-/// The recorder that hears nothing.
+/// The recorder that ignores all events.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unrecorded;
 

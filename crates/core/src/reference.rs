@@ -1,6 +1,5 @@
-//! The reference sampler: maximal Poisson-disk sets from scratch (Ebeida et al. 2012), on the
-//! lattice. It is the quality yardstick, the baseline of every speed claim, and what makes
-//! patterns. It never uses tiling.
+//! The reference sampler: maximal Poisson-disk sets from scratch (Ebeida et al. 2012), on the lattice. It is the
+//! reference for quality, the baseline for speed, and makes the patterns. It does not use tiling.
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
@@ -11,10 +10,9 @@ use crate::stages::darts::DartProcess;
 
 /// Returns a maximal Poisson-disk set of `domain` in canonical order.
 ///
-/// No two samples cover each other, and *no lattice point* of the domain is uncovered, which is
-/// stricter than what KDRT promises. Equal seeds and domains give equal sets. Fails only when
-/// `observer` stops it; progress is
-/// told as [`Stage::Iterate`], an iteration a throw.
+/// No two samples cover each other, and *no lattice point* of the domain is uncovered, which is stricter than what KDRT
+/// promises. Equal seeds and domains give equal sets. Fails only when `observer` stops it; progress is reported as
+/// [`Stage::Iterate`], one iteration for each throw.
 pub fn reference_sample(
     domain: Domain,
     seed: u64,

@@ -1,6 +1,5 @@
-//! A run: everything that was made from the parameters, stage by stage. Since samples keep their
-//! origin and fate, the state after any stage can be read from the finished run.
-//! It holds data and answers questions; engines fill it.
+//! A run: the data of all stages, filled by an engine. Since samples keep their origin and fate, the state after any
+//! stage can be read from the finished run.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,13 +16,12 @@ use crate::stages::detect::Candidate;
 use crate::stages::disks::Cell;
 use crate::stages::tile::Tile;
 
-/// What one iteration of detection and insertion saw and did.
+/// The data of one iteration of detection and insertion.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Iteration {
-    /// Ids of the gap detectors; none with uniform insertion.
+    /// Ids of the gap detectors; empty with uniform insertion.
     pub detectors: Vec<u32>,
-    /// The candidates, by place; none with uniform insertion and in Algorithm 4 as printed, which
-    /// insert at once.
+    /// The candidates, by place; empty with uniform insertion and in Algorithm 4 as printed, which insert at once.
     pub candidates: Vec<Candidate>,
     /// The active cells of uniform insertion.
     pub cells: Vec<Cell>,
@@ -31,7 +29,7 @@ pub struct Iteration {
     pub inserted: Range<u32>,
 }
 
-/// How a sample stands after a stage.
+/// The status of a sample after a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
     /// It does not exist yet.
@@ -52,7 +50,7 @@ pub enum Standing {
 /// A run in progress or finished.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Run {
-    /// What it is made from.
+    /// The parameters.
     pub parameters: Parameters,
     /// The domain on the lattice.
     pub domain: Domain,
@@ -68,7 +66,7 @@ pub struct Run {
     pub iterations: Vec<Iteration>,
     /// Ids of the result in canonical order; empty before [`Stage::Finish`].
     pub result: Vec<u32>,
-    /// The counts of a run that kept nothing but its result ([`crate::Sweep::run`]).
+    /// The counts of a run that kept only its result ([`crate::Sweep::run`]).
     pub counted: Option<Summary>,
 }
 
@@ -90,8 +88,8 @@ pub struct Summary {
 }
 
 impl Run {
-    /// Returns a finished run that knows its blocks, its result and its counts, of samples in canonical order with their
-    /// sources: no sample that was eliminated, no iteration, no sites. Ids follow the canonical order.
+    /// Returns a finished run of given samples in canonical order with their sources. It has its blocks, its result and
+    /// its counts, but no eliminated samples, iterations and sites. Ids follow the canonical order.
     ///
     /// Fails when the parameters cannot be sampled.
     pub fn of_result(
@@ -153,7 +151,7 @@ impl Run {
         self.result.iter().map(user).collect()
     }
 
-    /// Returns the stages that have run, in their sequence.
+    /// Returns the stages that have run, in order.
     #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
         let mut stages = Vec::with_capacity(5 + self.iterations.len());
@@ -177,8 +175,8 @@ impl Run {
         stages
     }
 
-    /// Returns how sample `id` stood after `stage`. In Algorithm 4 as printed the samples of iteration 1
-    /// are there after [`Stage::Eliminate`] already, since that loop inserts them.
+    /// Returns the status of sample `id` after `stage`. In Algorithm 4 as printed the samples of iteration 1 are there
+    /// after [`Stage::Eliminate`] already, since that loop inserts them.
     #[must_use]
     pub fn standing(&self, id: u32, stage: Stage) -> Standing {
         match self.samples.origins[id as usize] {

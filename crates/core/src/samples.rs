@@ -1,10 +1,10 @@
-//! Samples as plain data: where each comes from and what became of it, in a run that keeps all of them and in one that
-//! keeps its result only. Stages and engines fill it.
+//! Samples as plain data: with origins and fates in a run that keeps all of them, with sources in one that keeps only
+//! its result.
 
 use crate::lattice::Point;
 
-/// The samples that make a candidate. The lowest of several such sets is recorded; ids are of one run,
-/// but the sequence of samples that they stand for is the same in every run over the same plane.
+/// The samples that make a candidate. The lowest of several such sets is recorded. Ids are those of one run, but the
+/// order of the samples that they stand for is the same in every run over the same plane.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -15,13 +15,13 @@ pub enum Sites {
     Border([u32; 2]),
     /// A corner of the domain, found by one sample.
     Corner(u32),
-    /// A dart: no samples are concerned.
+    /// A dart, which is not made by samples.
     Dart,
     /// The engine did not keep them.
     Unrecorded,
 }
 
-/// Where a sample comes from.
+/// The source of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Origin {
     /// Clipped from the pattern.
@@ -42,7 +42,7 @@ pub enum Origin {
     },
 }
 
-/// What became of a sample.
+/// The fate of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Fate {
     /// Elimination has not run yet.
@@ -58,8 +58,8 @@ pub enum Fate {
     Dropped,
 }
 
-/// All samples that ever were, by id: tiled ones block by block and row by row, then inserted ones
-/// in the sequence of their insertion.
+/// All samples, including eliminated ones, by id: tiled ones block by block and row by row, then inserted ones in the
+/// order of their insertion.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Samples {
     /// Positions.
@@ -84,14 +84,14 @@ impl Samples {
         self.points.len()
     }
 
-    /// Returns whether there are none.
+    /// Returns whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 }
 
-/// Where a sample comes from.
+/// The source of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// Clipped from the pattern.
@@ -113,6 +113,6 @@ pub enum Source {
 pub struct Sampled {
     /// Positions.
     pub points: Vec<Point>,
-    /// Where each comes from, if that was asked for.
+    /// The source of each, if wanted.
     pub sources: Option<Vec<Source>>,
 }

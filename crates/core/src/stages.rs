@@ -1,5 +1,4 @@
-//! The stages as functions over plain data, one file each, in the paper's order. Engines schedule
-//! them; they never schedule themselves.
+//! The stages as functions over plain data, one file each, in the paper's order. Engines call them.
 
 pub mod blocks;
 pub mod darts;

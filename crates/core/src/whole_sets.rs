@@ -1,5 +1,5 @@
-//! Patterns of whole sets: what [`crate::combine`] glues. Sets that this program made
-//! need no check; all others are checked.
+//! Patterns of whole sets, which [`crate::combine`] glues. Sets that this program made need no check; all others are
+//! checked.
 
 use crate::engine::parallel::sweep::Sweep;
 use crate::engine::sequential::Sequential;
@@ -37,8 +37,8 @@ impl Pattern {
         Ok(Self::of_samples(&domain, samples, true))
     }
 
-    /// Returns the set of a run of `parameters` by randomized tiling that clips from `pattern`. It is checked where it
-    /// was searched for gaps within 2r only.
+    /// Returns the set of a run of `parameters` by randomized tiling that clips from `pattern`. With
+    /// [`crate::Search::TwoRadii`] it is checked for gaps.
     ///
     /// Fails as the run, and with [`PatternError::NotMaximal`] when that check finds a gap.
     pub fn of_run(

@@ -1,7 +1,7 @@
 //! The plan of a window: the frame around it, the blocks that reach it, and the length of every buffer. Plans need no
 //! device.
 
-use tilescope_core::windows::{Frame as CoreFrame, PAD, Placed};
+use tilescope_core::windows::{Frame as CoreFrame, PAD, PlacedBlock};
 use tilescope_core::{Point, R, Rect, SampleError};
 
 use crate::constants::{SCAN_PART, TILE_SIDE, TILE_WORDS, WORKGROUP};
@@ -62,7 +62,7 @@ pub(crate) struct WindowPlan {
     pub frame: CoreFrame,
     pub uniform: Frame,
     /// The images of blocks, as core has them and, in the same order, as shaders do.
-    pub placed: Vec<Placed>,
+    pub placed: Vec<PlacedBlock>,
     pub images: Vec<Image>,
     pub pieces: Vec<[u32; 4]>,
 }
@@ -202,12 +202,12 @@ pub(crate) fn lengths(frame: &Frame, sources: bool, by: bool) -> Vec<(Name, u64)
     lengths
 }
 
-fn enlarged(block: &Placed) -> tilescope_core::windows::Rect64 {
+fn enlarged(block: &PlacedBlock) -> tilescope_core::windows::Rect64 {
     block.rect.grown(R.into(), R.into())
 }
 
 /// Returns an image as shaders see it, or `None` where it does not reach the target.
-fn image(setup: &Setup, block: &Placed, target: &Rect) -> Option<Image> {
+fn image(setup: &Setup, block: &PlacedBlock, target: &Rect) -> Option<Image> {
     let clip = enlarged(block).within(target)?;
     let shape = &setup.clipper.variants()[usize::from(block.symmetry)].shape;
     let corner = block.rect.min.map(|v| v - i64::from(R));

@@ -8,7 +8,7 @@ use tilescope_core::stages::blocks::split;
 use tilescope_core::stages::detect::{Candidate, Sites};
 use tilescope_core::stages::disks::Cell;
 use tilescope_core::stages::tile::Tile;
-use tilescope_core::windows::{CELL_BITS, Placed};
+use tilescope_core::windows::{CELL_BITS, PlacedBlock};
 use tilescope_core::{
     Fate, Insertion, Iteration, Origin, Pattern, Point, R, Run, Samples, Stage, Symmetry,
 };
@@ -345,7 +345,7 @@ fn cells(work: &WindowRun, k: u32, active: &[u8], before: Option<&Iteration>) ->
 }
 
 /// Returns the tiles of all blocks.
-fn tiles(placed: &[Placed], tiled: &[Tiled]) -> Vec<Tile> {
+fn tiles(placed: &[PlacedBlock], tiled: &[Tiled]) -> Vec<Tile> {
     let starts: BTreeMap<u32, (Point, u8)> = placed
         .iter()
         .map(|block| (block.index, (block.start, block.symmetry)))

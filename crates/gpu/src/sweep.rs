@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use tilescope_core::windows::Counts;
+use tilescope_core::windows::WindowCounts;
 use tilescope_core::{
     Domain, Observer, Parameters, Pattern, Point, Progress, R, Rect, Run, SampleError, Sampled,
     Stage, Summary, SweepState,
@@ -51,7 +51,7 @@ pub struct GpuSweep {
     side: u32,
     /// Rows of cells that have been computed.
     done: u32,
-    counts: Counts,
+    counts: WindowCounts,
     count: u64,
     /// Buffers of the previous window.
     idle: Option<Device>,
@@ -82,7 +82,7 @@ impl GpuSweep {
                 .map_or(HALO, |halo| halo.clamp(1, HALO as u32) as i32),
             side,
             done: 0,
-            counts: Counts::default(),
+            counts: WindowCounts::default(),
             count: 0,
             idle: None,
         })

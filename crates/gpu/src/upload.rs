@@ -134,7 +134,7 @@ fn tiled(work: &WindowRun, run: &Run) -> Vec<TiledWords> {
 }
 
 /// Returns the offsets of a whole block's clip, row first, sorted.
-fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::Placed) -> Vec<(i64, i64)> {
+fn clip_of(work: &WindowRun, placed: &tilescope_core::windows::PlacedBlock) -> Vec<(i64, i64)> {
     let clipper = &work.setup.clipper;
     let mut moved = *placed;
     // Relative to its own corner a block fits 32 bits; longer ones are refused earlier, as too large to run in one go.

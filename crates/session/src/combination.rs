@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tilescope_core::combine::file::{Layout, LayoutError, PieceError, Placed, Source};
+use tilescope_core::combine::file::{Layout, LayoutError, PieceError, PieceSource, PlacedLayout};
 use tilescope_core::combine::{CombineError, Seam};
 use tilescope_core::{Domain, Rect, SampleError, Stage};
 
@@ -59,7 +59,7 @@ impl Combination {
     pub fn of(
         layout: Layout,
         stated: Value,
-        placed: &Placed,
+        placed: &PlacedLayout,
         seams: Vec<Seam>,
         band: Vec<Rect>,
     ) -> Self {
@@ -163,6 +163,6 @@ impl CombinationError {
     }
 }
 
-fn is_file(source: &Source) -> bool {
-    matches!(source, Source::File { .. })
+fn is_file(source: &PieceSource) -> bool {
+    matches!(source, PieceSource::File { .. })
 }

@@ -6,7 +6,7 @@ mod progress;
 mod saved;
 
 use serde::{Deserialize, Serialize};
-use tilescope_core::combine::file::{Layout, Placed, Set, Source};
+use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
 use tilescope_core::combine::{Piece, Seam, combine, combine_in_stages};
 use tilescope_core::{Pattern, Run};
 
@@ -92,12 +92,12 @@ pub fn make(
 
 /// Makes or reads all sets, on all threads at once.
 fn pieces(
-    placed: &Placed,
+    placed: &PlacedLayout,
     files: &Files<'_>,
     monitor: &Monitor,
 ) -> Result<Vec<Piece>, CombinationError> {
     let sets = Sets::new(monitor, placed.places.len());
-    let make = |source: &Source| {
+    let make = |source: &PieceSource| {
         let mut observer = OneSet::of(source, &sets);
         set(source, files, monitor, &mut observer)
     };
@@ -106,18 +106,18 @@ fn pieces(
 }
 
 fn set(
-    source: &Source,
+    source: &PieceSource,
     files: &Files<'_>,
     monitor: &Monitor,
     observer: &mut OneSet<'_>,
 ) -> Result<Set, CombinationError> {
     match source {
-        Source::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
-        Source::Run { parameters, .. } => {
+        PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, observer)?),
+        PieceSource::Run { parameters, .. } => {
             let pattern = Pattern::of_spec(&parameters.pattern, observer)?;
             Ok(Set::of_run(parameters, &pattern, observer)?)
         }
-        Source::File { path, .. } => files.set(source, monitor).unwrap_or_else(|| {
+        PieceSource::File { path, .. } => files.set(source, monitor).unwrap_or_else(|| {
             let path = path.clone();
             Err(CombinationError::NoFiles { path })
         }),

@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 use tilescope_analysis::Region;
 use tilescope_core::combine::Piece;
-use tilescope_core::combine::file::{PieceError, Place, Placed, Set, Source};
+use tilescope_core::combine::file::{PieceError, PieceSource, PlacedLayout, PlacedPiece, Set};
 use tilescope_core::{Boundary, Pattern, Progress};
 
 use crate::interrupt;
@@ -39,18 +39,19 @@ pub struct Census {
 }
 
 impl Census {
-    fn new(places: &[Place], folder: &Path, seconds: f64) -> Self {
-        let count =
-            |test: fn(&Source) -> bool| places.iter().filter(|place| test(&place.source)).count();
+    fn new(places: &[PlacedPiece], folder: &Path, seconds: f64) -> Self {
+        let count = |test: fn(&PieceSource) -> bool| {
+            places.iter().filter(|place| test(&place.source)).count()
+        };
         Self {
             sources: places
                 .iter()
                 .map(|place| told(&place.source, folder))
                 .collect(),
             seconds,
-            files: count(|source| matches!(source, Source::File { .. })),
-            runs: count(|source| matches!(source, Source::Run { .. })),
-            references: count(|source| matches!(source, Source::Reference { .. })),
+            files: count(|source| matches!(source, PieceSource::File { .. })),
+            runs: count(|source| matches!(source, PieceSource::Run { .. })),
+            references: count(|source| matches!(source, PieceSource::Reference { .. })),
         }
     }
 
@@ -75,16 +76,18 @@ impl fmt::Display for Census {
 }
 
 /// Returns how a source is told of.
-fn told(source: &Source, folder: &Path) -> Value {
+fn told(source: &PieceSource, folder: &Path) -> Value {
     match source {
-        Source::File { path, .. } => json!({ "file": folder.join(path).display().to_string() }),
-        Source::Run { parameters, .. } => json!({ "method": "kdrt", "seed": parameters.seed }),
-        Source::Reference { seed, .. } => json!({ "method": "reference", "seed": seed }),
+        PieceSource::File { path, .. } => {
+            json!({ "file": folder.join(path).display().to_string() })
+        }
+        PieceSource::Run { parameters, .. } => json!({ "method": "kdrt", "seed": parameters.seed }),
+        PieceSource::Reference { seed, .. } => json!({ "method": "reference", "seed": seed }),
     }
 }
 
 /// Makes all pieces of a layout; files are relative to `folder`.
-pub fn make(placed: &Placed, folder: &Path) -> Result<Pieces> {
+pub fn make(placed: &PlacedLayout, folder: &Path) -> Result<Pieces> {
     let began = Instant::now();
     let bar = Bar::new("pieces");
     let (done, total) = (AtomicU64::new(0), placed.places.len() as u64);
@@ -104,10 +107,10 @@ pub fn make(placed: &Placed, folder: &Path) -> Result<Pieces> {
     })
 }
 
-fn set(source: &Source, folder: &Path) -> Result<Set> {
+fn set(source: &PieceSource, folder: &Path) -> Result<Set> {
     let mut observer = |_: Progress| -> ControlFlow<()> { interrupt::flow() };
     match source {
-        Source::File {
+        PieceSource::File {
             path,
             radius,
             size,
@@ -116,8 +119,8 @@ fn set(source: &Source, folder: &Path) -> Result<Set> {
             let path = folder.join(path);
             file(&path, *radius, *size, *boundary).with_context(|| path.display().to_string())
         }
-        Source::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, &mut observer)?),
-        Source::Run { parameters, .. } => {
+        PieceSource::Reference { seed, own } => Ok(Set::of_reference(*own, *seed, &mut observer)?),
+        PieceSource::Run { parameters, .. } => {
             let pattern = Pattern::of_spec(&parameters.pattern, &mut observer)?;
             Ok(Set::of_run(parameters, &pattern, &mut observer)?)
         }

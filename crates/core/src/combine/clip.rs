@@ -1,5 +1,5 @@
-//! What a piece contributes: the samples of its set in its rectangle, and in the margin of r around it as far as
-//! the set goes on. It never looks at another piece's samples.
+//! The contribution of a piece: the samples of its set in its rectangle, and in the margin of r around it if the set
+//! extends there. Samples of other pieces are not considered.
 
 use rayon::prelude::*;
 
@@ -10,10 +10,10 @@ use crate::pattern::Symmetry;
 
 /// A piece's contribution.
 pub(super) struct Clip {
-    /// Samples in the margin and near it, by y, then x, each with its index in the set. Places are the result's, where they
-    /// are before a periodic domain wraps.
+    /// Samples in the margin and near it, by y, then x, each with its index in the set. Places are in the result,
+    /// before a periodic domain wraps them.
     pub near: Vec<(i64, i64, u32)>,
-    /// Samples deeper inside than what was asked for.
+    /// Samples deeper inside.
     pub deep: Vec<(Point, u32)>,
 }
 
@@ -26,7 +26,7 @@ pub(super) fn clips(domain: &Domain, pieces: &[Piece], reach: i32) -> Vec<Clip> 
 
 fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let (rect, variant) = (piece.rect, piece.set.variant(Symmetry(0)));
-    let twins = twins(domain, pieces, piece);
+    let continuations = continuations(domain, pieces, piece);
     let (min, sides) = (rect.min, [rect.width(), rect.height()]);
     let x = Margined::new(
         min.x,
@@ -46,12 +46,12 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     let start = Point::new(x.start, y.start);
     variant.clip(start, x.length, y.length, |right, up, index| {
         let (x, y) = (x.corner + i64::from(right), y.corner + i64::from(up));
-        // What 32 bits cannot hold lies in a margin.
+        // Only samples of a margin may exceed 32 bits.
         let point = Point::new(x as i32, y as i32);
         let own = (i64::from(point.x), i64::from(point.y)) == (x, y) && rect.contains(point);
         if own && rect.depth(point) > reach {
             deep.push((point, index));
-        } else if own || !twins.iter().any(|twin| twin.contains(x, y)) {
+        } else if own || !continuations.iter().any(|other| other.contains(x, y)) {
             near.push((y, x, index));
         }
     });
@@ -63,11 +63,11 @@ fn clip(domain: &Domain, pieces: &[Piece], piece: &Piece, reach: i32) -> Clip {
     }
 }
 
-/// One axis of a rectangle that is enlarged by r on both ends, as far as the set goes.
+/// One axis of a rectangle that is enlarged by r on both ends, as far as the set extends.
 struct Margined {
-    /// Where it begins in the set.
+    /// Its start in the set.
     start: i32,
-    /// Where it begins in the result.
+    /// Its start in the result.
     corner: i64,
     /// Its length.
     length: i32,
@@ -91,22 +91,22 @@ impl Margined {
     }
 }
 
-/// A rectangle of the plane.
-struct Twin {
+/// A rectangle of the plane in which the same set continues.
+struct Continuation {
     min: [i64; 2],
     max: [i64; 2],
 }
 
-impl Twin {
+impl Continuation {
     fn contains(&self, x: i64, y: i64) -> bool {
         (self.min[0]..self.max[0]).contains(&x) && (self.min[1]..self.max[1]).contains(&y)
     }
 }
 
-/// Returns the rectangles around a piece in which the set goes on as it is: there the piece's margin
-/// would only repeat samples that are there.
-fn twins(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Twin> {
-    let mut twins = Vec::new();
+/// Returns the rectangles around a piece in which the same set continues unchanged. There the piece's margin would only
+/// repeat existing samples.
+fn continuations(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Continuation> {
+    let mut continuations = Vec::new();
     let periodic = domain.is_periodic();
     let shifts = |side: i32| {
         let side = i64::from(side);
@@ -119,7 +119,7 @@ fn twins(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Twin> {
                 let itself = std::ptr::eq(other, piece) && dx == 0 && dy == 0;
                 if !itself && continues(piece, other, [dx, dy]) {
                     let (min, max) = (other.rect.min, other.rect.max);
-                    twins.push(Twin {
+                    continuations.push(Continuation {
                         min: [i64::from(min.x) + dx, i64::from(min.y) + dy],
                         max: [i64::from(max.x) + dx, i64::from(max.y) + dy],
                     });
@@ -127,5 +127,5 @@ fn twins(domain: &Domain, pieces: &[Piece], piece: &Piece) -> Vec<Twin> {
             }
         }
     }
-    twins
+    continuations
 }

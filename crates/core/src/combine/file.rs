@@ -1,5 +1,5 @@
-//! Layouts as files have them: JSON that places pieces side by side, its limits, and the rectangles and sets that it
-//! means. It opens no file; sets from files are read by whoever has files.
+//! Layouts in files: JSON that places pieces side by side, its limits, and the rectangles and sets that it describes.
+//! Opens no file; sets from files are read by the caller.
 
 mod entry;
 mod error;
@@ -11,14 +11,14 @@ use super::{CombineError, CombineOptions, MAX_PIECES, check_rects};
 use crate::lattice::{Boundary, Domain, Rect};
 use crate::parameters::{Insertion, MAX_SEQUENTIAL_SAMPLES, MAXIMAL_DENSITY, Order};
 
-pub use entry::{Entry, Source};
+pub use entry::{PieceEntry, PieceSource};
 pub use error::LayoutError;
 pub use set::{PieceError, Set};
 
-/// The version of layouts that is read.
+/// The supported version of layouts.
 pub const VERSION: u32 = 1;
 
-/// The longest layout, in bytes: as many pieces as there may be take a quarter of it.
+/// The longest layout, in bytes. The largest number of pieces takes a quarter of it.
 pub const MAX_LAYOUT_BYTES: u64 = 1 << 20;
 
 /// A layout, as its file has it.
@@ -54,14 +54,14 @@ pub struct Layout {
     order: Order,
     #[serde(default)]
     insertion: Insertion,
-    pieces: Vec<Entry>,
+    pieces: Vec<PieceEntry>,
 }
 
 const fn one() -> u64 {
     1
 }
 
-/// Read before the rest, so that a layout of another version is named as such.
+/// Read before the rest, so that a layout of another version is reported as such.
 #[derive(Deserialize)]
 struct Version {
     version: u32,
@@ -69,23 +69,23 @@ struct Version {
 
 /// A piece's rectangle and source.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct PlacedPiece {
     /// Its rectangle in the result.
     pub rect: Rect,
     /// Where its set comes from.
-    pub source: Source,
-    /// The place of the set on the rectangle's lowest corner, in the set's units.
+    pub source: PieceSource,
+    /// The place of the set that lies on the rectangle's lowest corner, in the set's units.
     pub offset: [f64; 2],
 }
 
-/// What a layout means.
+/// A layout with its rectangles and sources computed.
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub struct PlacedLayout {
     /// The result's domain.
     pub domain: Domain,
     /// The pieces; their rectangles partition the domain.
-    pub places: Vec<Place>,
-    /// About how many samples will be made: the result's, and those of runs of their own size.
+    pub places: Vec<PlacedPiece>,
+    /// About how many samples will be computed: those of the result, and those of runs of their own size.
     pub expected: f64,
 }
 
@@ -114,11 +114,11 @@ impl Layout {
         }
     }
 
-    /// Returns what the layout means.
+    /// Returns the layout's domain, rectangles and sources.
     ///
     /// Fails when the rectangles do not partition the domain, a piece is not one of the three kinds, or sets
     /// would be made that are too large.
-    pub fn placed(&self) -> Result<Placed, LayoutError> {
+    pub fn placed(&self) -> Result<PlacedLayout, LayoutError> {
         let (domain, rects) = self.rects()?;
         check_rects(&domain, &rects)?;
         let mut places = Vec::with_capacity(rects.len());
@@ -129,14 +129,14 @@ impl Layout {
             let source = source.map_err(|error| error.of_piece(k))?;
             expected += source.expected_beside();
             let offset = entry.offset.unwrap_or_default();
-            places.push(Place {
+            places.push(PlacedPiece {
                 rect,
                 source,
                 offset,
             });
         }
         limit(expected)?;
-        Ok(Placed {
+        Ok(PlacedLayout {
             domain,
             places,
             expected,
@@ -186,7 +186,7 @@ impl Layout {
     /// Returns the rectangles that the pieces name.
     fn free(&self, size: [f64; 2]) -> Result<(Domain, Vec<Rect>), LayoutError> {
         let domain = Domain::from_size(size, self.radius, self.boundary)?;
-        let rect = |(k, entry): (usize, &Entry)| {
+        let rect = |(k, entry): (usize, &PieceEntry)| {
             let Some(rect) = entry.rect else {
                 return Err(LayoutError::NoRect.of_piece(k));
             };
@@ -202,7 +202,7 @@ impl Layout {
     }
 }
 
-/// Refuses more samples than a result and the sets that are made for it may have.
+/// Refuses more samples than a result and the sets made for it may have.
 fn limit(expected: f64) -> Result<(), LayoutError> {
     if expected > MAX_SEQUENTIAL_SAMPLES {
         return Err(LayoutError::TooManySamples { expected });

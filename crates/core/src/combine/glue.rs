@@ -1,10 +1,9 @@
-//! The stages at the seams: elimination, detection and insertion among the samples near them. It schedules the
-//! stages and decides nothing itself.
+//! Runs the stages near the seams: elimination, detection and insertion among the samples there.
 
 use rayon::prelude::*;
 
 use super::clip::{Clip, clips};
-use super::{CombineError, CombineOptions, Lost, Piece};
+use super::{CombineError, CombineOptions, EliminatedSample, Piece};
 use crate::engine::sequential::{survivors, uniform};
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R};
@@ -27,27 +26,27 @@ use crate::stages::uniform::gap_process;
 /// How far around a detector samples are read, at most: 7r in the box around a detector at a border.
 const READ: i32 = 7 * R;
 
-/// How far inside their rectangles samples are looked at, at first. Eliminated samples are at most 2r inside, so
-/// first detectors at most 4r and 4 units.
+/// How far inside their rectangles samples are considered at first. Eliminated samples are at most 2r inside, so first
+/// detectors at most 4r and 4 units.
 const NEAR: i32 = 5 * R + READ;
 
-/// Detectors between two looks at the observer, and those of one thread's turn.
+/// Detectors between two calls of the observer, and those of one task of a thread.
 const BATCH: usize = 1 << 14;
 const TURN: usize = 256;
 
 /// The samples near the seams with their fates, and all others.
 pub(super) struct Glued {
     pub samples: Samples,
-    /// What each piece contributed of them.
+    /// The samples near the seams by piece.
     pub tiles: Vec<Tile>,
-    /// By piece; all of them are in the result.
+    /// The other samples by piece; all are in the result.
     pub deep: Vec<Vec<(Point, u32)>>,
     /// The iterations, up to the last one that inserted any sample.
     pub iterations: Vec<Iteration>,
 }
 
 impl Glued {
-    pub fn eliminated(&self) -> Vec<Lost> {
+    pub fn eliminated(&self) -> Vec<EliminatedSample> {
         let Samples {
             points,
             origins,
@@ -61,7 +60,7 @@ impl Glued {
                     own,
                 },
                 Fate::Eliminated { .. },
-            ) => Some(Lost {
+            ) => Some(EliminatedSample {
                 point,
                 piece: block,
                 index: pattern,
@@ -78,8 +77,8 @@ impl Glued {
     }
 }
 
-/// Glues the pieces. Samples that are inserted deeper than expected, which only sets with lattice points uncovered by
-/// a hair allow, may see samples that were not looked at: then it begins again with twice as many.
+/// Glues the pieces. If a sample is inserted deeper than expected, which only sets with lattice points uncovered by a
+/// hair allow, it may depend on samples that were not considered: then gluing begins again with twice the depth.
 pub(super) fn glue(
     domain: Domain,
     pieces: &[Piece],
@@ -89,7 +88,7 @@ pub(super) fn glue(
     glue_from(NEAR, domain, pieces, options, observer)
 }
 
-/// Glues the pieces looking at every sample, so that none is deep. The result is the same.
+/// Glues the pieces considering all samples. The result is the same.
 pub(super) fn glue_all(
     domain: Domain,
     pieces: &[Piece],
@@ -116,8 +115,8 @@ fn glue_from(
     }
 }
 
-/// Glues the pieces looking at samples up to `near` units inside their rectangles only, and returns how deep the deepest
-/// inserted sample lies.
+/// Glues the pieces considering only samples up to `near` units inside their rectangles. Also returns the depth of the
+/// deepest inserted sample.
 fn glue_within(
     domain: Domain,
     pieces: &[Piece],
@@ -178,7 +177,7 @@ fn placed(domain: &Domain, pieces: &[Piece], clips: Vec<Clip>) -> Glued {
     }
 }
 
-/// Returns the pieces' rectangles as blocks that no split made.
+/// Returns the pieces' rectangles as blocks, without splits.
 pub(super) fn blocks(pieces: &[Piece], key: Key) -> Blocks {
     let block = |piece: &Piece| Block {
         rect: piece.rect,
@@ -304,7 +303,7 @@ mod tests {
         (domain, pieces.collect())
     }
 
-    /// All samples of a result, by place, and how many of them were looked at.
+    /// All samples of a result, by place, and how many of them were considered.
     fn kept(glued: &Glued) -> (Vec<Point>, usize) {
         let samples = glued.samples.points.iter().zip(&glued.samples.fates);
         let near = samples.filter(|(_, fate)| **fate == Fate::Kept);
@@ -341,7 +340,7 @@ mod tests {
         }
     }
 
-    /// Detectors that cannot see enough are noticed, and what they should have seen is loaded.
+    /// Detectors that need samples beyond the depth are noticed, and those samples are added.
     #[test]
     fn too_little_is_widened_until_it_suffices() {
         let (domain, pieces) = layout(Boundary::Bounded);

@@ -1,12 +1,11 @@
-//! The layout of pieces: whether their rectangles partition the domain, and where they meet.
-//! It looks at rectangles only, never at samples.
+//! The layout of pieces: checks that their rectangles partition the domain, and finds the seams.
 
 use super::{CombineError, MAX_PIECES, Piece};
 use crate::lattice::{Domain, Point, R, R_SQUARED, Rect};
 use crate::stages::blocks::Axis;
 
-/// A line along which two pieces meet that do not continue each other. In a periodic domain a seam may
-/// lie on the left or lower border, between a piece there and one at the opposite border.
+/// A line along which two pieces meet whose sets do not continue each other. In a periodic domain a seam may lie on the
+/// left or lower border, between a piece there and one at the opposite border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Seam {
     /// Its lowest place.
@@ -34,8 +33,8 @@ pub fn grid(domain: &Domain, columns: u32, rows: u32) -> Vec<Rect> {
         .collect()
 }
 
-/// Refuses rectangles, one a piece, that do not partition `domain`. [`super::combine`] does it too; who makes the
-/// sets for the rectangles wants to know before.
+/// Fails if the rectangles, one for each piece, do not partition `domain`. [`super::combine`] checks this too; this
+/// function is for callers that make sets for the rectangles first.
 pub fn check_rects(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
     if rects.is_empty() {
         return Err(CombineError::NoPieces);
@@ -68,7 +67,7 @@ pub(super) fn check(domain: &Domain, pieces: &[Piece]) -> Result<(), CombineErro
     each.try_for_each(|(piece, placed)| check_set(piece, placed))
 }
 
-/// Goes through the rows between two edges: in each, the rectangles must follow each other.
+/// For each strip of rows between two edges, checks that the rectangles in it follow each other.
 fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> {
     let all = domain.rect().max;
     let mut by_column: Vec<usize> = (0..rects.len()).collect();
@@ -104,8 +103,8 @@ fn check_partition(domain: &Domain, rects: &[Rect]) -> Result<(), CombineError> 
     Ok(())
 }
 
-/// By how many units a bounded set may end inside its rectangle, if its samples cover what lies beyond: quotients of sides and
-/// radii that are rounded down lose a unit.
+/// By how many units a bounded set may end inside its rectangle if its samples cover the rest. Quotients of sides and
+/// radii are rounded down and may lose a unit.
 const SHORT: i32 = 2;
 
 /// Refuses a bounded set that does not cover its rectangle.
@@ -115,7 +114,7 @@ fn check_set(piece: usize, placed: &Piece) -> Result<(), CombineError> {
         return Ok(());
     }
     let (start, max) = (placed.start, own.rect().max);
-    // Points from the start on; none for a start outside.
+    // The number of points from the start on; 0 for a start outside.
     let has = |start: i32, max: i32| if start < 0 { 0 } else { (max - start).max(0) };
     let has = [has(start.x, max.x), has(start.y, max.y)];
     let needs = [placed.rect.width(), placed.rect.height()];
@@ -170,7 +169,7 @@ fn covers_line(
     next >= i64::from(start) + i64::from(length)
 }
 
-/// Returns whether `b`, moved by `shift` units, shows what `a` shows beyond its rectangle: the same set in the same place.
+/// Returns whether `b`, moved by `shift` units, continues `a` beyond its rectangle: the same set in the same place.
 pub(super) fn continues(a: &Piece, b: &Piece, shift: [i64; 2]) -> bool {
     if !std::sync::Arc::ptr_eq(&a.set, &b.set) {
         return false;
@@ -245,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_line_is_covered_to_the_last_lattice_point() {
-        // Two disks that meet in the point R of line 0, and miss it on the next line by a hair.
+        // Two disks that touch in the point R of line 0, and miss the point above it by a hair.
         let samples = [(0, 0), (2 * R, 0)];
         let covers = |line, start, length| covers_line(samples.into_iter(), line, start, length);
         assert!(covers(0, -R, 4 * R + 1));

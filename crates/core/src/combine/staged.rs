@@ -1,5 +1,4 @@
-//! Combinations as runs whose blocks are the pieces: with every stage, to be looked at, or with the result alone. It
-//! glues nothing itself.
+//! Combinations as runs whose blocks are the pieces: with all stages, to be inspected, or with the result alone.
 
 use std::sync::Arc;
 
@@ -13,19 +12,19 @@ use crate::run::Run;
 use crate::samples::{Fate, Origin, Samples, Sites, Source};
 use crate::stage::Stage;
 
-/// A combination with every stage of it.
+/// A combination with all its stages.
 #[derive(Clone, Debug)]
 pub struct Staged {
-    /// A finished run. Its blocks are the pieces, in their sequence, and no split made them; an origin's index is that
-    /// of the piece's own set. Its pattern is the first piece's set, and of its parameters only the domain, the seed,
-    /// the order, the insertion and the search mean anything.
+    /// A finished run. Its blocks are the pieces, in this order, without splits; an origin's index is that in the
+    /// piece's own set. Its pattern is the first piece's set. Of its parameters only the domain, the seed, the order,
+    /// the insertion and the search are meaningful.
     pub run: Run,
     /// The lines along which different sets meet.
     pub seams: Vec<Seam>,
 }
 
-/// Returns what [`super::combine`] makes of the same arguments, bit for bit, with the fate of every sample that the pieces
-/// contributed. It looks at all samples, where `combine` looks at those near the seams.
+/// Returns the same result as [`super::combine`], bit for bit, with the fate of every sample that the pieces
+/// contributed. It considers all samples, while `combine` considers only those near the seams.
 ///
 /// Fails as `combine`.
 pub fn combine_in_stages(
@@ -59,8 +58,8 @@ fn in_order(samples: &Samples) -> Vec<u32> {
 }
 
 impl Combined {
-    /// Returns the result as a finished run that knows its blocks, which are the pieces, its result and its counts: no
-    /// sample that was eliminated, no iteration. Ids follow the canonical order. The pieces and options must be those
+    /// Returns the result as a finished run with its blocks, which are the pieces, its result and its counts, but
+    /// without eliminated samples and iterations. Ids follow the canonical order. The pieces and options must be those
     /// that it was made from.
     #[must_use]
     pub fn into_run(self, pieces: &[Piece], options: &CombineOptions) -> Run {
@@ -90,7 +89,7 @@ impl Combined {
     }
 }
 
-/// Returns a run that has nothing but its blocks yet.
+/// Returns a run that has only its blocks yet.
 fn empty(domain: Domain, pieces: &[Piece], options: &CombineOptions) -> Run {
     let [width, height] = domain.size();
     let sides = pieces.iter().map(|piece| {

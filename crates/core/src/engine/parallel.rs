@@ -1,9 +1,8 @@
-//! The parallel engine: any window of a run, computed from the blocks around it alone.
-//! A run is cut into windows that fit the cache; windows share nothing and write nothing that
-//! another reads, so threads cannot change the result. It never decides differently from the
-//! sequential engine: the two are compared byte for byte.
+//! The parallel engine: any window of a run, computed from the blocks around it alone. A run is cut into windows that
+//! fit the cache; windows share no data, so threads cannot change the result. Results equal those of the sequential
+//! engine; tests compare the two byte for byte.
 
-// Code must be inlined into the function that has the instruction set's features, or it has none of them.
+// Only code that is inlined into the function with the instruction set's features may use them.
 #![allow(clippy::inline_always)]
 
 mod claim;

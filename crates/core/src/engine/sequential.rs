@@ -1,5 +1,5 @@
-//! The sequential engine: the reading copy. One stage per step, plainly in the paper's sequence;
-//! whoever steps it can look at the run in between.
+//! The sequential engine, written to be read: one stage per step, in the paper's order. The run can be inspected
+//! between steps.
 
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub fn sample(parameters: &Parameters, observer: &mut dyn Observer) -> Result<Ru
     Sequential::new(parameters, pattern)?.finish(observer)
 }
 
-/// Returns what [`sample`] returns and tells `recorder` of every event of it. Recording changes nothing.
+/// Like [`sample`], and reports every event to `recorder`. Recording does not change the result.
 pub fn sample_recorded<T: Recorder>(
     parameters: &Parameters,
     observer: &mut dyn Observer,
@@ -78,9 +78,9 @@ enum Filling {
 }
 
 impl Sequential {
-    /// Returns an engine that has done nothing yet.
+    /// Returns an engine before its first stage.
     ///
-    /// `pattern` need not be the one that the parameters describe: a set from a file serves too.
+    /// `pattern` need not be the one that the parameters describe; it may come from a file.
     pub fn new(parameters: &Parameters, pattern: Arc<Pattern>) -> Result<Self, SampleError> {
         let domain = parameters.validate_sequential()?;
         let run = Run {
@@ -119,12 +119,12 @@ impl Sequential {
     /// no gap is not recorded: the step goes on to [`Stage::Finish`]. In Algorithm 4 as printed the step
     /// [`Stage::Eliminate`] contains iteration 1.
     ///
-    /// After an error the engine must be thrown away.
+    /// After an error the engine must not be used any more.
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<Option<Stage>, SampleError> {
         self.step_recorded(observer, &mut Unrecorded)
     }
 
-    /// Does what [`Self::step`] does and lets `recorder` hear of it.
+    /// Like [`Self::step`], and reports events to `recorder`.
     pub fn step_recorded<T: Recorder>(
         &mut self,
         observer: &mut dyn Observer,
@@ -155,7 +155,7 @@ impl Sequential {
         Ok(Some(stage))
     }
 
-    /// Runs all stages that are left and returns the run.
+    /// Runs all remaining stages and returns the run.
     pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Run, SampleError> {
         while self.step(observer)?.is_some() {}
         Ok(self.run)

@@ -1,11 +1,10 @@
-//! Why parameters are refused: one variant a cause, with the value and the limit.
-//! It refuses nothing itself.
+//! Errors of parameters, with one variant for each cause, with the value and the limit.
 
 use std::fmt;
 
 use thiserror::Error;
 
-/// A number as it is read best: with an exponent where digits alone would be very many.
+/// Displays a number, with an exponent if it would have very many digits.
 struct Number(f64);
 
 impl fmt::Display for Number {
@@ -101,7 +100,7 @@ pub enum ParameterError {
         "the parallel engine runs the staged variant; Algorithm 4 as printed needs the sequential engine"
     )]
     AsPrintedParallel,
-    /// A window has no inside, or is larger than the domain.
+    /// A window is empty, or larger than the domain.
     #[error(
         "the window's {name} runs from {} to {}; it must be finite, above 0 and at most {} long",
         Number(*.low), Number(*.high), Number(*.maximum)
@@ -116,7 +115,7 @@ pub enum ParameterError {
         /// The domain's side.
         maximum: f64,
     },
-    /// A window lies too far from the domain to be told from its neighbours.
+    /// A window lies so far from the domain that rounding would change it.
     #[error(
         "the window's {name} begins at {}; it must begin between {} and {}",
         Number(*.low), Number(-.limit), Number(*.limit)

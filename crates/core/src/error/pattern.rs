@@ -1,11 +1,10 @@
-//! Why a set cannot serve as a pattern: one variant a cause, with the sample or the place concerned.
-//! It refuses nothing itself.
+//! Errors of patterns, with one variant for each cause, with the sample or the place concerned.
 
 use thiserror::Error;
 
 use super::ParameterError;
 
-/// Why a pattern cannot serve.
+/// Why a pattern cannot be used.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PatternError {

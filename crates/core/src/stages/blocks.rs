@@ -1,5 +1,5 @@
-//! Building blocks: the leaves of a random KD-tree over the domain (paper, Algorithm 1).
-//! Every node's key is derived from its parent's, so a branch never needs the others.
+//! Building blocks: the leaves of a random KD-tree over the domain (paper, Algorithm 1). Every node's key is derived
+//! from its parent's, so any branch can be computed alone.
 
 use crate::lattice::{Domain, Point, Rect};
 use crate::random::{Key, Stream, below};
@@ -67,7 +67,7 @@ pub fn split(domain: &Domain, leaf: i32, key: Key) -> Blocks {
     split_recorded(domain, leaf, key, &mut Unrecorded)
 }
 
-/// Returns what [`split`] returns and lets `recorder` hear of it.
+/// Like [`split`], and reports events to `recorder`.
 pub(crate) fn split_recorded<T: Recorder>(
     domain: &Domain,
     leaf: i32,
@@ -103,10 +103,10 @@ pub(crate) fn split_recorded<T: Recorder>(
     blocks
 }
 
-/// A node of the tree before it is known whether it will be cut.
+/// A node of the tree that may or may not be cut.
 #[derive(Clone, Copy)]
 pub(crate) struct Node {
-    /// The node as the block that it is unless it is cut.
+    /// The block that the node is if it is not cut.
     pub(crate) block: Block,
     /// The axis across which it is cut if it is long enough.
     axis: Axis,

@@ -1,6 +1,5 @@
-//! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler, and uniform
-//! insertion, which is the same process restricted to the gaps.
-//! It never depends on the sequence in which cells are visited.
+//! The dart process of Ebeida et al. 2012 with keyed darts: the reference sampler, and uniform insertion, which is the
+//! same process restricted to the gaps. The result does not depend on the order in which cells are visited.
 //!
 //! A level works on active cells of one side. In a throw each active cell draws a Poisson number of
 //! darts with uniform positions and random ranks; over all cells that is a uniform process in
@@ -112,7 +111,7 @@ impl DartProcess {
         self.step_recorded(stage, observer, 0, &mut Unrecorded)
     }
 
-    /// Does what [`Self::step`] does and lets `recorder` hear of it; the first new sample has the id `first`.
+    /// Like [`Self::step`], and reports events to `recorder`; the first new sample has the id `first`.
     pub(crate) fn step_recorded<T: Recorder>(
         &mut self,
         stage: Stage,
@@ -214,7 +213,7 @@ impl DartProcess {
     }
 }
 
-/// Returns what became of a dart; the process keeps no ids.
+/// Returns the verdict on a dart; the process keeps no ids.
 const fn verdict(inside: bool, covered: bool) -> Verdict {
     match (inside, covered) {
         (false, _) => Verdict::Outside,
@@ -230,8 +229,8 @@ pub fn throw_key(key: Key, level: u32, throw: u32) -> Key {
         .derive(Stream::Throw, throw)
 }
 
-/// Returns the darts of a cell, each with its rank, some of them outside the domain: they are the
-/// same whoever asks. `key` is the throw's.
+/// Returns the darts of a cell, each with its rank, some of them outside the domain. They depend only on the cell and
+/// `key`, the throw's key.
 pub(crate) fn cell_darts(key: Key, cell: Cell) -> impl Iterator<Item = (u32, Point)> {
     let Cell { min, side } = cell;
     let shift = 16 - side.ilog2();
@@ -249,8 +248,8 @@ pub(crate) fn cell_darts(key: Key, cell: Cell) -> impl Iterator<Item = (u32, Poi
     })
 }
 
-/// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key.
-/// The darts are drawn under the whole key, so the count says nothing about them.
+/// Returns the Poisson count of mean 0.85 for a uniform word: a cell's is the first word of its key. The darts are
+/// drawn with the whole key, so they are independent of the count.
 fn poisson(word: u32) -> u32 {
     POISSON.iter().take_while(|&&bound| word >= bound).count() as u32
 }

@@ -1,5 +1,4 @@
-//! Gap detection: which samples look for gaps, and the uncovered places that they find (paper,
-//! Theorem 3.2 and Algorithm 3). It never inserts anything.
+//! Gap detection: finds the gap detectors, and the uncovered places around them (paper, Theorem 3.2 and Algorithm 3).
 //!
 //! *Definition.* A candidate of a detector i is a lattice point c of the domain with |c - i| at
 //! most the [`Reach::radius`] that no sample covers and that is one of
@@ -43,11 +42,11 @@ pub const NEARER_SLACK: i64 = 12 * R as i64;
 pub struct Candidate {
     /// The place.
     pub point: Point,
-    /// What made it.
+    /// The samples that made it.
     pub sites: Sites,
 }
 
-/// How far detection looks, in units.
+/// The reach of detection, in units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reach {
     /// The farthest that a candidate may be from its detector.
@@ -61,8 +60,8 @@ impl Reach {
     /// more for rounding; 3.5r and 7r within 4.5r of a bounded domain's border; or 2r for the samples
     /// as an experiment.
     ///
-    /// Only places within r of a border may be farther than 2r from all samples, and then by less
-    /// than 3.42r, so detectors deeper than 4.42r never see one.
+    /// Only places within r of a border may be farther than 2r from all samples, and then less than 3.42r, so detectors
+    /// deeper than 4.42r have none in reach.
     #[must_use]
     pub fn new(domain: &Domain, search: Search, at: Point) -> Self {
         let deep = domain.is_periodic() || domain.rect().depth(at) > 9 * R / 2;
@@ -87,7 +86,7 @@ pub fn first_detectors(samples: &Samples, survivors: &SampleGrid) -> Vec<u32> {
     first_detectors_recorded(samples, survivors, &mut Unrecorded)
 }
 
-/// Returns what [`first_detectors`] returns and lets `recorder` hear of each when it is first marked.
+/// Like [`first_detectors`], and reports each detector to `recorder` when it is first marked.
 pub(crate) fn first_detectors_recorded<T: Recorder>(
     samples: &Samples,
     survivors: &SampleGrid,
@@ -122,7 +121,7 @@ pub(crate) fn first_detectors_recorded<T: Recorder>(
 pub struct Detection<'a> {
     domain: Domain,
     search: Search,
-    /// The reach of the detector at work.
+    /// The reach of the current detector.
     reach: Reach,
     survivors: &'a SampleGrid,
     cell: RelaxedCell,
@@ -159,7 +158,7 @@ impl<'a> Detection<'a> {
         self.find_recorded(id, at, out, &mut Unrecorded);
     }
 
-    /// Does what [`Self::find`] does and lets `recorder` hear of it.
+    /// Like [`Self::find`], and reports events to `recorder`.
     pub(crate) fn find_recorded<T: Recorder>(
         &mut self,
         id: u32,
@@ -312,8 +311,8 @@ impl<'a> Detection<'a> {
         }
     }
 
-    /// Returns the lattice point at `centre` from the detector at `at` if it is a candidate made
-    /// by `sites`, the definition, word for word; or why it is none.
+    /// Returns the lattice point at `centre` from the detector at `at` if it is a candidate made by `sites`, as defined
+    /// above, or why it is not.
     fn accept(&self, at: Point, centre: Offset, sites: &[Site]) -> Result<Point, Verdict> {
         let reach = i64::from(self.reach.radius);
         // Three samples nearly in line have a centre so far away that its square is no number.
@@ -408,7 +407,8 @@ mod tests {
     use super::*;
     use crate::lattice::Boundary;
 
-    /// A place on a border may be 3.42 r from all samples, so that detectors nearer than 4.42 r to it look farther.
+    /// A place on a border may be 3.42 r from all samples, so detectors nearer than 4.42 r to the border have a wider
+    /// reach.
     #[test]
     fn detectors_near_a_border_look_farther() {
         let side = 20 * R;

@@ -76,7 +76,7 @@ pub(crate) fn eliminate<T: Recorder>(
     meter.end()
 }
 
-/// Keeps every sample that nothing contested.
+/// Keeps every sample that was not contested.
 pub(crate) fn keep_rest<T: Recorder>(samples: &mut Samples, recorder: &mut T) {
     for (fate, sample) in samples.fates.iter_mut().zip(0..) {
         if *fate == Fate::Undecided {

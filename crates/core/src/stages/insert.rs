@@ -1,5 +1,5 @@
-//! Insertion: the greedy independent set of the candidates, in a random order keyed by iteration
-//! and place (paper, Algorithm 4, second loop). It never looks for gaps.
+//! Insertion: the greedy independent set of the candidates, in a random order keyed by iteration and place (paper,
+//! Algorithm 4, second loop).
 
 use crate::grid::SampleGrid;
 use crate::lattice::{R, covers_offset};
@@ -35,7 +35,7 @@ pub fn insert(
     )
 }
 
-/// Does what [`insert`] does and lets `recorder` hear of it.
+/// Like [`insert`], and reports events to `recorder`.
 pub(crate) fn insert_recorded<T: Recorder>(
     samples: &mut Samples,
     survivors: &mut SampleGrid,

@@ -1,5 +1,5 @@
-//! The order of elimination. A schedule is nothing but an order: whoever computes the greedy
-//! independent set of an order, in whatever way, gets the same set.
+//! The order of elimination. The greedy independent set depends only on the order, so any way to compute it gives the
+//! same set.
 
 use crate::lattice::{Domain, Point, R};
 use crate::parameters::Order;
@@ -47,7 +47,7 @@ impl Ranking {
     }
 }
 
-/// What a ranking is made of, for those who compute ranks elsewhere.
+/// The constants of a ranking, for shaders that compute ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RankNumbers {
     /// The key of random ranks: the first word drawn for a place is the rank.

@@ -3,17 +3,17 @@
 
 use crate::error::{PatternError, SampleError};
 use crate::lattice::{Domain, Point, R, Rect};
-use crate::pattern::{Pattern, Symmetry, Variant};
+use crate::pattern::{Pattern, PatternVariant, Symmetry};
 use crate::progress::Meter;
 use crate::random::{Stream, below};
 use crate::record::{Recorder, RunEvent};
 use crate::samples::{Fate, Origin, Samples};
 use crate::stages::blocks::{Block, Blocks};
 
-/// What a block clipped.
+/// The clip of a block.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Tile {
-    /// The pattern's place that came to lie on the enlarged block's lowest corner.
+    /// The pattern's place on the enlarged block's lowest corner.
     pub start: Point,
     /// The symmetry under which the pattern was clipped.
     pub symmetry: Symmetry,
@@ -35,7 +35,7 @@ pub(crate) fn tile<T: Recorder>(
     mut meter: Meter<'_>,
     recorder: &mut T,
 ) -> Result<Vec<Tile>, SampleError> {
-    let variants: Vec<Variant> = (0..if dihedral { 8 } else { 1 })
+    let variants: Vec<PatternVariant> = (0..if dihedral { 8 } else { 1 })
         .map(|s| pattern.variant(Symmetry(s)))
         .collect();
     let mut clip = Vec::new();
@@ -106,8 +106,8 @@ const fn enlarged(rect: &Rect) -> (i32, i32) {
     (rect.width() + 2 * R, rect.height() + 2 * R)
 }
 
-/// Returns the pattern's place that comes to lie on the lowest corner of a block enlarged by r.
-pub(crate) fn clip_start(block: &Block, variant: &Variant) -> Result<Point, PatternError> {
+/// Returns the pattern's place on the lowest corner of a block enlarged by r.
+pub(crate) fn clip_start(block: &Block, variant: &PatternVariant) -> Result<Point, PatternError> {
     let (width, height) = enlarged(&block.rect);
     let radii = |units: i32| f64::from(units) / f64::from(R);
     let starts = variant

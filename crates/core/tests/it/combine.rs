@@ -90,7 +90,7 @@ fn a_set_in_its_own_domain_comes_back_unchanged() {
     }
 }
 
-/// A periodic set cut in four meets itself again without a seam.
+/// A periodic set cut in four has no seams when put together again.
 #[test]
 fn pieces_that_continue_each_other_have_no_seam() {
     let domain = domain([24.0, 20.0], Boundary::Periodic);
@@ -104,7 +104,7 @@ fn pieces_that_continue_each_other_have_no_seam() {
     let combined = glued(domain, &pieces, &CombineOptions::default());
     assert_eq!(combined.points, whole.set.samples());
     assert_eq!(combined.seams, []);
-    // The same set elsewhere does meet itself.
+    // The same set moved by a different amount has seams.
     let moved = |piece: &Piece| Piece {
         start: Point::new(piece.start.x + piece.rect.min.y, 0),
         ..piece.clone()
@@ -210,7 +210,7 @@ fn threads_change_nothing() {
     assert_eq!(one, on(5));
 }
 
-/// Pinned: a change of this number is a change of what combining computes.
+/// Pinned: if this number changes, combining computes another result.
 #[test]
 fn a_layout_has_its_pinned_digest() {
     let domain = domain([60.0, 60.0], Boundary::Periodic);
@@ -227,7 +227,7 @@ fn a_layout_has_its_pinned_digest() {
     assert_eq!((points.len(), digest), (2516, 16_979_790_864_251_241_521));
 }
 
-/// Without elimination there are conflicts, and without insertion gaps: the verifier sees both.
+/// Without elimination there are conflicts, and without insertion gaps: the verifier finds both.
 #[test]
 fn the_verifier_objects_where_a_stage_is_left_out() {
     for boundary in BOUNDARIES {
@@ -271,7 +271,7 @@ fn an_observer_stops_it_at_any_stage() {
     }
 }
 
-/// Sets from elsewhere are pieces as good as others once they are checked.
+/// Given positions can be pieces once they are checked.
 #[test]
 fn positions_are_pieces() {
     let domain = domain([30.0, 15.0], Boundary::Bounded);
@@ -300,7 +300,7 @@ fn positions_are_pieces() {
     check(&pieces, &glued(domain, &pieces, &CombineOptions::default()));
 }
 
-/// Looked at as a run, a combination is the same set, and its stages say how it came about.
+/// As a run with stages, a combination is the same set.
 #[test]
 fn a_combination_in_stages_is_the_combination() {
     for boundary in BOUNDARIES {

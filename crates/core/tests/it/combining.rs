@@ -1,4 +1,4 @@
-//! What the tests of combining share: pieces from every sampler, the independent verifier, and where samples may
+//! Helpers of the tests of combining: pieces from every sampler, the independent verifier, and where samples may
 //! change.
 
 use std::collections::HashSet;
@@ -19,7 +19,7 @@ pub enum Made {
     Reference(Boundary),
     /// By randomized tiling, as large as its rectangle.
     Tiled(Boundary, Insertion),
-    /// A bounded set that goes on 5r beyond its rectangle on all sides.
+    /// A bounded set that extends 5r beyond its rectangle on all sides.
     Larger,
     /// A periodic set that repeats within its rectangle.
     Repeated,
@@ -132,7 +132,7 @@ pub fn judge(domain: &Domain, points: &[Point]) -> Report {
     .expect("a verdict")
 }
 
-/// Refuses a result that is not valid, not in order, or touched where nothing may be.
+/// Fails if a result is invalid, not in order, or changed too far from the seams.
 pub fn check(pieces: &[Piece], combined: &Combined) {
     let domain = combined.domain;
     let report = judge(&domain, &combined.points);
@@ -149,7 +149,7 @@ pub fn check(pieces: &[Piece], combined: &Combined) {
     assert_eq!(summary.eliminated, combined.eliminated.len());
 }
 
-/// Every sample lies where its piece has it, seen from the plane of the piece.
+/// Every sample lies where its piece has it.
 fn check_sources(pieces: &[Piece], combined: &Combined) {
     let mut inserted = vec![0; combined.summary().inserted.len()];
     for (&point, source) in combined.points.iter().zip(&combined.sources) {

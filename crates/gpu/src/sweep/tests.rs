@@ -76,7 +76,7 @@ fn memory_that_is_not_there_makes_smaller_windows() {
     sweep.restore(&SweepState {
         rows: 0,
         count: 0,
-        counts: Counts::default(),
+        counts: WindowCounts::default(),
     });
     // As if other programs had used the rest.
     sweep.memory = 600_000;

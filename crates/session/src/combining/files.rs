@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use serde_json::{Value, json};
 use tilescope_analysis::{Boundary as Judged, Region};
-use tilescope_core::combine::file::{Layout, Placed, Set, Source};
+use tilescope_core::combine::file::{Layout, PieceSource, PlacedLayout, Set};
 use tilescope_core::{Boundary, Domain, Pattern, SampleError, Stage};
 use tilescope_formats::{Certificate, bytes_digest};
 
@@ -47,8 +47,12 @@ impl<'a> Files<'a> {
     }
 
     /// Reads a set; `None` if it is in no file, or the layout may have none.
-    pub fn set(&self, source: &Source, monitor: &Monitor) -> Option<Result<Set, CombinationError>> {
-        let Source::File {
+    pub fn set(
+        &self,
+        source: &PieceSource,
+        monitor: &Monitor,
+    ) -> Option<Result<Set, CombinationError>> {
+        let PieceSource::File {
             path,
             radius,
             size,
@@ -82,10 +86,10 @@ impl<'a> Files<'a> {
 
     /// Returns a layout whose sets were read as certificates state it: files without folders, with the digests of what
     /// was read.
-    pub fn stated(&self, layout: &Layout, placed: &Placed) -> Value {
+    pub fn stated(&self, layout: &Layout, placed: &PlacedLayout) -> Value {
         let mut stated = saved::json(layout);
         for (k, place) in placed.places.iter().enumerate() {
-            if let (Source::File { path, .. }, Some(around)) = (&place.source, self.around) {
+            if let (PieceSource::File { path, .. }, Some(around)) = (&place.source, self.around) {
                 stated["pieces"][k]["file"] = json!(last_part(path));
                 let path = place_of(around, path);
                 if let Some(Ok(held)) = self.slot(&path).get() {

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use tilescope_core::combine::file::Source;
+use tilescope_core::combine::file::PieceSource;
 use tilescope_core::{Observer, Progress, SampleError, Stage};
 
 use crate::jobs::Monitor;
@@ -60,8 +60,8 @@ pub(super) struct OneSet<'a> {
 }
 
 impl<'a> OneSet<'a> {
-    pub(super) const fn of(source: &Source, sets: &'a Sets<'a>) -> Self {
-        let thrown = matches!(source, Source::Reference { .. });
+    pub(super) const fn of(source: &PieceSource, sets: &'a Sets<'a>) -> Self {
+        let thrown = matches!(source, PieceSource::Reference { .. });
         Self {
             sets,
             thrown,
@@ -186,9 +186,9 @@ mod tests {
         Progress { stage, done, total }
     }
 
-    fn source() -> Source {
+    fn source() -> PieceSource {
         let own = Domain::from_size([12.0, 12.0], 1.0, Boundary::Periodic).unwrap();
-        Source::Reference { seed: 1, own }
+        PieceSource::Reference { seed: 1, own }
     }
 
     /// Returns the fraction after some work.

@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 
 use glam::DVec2;
 
-use tilescope_core::combine::file::{Layout as Combination, Place, Source};
+use tilescope_core::combine::file::{Layout as Combination, PieceSource, PlacedPiece};
 use tilescope_core::{MAXIMAL_DENSITY, Parameters, PatternSpec};
 use tilescope_debugger::{Bookmark, Listings, SavedBreakpoint};
 use tilescope_session::combination::NINE;
@@ -369,7 +369,7 @@ fn combination(text: &str) -> Result<Combination, String> {
             grouped(MAX_SAMPLES as usize)
         ));
     }
-    let of_file = |source: &Source| matches!(source, Source::File { .. });
+    let of_file = |source: &PieceSource| matches!(source, PieceSource::File { .. });
     if placed.places.iter().any(|place| of_file(&place.source)) {
         return Err("it has sets from files, which a link does not open".to_owned());
     }
@@ -377,10 +377,10 @@ fn combination(text: &str) -> Result<Combination, String> {
 }
 
 /// Returns about how many samples the different patterns have that pieces clip from.
-fn of_patterns(places: &[Place]) -> f64 {
+fn of_patterns(places: &[PlacedPiece]) -> f64 {
     let mut specs: Vec<PatternSpec> = Vec::new();
     for place in places {
-        if let Source::Run { parameters, .. } = &place.source
+        if let PieceSource::Run { parameters, .. } = &place.source
             && !specs.contains(&parameters.pattern)
         {
             specs.push(parameters.pattern);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde_json::json;
 use tilescope_analysis::{Boundary as Judged, Region};
-use tilescope_core::combine::file::{Layout, LayoutError, Set, Source};
+use tilescope_core::combine::file::{Layout, LayoutError, PieceSource, Set};
 use tilescope_core::combine::{Combined, combine};
 use tilescope_core::{Boundary, Domain, Point, Stage, Standing, Unobserved, reference_sample};
 use tilescope_formats::{
@@ -27,8 +27,8 @@ use crate::exporting::{export_view, opened, told, write};
 fn of_core(text: &str) -> Combined {
     let layout = Layout::from_json(text.as_bytes()).unwrap();
     let placed = layout.placed().unwrap();
-    let set = |source: &Source| match source {
-        Source::Reference { seed, own } => {
+    let set = |source: &PieceSource| match source {
+        PieceSource::Reference { seed, own } => {
             Ok(Set::of_reference(*own, *seed, &mut Unobserved).unwrap())
         }
         _ => Err(LayoutError::NoSource),

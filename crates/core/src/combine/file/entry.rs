@@ -1,4 +1,4 @@
-//! A piece of a layout: its form, and the source that it means. It makes no set.
+//! A piece of a layout: its JSON form, and the source of its set.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -10,7 +10,7 @@ use crate::parameters::{MAXIMAL_DENSITY, Parameters};
 /// A piece, as the file has it.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct Entry {
+pub struct PieceEntry {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) rect: Option<[f64; 4]>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -20,7 +20,7 @@ pub struct Entry {
     #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    method: Option<Method>,
+    method: Option<PieceMethod>,
     #[serde(skip_serializing_if = "Option::is_none")]
     boundary: Option<Boundary>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,17 +35,17 @@ pub struct Entry {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-enum Method {
+enum PieceMethod {
     Kdrt,
     Reference,
 }
 
-/// Where a piece's set comes from.
+/// The source of a piece's set.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
-    /// A point set; what is not given is its certificate's.
+pub enum PieceSource {
+    /// A point set in a file; values not given here are in its certificate.
     File {
-        /// Its path as the layout has it: relative to the layout's folder.
+        /// Its path relative to the layout's folder.
         path: String,
         /// Its Poisson-disk radius.
         radius: Option<f64>,
@@ -56,9 +56,9 @@ pub enum Source {
     },
     /// A run by randomized tiling.
     Run {
-        /// What it is made from.
+        /// The parameters of the run.
         parameters: Box<Parameters>,
-        /// Whether they are the piece's own, rather than those of its rectangle.
+        /// Whether they are given for the piece, and not derived from its rectangle.
         own: bool,
     },
     /// The reference sampler.
@@ -70,8 +70,8 @@ pub enum Source {
     },
 }
 
-impl Source {
-    /// Returns how many samples are made for this piece beside those of its rectangle.
+impl PieceSource {
+    /// Returns how many samples are computed for this piece besides those in its rectangle.
     pub(super) fn expected_beside(&self) -> f64 {
         match self {
             Self::Run {
@@ -86,11 +86,15 @@ impl Source {
     }
 }
 
-impl Entry {
-    /// Returns where the set comes from. What is not given suits a layout of `boundary`.
+impl PieceEntry {
+    /// Returns the source of the set. Missing values are chosen for a layout of `boundary`.
     ///
     /// Fails when the piece is not one of the three kinds, or its parameters cannot be sampled.
-    pub(super) fn source(&self, boundary: Boundary, rect: &Rect) -> Result<Source, LayoutError> {
+    pub(super) fn source(
+        &self,
+        boundary: Boundary,
+        rect: &Rect,
+    ) -> Result<PieceSource, LayoutError> {
         let of_file = self.radius.is_some() || self.width.is_some() || self.height.is_some();
         if self.file.is_none() && of_file {
             return Err(LayoutError::OfFile);
@@ -99,14 +103,14 @@ impl Entry {
             return Err(LayoutError::OfSeed);
         }
         match (&self.file, &self.parameters, self.seed) {
-            (Some(file), None, None) => Ok(Source::File {
+            (Some(file), None, None) => Ok(PieceSource::File {
                 path: file.clone(),
                 radius: self.radius,
                 size: [self.width, self.height],
                 boundary: self.boundary,
             }),
             (None, Some(_), None) if self.boundary.is_some() => Err(LayoutError::OfParameters),
-            (None, Some(given), None) => Ok(Source::Run {
+            (None, Some(given), None) => Ok(PieceSource::Run {
                 parameters: Box::new(parameters(boundary, rect, given)?),
                 own: true,
             }),
@@ -116,11 +120,16 @@ impl Entry {
         }
     }
 
-    fn of_seed(&self, seed: u64, boundary: Boundary, rect: &Rect) -> Result<Source, LayoutError> {
+    fn of_seed(
+        &self,
+        seed: u64,
+        boundary: Boundary,
+        rect: &Rect,
+    ) -> Result<PieceSource, LayoutError> {
         let own = Domain::of_rect(rect, boundary)?;
-        Ok(match self.method.unwrap_or(Method::Kdrt) {
-            Method::Reference => Source::Reference { seed, own },
-            Method::Kdrt => Source::Run {
+        Ok(match self.method.unwrap_or(PieceMethod::Kdrt) {
+            PieceMethod::Reference => PieceSource::Reference { seed, own },
+            PieceMethod::Kdrt => PieceSource::Run {
                 parameters: Box::new(Parameters {
                     seed,
                     ..parameters(boundary, rect, &Map::new())?
@@ -131,7 +140,7 @@ impl Entry {
     }
 }
 
-/// Returns the parameters of a set for a rectangle, those that are given before all others.
+/// Returns the parameters of a set for a rectangle; given parameters take precedence.
 fn parameters(
     boundary: Boundary,
     rect: &Rect,

@@ -1,4 +1,4 @@
-//! Why a layout cannot serve.
+//! Errors of layouts.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::combine::CombineError;
 use crate::error::ParameterError;
 use crate::parameters::MAX_SEQUENTIAL_SAMPLES;
 
-/// Why a layout, or a piece of one, cannot serve.
+/// An error of a layout or of one of its pieces.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LayoutError {
@@ -17,7 +17,7 @@ pub enum LayoutError {
         /// Its length.
         bytes: u64,
     },
-    /// It is something else.
+    /// It is not a layout.
     #[error("this is no layout of pieces: {0}")]
     NoLayout(serde_json::Error),
     /// It is of another version.
@@ -29,10 +29,10 @@ pub enum LayoutError {
     /// It has another form.
     #[error("{0}")]
     Form(serde_json::Error),
-    /// Neither or both ways to give rectangles.
+    /// Rectangles are given in both ways or in neither.
     #[error("either \"columns\" and \"rows\" or \"width\" and \"height\" must be given")]
     GridOrSize,
-    /// There is not one piece for each rectangle.
+    /// The numbers of pieces and of rectangles differ.
     #[error(
         "{columns} columns and {rows} rows make {rectangles} rectangles; there are {pieces} pieces"
     )]
@@ -56,7 +56,7 @@ pub enum LayoutError {
         /// Its length.
         side: f64,
     },
-    /// More samples than there may be.
+    /// There would be too many samples.
     #[error(
         "about {expected:.3e} samples would be made; there may be {MAX_SEQUENTIAL_SAMPLES:.0e}"
     )]
@@ -64,13 +64,13 @@ pub enum LayoutError {
         /// How many.
         expected: f64,
     },
-    /// A rectangle where columns and rows give it.
+    /// A rectangle is given although columns and rows give it.
     #[error("a \"rect\" has no place in a layout of columns and rows")]
     RectInGrid,
-    /// No rectangle where nothing else gives it.
+    /// A rectangle is missing.
     #[error("\"rect\" is missing; the layout has no columns and rows")]
     NoRect,
-    /// A rectangle that is none, or not in the domain.
+    /// A rectangle is empty or not in the domain.
     #[error(
         "the rect [{}, {}, {}, {}] is empty or not inside {} x {}",
         rect[0], rect[1], rect[2], rect[3], size[0], size[1]
@@ -84,19 +84,19 @@ pub enum LayoutError {
     /// A piece has no source, or several.
     #[error("a piece is one of \"file\", \"parameters\" and \"seed\"")]
     NoSource,
-    /// What describes a file, without one.
+    /// Values that describe a file are given without a file.
     #[error("\"radius\", \"width\" and \"height\" belong to a \"file\"")]
     OfFile,
-    /// A method without a seed.
+    /// A method is given without a seed.
     #[error("\"method\" belongs to a \"seed\"")]
     OfSeed,
-    /// Two boundaries.
+    /// The boundary is given twice.
     #[error("the \"boundary\" of a set by \"parameters\" is one of these")]
     OfParameters,
-    /// An offset in a set that is made for its rectangle.
+    /// An offset is given for a set that is made for its rectangle.
     #[error("a set by \"seed\" is made for its rectangle and has no \"offset\"")]
     OffsetOfSeed,
-    /// An offset outside its set.
+    /// An offset lies outside its set.
     #[error("the offset {value} is not inside the set, which is {side} long")]
     Offset {
         /// The offset.
@@ -104,16 +104,16 @@ pub enum LayoutError {
         /// The set's side.
         side: f64,
     },
-    /// Some of three lengths that belong together.
+    /// Only some of width, height and radius are given.
     #[error("width, height and radius must be given together, or not at all")]
     Lengths,
-    /// A parameter that there is not.
+    /// A parameter is unknown.
     #[error("there is no parameter \"{name}\"")]
     UnknownParameter {
         /// Its name.
         name: String,
     },
-    /// A parameter that is none.
+    /// A parameter does not parse.
     #[error("{name}: {error}")]
     ParameterForm {
         /// Where.
@@ -121,10 +121,10 @@ pub enum LayoutError {
         /// What is wrong.
         error: serde_json::Error,
     },
-    /// Parameters that cannot be sampled.
+    /// Parameters cannot be sampled.
     #[error(transparent)]
     Parameters(#[from] ParameterError),
-    /// Rectangles that do not partition the domain.
+    /// The rectangles do not partition the domain.
     #[error(transparent)]
     Combine(#[from] CombineError),
     /// Something is wrong with a piece.

@@ -1,12 +1,12 @@
-//! The sets of a layout as pieces of it: each made once, on all threads at once, and put where it belongs. How a set is
-//! made or read is the caller's business.
+//! Turns the sets of a layout into pieces: each set is made once, several in parallel, and placed. The caller makes or
+//! reads the sets.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{LayoutError, Place, Placed, Source};
+use super::{LayoutError, PieceSource, PlacedLayout, PlacedPiece};
 use crate::combine::Piece;
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point};
@@ -14,7 +14,7 @@ use crate::parameters::Parameters;
 use crate::pattern::Pattern;
 use crate::progress::Observer;
 
-/// A set with the domain that its own units are of.
+/// A set with its domain in its own units.
 #[derive(Clone, Debug)]
 pub struct Set {
     /// The set.
@@ -23,7 +23,7 @@ pub struct Set {
     pub domain: Domain,
 }
 
-/// What is wrong with the set of a piece.
+/// An error in the set of a piece.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("pieces[{piece}]: {error}")]
 pub struct PieceError<E> {
@@ -33,15 +33,15 @@ pub struct PieceError<E> {
     pub error: E,
 }
 
-impl Placed {
-    /// Returns the pieces of the layout, whose sets `make` makes. Pieces of one file share its set, so that they may
-    /// continue each other; what is made for a rectangle is never shared. `made` hears how many pieces have
-    /// their set. Uses the current rayon pool.
+impl PlacedLayout {
+    /// Returns the pieces of the layout, with sets made by `make`. Pieces of one file share its set, so that they may
+    /// continue each other; sets made for a rectangle are not shared. `made` is called with the number of finished
+    /// pieces. Uses the current rayon pool.
     ///
     /// Fails with the error of the first piece, in their sequence, that has one.
     pub fn pieces<E: From<LayoutError> + Send>(
         &self,
-        make: impl Fn(&Source) -> Result<Set, E> + Sync,
+        make: impl Fn(&PieceSource) -> Result<Set, E> + Sync,
         made: impl Fn(usize) + Sync,
     ) -> Result<Vec<Piece>, PieceError<E>> {
         let each = distinct(&self.places);
@@ -65,11 +65,11 @@ impl Placed {
 }
 
 /// Returns the pieces that share a set, by the first of them.
-fn distinct(places: &[Place]) -> Vec<Vec<usize>> {
+fn distinct(places: &[PlacedPiece]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut by_file: HashMap<&str, Vec<usize>> = HashMap::new();
     for (k, place) in places.iter().enumerate() {
-        let Source::File { path, .. } = &place.source else {
+        let PieceSource::File { path, .. } = &place.source else {
             groups.push(vec![k]);
             continue;
         };
@@ -116,7 +116,7 @@ impl Set {
         })
     }
 
-    fn placed(&self, place: &Place) -> Result<Piece, LayoutError> {
+    fn placed(&self, place: &PlacedPiece) -> Result<Piece, LayoutError> {
         Ok(Piece {
             set: Arc::clone(&self.pattern),
             rect: place.rect,
@@ -141,7 +141,7 @@ impl Set {
             })
         };
         let low = [place(0)?, place(1)?];
-        // As rectangles begin, so that pieces of one set that are cut where it is cut continue each other.
+        // Rounded as the corners of rectangles are, so that pieces of one set with matching cuts continue each other.
         Ok(self.domain.rect_from_user(low, low).min)
     }
 }

@@ -1,6 +1,6 @@
-//! Tiling and elimination of a region. Interiors of blocks are copied and never looked at; samples
-//! near a block's border claim their disks in the sequence of the order. See `stages::eliminate`
-//! for what is computed; here it is only arranged so that nearly nothing has to be sorted.
+//! Tiling and elimination of a region. Interiors of blocks are copied without tests; samples near a block's border
+//! claim their disks in the order of elimination. See `stages::eliminate` for the definition; here it is arranged so
+//! that almost nothing must be sorted.
 
 use fearless_simd::Simd;
 
@@ -8,15 +8,15 @@ use crate::lattice::{R, Rect};
 use crate::parameters::Order;
 use crate::stages::order::Ranking;
 
-use super::clip::{Clipper, Placed, Rect64};
+use super::clip::{Clipper, PlacedBlock, Rect64};
 use super::region::{Loss, Region, flag};
 
-/// A sample that waits for its turn, compared by its place in the order.
+/// A sample near a border, compared by its place in the order of elimination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Contested {
     rank: u32,
     sequence: u32,
-    /// The sample's place in its block's clip: what a run's ids follow.
+    /// The sample's place in its block's clip, which determines its id in a run.
     row: i64,
     column: i64,
     x: i32,
@@ -24,7 +24,7 @@ pub(crate) struct Contested {
     tag: u64,
 }
 
-/// How samples near the borders take their turns.
+/// How samples near the borders are ordered.
 pub(crate) enum Turns<'a> {
     /// Block after block, own and margin samples alike.
     Index,
@@ -35,8 +35,8 @@ pub(crate) enum Turns<'a> {
 }
 
 impl<'a> Turns<'a> {
-    /// Returns the turns of `order`. Within a block the sequence does not matter, since the samples of one
-    /// clip are never in conflict, unless the block touches an image of itself.
+    /// Returns how samples are ordered for `order`. Within a block the sequence does not matter, since the samples of
+    /// one clip are never in conflict, unless the block touches an image of itself.
     pub(crate) fn new(order: Order, touches_itself: bool, ranking: &'a Ranking) -> Self {
         match order {
             Order::Index if !touches_itself => Self::Index,
@@ -52,7 +52,7 @@ pub(super) fn tiled_tag(block: u32, pattern: u32) -> u64 {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Tiles the frame and decides the fates of all tiled samples, as far as they can be known.
+    /// Tiles the frame and decides the fates of all tiled samples, as far as they can be known from the frame.
     #[inline(always)]
     pub(crate) fn claim<S: Simd>(&mut self, simd: S, clipper: &Clipper, turns: &Turns<'_>) {
         let blocks = std::mem::take(&mut self.blocks);
@@ -96,7 +96,7 @@ impl<const TAGS: bool> Region<TAGS> {
         &mut self,
         simd: S,
         clipper: &Clipper,
-        block: &Placed,
+        block: &PlacedBlock,
         depth: i64,
         target: &Rect,
     ) {
@@ -113,7 +113,13 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 
     #[inline(always)]
-    fn claim_margin<S: Simd>(&mut self, simd: S, clipper: &Clipper, block: &Placed, target: &Rect) {
+    fn claim_margin<S: Simd>(
+        &mut self,
+        simd: S,
+        clipper: &Clipper,
+        block: &PlacedBlock,
+        target: &Rect,
+    ) {
         let r = i64::from(R);
         self.waiting.clear();
         for part in frame_between(&block.rect.grown(r, r), &block.rect) {
@@ -136,7 +142,7 @@ impl<const TAGS: bool> Region<TAGS> {
         simd: S,
         clipper: &Clipper,
         ranking: &Ranking,
-        blocks: &[Placed],
+        blocks: &[PlacedBlock],
         depth: i64,
         target: &Rect,
     ) {
@@ -174,7 +180,7 @@ impl<const TAGS: bool> Region<TAGS> {
         self.contested = contested;
     }
 
-    /// Takes one sample's turn: all samples before it in the order have had theirs.
+    /// Decides one sample: all samples before it in the order are decided.
     #[inline(always)]
     fn claim_one<S: Simd>(&mut self, simd: S, x: i32, y: i32, tag: u64) {
         if self.covered(simd, x, y) {

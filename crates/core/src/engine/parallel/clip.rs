@@ -1,9 +1,8 @@
-//! What a region clips: the blocks that reach into it, and the pattern's samples of any rectangle
-//! of a block. Nothing outside the rectangle is touched. It places nothing and decides nothing.
+//! Finds the blocks that reach into a region, and the pattern's samples in any rectangle of a block.
 
 use crate::error::SampleError;
 use crate::lattice::{Domain, Point, R, Rect};
-use crate::pattern::{Pattern, Symmetry, Variant};
+use crate::pattern::{Pattern, PatternVariant, Symmetry};
 use crate::random::{Key, Stream, below};
 use crate::stages::blocks::{Block, Node};
 use crate::stages::tile::clip_start;
@@ -12,8 +11,8 @@ use super::frame::{CELL_BITS, Frame};
 
 /// The pattern under one symmetry, by cells: rows of cells, then columns.
 pub struct CellPattern {
-    /// Sides and boundary; its samples are those below.
-    pub shape: Variant,
+    /// Sides and boundary; the samples are in the fields below.
+    pub shape: PatternVariant,
     /// Cells in a row.
     pub columns: usize,
     /// Index of each cell's first sample; one more at the end.
@@ -27,7 +26,7 @@ pub struct CellPattern {
 impl CellPattern {
     /// Returns a variant of a pattern, sorted into cells.
     #[must_use]
-    pub fn new(mut shape: Variant) -> Self {
+    pub fn new(mut shape: PatternVariant) -> Self {
         let cells = |side: i32| ((side - 1) >> CELL_BITS) as usize + 1;
         let (columns, rows) = (cells(shape.width), cells(shape.height));
         let cell = |p: Point| (p.y >> CELL_BITS) as usize * columns + (p.x >> CELL_BITS) as usize;
@@ -85,7 +84,7 @@ impl CellPattern {
         }
     }
 
-    /// The same for a rectangle of the pattern that does not cross its end.
+    /// The same for a rectangle of the pattern that does not cross its edge.
     #[inline(always)]
     fn piece(&self, piece: &Rect, corner: Point, place: &mut impl FnMut(i32, i32, u32)) {
         let cell = |x: i32| (x >> CELL_BITS) as usize;
@@ -106,17 +105,16 @@ impl CellPattern {
 
 /// A block, or an image of it, that reaches into a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Placed {
+pub struct PlacedBlock {
     /// Its rectangle in the frame's coordinates, which may be far outside 32 bits.
     pub rect: Rect64,
-    /// The place of the block in the sequence of the blocks met, equal for all images of a block:
-    /// it grows with the block's index.
+    /// A number that is equal for all images of a block and grows with the block's index.
     pub sequence: u32,
-    /// The block's index, where the clipper counts blocks; else 0.
+    /// The block's index if the clipper counts blocks, otherwise 0.
     pub index: u32,
     /// The symmetry under which it clips.
     pub symmetry: u8,
-    /// Where in the pattern the lowest corner of the block, enlarged by r, lies.
+    /// The place in the pattern of the lowest corner of the block enlarged by r.
     pub start: Point,
 }
 
@@ -139,7 +137,7 @@ impl Rect64 {
         }
     }
 
-    /// Returns what it has in common with `other`, or `None`.
+    /// Returns the intersection with `other`, or `None` if it is empty.
     #[must_use]
     pub fn within(&self, other: &Rect) -> Option<Rect> {
         let axis = |a: usize, low: i32, high: i32| {
@@ -156,7 +154,7 @@ impl Rect64 {
     }
 }
 
-/// Knows the tree of blocks and the pattern.
+/// Clips the pattern for the blocks of a run: the tree of blocks and the variants of the pattern.
 pub struct Clipper {
     domain: Domain,
     leaf: i32,
@@ -199,9 +197,9 @@ impl Clipper {
         }
     }
 
-    /// Fills `out` with the blocks that, enlarged by r, reach into the frame, in the sequence of their
-    /// indices, the images of a block one after the other.
-    pub fn blocks(&self, frame: &Frame, out: &mut Vec<Placed>) -> Result<(), SampleError> {
+    /// Fills `out` with the blocks that, enlarged by r, reach into the frame, ordered by index, the images of a block
+    /// one after the other.
+    pub fn blocks(&self, frame: &Frame, out: &mut Vec<PlacedBlock>) -> Result<(), SampleError> {
         out.clear();
         let target = frame.tiled();
         let mut stack: Vec<Visit> = vec![(Node::root(&self.domain, self.key), 0, 0)];
@@ -232,14 +230,14 @@ impl Clipper {
         images: &Images,
         sequence: u32,
         index: u32,
-        out: &mut Vec<Placed>,
+        out: &mut Vec<PlacedBlock>,
     ) -> Result<(), SampleError> {
         let symmetry = below(
             block.key.draw(Stream::Dihedral, 0)[0],
             self.variants.len() as u32,
         );
         let start = clip_start(block, &self.variants[symmetry as usize].shape)?;
-        out.extend(images.rects().map(|rect| Placed {
+        out.extend(images.rects().map(|rect| PlacedBlock {
             rect,
             sequence,
             index,
@@ -254,7 +252,7 @@ impl Clipper {
     #[inline(always)]
     pub fn clip(
         &self,
-        block: &Placed,
+        block: &PlacedBlock,
         part: &Rect64,
         target: &Rect,
         place: impl FnMut(i32, i32, u32),
@@ -271,8 +269,8 @@ impl Clipper {
     }
 }
 
-/// Appends, for every split at or below `node` in their sequence, the leaves of its lower side, and
-/// returns the leaves of `node`.
+/// Appends, for every split at or below `node` in order, the number of leaves of its lower side. Returns the number of
+/// leaves of `node`.
 fn count(node: &Node, leaf: i32, counts: &mut Vec<u32>) -> u32 {
     let Some(cut) = node.cut(leaf) else {
         return 1;

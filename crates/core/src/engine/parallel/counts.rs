@@ -1,4 +1,4 @@
-//! What happened in a window, counted: the windows of a run add up to the run's summary.
+//! Counts of a window. The counts of all windows of a run add up to the run's summary.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,18 +10,18 @@ use super::region::{Loss, Region};
 
 /// Counts of a window or of several.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counts {
+pub struct WindowCounts {
     /// Blocks whose lowest corner lies in the window.
     pub blocks: u64,
     /// Samples that were eliminated.
     pub eliminated: u64,
-    /// Samples tiled outside a bounded domain, counted where the domain is nearest.
+    /// Samples tiled outside a bounded domain, counted in the window of the nearest place of the domain.
     pub dropped: u64,
     /// Samples inserted, by iteration.
     pub inserted: Vec<u64>,
 }
 
-impl Counts {
+impl WindowCounts {
     /// Adds the counts of another window.
     pub fn add(&mut self, other: &Self) {
         self.blocks += other.blocks;
@@ -56,15 +56,14 @@ impl Counts {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Counts what happened in the window; what happened in the cells `but` is counted by those who
-    /// know them.
-    pub(super) fn count(&self, but: &[Rect]) -> Counts {
+    /// Returns the counts of the window without those of the cells `but`, which the repairing regions count.
+    pub(super) fn count(&self, but: &[Rect]) -> WindowCounts {
         let window = self.frame.window;
         let counted = |x: i32, y: i32| {
             let cell = Point::new(x >> CELL_BITS, y >> CELL_BITS);
             window.contains(Point::new(x, y)) && !but.iter().any(|cells| cells.contains(cell))
         };
-        let mut counts = Counts::default();
+        let mut counts = WindowCounts::default();
         for block in &self.blocks {
             let [x, y] = block.rect.min;
             let inside = |v: i64, low: i32, high: i32| (low.into()..high.into()).contains(&v);

@@ -1,16 +1,15 @@
-//! The rectangle of cells that a region works on, in coordinates of its own.
-//! In a periodic domain the plane repeats without end and a frame may lie anywhere in it, so that
-//! nothing ever wraps inside a region. It holds no samples.
+//! The rectangle of cells that a region works on, in coordinates of its own. In a periodic domain the plane repeats
+//! without end and a frame may lie anywhere in it, so that nothing wraps inside a region.
 
 use crate::lattice::{Domain, Point, R, Rect};
 
 /// Cells have sides of 2^15 units, one radius.
 pub const CELL_BITS: u32 = 15;
 
-/// Cells around a frame that exist but hold no samples: the widest search, 4 cells, never leaves them.
+/// Cells of padding around a frame, which hold no samples: the widest search, 4 cells, stays within them.
 pub const PAD: i32 = 4;
 
-/// Where a region lies.
+/// The rectangle of a region.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// The lattice point of the plane that is (0, 0) here.
@@ -19,7 +18,7 @@ pub struct Frame {
     pub cells: [i32; 2],
     /// The first coordinates beyond the last sample that can be known here.
     pub end: [i32; 2],
-    /// Whether the plane goes on below and above the frame, by axis.
+    /// Whether the plane continues below and above the frame, by axis.
     pub goes_on: [[bool; 2]; 2],
     /// The window that the region is for, in the frame's coordinates.
     pub window: Rect,
@@ -136,7 +135,7 @@ impl Frame {
         Point::new(axis(x, 0), axis(y, 1))
     }
 
-    /// Returns whether (x, y) is a place of the frame: inside a bounded domain, and not beyond the frame.
+    /// Returns whether (x, y) lies in the frame, and so inside a bounded domain.
     #[inline(always)]
     #[must_use]
     pub fn holds(&self, x: i32, y: i32) -> bool {

@@ -1,8 +1,7 @@
-//! Detection and insertion in a region (see `stages::detect` for what a candidate is). A place that
-//! no sample covers was covered by a lost one, so only cells near lost samples are looked at (all of them with
-//! a pattern that itself misses lattice points); stamps
-//! prove most of their pixels covered, and only in the others candidates are sought: among the
-//! samples that are about as near to the pixel as the nearest one, since only those can make one.
+//! Detection and insertion in a region (see `stages::detect` for what a candidate is). A place that no sample covers
+//! was covered by a lost one, so only cells near lost samples are searched (all cells if the pattern itself misses
+//! lattice points). Stamps prove most of their pixels covered. In the others, candidates are made from the samples that
+//! are about as near to the pixel as the nearest one, since only those can make one.
 
 mod candidate;
 mod detect;
@@ -20,21 +19,21 @@ use super::frame::PAD;
 use super::near::{MAX_SITES, Near};
 use super::region::{Region, flag};
 
-use candidate::Candidate;
+use candidate::RankedCandidate;
 use pixel::{Pixel, pixels_of};
 pub(crate) use pixel::{corner, each_bit};
 
 /// Cells searched around a cell unless that proves too few: all samples within 2r of its places.
 const USUAL: i32 = 2;
 
-/// What a fill needs to know of the run.
+/// Parameters of the run that gap filling needs.
 pub(crate) struct Rules {
     pub domain: Domain,
     pub search: Search,
     /// The run's key.
     pub key: Key,
-    /// How many cells away from a place the lost samples may be on which it depends: 1 for the one that
-    /// covered it, or more with a pattern that leaves lattice points uncovered.
+    /// How many cells away from a lost sample an uncovered place may be: 1 for a place that it covered, more with a
+    /// pattern that leaves lattice points uncovered.
     pub lost_reach: i32,
     /// How gaps are filled.
     pub insertion: Insertion,
@@ -46,7 +45,7 @@ impl Rules {
         self.lost_reach == 1
     }
 
-    /// Returns how many cells away an unsure sample may matter to a place.
+    /// Returns how many cells away an unsure sample can affect a place.
     pub(crate) fn reach(&self) -> i32 {
         match self.insertion {
             Insertion::Circumcentre => reach_cells(self.domain.is_periodic()).max(self.lost_reach),
@@ -71,8 +70,8 @@ pub(crate) struct GapBuffers {
     pub listed: Vec<(u32, i32, i32)>,
     /// Open cells with their open pixels.
     masks: Vec<(u32, u64)>,
-    /// Bits of open cells whose pixels are kept; `open_index` of such a cell is its place in
-    /// `first_pixels`, which holds the place of its first pixel.
+    /// Bits of open cells whose pixels are kept. `open_index` of such a cell is its index in `first_pixels`, which
+    /// holds the index of its first pixel.
     open: Vec<u64>,
     open_index: Vec<u32>,
     first_pixels: Vec<u32>,
@@ -81,9 +80,9 @@ pub(crate) struct GapBuffers {
     farthest: f32,
     pub near: Near,
     wide: Near,
-    /// The samples that may make a candidate in the pixel at work, as indices of samples gathered.
+    /// The samples that may make a candidate in the current pixel, as indices of gathered samples.
     sites: [u8; MAX_SITES],
-    candidates: Vec<Candidate>,
+    candidates: Vec<RankedCandidate>,
     todo: Vec<(u32, u8)>,
     pub inserted: Vec<Inserted>,
     /// Cell and slot of the samples inserted in the last iteration, sorted.
@@ -113,7 +112,7 @@ impl Default for GapBuffers {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Fills the gaps by circumcentres, as far as it can be known what happens.
+    /// Fills the gaps by circumcentres, except where the result depends on the plane beyond the frame.
     #[inline(always)]
     pub(crate) fn fill<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
@@ -140,8 +139,8 @@ impl<const TAGS: bool> Region<TAGS> {
         self.flag_around(cell, flag::HOT);
     }
 
-    /// Lets unsure cells reach their surroundings: what is open there may be filled by samples that
-    /// are not known. With `again` the open cells newly reached are judged; else detection does it.
+    /// Marks the surroundings of unsure cells as reached: open places there may be filled by unknown samples. With
+    /// `again` the newly reached open cells are checked here; otherwise detection checks them.
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, gaps: &mut GapBuffers, rules: &Rules, again: bool) {
         let reach = rules.reach();
@@ -201,8 +200,8 @@ pub(crate) const fn inserted_in(tag: u64) -> Option<u32> {
     }
 }
 
-/// Returns how many cells away a sample may be from a candidate that it makes or unmakes: 2r and 16
-/// units, or 3.5r where borders are closed.
+/// Returns how many cells away a sample may be from a candidate that depends on it: 2r and 16 units, or 3.5r near
+/// closed borders.
 #[must_use]
 pub const fn reach_cells(periodic: bool) -> i32 {
     if periodic { 3 } else { 4 }

@@ -1,4 +1,4 @@
-//! The processor's instructions that a plane is computed with. They change the time, never a point.
+//! The processor's instruction sets for computing a plane. They change the speed, not the points.
 
 use std::fmt;
 
@@ -6,8 +6,8 @@ use fearless_simd::Level;
 
 /// A set of instructions that this processor has.
 ///
-/// Engines take the best by themselves; the others are for tests and measurements. There is no way to
-/// make a set that the processor lacks.
+/// Engines use the best one by default; the others are for tests and measurements. A set that the processor lacks
+/// cannot be constructed.
 ///
 /// ```
 /// use tilescope_core::InstructionSet;
@@ -19,7 +19,7 @@ use fearless_simd::Level;
 pub struct InstructionSet(Level);
 
 impl InstructionSet {
-    /// Returns the set that engines take.
+    /// Returns the set that engines use.
     #[must_use]
     pub fn best() -> Self {
         Self(Level::new())

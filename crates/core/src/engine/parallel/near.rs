@@ -1,5 +1,5 @@
-//! The samples around one cell, gathered for many questions about places in it.
-//! Offsets are from the cell's lowest corner, so that they are exact in `f32`.
+//! The samples around one cell, gathered for many queries about places in it. Offsets are from the cell's lowest
+//! corner, so that they are exact in `f32`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
@@ -20,7 +20,7 @@ const GROUPS: usize = (81 * 3 + 2 * LANES) / LANES;
 /// More than squared distances of up to 4r, 2^34, can be off in `f32`: three roundings of one part in 2^24.
 const ROUNDED: f32 = 4_096.0;
 
-/// Fills the last group up: farther away than anything asked about.
+/// The offset that fills the last group: farther away than any query.
 const FAR: f32 = 1e9;
 
 /// Half a pixel's diagonal and a little: how far a place may be from its pixel's centre.
@@ -43,8 +43,8 @@ pub(crate) struct Near {
     squared: [Lanes; GROUPS],
 }
 
-/// What is known of a pixel.
-pub(crate) struct Measured {
+/// Measurements of a pixel.
+pub(crate) struct MeasuredPixel {
     /// The distance from its centre to the nearest sample.
     pub nearest: f32,
     /// Whether one sample covers it.
@@ -67,13 +67,15 @@ impl Default for Near {
 /// The square of R, less far more than f32 rounds.
 const SURELY_COVERED: f32 = (R_SQUARED - 8_192) as f32;
 
-/// More samples than are ever about as near to a pixel as the nearest: a disk of 3.6 r holds fewer than 64 that are r apart.
+/// Room for all samples that are about as near to a pixel as the nearest one: a disk of 3.6 r holds fewer than 64 that
+/// are r apart.
 pub(crate) const MAX_SITES: usize = 65;
 
 /// A square of a cell: its lowest corner and its side.
 type Square = (i32, i32, i32);
 
-/// Squares that wait to be proven covered: three of each side from a pixel's to [`MIN_SQUARE`], and one.
+/// The most squares that are waiting to be proven covered: three of each side from a pixel's to [`MIN_SQUARE`], and
+/// one.
 const MAX_WAITING: usize = 24;
 
 /// A sample's offset.
@@ -89,7 +91,7 @@ impl Near {
             let start = (cell as i64 + i64::from(row) * stride as i64 - i64::from(reach)) as usize;
             let cells = &slots[start..=start + 2 * reach as usize];
             for (slots, column) in cells.iter().zip(-reach..) {
-                // Four are written, as many as there are stay.
+                // Write all four, and keep as many as there are.
                 let (left, bottom) = (column * R, row * R);
                 let right = slots.map(|slot| ((slot as i32 & (R - 1)) + left) as f32);
                 let up = slots.map(|slot| ((slot >> CELL_BITS) as i32 + bottom) as f32);
@@ -110,7 +112,7 @@ impl Near {
     /// Measures the pixel whose centre is (x, y) among the samples of 5 x 5 cells: disks of radius
     /// r/2 around them do not overlap, so that there are fewer than 64.
     #[inline(always)]
-    pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> Measured {
+    pub(crate) fn measure<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> MeasuredPixel {
         let (nearest, corner) = self.square(simd, x, y);
         let limit = f32x8::splat(simd, site_limit(nearest));
         let mut sites = 0;
@@ -119,7 +121,7 @@ impl Near {
             let near = f32x8::simd_from(simd, *squared).simd_le(limit);
             sites |= near.to_bitmask().wrapping_shl(shift);
         }
-        Measured {
+        MeasuredPixel {
             nearest,
             covered: corner <= SURELY_COVERED,
             sites,
@@ -152,8 +154,8 @@ impl Near {
         count
     }
 
-    /// Keeps the squared distances of all samples from (x, y) and returns the smallest distance, and
-    /// the smallest squared distance from a sample to the farthest corner of the pixel around (x, y).
+    /// Stores the squared distances of all samples from (x, y). Returns the smallest distance, and the smallest squared
+    /// distance from a sample to the farthest corner of the pixel around (x, y).
     #[inline(always)]
     fn square<S: Simd>(&mut self, simd: S, x: f32, y: f32) -> (f32, f32) {
         const HALF: f32 = (PIXEL_SIDE / 2) as f32;
@@ -197,7 +199,7 @@ impl Near {
         if nearest < limit_rounded - ROUNDED {
             return true;
         }
-        // Hardly ever so near to the limit.
+        // Distances are hardly ever this near to the limit.
         nearest < limit_rounded + ROUNDED
             && self.exact().any(|(x, y)| {
                 let (dx, dy) = (x - place.0, y - place.1);
@@ -222,7 +224,7 @@ impl Near {
     /// Returns whether one of the pixels in `open` may hold a lattice point that no sample covers. `false` is
     /// a proof: each was divided until one sample covers each part.
     ///
-    /// Not inlined: it is rare, and where it is inlined what is frequent gets slower by 8%.
+    /// Not inlined, because it is rare, and inlining it makes the frequent code 8% slower.
     #[inline(never)]
     pub(crate) fn any_open<S: Simd>(&self, simd: S, open: u64) -> bool {
         simd.vectorize(

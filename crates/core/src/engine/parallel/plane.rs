@@ -1,6 +1,6 @@
-//! The plane of a run: knows its parameters, computes windows of it, keeps the buffers.
-//! A window that comes out unsure is repaired: what is unsure is computed again with a wider halo, or read from the
-//! run over the whole domain where that is small.
+//! The plane of a run: holds its parameters, computes windows of it, and reuses buffers. A window with unsure cells is
+//! repaired: these cells are computed again with a wider halo, or read from the run over the whole domain if that is
+//! small.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -18,22 +18,21 @@ use crate::stages::order::Ranking;
 
 use super::claim::Turns;
 use super::clip::Clipper;
-use super::counts::Counts;
+use super::counts::WindowCounts;
 use super::frame::{CELL_BITS, Frame};
 use super::gaps::Rules;
 use super::instructions::InstructionSet;
 use super::region::Region;
 use super::whole::Whole;
 
-/// Cells around a window that are computed with it at first. Wider halos cost more in every window than
-/// repairs do in a few.
+/// Initial width of the halo in cells. Wider halos would cost more in every window than repairs do in a few.
 const HALO: i32 = 6;
 
 /// The longest side of a window that is computed at once, in cells. Larger ones leave the second-level cache;
 /// smaller ones have more halo.
 pub(super) const MAX_SIDE: i32 = 320;
 
-/// Windows for each thread between two looks at the observer.
+/// Windows for each thread between two calls of the observer.
 pub(super) const WINDOWS_A_THREAD: usize = 6;
 
 /// The most repairs of repairs: a halo of 768 cells. One suffices nearly always; only a pattern from a file with
@@ -45,8 +44,8 @@ const NEIGHBOURS: i32 = 8;
 
 /// The plane of a run, from which any window can be computed alone.
 ///
-/// What is returned is exactly what the run over the whole domain has there, whatever window is asked
-/// for, on any number of threads and with any instruction set.
+/// The samples are exactly those of the run over the whole domain, whatever the window, the number of threads and the
+/// instruction set.
 ///
 /// ```
 /// use tilescope_core::{Parameters, Pattern, Plane, Unobserved};
@@ -125,7 +124,7 @@ impl Plane {
     /// Returns the samples of the whole run that lie in `window`, in canonical order. A window beyond
     /// the end of a periodic domain shows its repetition, with the positions of the domain.
     ///
-    /// Computes nothing but the window and what its samples depend on. Fails when a bounded pattern is too
+    /// Computes only the window and the surroundings on which its samples depend. Fails when a bounded pattern is too
     /// small for a block, or a pattern leaves so much uncovered that the samples depend on too much around them and the
     /// domain is too large to be run as a whole.
     pub fn window(&self, window: &Window) -> Result<Vec<Point>, SampleError> {
@@ -165,7 +164,7 @@ impl Plane {
         Ok(points)
     }
 
-    /// Returns the parts of the domain that a window shows, none of them twice.
+    /// Returns the parts of the domain that a window shows, each once.
     fn parts(&self, window: &Window) -> Vec<Rect> {
         let max = self.domain.rect().max;
         let ends = [i64::from(max.x), i64::from(max.y)];
@@ -223,7 +222,7 @@ impl Plane {
         scratch: &mut Scratch<TAGS>,
         depth: usize,
         window: &Rect,
-    ) -> Result<Counts, SampleError> {
+    ) -> Result<WindowCounts, SampleError> {
         let is_last = depth > MAX_REPAIRS;
         if is_last && self.whole.is_none() {
             return Err(SampleError::Entangled {
@@ -263,7 +262,7 @@ impl Plane {
     }
 }
 
-/// Returns how many pieces of a window are computed between two looks at the observer.
+/// Returns how many pieces of a window are computed between two calls of the observer.
 fn pieces_at_once() -> usize {
     WINDOWS_A_THREAD * rayon::current_num_threads()
 }
@@ -305,7 +304,7 @@ pub fn lost_reach(pattern: &Pattern, domain: &Domain, insertion: Insertion) -> i
     }
 }
 
-/// Returns what `cells` of a frame and `window` have in common, in the domain.
+/// Returns the intersection of `cells` of a frame and `window`, in the domain.
 fn part_of(frame: &Frame, cells: &Rect, window: &Rect) -> Rect {
     let at = |cell: i32, axis: usize| {
         (frame.origin[axis] + (i64::from(cell) << CELL_BITS)).clamp(0, i32::MAX.into()) as i32

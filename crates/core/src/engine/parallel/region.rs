@@ -1,23 +1,23 @@
-//! A region: everything that is known of the plane around a window, and the buffers to find it out
-//! in. Survivors lie in cells of side R, at most three to a cell, and nothing else holds them.
-//! What might depend on the plane beyond the frame is marked *unsure* and never guessed.
+//! A region: the part of the plane around a window, with its samples and the buffers to compute them. Survivors are
+//! stored in cells of side R, at most three to a cell. Cells that may depend on the plane beyond the frame are marked
+//! *unsure*.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x4, i32x8};
 
 use crate::lattice::{Point, R, R_SQUARED, Rect};
 
-use super::clip::Placed;
+use super::clip::PlacedBlock;
 use super::frame::{CELL_BITS, Frame, PAD};
 use super::gaps::GapBuffers;
 
-/// What is remembered of a cell.
+/// Flags of a cell.
 pub(crate) mod flag {
     /// The plane beyond the frame begins next to it.
     pub(crate) const EDGE: u8 = 1;
     /// A tiled sample of unknown fate lies in it or in a neighbour.
     pub(crate) const NEAR_UNKNOWN: u8 = 2;
-    /// It may hold samples that are not known, or lack samples that are.
+    /// Its samples depend on the plane beyond the frame.
     pub(crate) const UNSURE: u8 = 4;
     /// Candidates in it may depend on samples in unsure cells.
     pub(crate) const REACHED: u8 = 8;
@@ -28,7 +28,7 @@ pub(crate) mod flag {
 /// A free slot, and the end of a list.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// What became of a tiled sample that is not among the survivors.
+/// Why a tiled sample is not among the survivors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Loss {
     /// Eliminated by a survivor, or dropped outside a bounded domain.
@@ -39,41 +39,39 @@ pub(crate) enum Loss {
 
 /// A tiled sample that is not among the survivors.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lost {
+pub(crate) struct LostSample {
     pub x: i32,
     pub y: i32,
     pub loss: Loss,
     next: u32,
 }
 
-/// Three samples at most, then the complement of their count: a value that reads as a place far away.
+/// At most three samples, then the complement of their count, which read as a place is far away.
 pub(crate) type Slots = [u32; 4];
 
 const EMPTY_CELL: Slots = [NONE; 4];
 
-/// The buffers of a region, kept from one to the next. With `TAGS` each survivor carries where it
-/// came from.
+/// A region with its buffers, which are reused. With `TAGS` each survivor has a tag of its source.
 #[derive(Default)]
 pub(crate) struct Region<const TAGS: bool> {
     pub frame: Frame,
     pub slots: Vec<Slots>,
     tags: Vec<[u64; 3]>,
     pub flags: Vec<u8>,
-    /// Unsure cells of the frame; those from `spread` on have not yet reached their neighbours.
+    /// Unsure cells of the frame; those from `spread` on have not yet marked their surroundings.
     pub unsure: Vec<u32>,
     pub spread: usize,
-    pub lost: Vec<Lost>,
+    pub lost: Vec<LostSample>,
     lost_first: Vec<u32>,
-    pub blocks: Vec<Placed>,
-    /// Samples of a block that are about to take their turns: place and tag.
+    pub blocks: Vec<PlacedBlock>,
+    /// Samples of a block that are to be decided: place and tag.
     pub waiting: Vec<(i32, i32, u64)>,
     pub contested: Vec<super::claim::Contested>,
     pub gaps: GapBuffers,
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Empties the region and lays it over `frame`. `reach` is how many cells away an unsure sample may
-    /// matter to a candidate.
+    /// Empties the region and sets its frame. `reach` is how many cells away an unsure sample can affect a candidate.
     pub(crate) fn reset(&mut self, frame: Frame, reach: i32) {
         let count = frame.cell_count();
         refill(&mut self.slots, count, EMPTY_CELL);
@@ -88,11 +86,11 @@ impl<const TAGS: bool> Region<TAGS> {
         self.contested.clear();
         self.frame = frame;
         self.mark_rim(1, flag::EDGE);
-        // One more: what may be open in the outermost cells depends on what lies beyond them.
+        // One more, because open places in the outermost cells depend on samples beyond them.
         self.mark_rim(reach + 1, flag::REACHED);
     }
 
-    /// Flags the `depth` outermost cells on the sides where the plane goes on.
+    /// Flags the `depth` outermost cells on the sides beyond which the plane continues.
     fn mark_rim(&mut self, depth: i32, flag: u8) {
         let [columns, rows] = self.frame.cells;
         let [[left, right], [bottom, top]] = self.frame.goes_on;
@@ -140,17 +138,17 @@ impl<const TAGS: bool> Region<TAGS> {
             || row_covers(simd, &self.slots, own - 1 + stride, x, y - R)
     }
 
-    /// Remembers a tiled sample that is not among the survivors; it may lie in the padding.
+    /// Adds a tiled sample that is not among the survivors; it may lie in the padding.
     #[inline(always)]
     pub(crate) fn lose(&mut self, x: i32, y: i32, loss: Loss) {
         let cell = self.frame.cell_at(x, y);
         let next = self.lost_first[cell];
         self.lost_first[cell] = self.lost.len() as u32;
-        self.lost.push(Lost { x, y, loss, next });
+        self.lost.push(LostSample { x, y, loss, next });
     }
 
     /// Returns the lost samples of a cell.
-    pub(crate) fn lost_in(&self, cell: usize) -> impl Iterator<Item = &Lost> {
+    pub(crate) fn lost_in(&self, cell: usize) -> impl Iterator<Item = &LostSample> {
         let mut next = self.lost_first[cell];
         std::iter::from_fn(move || {
             let lost = self.lost.get(next as usize)?;
@@ -190,7 +188,7 @@ impl<const TAGS: bool> Region<TAGS> {
                 min: place,
                 max: Point::new(column + 1, row + 1),
             };
-            // A rectangle that grew may have come near to others.
+            // A rectangle that grew may now be near to others.
             while let Some(k) = found.iter().position(|other| gap(&joined, other) <= near) {
                 joined = hull(&joined, &found.swap_remove(k));
             }
@@ -226,7 +224,7 @@ impl<const TAGS: bool> Region<TAGS> {
         let cells = self.frame.window_cells();
         let width = (cells.max.x - cells.min.x) as usize;
         let window = self.frame.window;
-        // A window that ends inside its cells needs every sample looked at.
+        // If a window ends inside its cells, every sample must be tested.
         let aligned = |v: i32| v & (R - 1) == 0;
         let whole =
             [window.min.x, window.min.y, window.max.x, window.max.y].map(aligned) == [true; 4];
@@ -239,7 +237,7 @@ impl<const TAGS: bool> Region<TAGS> {
                     (self.frame.origin[0] as i32).wrapping_add((cells.min.x + k) << CELL_BITS),
                     (self.frame.origin[1] as i32).wrapping_add(row << CELL_BITS),
                 );
-                // Free slots are the largest values; four are written, as many as there are stay.
+                // Free slots are the largest values. Write all four, and keep as many as there are.
                 let [mut a, mut b, mut c, free] = *slots;
                 if !free >= 2 {
                     (a, b) = (a.min(b), a.max(b));

@@ -1,5 +1,5 @@
-//! Coverage stamps: which of a cell's 8 x 8 pixels a sample surely covers, by the sample's cell and
-//! its place in it. A stamp only proves: a pixel that no stamp covers may be covered all the same.
+//! Coverage stamps: which of a cell's 8 x 8 pixels a sample surely covers, by the sample's cell and its place in it.
+//! Stamps only prove coverage: a pixel that no stamp covers may still be covered.
 
 use std::sync::OnceLock;
 

@@ -1,5 +1,5 @@
-//! A whole run as windows: bands from bottom to top, each cut into windows side by side, which are
-//! computed on all threads and joined in canonical order.
+//! Computes a whole run in windows: bands from bottom to top, each cut into windows side by side, which are computed on
+//! all threads and joined in canonical order.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,7 +15,7 @@ use crate::run::{Run, Summary};
 use crate::samples::{Sampled, Source};
 use crate::stage::Stage;
 
-use super::counts::Counts;
+use super::counts::WindowCounts;
 use super::gaps::inserted_in;
 use super::instructions::InstructionSet;
 use super::plane::{MAX_SIDE, Plane, Pool, WINDOWS_A_THREAD};
@@ -23,24 +23,24 @@ use super::plane::{MAX_SIDE, Plane, Pool, WINDOWS_A_THREAD};
 /// The shortest side of a window, in cells, so that halos do not outweigh windows.
 const MIN_SIDE: i32 = 64;
 
-/// More samples to a squared radius than a set has, bounded domains apart.
+/// An upper bound of the samples to a squared radius, except in bounded domains.
 const MAX_DENSITY: f64 = 0.71;
 
-/// Where a [`Sweep`] is.
+/// The position of a [`Sweep`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SweepState {
     /// Rows of cells that have been computed.
     pub rows: u32,
     /// Samples in them.
     pub count: u64,
-    /// What happened in them.
-    pub counts: Counts,
+    /// Their counts.
+    pub counts: WindowCounts,
 }
 
 /// A run in progress, band by band.
 ///
-/// The bands, one after the other, are the result of the run in canonical order: equal to
-/// [`crate::Sequential`]'s, bit for bit, for any number of threads. Memory is a few bands'.
+/// The bands, one after the other, are the result of the run in canonical order: equal to [`crate::Sequential`]'s, bit
+/// for bit, for any number of threads. Memory use is that of a few bands.
 pub struct Sweep {
     plane: Plane,
     sources: bool,
@@ -50,15 +50,15 @@ pub struct Sweep {
     done: i32,
     /// Rows of cells in all.
     rows: i32,
-    counts: Counts,
+    counts: WindowCounts,
     count: u64,
     /// Buffers of windows that are not in use.
-    idle: Mutex<Vec<Piece>>,
+    idle: Mutex<Vec<WindowSamples>>,
 }
 
 impl Sweep {
-    /// Returns a run at its beginning. With `sources` the samples say where they come from, which takes
-    /// a count of all blocks first.
+    /// Returns a run at its beginning. With `sources` each sample has its source, for which all blocks are counted
+    /// first.
     ///
     /// Fails as [`Plane::new`].
     pub fn new(
@@ -72,7 +72,7 @@ impl Sweep {
         }
         let max = plane.domain().rect().max;
         let cells = [(max.x - 1) / R + 1, (max.y - 1) / R + 1];
-        // Enough windows for every thread where the domain is small, and all about as large.
+        // In a small domain, enough windows for every thread, all of about the same size.
         let windows = WINDOWS_A_THREAD as f64 * rayon::current_num_threads() as f64;
         let side = (f64::from(cells[0]) * f64::from(cells[1]) / windows).sqrt() as i32;
         let longest = side.clamp(MIN_SIDE, MAX_SIDE);
@@ -85,7 +85,7 @@ impl Sweep {
             sides,
             done: 0,
             rows: cells[1],
-            counts: Counts::default(),
+            counts: WindowCounts::default(),
             count: 0,
             idle: Mutex::default(),
         })
@@ -104,13 +104,13 @@ impl Sweep {
         &self.plane
     }
 
-    /// Returns how many rows of cells have been computed, of how many.
+    /// Returns how many rows of cells have been computed, and how many there are.
     #[must_use]
     pub const fn rows(&self) -> (u32, u32) {
         (self.done as u32, self.rows as u32)
     }
 
-    /// Returns where the run is, to go on from there in another process.
+    /// Returns the position of the run, from which another process can continue.
     #[must_use]
     pub fn state(&self) -> SweepState {
         SweepState {
@@ -120,8 +120,8 @@ impl Sweep {
         }
     }
 
-    /// Goes on from a state of a run of the same parameters and pattern, as if the bands below had
-    /// been computed. A state beyond the run's end is its end.
+    /// Continues from the state of a run with the same parameters and pattern, as if the bands below had been computed
+    /// here. A state beyond the run's end is its end.
     pub fn restore(&mut self, state: &SweepState) {
         self.done = state.rows.min(self.rows as u32) as i32;
         self.count = state.count;
@@ -143,24 +143,24 @@ impl Sweep {
         let Some(bands) = self.next(observer)? else {
             return Ok(None);
         };
-        let mut joined = Joined::default();
+        let mut joined = JoinedSamples::default();
         joined.append(&bands);
         self.take_back(bands);
         Ok(Some(joined.sampled(self.sources)))
     }
 
-    /// Runs to the end and returns the samples of all bands that are left, and the whole run's summary.
-    /// Takes memory for all of them at once.
+    /// Runs to the end and returns the samples of all remaining bands, and the summary of the whole run. Takes memory
+    /// for all of them at once.
     pub fn finish(
         mut self,
         observer: &mut dyn Observer,
     ) -> Result<(Sampled, Summary), SampleError> {
         let expected = self.plane.domain().area_radii() * MAX_DENSITY;
-        let mut joined = Joined::default();
+        let mut joined = JoinedSamples::default();
         joined.points.reserve(expected as usize);
         let mut before = self.next(observer)?;
         while let Some(bands) = before {
-            // Joining goes on beside the computing of the next bands.
+            // Bands are joined while the next ones are computed.
             let next = rayon::in_place_scope(|scope| {
                 scope.spawn(|_| joined.append(&bands));
                 self.next(observer)
@@ -175,7 +175,7 @@ impl Sweep {
     fn next(
         &mut self,
         observer: &mut dyn Observer,
-    ) -> Result<Option<Vec<Vec<Piece>>>, SampleError> {
+    ) -> Result<Option<Vec<Vec<WindowSamples>>>, SampleError> {
         Meter::resume(observer, Stage::Regions, self.done as u64, self.rows as u64)?;
         if self.done == self.rows {
             return Ok(None);
@@ -196,13 +196,13 @@ impl Sweep {
     }
 
     /// Keeps buffers for later windows.
-    fn take_back(&self, bands: Vec<Vec<Piece>>) {
+    fn take_back(&self, bands: Vec<Vec<WindowSamples>>) {
         let mut idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner);
         idle.extend(bands.into_iter().flatten());
     }
 
-    /// Returns a finished run of `parameters` that knows its blocks, its result and its counts: no
-    /// sample that was eliminated, no iteration, no sites. Ids follow the canonical order.
+    /// Returns a finished run of `parameters` with its blocks, its result and its counts, but without eliminated
+    /// samples, iterations and sites. Ids follow the canonical order.
     ///
     /// Fails as [`Self::new`] and [`Self::step`].
     pub fn run(
@@ -242,9 +242,9 @@ impl Sweep {
         &self,
         pool: &Pool<TAGS>,
         bands: &[Vec<Rect>],
-    ) -> Result<Vec<Vec<Piece>>, SampleError> {
+    ) -> Result<Vec<Vec<WindowSamples>>, SampleError> {
         let windows: Vec<&Rect> = bands.iter().flatten().collect();
-        let pieces: Vec<Piece> = windows
+        let pieces: Vec<WindowSamples> = windows
             .into_par_iter()
             .with_max_len(1)
             .map(|window| {
@@ -267,7 +267,7 @@ impl Sweep {
                 Ok(piece)
             })
             .collect::<Vec<Result<_, SampleError>>>()
-            // The first error in the sequence of windows, whoever met it first.
+            // The first error in the order of windows, not in time.
             .into_iter()
             .collect::<Result<_, _>>()?;
         let mut pieces = pieces.into_iter();
@@ -280,14 +280,14 @@ impl Sweep {
 
 /// A window's samples, with the number of samples up to the end of each row of cells.
 #[derive(Default)]
-struct Piece {
+struct WindowSamples {
     points: Vec<Point>,
     tags: Vec<u64>,
     rows: Vec<u32>,
-    counts: Counts,
+    counts: WindowCounts,
 }
 
-impl Piece {
+impl WindowSamples {
     fn clear(&mut self) {
         self.points.clear();
         self.tags.clear();
@@ -297,14 +297,14 @@ impl Piece {
 
 /// Samples of windows, joined.
 #[derive(Default)]
-struct Joined {
+struct JoinedSamples {
     points: Vec<Point>,
     tags: Vec<u64>,
 }
 
-impl Joined {
+impl JoinedSamples {
     /// Appends bands of windows that lie side by side.
-    fn append(&mut self, bands: &[Vec<Piece>]) {
+    fn append(&mut self, bands: &[Vec<WindowSamples>]) {
         for pieces in bands {
             let rows = pieces.first().map_or(0, |piece| piece.rows.len());
             for row in 0..rows {

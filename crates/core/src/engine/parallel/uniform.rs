@@ -1,6 +1,6 @@
-//! Uniform insertion in a region: the dart process of `stages::darts`, restricted to the gaps and to
-//! the frame. Its cells are those of the domain, drawn under the same keys; which of the covered ones
-//! are visited does not matter, since no dart in them is taken.
+//! Uniform insertion in a region: the dart process of `stages::darts`, restricted to the gaps and to the frame. Its
+//! cells are those of the domain, with the same keys. Which covered cells are visited does not matter, since no dart in
+//! them becomes a sample.
 
 use fearless_simd::Simd;
 
@@ -25,9 +25,9 @@ struct Active {
     domain_x: i32,
 }
 
-/// A dart that no earlier sample covers, compared by its turn.
+/// A dart that no earlier sample covers, compared by rank.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Dart {
+struct RankedDart {
     rank: u32,
     /// Its place in the domain, y first.
     place: (i32, i32),
@@ -36,7 +36,7 @@ struct Dart {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Fills the gaps with keyed darts, as far as it can be known what happens.
+    /// Fills the gaps with keyed darts, except where the result depends on the plane beyond the frame.
     pub(crate) fn fill_uniformly<S: Simd>(&mut self, simd: S, rules: &Rules) {
         let mut gaps = std::mem::take(&mut self.gaps);
         gaps.inserted.clear();
@@ -106,7 +106,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
         }
         if !rules.is_exact() {
-            // What is filled then depends on the cells, not on the gaps alone.
+            // The samples then depend on the cells, not only on the gaps.
             for lost in self.lost.iter().filter(|lost| lost.loss == Loss::Certain) {
                 let low = [lost.x - R - SLACK, lost.y - R - SLACK];
                 self.cells_in(low, low.map(|v| v + 2 * (R + SLACK) + 1), &mut active);
@@ -170,7 +170,7 @@ impl<const TAGS: bool> Region<TAGS> {
             for (rank, p) in cell_darts(key, Cell { min, side }) {
                 let (x, y) = (cell.x + p.x - min.x, cell.y + p.y - min.y);
                 if domain.contains(p) && self.frame.holds(x, y) && !self.covered(simd, x, y) {
-                    darts.push(Dart {
+                    darts.push(RankedDart {
                         rank,
                         place: p.row_major(),
                         x,
@@ -180,7 +180,7 @@ impl<const TAGS: bool> Region<TAGS> {
             }
         }
         darts.sort_unstable();
-        for Dart { x, y, .. } in darts {
+        for RankedDart { x, y, .. } in darts {
             let cell = self.frame.cell_at(x, y);
             if self.flags[cell] & (flag::REACHED | flag::UNSURE) != 0 || self.covered(simd, x, y) {
                 continue;
@@ -198,7 +198,7 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Returns the quarters of the active cells that may hold uncovered points of which something can be known.
+    /// Returns the quarters of the active cells that may hold uncovered points and are not unsure.
     fn quarters(&self, rules: &Rules, active: &[Active], side: i32) -> Vec<Active> {
         let half = side / 2;
         let max = rules.domain.rect().max;
@@ -220,7 +220,7 @@ impl<const TAGS: bool> Region<TAGS> {
         next
     }
 
-    /// Returns whether nothing can be known of a cell's points.
+    /// Returns whether all of a cell lies in unsure cells.
     fn is_unsure(&self, cell: &Active, side: i32) -> bool {
         let last = side - 1;
         [(0, 0), (last, 0), (0, last), (last, last)]

@@ -1,5 +1,5 @@
-//! The run over a whole small periodic domain, for windows that no halo makes known: in a narrow domain the plane
-//! repeats every few radii, and what is unsure at one end of a frame may reach the other through the repetitions.
+//! The run over a whole small periodic domain, for windows that no halo can decide: in a narrow domain the plane
+//! repeats every few radii, and uncertainty at one end of a frame may spread to the other through the repetitions.
 
 use std::sync::{Arc, OnceLock};
 
@@ -13,16 +13,16 @@ use crate::run::Run;
 use crate::samples::{Fate, Origin};
 
 use super::claim::tiled_tag;
-use super::counts::Counts;
+use super::counts::WindowCounts;
 use super::frame::Frame;
 use super::gaps::inserted_tag;
 use super::region::Region;
 
-/// The largest domain, in squared radii, that is run as a whole, which nobody can stop: about 700,000 samples. The longest
-/// domains that are narrow enough to need it are not larger.
+/// The largest domain, in squared radii, that is run as a whole, which cannot be cancelled: about 700,000 samples. The
+/// longest domains that are narrow enough to need this are not larger.
 const MAX_AREA: f64 = 1_048_576.0;
 
-/// How many times a domain lies in a frame that is not worth computing any more.
+/// A frame that repeats the domain this often is not worth computing.
 const REPETITIONS: f64 = 9.0;
 
 /// The sequential run over a domain, made when it is first asked for.
@@ -34,8 +34,8 @@ pub(super) struct Whole {
 }
 
 impl Whole {
-    /// Returns the run of `parameters`, or `None` where the domain is too large for it, or is bounded: there a halo
-    /// ends at the borders.
+    /// Returns the run of `parameters`, or `None` if the domain is too large, or bounded, so that a halo ends at its
+    /// borders.
     pub(super) fn new(parameters: &Parameters, pattern: &Pattern, domain: &Domain) -> Option<Self> {
         let area = domain.area_radii();
         (domain.is_periodic() && area <= MAX_AREA).then(|| Self {
@@ -46,20 +46,20 @@ impl Whole {
         })
     }
 
-    /// Returns whether `frame` repeats the domain so often that the run is the shorter way.
+    /// Returns whether `frame` repeats the domain so often that running the whole domain is faster.
     pub(super) fn is_shorter(&self, frame: &Frame) -> bool {
         let [columns, rows] = frame.cells.map(f64::from);
         columns * rows >= REPETITIONS * self.area
     }
 
-    /// Lays `region` over `window`, a rectangle of the domain, shows there what the run has, and returns its counts.
+    /// Fills `region` with the run's samples in `window`, a rectangle of the domain, and returns their counts.
     pub(super) fn show<const TAGS: bool>(
         &self,
         region: &mut Region<TAGS>,
         domain: &Domain,
         window: &Rect,
-    ) -> Result<Counts, SampleError> {
-        // The sequential engine is one thread: none that waits here can be the one that it waits for.
+    ) -> Result<WindowCounts, SampleError> {
+        // The sequential engine uses one thread, so threads that wait here cannot block it.
         let run = self.run.get_or_init(|| {
             let engine = Sequential::new(&self.parameters, Arc::clone(&self.pattern))?;
             let run = engine.finish(&mut Unobserved)?;
@@ -71,7 +71,7 @@ impl Whole {
         let run = run.as_ref().map_err(Clone::clone)?;
         region.reset(Frame::new(domain, window, 0), 0);
         let origin = region.frame.origin;
-        let mut counts = Counts::default();
+        let mut counts = WindowCounts::default();
         let corners = run.blocks.leaves.iter().map(|block| block.rect.min);
         counts.blocks = corners.filter(|&corner| window.contains(corner)).count() as u64;
         let samples = &run.samples;

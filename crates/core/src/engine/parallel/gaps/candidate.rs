@@ -1,4 +1,4 @@
-//! Candidates: the definition of `stages::detect`, applied to a place, and their insertion in turn.
+//! Candidates: applies the definition of `stages::detect` to a place, and inserts candidates in order.
 
 use fearless_simd::Simd;
 
@@ -8,14 +8,14 @@ use crate::stages::detect::{DETECTOR_REACH, NEARER_SLACK, Reach};
 
 use super::super::frame::{CELL_BITS, PAD};
 use super::super::near::Site;
-use super::super::region::{Loss, Lost, Region, flag, pack};
+use super::super::region::{Loss, LostSample, Region, flag, pack};
 use super::super::stamp::PIXEL_SIDE;
-use super::search::{Detectors, Spot};
+use super::search::{Detectors, SearchedPixel};
 use super::{GapBuffers, Inserted, Rules, corner, inserted_tag};
 
-/// A candidate, compared by its turn.
+/// A candidate, compared by its place in the order of insertion.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Candidate {
+pub(super) struct RankedCandidate {
     rank: u32,
     /// Its place in the domain, y first.
     place: (i32, i32),
@@ -24,7 +24,7 @@ pub(super) struct Candidate {
     y: i32,
 }
 
-/// An answer that may have to wait for more of the plane.
+/// An answer that may depend on the plane beyond the frame.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Known {
     Yes,
@@ -33,22 +33,22 @@ enum Known {
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Adds a place to the candidates if it is one: the definition, word for word.
+    /// Adds a place to the candidates if it satisfies the definition.
     pub(super) fn try_place<S: Simd>(
         &self,
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
-        spot: Spot,
+        searched: SearchedPixel,
         (place, sites): (Site, &[Site]),
         unsure: &mut Vec<usize>,
     ) {
-        let (left, bottom) = corner(spot.number);
+        let (left, bottom) = corner(searched.number);
         let inside = |v: i64, low: i32| (0..i64::from(PIXEL_SIDE)).contains(&(v - i64::from(low)));
         if !inside(place.0, left) || !inside(place.1, bottom) {
             return;
         }
-        let (column, row) = self.frame.column_row(spot.cell);
+        let (column, row) = self.frame.column_row(searched.cell);
         let x = (column << CELL_BITS) + place.0 as i32;
         let y = (row << CELL_BITS) + place.1 as i32;
         if !self.frame.holds(x, y) {
@@ -57,19 +57,23 @@ impl<const TAGS: bool> Region<TAGS> {
         let distance = |site: &Site| norm_squared(minus(*site, place));
         let nearest = sites.iter().map(distance).min().unwrap_or(0);
         let limit = (nearest - NEARER_SLACK).max(R_SQUARED + 1);
-        let near = if spot.wide { &gaps.wide } else { &gaps.near };
+        let near = if searched.wide {
+            &gaps.wide
+        } else {
+            &gaps.near
+        };
         if simd.vectorize(
             #[inline(always)]
             || near.any_nearer(simd, place, limit),
         ) {
             return;
         }
-        match self.is_found(gaps, rules, spot, place, sites) {
+        match self.is_found(gaps, rules, searched, place, sites) {
             Known::No => {}
-            Known::Unknown => unsure.push(spot.cell),
+            Known::Unknown => unsure.push(searched.cell),
             Known::Yes => {
                 let point = self.frame.point(x, y);
-                gaps.candidates.push(Candidate {
+                gaps.candidates.push(RankedCandidate {
                     rank: 0,
                     place: point.row_major(),
                     x,
@@ -84,17 +88,17 @@ impl<const TAGS: bool> Region<TAGS> {
         &self,
         gaps: &GapBuffers,
         rules: &Rules,
-        spot: Spot,
+        searched: SearchedPixel,
         place: Site,
         sites: &[Site],
     ) -> Known {
         let mut known = Known::No;
         for site in sites {
-            // Only near closed borders does it matter where a detector is.
+            // The position of a detector matters only near closed borders.
             let point = if self.frame.periodic {
                 Point::default()
             } else {
-                self.site_point(spot.cell, *site)
+                self.site_point(searched.cell, *site)
             };
             let reach = Reach::new(&rules.domain, rules.search, point);
             let within =
@@ -106,7 +110,7 @@ impl<const TAGS: bool> Region<TAGS> {
             {
                 continue;
             }
-            match self.is_detector(gaps, spot, *site) {
+            match self.is_detector(gaps, searched, *site) {
                 Known::Yes => return Known::Yes,
                 Known::Unknown => known = Known::Unknown,
                 Known::No => {}
@@ -115,12 +119,12 @@ impl<const TAGS: bool> Region<TAGS> {
         known
     }
 
-    fn is_detector(&self, gaps: &GapBuffers, spot: Spot, site: Site) -> Known {
-        let (column, row) = self.frame.column_row(spot.cell);
+    fn is_detector(&self, gaps: &GapBuffers, searched: SearchedPixel, site: Site) -> Known {
+        let (column, row) = self.frame.column_row(searched.cell);
         let x = (column << CELL_BITS) + site.0 as i32;
         let y = (row << CELL_BITS) + site.1 as i32;
-        match spot.detectors {
-            Detectors::First => self.is_first_detector(spot.cell, x, y),
+        match searched.detectors {
+            Detectors::First => self.is_first_detector(searched.cell, x, y),
             Detectors::Inserted => {
                 let key = site_key(self.frame.cell_at(x, y), pack(x, y));
                 match gaps.detectors.binary_search(&key) {
@@ -134,13 +138,14 @@ impl<const TAGS: bool> Region<TAGS> {
     /// Returns whether a lost sample is within [`DETECTOR_REACH`] of (x, y), a site of a place in `cell`.
     fn is_first_detector(&self, cell: usize, x: i32, y: i32) -> Known {
         let limit = i64::from(DETECTOR_REACH) * i64::from(DETECTOR_REACH);
-        let reaches =
-            |lost: &Lost| norm_squared((i64::from(lost.x - x), i64::from(lost.y - y))) <= limit;
+        let reaches = |lost: &LostSample| {
+            norm_squared((i64::from(lost.x - x), i64::from(lost.y - y))) <= limit
+        };
         // The lost sample that covered the place is nearly always near enough to the site, too.
         let stride = self.frame.stride();
         let rows = [cell, cell - stride, cell + stride].into_iter();
         let mut around = rows.flat_map(|row| [row, row - 1, row + 1]);
-        let proves = |lost: &Lost| lost.loss == Loss::Certain && reaches(lost);
+        let proves = |lost: &LostSample| lost.loss == Loss::Certain && reaches(lost);
         if around.any(|c| self.lost_in(c).any(proves)) {
             return Known::Yes;
         }
@@ -171,7 +176,7 @@ impl<const TAGS: bool> Region<TAGS> {
         known
     }
 
-    /// Inserts candidates in their turn.
+    /// Inserts candidates in order.
     #[inline(always)]
     pub(super) fn insert_candidates<S: Simd>(
         &mut self,
@@ -188,7 +193,7 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.candidates.sort_unstable();
         gaps.candidates.dedup();
         for k in 0..gaps.candidates.len() {
-            let Candidate { x, y, .. } = gaps.candidates[k];
+            let RankedCandidate { x, y, .. } = gaps.candidates[k];
             if self.covered(simd, x, y) {
                 continue;
             }
@@ -203,7 +208,7 @@ impl<const TAGS: bool> Region<TAGS> {
     }
 }
 
-/// Returns what names a sample: its cell and its slot.
+/// Returns the key of a sample: its cell and its slot.
 pub(super) fn site_key(cell: usize, packed: u32) -> u64 {
     (cell as u64) << 32 | u64::from(packed)
 }

@@ -1,4 +1,4 @@
-//! Detection in a region: which pixels are searched in which iteration.
+//! Detection in a region: chooses the pixels to be searched in each iteration.
 
 use fearless_simd::Simd;
 
@@ -76,8 +76,8 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Keeps the open pixels of a cell that no single sample covers, measured, and returns the
-    /// place of the first.
+    /// Measures the open pixels of a cell, keeps those that no single sample covers, and returns the index of the
+    /// first.
     #[inline(always)]
     fn keep_open<S: Simd>(&self, simd: S, gaps: &mut GapBuffers, cell: usize, open: u64) -> usize {
         let (column, row) = self.frame.column_row(cell);
@@ -89,7 +89,7 @@ impl<const TAGS: bool> Region<TAGS> {
         for number in each_bit(open) {
             let (x, y) = centre(number);
             let measured = gaps.near.measure(simd, x, y);
-            // One that is covered is written over by the next: a jump would be taken too often to be foreseen.
+            // A covered pixel is overwritten by the next one: a branch would be mispredicted too often.
             let kept = gaps.pixels.len() + usize::from(!measured.covered);
             gaps.pixels.push(Pixel::new(number, &measured));
             gaps.pixels.truncate(kept);
@@ -117,7 +117,7 @@ impl<const TAGS: bool> Region<TAGS> {
         }
     }
 
-    /// Finds the candidates that the samples inserted last have made: those from `first` on.
+    /// Finds the candidates made by the samples inserted last, those from `first` on.
     #[inline(always)]
     pub(super) fn detect_again<S: Simd>(
         &mut self,

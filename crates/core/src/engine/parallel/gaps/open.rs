@@ -1,5 +1,5 @@
-//! Which cells and pixels may hold uncovered places: bits of cells near lost samples, and what the
-//! stamps of the samples around do not prove covered. `false` is always a proof, `true` never.
+//! Finds the cells and pixels that may hold uncovered places: cells near lost samples, and pixels that the stamps of
+//! the samples around do not prove covered. `false` is a proof, `true` is not.
 
 use crate::lattice::R;
 
@@ -23,7 +23,7 @@ impl<const TAGS: bool> Region<TAGS> {
         if all != 0 {
             return;
         }
-        // Three cells to each side: in one word or two.
+        // Three cells to each side lie in one word or two.
         for lost in &self.lost {
             let column = ((lost.x >> CELL_BITS) + PAD - 1) as usize;
             let row = ((lost.y >> CELL_BITS) + PAD) as usize;

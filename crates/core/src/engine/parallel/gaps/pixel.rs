@@ -1,12 +1,12 @@
-//! Pixels: the 8 x 8 squares of a cell that stamps speak of.
+//! Pixels: the 8 x 8 squares of a cell, the unit of coverage stamps.
 
-use super::super::near::Measured;
+use super::super::near::MeasuredPixel;
 use super::super::stamp::{PIXEL_SIDE, PIXELS};
 
 /// A pixel that no single sample is known to cover.
 #[derive(Clone, Copy)]
 pub(super) struct Pixel {
-    /// The samples that may make a candidate in it, by their places among those gathered.
+    /// The samples that may make a candidate in it, as bits of the gathered samples.
     pub sites: u64,
     /// The distance from its centre to the nearest sample when that was measured.
     pub nearest: f32,
@@ -15,7 +15,7 @@ pub(super) struct Pixel {
 }
 
 impl Pixel {
-    pub(super) fn new(number: u8, measured: &Measured) -> Self {
+    pub(super) fn new(number: u8, measured: &MeasuredPixel) -> Self {
         Self {
             sites: measured.sites,
             nearest: measured.nearest,

@@ -1,4 +1,4 @@
-//! The search of one pixel: what the samples about as near to it as the nearest one may make there.
+//! The search of one pixel for candidates made by the samples that are about as near to it as the nearest one.
 
 use fearless_simd::Simd;
 
@@ -25,19 +25,19 @@ pub(super) enum Detectors {
 
 /// A pixel under search.
 #[derive(Clone, Copy)]
-pub(super) struct Spot {
+pub(super) struct SearchedPixel {
     pub cell: usize,
     pub number: u8,
     pub detectors: Detectors,
-    /// Whether the wide gathering serves it.
+    /// Whether the samples of the wider surroundings are used.
     pub wide: bool,
     /// How many sites there are.
     pub sites: usize,
 }
 
 impl<const TAGS: bool> Region<TAGS> {
-    /// Looks for candidates in one pixel that was measured, and adds them to `gaps.candidates`; cells of
-    /// which nothing can be said are added to `unsure`. `gaps.near` holds the samples around `cell`.
+    /// Searches one measured pixel and adds its candidates to `gaps.candidates`; cells that depend on the plane beyond
+    /// the frame are added to `unsure`. `gaps.near` holds the samples around `cell`.
     #[inline(always)]
     pub(super) fn search_pixel<S: Simd>(
         &self,
@@ -53,17 +53,17 @@ impl<const TAGS: bool> Region<TAGS> {
             gaps.sites[sites] = k;
             sites += 1;
         }
-        let spot = Spot {
+        let searched = SearchedPixel {
             cell,
             number: pixel.number,
             detectors,
             wide: false,
             sites,
         };
-        self.search_sites(simd, gaps, rules, spot, unsure);
+        self.search_sites(simd, gaps, rules, searched, unsure);
     }
 
-    /// The same where samples may lie outside the cells gathered; the pixel is measured anew.
+    /// The same if samples may lie outside the gathered cells; the pixel is measured again.
     #[cold]
     pub(super) fn search_wide<S: Simd>(
         &self,
@@ -78,29 +78,29 @@ impl<const TAGS: bool> Region<TAGS> {
         gaps.wide
             .gather(&self.slots, self.frame.stride(), cell, MAX_REACH);
         let sites = gaps.wide.list_sites(simd, x, y, &mut gaps.sites);
-        let spot = Spot {
+        let searched = SearchedPixel {
             cell,
             number,
             detectors,
             wide: true,
             sites,
         };
-        self.search_sites(simd, gaps, rules, spot, unsure);
+        self.search_sites(simd, gaps, rules, searched, unsure);
     }
 
-    /// Tries all that the sites may make in the pixel.
+    /// Tries all candidates that the sites may make in the pixel.
     #[inline(always)]
     fn search_sites<S: Simd>(
         &self,
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
-        spot: Spot,
+        searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
-        let n = spot.sites;
+        let n = searched.sites;
         let near = |gaps: &GapBuffers, k: usize| {
-            if spot.wide {
+            if searched.wide {
                 gaps.wide.offset(gaps.sites[k])
             } else {
                 gaps.near.offset(gaps.sites[k])
@@ -110,26 +110,26 @@ impl<const TAGS: bool> Region<TAGS> {
             for m in i + 1..n {
                 for k in m + 1..n {
                     let three = [near(gaps, i), near(gaps, m), near(gaps, k)];
-                    if may_make(three, spot.number) {
+                    if may_make(three, searched.number) {
                         let sites = three.map(exact);
                         let [a, b, c] = sites;
                         if let Some(centre) = circumcentre(minus(b, a), minus(c, a)) {
                             let centre = (centre.0 + a.0, centre.1 + a.1);
-                            self.try_place(simd, gaps, rules, spot, (centre, &sites), unsure);
+                            self.try_place(simd, gaps, rules, searched, (centre, &sites), unsure);
                         }
                     }
                 }
             }
         }
-        if !rules.domain.is_periodic() && self.touches_border(spot) {
-            self.search_border(simd, gaps, rules, spot, unsure);
+        if !rules.domain.is_periodic() && self.touches_border(searched) {
+            self.search_border(simd, gaps, rules, searched, unsure);
         }
     }
 
     /// Returns whether a border line of a bounded domain runs through a pixel.
-    fn touches_border(&self, spot: Spot) -> bool {
-        let (column, row) = self.frame.column_row(spot.cell);
-        let (x, y) = corner(spot.number);
+    fn touches_border(&self, searched: SearchedPixel) -> bool {
+        let (column, row) = self.frame.column_row(searched.cell);
+        let (x, y) = corner(searched.number);
         let low = [(column << CELL_BITS) + x, (row << CELL_BITS) + y];
         (0..2).any(|axis| {
             let first = i64::from(low[axis]) + self.frame.origin[axis];
@@ -144,25 +144,29 @@ impl<const TAGS: bool> Region<TAGS> {
         simd: S,
         gaps: &mut GapBuffers,
         rules: &Rules,
-        spot: Spot,
+        searched: SearchedPixel,
         unsure: &mut Vec<usize>,
     ) {
-        let near = if spot.wide { &gaps.wide } else { &gaps.near };
-        let sites: Vec<Site> = gaps.sites[..spot.sites]
+        let near = if searched.wide {
+            &gaps.wide
+        } else {
+            &gaps.near
+        };
+        let sites: Vec<Site> = gaps.sites[..searched.sites]
             .iter()
             .map(|&k| exact(near.offset(k)))
             .collect();
         for (k, &a) in sites.iter().enumerate() {
-            let border = Border::around(&rules.domain, self.site_point(spot.cell, a));
+            let border = Border::around(&rules.domain, self.site_point(searched.cell, a));
             for &m in &sites[k + 1..] {
                 for place in border.as_far_from(minus(m, a)) {
                     let place = (place.0 + a.0, place.1 + a.1);
-                    self.try_place(simd, gaps, rules, spot, (place, &[a, m]), unsure);
+                    self.try_place(simd, gaps, rules, searched, (place, &[a, m]), unsure);
                 }
             }
             for corner in border.corners() {
                 let place = (corner.0 + a.0, corner.1 + a.1);
-                self.try_place(simd, gaps, rules, spot, (place, &[a]), unsure);
+                self.try_place(simd, gaps, rules, searched, (place, &[a]), unsure);
             }
         }
     }
